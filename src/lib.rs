@@ -122,7 +122,7 @@ pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use character::{Character, CharacterHit, Ground, Movement};
 pub use codec::Malformed;
 pub use collider::{ColliderDef, ContactSettings, Filter, Material, MaterialPair, MixRule, OneWay};
-pub use contact::{Contact, ContactPoint, Exclusion};
+pub use contact::{ColliderPair, Contact, ContactHit, ContactPoint, Exclusion};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{StepClock, StepsDue, TickFraction};

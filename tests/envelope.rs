@@ -357,6 +357,7 @@ fn colliders_and_contacts_have_their_bounds() {
         push_speed: limit,
         restitution_speed: limit,
         sleep_speed: limit,
+        hit_speed: limit,
         max_pairs: 1 << 28,
         max_pairs_per_collider: 1 << 12,
     };
@@ -369,6 +370,7 @@ fn colliders_and_contacts_have_their_bounds() {
         (Quantity::ContactSpeed, ContactSettings { push_speed: limit + ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { restitution_speed: -ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { sleep_speed: limit + ULP, ..good }),
+        (Quantity::ContactSpeed, ContactSettings { hit_speed: limit + ULP, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs: 0, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs: (1 << 28) + 1, ..good }),
         (Quantity::Pairs, ContactSettings { max_pairs_per_collider: 0, ..good }),

@@ -146,6 +146,8 @@ fn hash_of(state: &Value) -> u64 {
     }
     hashed.extend(state["one_way_pairs"].bytes());
     hashed.extend(state["excluded_pairs"].bytes());
+    hashed.extend(state["sensor_overlaps"].bytes());
+    hashed.extend(state["ended_pairs"].bytes());
     hashed.extend(state["custom_forces"].bytes());
     xxh3_64(&hashed)
 }

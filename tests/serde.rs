@@ -329,7 +329,8 @@ fn every_plain_struct_comes_back() {
         id: u32::MAX,
     };
     let filter = Filter { category: u32::MAX, mask: 1 << 31, group: i32::MIN };
-    let other = ColliderDef { material, filter, angle: fx!(-0.1), key: u64::MAX, ..disc.clone() };
+    let flags = ColliderDef { sensor: true, contact_events: true, ..disc.clone() };
+    let other = ColliderDef { material, filter, angle: fx!(-0.1), hit_events: true, key: u64::MAX, ..flags };
     through_both(&material);
     through_both(&filter);
     through_both(&other);

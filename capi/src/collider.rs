@@ -105,8 +105,12 @@ pub struct UmbraColliderDef {
     pub one_way: u32,
     /// Number of the material, for coefficients of two materials together; default 0, for none.
     pub material_id: u32,
-    /// 0.
-    pub reserved: u32,
+    /// 1 for a sensor, which touches nothing and reports what overlaps it, else 0; default 0.
+    pub sensor: u32,
+    /// 1 to report where contacts of the collider begin and end, else 0; default 0. One of the two colliders is enough.
+    pub contact_events: u32,
+    /// 1 to report hits of the collider, else 0; default 0. One of the two colliders is enough.
+    pub hit_events: u32,
     /// Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     pub shape: *const UmbraShape,
 }
@@ -133,6 +137,8 @@ pub struct UmbraContactSettings {
     pub restitution_speed: UmbraFx,
     /// The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; default 0.05.
     pub sleep_speed: UmbraFx,
+    /// The approach speed from which on a contact is a hit, m/s, 0 to 2^10; default 1.
+    pub hit_speed: UmbraFx,
     /// The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     pub substeps: u32,
     /// The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
@@ -141,6 +147,11 @@ pub struct UmbraContactSettings {
     pub max_pairs_per_collider: u32,
     /// 0.
     pub reserved: u32,
+}
+
+/// A number that is 0 or 1.
+fn flag(number: u32, otherwise: &'static str) -> Result<bool> {
+    if number <= 1 { Ok(number == 1) } else { Err(Refusal::bad(otherwise)) }
 }
 
 pub(crate) const fn collider_id(word: u64) -> ColliderId {
@@ -168,7 +179,9 @@ fn values(def: &ColliderDef) -> UmbraColliderDef {
         restitution_rule: number(def.material.restitution_rule),
         one_way: def.one_way.is_some().into(),
         material_id: def.material.id,
-        reserved: 0,
+        sensor: def.sensor.into(),
+        contact_events: def.contact_events.into(),
+        hit_events: def.hit_events.into(),
         shape: std::ptr::null(),
     }
 }
@@ -203,6 +216,9 @@ impl UmbraColliderDef {
                 }),
                 _ => return Err(Refusal::bad("one_way is neither 0 nor 1")),
             },
+            sensor: flag(self.sensor, "sensor is neither 0 nor 1")?,
+            contact_events: flag(self.contact_events, "contact_events is neither 0 nor 1")?,
+            hit_events: flag(self.hit_events, "hit_events is neither 0 nor 1")?,
             key: self.key,
             user_data: self.user_data,
         })
@@ -211,11 +227,16 @@ impl UmbraColliderDef {
 
 impl From<&ContactSettings> for UmbraContactSettings {
     fn from(settings: &ContactSettings) -> Self {
-        let ContactSettings { substeps, push_speed, restitution_speed, sleep_speed, max_pairs, max_pairs_per_collider } =
-            *settings;
-        let [push_speed, restitution_speed, sleep_speed] =
-            [push_speed, restitution_speed, sleep_speed].map(Fx::to_bits);
-        Self { push_speed, restitution_speed, sleep_speed, substeps, max_pairs, max_pairs_per_collider, reserved: 0 }
+        Self {
+            push_speed: settings.push_speed.to_bits(),
+            restitution_speed: settings.restitution_speed.to_bits(),
+            sleep_speed: settings.sleep_speed.to_bits(),
+            hit_speed: settings.hit_speed.to_bits(),
+            substeps: settings.substeps,
+            max_pairs: settings.max_pairs,
+            max_pairs_per_collider: settings.max_pairs_per_collider,
+            reserved: 0,
+        }
     }
 }
 
@@ -243,7 +264,9 @@ pub extern "C" fn umbra_collider_def_default(def: Option<&mut MaybeUninit<UmbraC
             restitution_rule: UMBRA_MIX_STANDARD,
             one_way: 0,
             material_id: 0,
-            reserved: 0,
+            sensor: 0,
+            contact_events: 0,
+            hit_events: 0,
             shape: std::ptr::null(),
         });
         Ok(())
@@ -267,7 +290,7 @@ pub unsafe extern "C" fn umbra_world_add_collider(
     })
 }
 
-/// Puts another definition in the place of a collider's; wakes its body.
+/// Puts another definition in the place of a collider's; wakes its body. Its contacts and overlaps end, and begin anew in the next step.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_set_collider(
     world: Option<&mut UmbraWorld>,
@@ -359,6 +382,7 @@ pub extern "C" fn umbra_world_set_contact_settings(
             push_speed: Fx::from_bits(settings.push_speed),
             restitution_speed: Fx::from_bits(settings.restitution_speed),
             sleep_speed: Fx::from_bits(settings.sleep_speed),
+            hit_speed: Fx::from_bits(settings.hit_speed),
             max_pairs: settings.max_pairs,
             max_pairs_per_collider: settings.max_pairs_per_collider,
         }))

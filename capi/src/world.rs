@@ -77,6 +77,16 @@ pub struct UmbraReport {
     pub drag_outside: u32,
     /// 0.
     pub reserved: u32,
+    /// Number of contacts that ended: `umbra_world_contacts_ended`.
+    pub contacts_ended: u64,
+    /// Number of contacts that began: `umbra_world_contacts_began`.
+    pub contacts_began: u64,
+    /// Number of hits: `umbra_world_contact_hits`.
+    pub hits: u64,
+    /// Number of colliders that left a sensor: `umbra_world_sensors_left`.
+    pub sensors_left: u64,
+    /// Number of colliders that entered a sensor: `umbra_world_sensors_entered`.
+    pub sensors_entered: u64,
 }
 
 /// A body that was quarantined in a step, and why.
@@ -644,6 +654,11 @@ pub extern "C" fn umbra_world_report(
             woke: last.woke.len() as u64,
             drag_outside: last.drag_outside,
             reserved: 0,
+            contacts_ended: last.contacts_ended.len() as u64,
+            contacts_began: last.contacts_began.len() as u64,
+            hits: last.hits.len() as u64,
+            sensors_left: last.sensors_left.len() as u64,
+            sensors_entered: last.sensors_entered.len() as u64,
         })
     })
 }

@@ -182,7 +182,9 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         one_way_direction: UmbraVec2 { x: ONE, y: -ONE },
         one_way_tolerance: 15,
         one_way: 1,
-        reserved: 0,
+        sensor: 0,
+        contact_events: 1,
+        hit_events: 1,
         shape,
     };
     let bits = Fx::from_bits;
@@ -202,6 +204,9 @@ fn collider(shape: &UmbraShape) -> (UmbraColliderDef, ColliderDef) {
         },
         filter: Filter { category: 9, mask: 10, group: -11 },
         one_way: Some(OneWay { direction: vec2(1, -1), tolerance: bits(15) }),
+        sensor: false,
+        contact_events: true,
+        hit_events: true,
         key: 7,
         user_data: 8,
     };
@@ -232,6 +237,14 @@ fn colliders_are_read_as_they_were_made() {
     assert_eq!((read.position, read.angle, read.density), (UmbraVec2 { x: 1, y: 2 }, 3, 4));
     assert_eq!((read.friction, read.restitution, read.key, read.user_data), (5, 6, 7, 8));
     assert_eq!((read.category, read.mask, read.group, read.shape), (9, 10, -11, ptr::null()));
+    assert_eq!((read.sensor, read.contact_events, read.hit_events), (0, 1, 1));
+    for bad in [
+        UmbraColliderDef { sensor: 2, ..plain },
+        UmbraColliderDef { contact_events: 2, ..plain },
+        UmbraColliderDef { hit_events: 2, ..plain },
+    ] {
+        assert_eq!(add(&mut world, &bad), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    }
     assert_eq!(out(|body| umbra_world_collider_body(Some(&world), made[1], body)), Ok(body));
     // Shapes are the caller's.
     let again = own(|shape| umbra_world_collider_shape(Some(&world), made[0], shape)).expect("it has one");
@@ -259,6 +272,75 @@ fn colliders_are_read_as_they_were_made() {
     assert_eq!(out(|settings| umbra_world_contact_settings(Some(&world), settings)), Ok(stiffer));
     umbra_shape_free(Some(shape));
     umbra_world_free(Some(world));
+}
+
+#[test]
+fn events_are_those_of_the_library() {
+    let text = r#"{"gravity": [0, -10], "bodies": [
+        {"name": "floor", "kind": "static", "key": 9, "colliders": [{"shape": {"rectangle": {"width": 20, "height": 2}}, "key": 3}]},
+        {"name": "gate", "kind": "static", "position": [0, 2.5], "key": 2, "colliders": [
+            {"shape": {"rectangle": {"width": 2, "height": 1}}, "sensor": true}]},
+        {"name": "ball", "position": [0, 4], "key": 5, "colliders": [
+            {"shape": {"circle": {"radius": 0.5}}, "contact_events": true, "hit_events": true, "restitution": 0.8}]}]}"#;
+    // SAFETY: the text is of that length.
+    let mut here =
+        own(|world| unsafe { umbra_world_from_scene(text.as_ptr().cast(), text.len(), 100, world) }).expect("a world");
+    let scene = umbra_scene::Scene::parse(text).expect("a scene");
+    let mut there = scene.start::<Fx>().expect("it starts").into_world();
+    type Pairs = unsafe extern "C" fn(
+        Option<&UmbraWorld>,
+        *mut UmbraColliderPair,
+        usize,
+        Option<&mut std::mem::MaybeUninit<usize>>,
+    ) -> UmbraStatus;
+    let pairs = |world: &UmbraWorld, of: Pairs| {
+        // SAFETY: the buffers are those of `list`.
+        list(|buffer, capacity, count| unsafe { of(Some(world), buffer, capacity, count) }).expect("a list")
+    };
+    let word = |(slot, generation): (u32, u32)| u64::from(generation) << 32 | u64::from(slot);
+    let pair = |pair: &umbra_physics::ColliderPair| UmbraColliderPair {
+        colliders: pair.colliders.map(|collider| word(collider.parts())),
+        bodies: pair.bodies.map(|body| word(body.parts())),
+        collider_keys: pair.collider_keys,
+        body_keys: pair.body_keys,
+    };
+    let mut met = [0; 6];
+    for _ in 0..90 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+        let report = there.step();
+        let lists = [report.contacts_ended, report.contacts_began, report.sensors_left, report.sensors_entered];
+        let own: [Pairs; 4] = [
+            umbra_world_contacts_ended,
+            umbra_world_contacts_began,
+            umbra_world_sensors_left,
+            umbra_world_sensors_entered,
+        ];
+        let summary = out(|report| umbra_world_report(Some(&here), report)).expect("a report");
+        let counts = [summary.contacts_ended, summary.contacts_began, summary.sensors_left, summary.sensors_entered];
+        for (i, (list, of)) in lists.into_iter().zip(own).enumerate() {
+            assert_eq!(pairs(&here, of), list.iter().map(pair).collect::<Vec<_>>());
+            assert_eq!(counts[i], list.len() as u64);
+            met[i] += list.len();
+        }
+        // SAFETY: the buffers are those of `list`.
+        let hits =
+            list(|buffer, capacity, count| unsafe { umbra_world_contact_hits(Some(&here), buffer, capacity, count) });
+        let hits = hits.expect("a list");
+        assert_eq!((hits.len(), summary.hits), (report.hits.len(), report.hits.len() as u64));
+        for (hit, expected) in hits.iter().zip(report.hits) {
+            assert_eq!((hit.pair, hit.parts), (pair(&expected.pair), expected.parts));
+            assert_eq!(hit.approach_speed, expected.approach_speed.to_bits());
+            assert_eq!(hit.normal_impulse, expected.normal_impulse.to_bits());
+            assert_eq!((hit.normal.x, hit.normal.y), (expected.normal.x.to_bits(), expected.normal.y.to_bits()));
+            assert_eq!((hit.point.x, hit.point.y), (expected.point.x.to_bits(), expected.point.y.to_bits()));
+        }
+        met[4] += hits.len();
+        let overlaps: Vec<_> = there.sensor_overlaps().map(|overlap| pair(&overlap)).collect();
+        met[5] += overlaps.len();
+        assert_eq!(pairs(&here, umbra_world_sensor_overlaps), overlaps);
+    }
+    assert!(met.iter().all(|count| *count > 0), "{met:?}");
+    umbra_world_free(Some(here));
 }
 
 #[test]
@@ -470,6 +552,7 @@ fn every_change_is_the_command_of_its_name() {
         push_speed: 1,
         restitution_speed: 2,
         sleep_speed: 6,
+        hit_speed: 7,
         substeps: 3,
         max_pairs: 4,
         max_pairs_per_collider: 5,
@@ -540,6 +623,7 @@ fn every_change_is_the_command_of_its_name() {
             push_speed: bits(1),
             restitution_speed: bits(2),
             sleep_speed: bits(6),
+            hit_speed: bits(7),
             max_pairs: 4,
             max_pairs_per_collider: 5,
         });

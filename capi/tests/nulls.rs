@@ -250,6 +250,18 @@ fn null_is_refused_everywhere() {
         umbra_shape_closest_point(Some(&disc), 0, 0, None);
         umbra_shape_cast_ray(None, Some(&ray), Some(&mut MaybeUninit::uninit()));
         umbra_shape_cast_ray(Some(&disc), Some(&ray), None);
+        umbra_world_contacts_ended(None, null_mut(), 0, None);
+        umbra_world_contacts_ended(Some(w), null_mut(), 1, None);
+        umbra_world_contacts_began(None, null_mut(), 0, None);
+        umbra_world_contacts_began(Some(w), null_mut(), 1, None);
+        umbra_world_contact_hits(None, null_mut(), 0, None);
+        umbra_world_contact_hits(Some(w), null_mut(), 1, None);
+        umbra_world_sensors_left(None, null_mut(), 0, None);
+        umbra_world_sensors_left(Some(w), null_mut(), 1, None);
+        umbra_world_sensors_entered(None, null_mut(), 0, None);
+        umbra_world_sensors_entered(Some(w), null_mut(), 1, None);
+        umbra_world_sensor_overlaps(None, null_mut(), 0, None);
+        umbra_world_sensor_overlaps(Some(w), null_mut(), 1, None);
         umbra_world_set_contact_settings(None, Some(&settings));
         umbra_world_set_contact_settings(Some(w), None);
         umbra_world_set_material_pair(None, 1, 2, Some(&pair));

@@ -74,18 +74,40 @@ pub struct ColliderDef<S: Scalar = Fx> {
     pub filter: Filter,
     /// The side from which alone the collider holds others, for a platform; `None` to hold on all sides.
     pub one_way: Option<OneWay<S>>,
+    /// True for a sensor: it touches nothing, and the step reports which colliders [enter](crate::Event::SensorEntered) and
+    /// [leave](crate::Event::SensorLeft) it. It adds its mass to the body, unless its density is 0.
+    pub sensor: bool,
+    /// True to report where contacts of the collider [begin](crate::Event::ContactBegan) and [end](crate::Event::ContactEnded). One
+    /// of the two colliders is enough. A sensor needs no flag.
+    pub contact_events: bool,
+    /// True to report [hits](crate::Event::ContactHit): contacts that close at [`ContactSettings::hit_speed`] or faster. One of the
+    /// two colliders is enough.
+    pub hit_events: bool,
     /// A name of your choice for the collider. Worlds that were built in different orders are compared by it.
     pub key: u64,
     /// Data of your choice. The engine does not read it.
     pub user_data: u64,
 }
 
-codec_struct!(ColliderDef { shape, position, angle, density, material, filter, one_way, key, user_data });
+codec_struct!(ColliderDef {
+    shape,
+    position,
+    angle,
+    density,
+    material,
+    filter,
+    one_way,
+    sensor,
+    contact_events,
+    hit_events,
+    key,
+    user_data
+});
 codec_plain!(Filter { category, mask, group });
 
 impl<S: Scalar> ColliderDef<S> {
     /// A collider of this shape around the body's centre of mass, with a density of 1 kg/m² and the default material, that touches
-    /// all others.
+    /// all others and reports no events.
     #[must_use]
     pub fn new(shape: Shape<S>) -> Self {
         Self {
@@ -96,6 +118,9 @@ impl<S: Scalar> ColliderDef<S> {
             material: Material::default(),
             filter: Filter::default(),
             one_way: None,
+            sensor: false,
+            contact_events: false,
+            hit_events: false,
             key: 0,
             user_data: 0,
         }
@@ -141,7 +166,7 @@ impl<S: Scalar> Write for Vec<ColliderDef<S>> {
 }
 
 /// The fewest bytes of a definition: that of a disc.
-const LEAST_BYTES: usize = 108;
+const LEAST_BYTES: usize = 111;
 
 impl Read for Vec<ColliderDef> {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {

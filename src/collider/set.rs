@@ -32,10 +32,30 @@ pub(crate) struct ColliderSet<S: Scalar> {
     changes: Vec<(u64, u32)>,
     /// The number of outlines beyond the first one of each collider.
     more_outlines: usize,
-    /// The number of one-way colliders.
-    one_way: usize,
+    /// The number of one-way colliders, of sensors, and of colliders that report contacts and hits.
+    kinds: Kinds,
     /// The coefficients of pairs of materials.
     pub(super) pairs: MaterialPairs<S>,
+}
+
+/// The numbers of colliders of some kinds: a step does nothing for a kind that is not there.
+#[derive(Clone, Copy, Debug, Default)]
+struct Kinds {
+    one_way: usize,
+    sensors: usize,
+    contact_events: usize,
+    hit_events: usize,
+}
+
+impl Kinds {
+    /// Counts a collider, or with `change` takes it out again.
+    fn count<S: Scalar>(&mut self, def: &ColliderDef<S>, change: fn(usize, usize) -> usize) {
+        let add = |count: &mut usize, is_one: bool| *count = change(*count, usize::from(is_one));
+        add(&mut self.one_way, def.one_way.is_some());
+        add(&mut self.sensors, def.sensor);
+        add(&mut self.contact_events, def.contact_events);
+        add(&mut self.hit_events, def.hit_events);
+    }
 }
 
 /// The number of changes that are remembered: caches that are older are made anew.
@@ -111,7 +131,7 @@ pub(crate) struct OutlineId {
     pub(crate) part: u32,
 }
 
-clone_by_field!(ColliderSet { slots, list, first, revision, changes, more_outlines, one_way, pairs });
+clone_by_field!(ColliderSet { slots, list, first, revision, changes, more_outlines, kinds, pairs });
 
 impl<S: Scalar> ColliderSet<S> {
     pub(crate) fn len(&self) -> usize {
@@ -158,7 +178,25 @@ impl<S: Scalar> ColliderSet<S> {
     /// Returns true if there is a one-way collider.
     #[inline(always)]
     pub(crate) fn any_one_way(&self) -> bool {
-        self.one_way > 0
+        self.kinds.one_way > 0
+    }
+
+    /// Returns true if there is a sensor.
+    #[inline(always)]
+    pub(crate) fn any_sensors(&self) -> bool {
+        self.kinds.sensors > 0
+    }
+
+    /// Returns true if a collider reports where contacts begin and end.
+    #[inline(always)]
+    pub(crate) fn any_contact_events(&self) -> bool {
+        self.kinds.contact_events > 0
+    }
+
+    /// Returns true if a collider reports hits.
+    #[inline(always)]
+    pub(crate) fn any_hit_events(&self) -> bool {
+        self.kinds.hit_events > 0
     }
 
     /// Refuses colliders where a limit is reached: so many more, with so many outlines beyond the first one of each.
@@ -195,7 +233,7 @@ impl<S: Scalar> ColliderSet<S> {
             next.previous = slot;
         }
         self.more_outlines += more_outlines(&def);
-        self.one_way += usize::from(def.one_way.is_some());
+        self.kinds.count(&def, core::ops::Add::add);
         self.list.push(Collider::new(slot, body, def, [NONE, next]));
         self.note(slot);
     }
@@ -232,7 +270,8 @@ impl<S: Scalar> ColliderSet<S> {
         if let Some(collider) = self.list.get_mut(index) {
             let Collider { slot, body, previous, next, def: ref before, .. } = *collider;
             self.more_outlines = self.more_outlines - more_outlines(before) + more_outlines(&def);
-            self.one_way = self.one_way - usize::from(before.one_way.is_some()) + usize::from(def.one_way.is_some());
+            self.kinds.count(before, core::ops::Sub::sub);
+            self.kinds.count(&def, core::ops::Add::add);
             *collider = Collider::new(slot, body, def, [previous, next]);
             self.note(slot);
         }
@@ -245,7 +284,7 @@ impl<S: Scalar> ColliderSet<S> {
             return Err(Error::NoSuchCollider { collider: id });
         };
         self.more_outlines -= more_outlines(&def);
-        self.one_way -= usize::from(def.one_way.is_some());
+        self.kinds.count(&def, core::ops::Sub::sub);
         if let Some(moved) = self.list.get(index) {
             self.slots.set_index(moved.slot, index as u32);
         }
@@ -274,6 +313,11 @@ impl<S: Scalar> ColliderSet<S> {
             slot = collider.next;
             Some(collider)
         })
+    }
+
+    /// The colliders of the body in a slot that touch others, in no order: without sensors.
+    pub(crate) fn solid_of_slot(&self, body: u32) -> impl Iterator<Item = &Collider<S>> + Clone {
+        self.of_slot(body).filter(|collider| !collider.def.sensor)
     }
 
     /// All colliders, in no order.

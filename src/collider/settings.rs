@@ -36,6 +36,9 @@ pub struct ContactSettings<S = Fx> {
     /// that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops and falls asleep. With 0 a body sleeps
     /// only where a step would change nothing at all, which is rare where gravity presses it on another one.
     pub sleep_speed: S,
+    /// The approach speed from which on a contact is a hit, m/s, up to 2^10: [`Event::ContactHit`](crate::Event::ContactHit) reports it
+    /// where one of the colliders has [`hit_events`](crate::ColliderDef::hit_events).
+    pub hit_speed: S,
     /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28: a collider has one outline, that of a compound
     /// one for each part, and those of one body are no pair. With more, the bodies of the outlines with the most pairs are quarantined.
     pub max_pairs: u32,
@@ -50,18 +53,21 @@ codec_struct!(ContactSettings {
     push_speed,
     restitution_speed,
     sleep_speed,
+    hit_speed,
     max_pairs,
     max_pairs_per_collider
 });
 
 impl<S: Scalar> Default for ContactSettings<S> {
-    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, rest below 0.05 m/s, 2^20 pairs and 256 of one outline.
+    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, rest below 0.05 m/s, hits
+    /// from 1 m/s on, 2^20 pairs and 256 of one outline.
     fn default() -> Self {
         Self {
             substeps: 5,
             push_speed: S::from_fx(fx!(3)),
             restitution_speed: S::ONE,
             sleep_speed: S::from_fx(fx!(0.05)),
+            hit_speed: S::ONE,
             max_pairs: 1 << 20,
             max_pairs_per_collider: 256,
         }
@@ -79,7 +85,7 @@ impl<S: Scalar> ContactSettings<S> {
         let are_counts =
             (1..=1 << 28).contains(&self.max_pairs) && (1..=1 << 12).contains(&self.max_pairs_per_collider);
         check((1..=8).contains(&self.substeps), Quantity::Substeps)?;
-        let speeds = [self.push_speed, self.restitution_speed, self.sleep_speed];
+        let speeds = [self.push_speed, self.restitution_speed, self.sleep_speed, self.hit_speed];
         check(speeds.into_iter().all(is_speed), Quantity::ContactSpeed)?;
         check(are_counts, Quantity::Pairs)
     }

@@ -10,8 +10,8 @@ use crate::collider::OutlineId;
 pub(crate) struct AsleepContacts {
     /// Sorted by pair.
     records: Vec<ContactRecord>,
-    /// The pairs, the second outline of each first, sorted.
-    by_second: Vec<[OutlineId; 2]>,
+    /// The pairs, the second outline of each first, sorted; each with true if no impulse is left.
+    by_second: Vec<([OutlineId; 2], bool)>,
 }
 
 impl Clone for AsleepContacts {
@@ -49,23 +49,24 @@ impl AsleepContacts {
     fn sort(&mut self) {
         self.records.sort_unstable_by_key(ContactRecord::pair);
         self.by_second.clear();
-        self.by_second.extend(self.records.iter().map(|record| swapped(record.pair())));
+        self.by_second.extend(self.records.iter().map(|record| (swapped(record.pair()), record.is_slack())));
         self.by_second.sort_unstable();
     }
 
-    /// Returns true if there is a record of a pair.
+    /// Returns true if there is a record of a pair with impulses.
     pub(super) fn contains(&self, pair: [OutlineId; 2]) -> bool {
-        self.records.binary_search_by_key(&pair, ContactRecord::pair).is_ok()
+        let found = self.records.binary_search_by_key(&pair, ContactRecord::pair);
+        found.is_ok_and(|at| !self.records[at].is_slack())
     }
 
-    /// The slots of the colliders that have a contact with the one in a slot, once for each contact.
-    pub(super) fn touching(&self, slot: u32) -> impl Iterator<Item = u32> {
+    /// The slots of the colliders that have a contact with the one in a slot, once for each contact; each with true if no impulse is left.
+    pub(super) fn touching(&self, slot: u32) -> impl Iterator<Item = (u32, bool)> {
         let from = self.records.partition_point(|record| record.pair()[0].slot < slot);
-        let as_first =
-            self.records[from..].iter().map(ContactRecord::pair).take_while(move |pair| pair[0].slot == slot);
-        let from = self.by_second.partition_point(|pair| pair[0].slot < slot);
-        let as_second = self.by_second[from..].iter().copied().take_while(move |pair| pair[0].slot == slot);
-        as_first.chain(as_second).map(|pair| pair[1].slot)
+        let own = self.records[from..].iter().take_while(move |record| record.pair()[0].slot == slot);
+        let as_first = own.map(|record| (record.pair(), record.is_slack()));
+        let from = self.by_second.partition_point(|(pair, _)| pair[0].slot < slot);
+        let as_second = self.by_second[from..].iter().copied().take_while(move |(pair, _)| pair[0].slot == slot);
+        as_first.chain(as_second).map(|(pair, is_slack)| (pair[1].slot, is_slack))
     }
 }
 

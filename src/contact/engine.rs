@@ -3,16 +3,18 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::events::{ColliderPair, ContactHit, has_events};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
-use super::numerics::{Numerics, Surface, Touching as _};
+use super::numerics::{Approach, Numerics, Surface, Touching as _};
 use super::passes::{Near, PassRecord};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::sweep;
 use super::tiles::Tiles;
+use super::view::newton_seconds;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
@@ -41,6 +43,10 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     pub(super) movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
     found: Vec<([OutlineId; 2], [u32; 2], usize)>,
+    /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
+    totals: Vec<Impulses>,
+    /// The contacts that may be hits, with their numbers.
+    approaches: Vec<(u32, Approach<S>)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
     pub(super) near: Vec<Near<S>>,
@@ -67,6 +73,8 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             following: still::Workspace::default(),
             movers: Vec::new(),
             found: Vec::new(),
+            totals: Vec::new(),
+            approaches: Vec::new(),
             passes: Vec::new(),
             near: Vec::new(),
             excluded: Vec::new(),
@@ -83,7 +91,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.movers.clear();
         for flight in 0..self.flights.len() as u32 {
             let body = self.flights.body(flight);
-            for collider in scene.colliders.of_slot(body.slot) {
+            for collider in scene.colliders.solid_of_slot(body.slot) {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = N::swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
@@ -140,7 +148,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             // A body may be the first one of its pair with one tile, and the second one of that with the next.
             let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
             let before = record.pair();
-            if before[side] == own || !is_moved(features, &record, other) {
+            if before[side] == own || record.is_slack() || !is_moved(features, &record, other) {
                 continue;
             }
             let mut near = numbers;
@@ -248,6 +256,12 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         };
         let speed = materials[0].surface_speed_against(materials[1]);
         self.numerics.push(ends, &manifold, &Surface { coefficients, radius, speed }, start);
+        if a.def.hit_events || b.def.hit_events {
+            let flights = ends.map(|flight| self.flights.flight(flight));
+            let mut approach = N::approach(&manifold, flights, scene.time_step);
+            approach.leave_out_pressed(&start);
+            self.approaches.push((self.found.len() as u32, approach));
+        }
         self.found.push((pair, features, count));
     }
 }
@@ -256,6 +270,8 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
         self.numerics.clear();
         self.found.clear();
+        self.totals.clear();
+        self.approaches.clear();
         self.core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
@@ -291,16 +307,55 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.broad.return_pairs(pairs);
     }
 
-    fn list(&self, contacts: &mut ContactSet) {
+    fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet) {
         contacts.records.clear();
         let found = self.numerics.contacts().zip(&self.found);
-        let pressed = found.filter(|((_, impulses), _)| impulses.values != [0; 3]);
-        contacts.records.extend(
-            pressed
-                .map(|((_, impulses), &(pair, features, count))| ContactRecord::new(pair, features, count, impulses)),
-        );
+        let record = |((_, impulses), (pair, features, count)): ((_, Impulses), &(_, _, _))| {
+            ContactRecord::new(*pair, *features, *count, impulses)
+        };
+        if self.totals.is_empty() || !colliders.any_contact_events() {
+            contacts.records.extend(found.filter(|((_, impulses), _)| impulses.values != [0; 3]).map(record));
+        } else {
+            let touched =
+                |&(((_, impulses), (pair, ..)), total): &(((_, Impulses), &([OutlineId; 2], _, _)), &Impulses)| {
+                    let own = pair.map(|outline| colliders.at(outline.slot));
+                    let is_reported = matches!(own, [Some(a), Some(b)] if has_events([a, b]));
+                    impulses.values != [0; 3] || is_reported && total.values != [0; 3]
+                };
+            contacts.records.extend(found.zip(&self.totals).filter(touched).map(|(found, _)| record(found)));
+        }
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
+    }
+
+    fn hits(&self, scene: &Scene<'_, S>, hits: &mut Vec<ContactHit<S>>) {
+        for (number, approach) in &self.approaches {
+            let number = *number as usize;
+            let (Some((outlines, ..)), Some(total)) = (self.found.get(number), self.totals.get(number)) else {
+                continue;
+            };
+            let slots = outlines.map(|outline| outline.slot);
+            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
+            let is_swapped = pair.colliders[0].slot != slots[0];
+            let Some((approach_speed, point)) = approach.fastest::<N>(total, usize::from(is_swapped)) else { continue };
+            if approach_speed < scene.settings.hit_speed {
+                continue;
+            }
+            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
+            if is_swapped {
+                parts.reverse();
+                normal = normal.map(|part| -part);
+            }
+            hits.push(ContactHit {
+                pair,
+                parts,
+                approach_speed,
+                normal,
+                point,
+                normal_impulse: newton_seconds(total.values[0].saturating_add(total.values[1]), total.exponent),
+            });
+        }
+        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
     }
 
     fn touching(&self, colliders: &ColliderSet<S>, mut found: impl FnMut([u32; 2], bool)) {
@@ -318,6 +373,12 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             return;
         }
         self.numerics.solve(scene, self.flights.all(), corrections);
+        if scene.colliders.any_contact_events() || !self.approaches.is_empty() {
+            self.totals.resize(self.found.len(), Impulses::default());
+            for (number, total) in self.numerics.totals() {
+                self.totals[number] = total;
+            }
+        }
         // Moving bodies have the first flights.
         for (bodies, _) in self.numerics.contacts().filter(|(_, impulses)| impulses.values != [0; 3]) {
             for body in bodies {

@@ -70,7 +70,7 @@ impl<F, P> Flights<F, P> {
         let (bodies, dense) = (scene.bodies, start.dense);
         let slot = bodies.id(dense).slot;
         let (mut shows_angle, mut reach, mut width) = (false, 0, i64::MAX);
-        for collider in scene.colliders.of_slot(slot) {
+        for collider in scene.colliders.solid_of_slot(slot) {
             // Discs around the centre look alike at all angles.
             if !collider.is_central_disc() {
                 (shows_angle, reach) = (true, N::ulps(collider.radius).max(reach));

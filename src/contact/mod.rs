@@ -3,6 +3,7 @@
 //! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all of a world, `asleep` those of
 //!   sleeping bodies.
 //! - `view`: contacts as the interface shows them.
+//! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `engine`: pairs, manifolds and records of any scalar; `numerics` names the computations that depend on the scalar.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
@@ -21,6 +22,7 @@
 
 mod asleep;
 mod engine;
+mod events;
 mod excluded;
 mod flights;
 #[cfg(feature = "float")]
@@ -31,6 +33,7 @@ mod numerics;
 mod passes;
 mod records;
 mod seams;
+mod sensors;
 mod set;
 mod stamped;
 mod still;
@@ -50,6 +53,8 @@ use crate::scalar::Scalar;
 use crate::shape::Outline;
 use crate::slots::BodyId;
 
+pub use events::{ColliderPair, ContactHit};
+pub(crate) use events::{EndedPair, compare, list_pairs};
 pub use excluded::Exclusion;
 pub(crate) use excluded::{ExcludedPair, sorted};
 #[cfg(feature = "float")]
@@ -57,6 +62,7 @@ pub use float::FloatContacts;
 pub use integer::FxContacts;
 pub(crate) use passes::PassRecord;
 pub(crate) use records::ContactRecord;
+pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub use view::{Contact, ContactPoint};
 
@@ -195,9 +201,12 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// either, the contacts are of no use.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from. Lists also the answers of one-way
-    /// colliders and the pairs of bodies that stay excluded.
-    fn list(&self, contacts: &mut ContactSet);
+    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
+    /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
+    fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet);
+
+    /// Lists the hits of contacts that were solved.
+    fn hits(&self, scene: &Scene<'_, S>, hits: &mut Vec<ContactHit<S>>);
 
     /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
     fn touching(&self, colliders: &ColliderSet<S>, found: impl FnMut([u32; 2], bool));
@@ -258,7 +267,9 @@ pub struct NoContacts;
 impl<S: Scalar> ContactEngine<S> for NoContacts {
     fn detect(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
 
-    fn list(&self, _: &mut ContactSet) {}
+    fn list(&self, _: &ColliderSet<S>, _: &mut ContactSet) {}
+
+    fn hits(&self, _: &Scene<'_, S>, _: &mut Vec<ContactHit<S>>) {}
 
     fn touching(&self, _: &ColliderSet<S>, _: impl FnMut([u32; 2], bool)) {}
 

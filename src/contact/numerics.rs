@@ -8,7 +8,7 @@ use crate::collide::seam::Face;
 use crate::collide::sweep::Leg;
 use crate::collider::{BodyOutline, Material, MaterialPair};
 use crate::fx::Fx;
-use crate::math::Vec2;
+use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Scalar, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
@@ -37,6 +37,50 @@ pub struct Surface<S> {
     pub(super) radius: S,
     /// The velocity of the second one against the first one along the tangent, m/s.
     pub(super) speed: S,
+}
+
+/// How the points of a contact approach each other at the start of the step.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug)]
+pub struct Approach<S> {
+    /// The unit vector from the first to the second body.
+    pub(super) normal: Vec2<S>,
+    /// The positions of both bodies, m.
+    pub(super) positions: [Vec2<S>; 2],
+    /// By point: the speed along the normal, m/s, positive where they close.
+    pub(super) speeds: [S; 2],
+    /// By body and point: from the body to where the surfaces meet, m.
+    pub(super) arms: [[Vec2<S>; 2]; 2],
+}
+
+impl<S: Scalar> Approach<S> {
+    /// Leaves out the points that an impulse held at the end of the step before: what arrives in the last fifth of a step is slowed down there
+    /// already, and was reported.
+    pub(super) fn leave_out_pressed(&mut self, start: &Impulses) {
+        for (speed, impulse) in self.speeds.iter_mut().zip(start.values) {
+            if impulse > 0 {
+                *speed = S::ZERO;
+            }
+        }
+    }
+
+    /// The speed of the faster one of the points with an impulse, and where it meets the other surface, as seen from this body; in the middle of
+    /// two points of one speed. `None` if no point closed.
+    pub(super) fn fastest<N: Numerics<S>>(&self, total: &Impulses, side: usize) -> Option<(S, Vec2<S>)> {
+        let is_hit = |&k: &usize| total.values[k] > 0 && self.speeds[k] > S::ZERO;
+        let mut points = (0..2).filter(is_hit);
+        let first = points.next()?;
+        let arms = &self.arms[side];
+        let (speed, arm) = match points.next() {
+            Some(second) if self.speeds[second] > self.speeds[first] => (self.speeds[second], arms[second]),
+            Some(second) if self.speeds[second] == self.speeds[first] => {
+                let ([a, b], speed) = ([arms[first], arms[second]], self.speeds[first]);
+                (speed, Vec2::new(N::middle(a.x, b.x), N::middle(a.y, b.y)))
+            }
+            _ => (self.speeds[first], arms[first]),
+        };
+        Some((speed, self.positions[side] + arm))
+    }
 }
 
 /// Flights, outlines in world axes, manifolds and the solver of one scalar.
@@ -87,6 +131,12 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     fn push(&mut self, flights: [u32; 2], manifold: &Self::Manifold, surface: &Surface<S>, start: Impulses);
     /// Solves the contacts that were added, and writes the changes of the first flights, one for each of `scene.starts`.
     fn solve(&mut self, scene: &Scene<'_, S>, flights: &[Self::Flight], corrections: &mut Vec<Correction<S>>);
+    /// The number of each contact that was solved, and its impulses along the normal over the step, by point.
+    fn totals(&self) -> impl Iterator<Item = (usize, Impulses)> + '_;
+    /// How two bodies approach each other in a manifold.
+    fn approach(manifold: &Self::Manifold, flights: [&Self::Flight; 2], time_step: TimeStep) -> Approach<S>;
+    /// The mean of two numbers, halves away from zero.
+    fn middle(a: S, b: S) -> S;
     /// The flights of the contacts in their order, and their impulses.
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_;
 

@@ -6,7 +6,7 @@ use crate::collider::OutlineId;
 use crate::limits::{CHAIN, COLLIDERS, PARTS};
 use crate::solve::Impulses;
 
-/// A contact that carried an impulse at the end of a step.
+/// A contact that carried an impulse at the end of a step; of colliders with events, one that carried an impulse in the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ContactRecord {
     /// The slots of the two colliders, the lower one first, in the lower 24 bits; above them the lower 8 bits of the outline's number.
@@ -95,6 +95,11 @@ impl ContactRecord {
         i32::from((self.packed[0] >> 24) as u8 as i8)
     }
 
+    /// Returns true if no impulse is left: the contact carried one earlier in the step.
+    pub(crate) fn is_slack(&self) -> bool {
+        self.impulses == [0; 3]
+    }
+
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
     /// if a point is, rolling resistance if both have this one point.
     pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
@@ -167,7 +172,7 @@ impl ContactRecord {
 
     /// Returns true if no step leaves such a record.
     fn is_malformed(&self) -> bool {
-        let [first, second, tangent] = self.impulses;
+        let [first, second, _] = self.impulses;
         let is_one = self.count() == 1;
         self.pair[0] & SLOT >= self.pair[1] & SLOT
             || !(1..=2).contains(&self.count())
@@ -178,7 +183,6 @@ impl ContactRecord {
             || first < 0
             || !is_one && second < 0
             || self.impulses.iter().any(|impulse| impulse.unsigned_abs() > 1 << 62)
-            || (first, second, tangent) == (0, 0, 0)
     }
 }
 

@@ -4,35 +4,44 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
 use super::asleep::AsleepContacts;
-use super::{ContactRecord, ExcludedPair, PassRecord};
+use super::{ContactRecord, EndedPair, ExcludedPair, Overlap, PassRecord};
+use crate::body::Bodies;
 use crate::codec::{self, StateHasher, Write as _};
-use crate::collider::OutlineId;
+use crate::collider::{ColliderSet, OutlineId};
+use crate::scalar::Scalar;
 use crate::slots::ColliderId;
 
 /// The state of the contacts of a world.
 #[derive(Debug, Default)]
 pub(crate) struct ContactSet {
-    /// The contacts that carried an impulse at the end of the last step, sorted by pair, of which no body is asleep.
+    /// The contacts that carried an impulse at the end of the last step, or in it and have events, sorted by pair, of which no body is
+    /// asleep.
     pub(crate) records: Vec<ContactRecord>,
     /// The contacts with a body that is asleep.
-    asleep: AsleepContacts,
+    pub(super) asleep: AsleepContacts,
     /// The answers of one-way colliders for the bodies near them in the last step, sorted by outline and body.
     pub(crate) passes: Vec<PassRecord>,
     /// The pairs of bodies that do not touch, sorted.
     pub(crate) excluded: Vec<ExcludedPair>,
-    /// The tick of the last step with an impulse, with a body near a one-way collider, or in which a pair of bodies was allowed again;
-    /// 0 if there was none.
+    /// The colliders that overlapped sensors at the end of the last step, sorted.
+    pub(crate) overlaps: Vec<Overlap>,
+    /// The pairs that calls ended since the last step, in the order of the calls.
+    pub(crate) ended: Vec<EndedPair>,
+    /// The tick of the last step with an impulse, with a body near a one-way collider, in which a pair of bodies was allowed again, or in
+    /// which a collider entered or left a sensor; 0 if there was none.
     pub(crate) pushed_at: u64,
 }
 
 impl Clone for ContactSet {
     fn clone(&self) -> Self {
-        let Self { records, asleep, passes, excluded, pushed_at } = self;
+        let Self { records, asleep, passes, excluded, overlaps, ended, pushed_at } = self;
         Self {
             records: records.clone(),
             asleep: asleep.clone(),
             passes: passes.clone(),
             excluded: excluded.clone(),
+            overlaps: overlaps.clone(),
+            ended: ended.clone(),
             pushed_at: *pushed_at,
         }
     }
@@ -42,6 +51,8 @@ impl Clone for ContactSet {
         self.asleep.clone_from(&source.asleep);
         self.passes.clone_from(&source.passes);
         self.excluded.clone_from(&source.excluded);
+        self.overlaps.clone_from(&source.overlaps);
+        self.ended.clone_from(&source.ended);
         self.pushed_at = source.pushed_at;
     }
 }
@@ -91,10 +102,15 @@ impl ContactSet {
         sink.all(&all, |record| record.to_bytes());
         codec::list(sink, self.passes.iter());
         codec::list(sink, self.excluded.iter());
+        codec::list(sink, self.overlaps.iter());
+        codec::list(sink, self.ended.iter());
     }
 
-    /// Drops the records of a collider, and its answers if it is one-way.
-    pub(crate) fn forget(&mut self, collider: ColliderId) {
+    /// Drops the records of a collider, its answers if it is one-way, and its overlaps; what ends with it is kept for the report of the
+    /// next step. *Domain* the colliders still have it.
+    pub(crate) fn forget<S: Scalar>(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, collider: ColliderId) {
+        self.keep_ends(bodies, colliders, collider.slot);
+        self.overlaps.retain(|overlap| !overlap.slots().contains(&collider.slot));
         let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| outline.slot != collider.slot);
         self.records.retain(is_of_others);
         if self.asleep.touching(collider.slot).next().is_some() {
@@ -131,9 +147,9 @@ impl ContactSet {
         self.asleep.contains(pair)
     }
 
-    /// The slots of the colliders that the one in a slot touches, where one of the two bodies is asleep; once for each contact.
+    /// The slots of the colliders that the one in a slot presses, where one of the two bodies is asleep; once for each contact.
     pub(crate) fn asleep_on(&self, slot: u32) -> impl Iterator<Item = u32> {
-        self.asleep.touching(slot)
+        self.asleep.touching(slot).filter(|(_, is_slack)| !is_slack).map(|(slot, _)| slot)
     }
 
     /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same. Rounded to nearest, halves away
@@ -149,7 +165,7 @@ impl ContactSet {
         };
         self.change_all(|record| {
             record.impulses = record.impulses.map(scaled);
-            record.impulses != [0; 3]
+            true
         });
     }
 }

@@ -200,7 +200,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             (Activity::Asleep, State::Asleep) => true,
             _ => false,
         };
-        let dense = bodies.find(collider.body).ok().filter(is_still);
+        let dense = bodies.find(collider.body).ok().filter(|_| !collider.def.sensor).filter(is_still);
         let motion = &bodies.columns.motion;
         dense.into_iter().flat_map(move |dense| {
             let position = motion.position.get(dense);

@@ -110,7 +110,7 @@ fn at_lever<S: Scalar>(record: &ContactRecord, radius: S) -> S {
 }
 
 /// An impulse in units of 2^exponent N·s, rounded to nearest, halves away from zero; the largest number if it does not fit.
-fn newton_seconds<S: Scalar>(impulse: i64, exponent: i32) -> S {
+pub(super) fn newton_seconds<S: Scalar>(impulse: i64, exponent: i32) -> S {
     let size = u128::from(impulse.unsigned_abs());
     // To units of 2^-32: below 2^63 · 2^64 where it fits at all.
     let bits = match exponent + 32 {

@@ -105,6 +105,12 @@ impl Core {
         core
     }
 
+    /// Takes all corners away, and keeps the memory.
+    pub(super) fn clear(&mut self) {
+        self.count = 0;
+        self.many.clear();
+    }
+
     #[inline(always)]
     pub(super) fn push(&mut self, corner: Point) {
         match self.few.get_mut(self.count) {

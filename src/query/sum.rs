@@ -26,25 +26,33 @@ fn lowest(corners: &[Point], sign: i64) -> usize {
 impl Sum {
     /// The sum for two cores that are seen from the same point. Edges are merged by angle, which takes exact products alone.
     pub(crate) fn new(a: &Core, b: &Core) -> Self {
+        let mut sum = Self::default();
+        sum.set(a, b);
+        sum
+    }
+
+    /// Makes it the sum for two cores, as [`new`](Self::new), in the memory of another one.
+    pub(crate) fn set(&mut self, a: &Core, b: &Core) {
         let (own, other) = (a.corners(), b.corners());
         let counts = [own, other].map(|corners| if corners.len() > 1 { corners.len() } else { 0 });
         let starts = [lowest(own, -1), lowest(other, 1)];
-        let mut sum = Self::default();
-        sum.core.radius = a.radius + b.radius;
+        self.pairs.clear();
+        self.core.clear();
+        self.core.radius = a.radius + b.radius;
         let mut done = [0; 2];
         loop {
             let [i, j] = [(starts[0] + done[0]) % own.len(), (starts[1] + done[1]) % other.len()];
             if done != [0; 2] && done == counts {
-                return sum;
+                return;
             }
-            sum.core.push(from_to(own[i], other[j]));
-            sum.pairs.push([i, j]);
+            self.core.push(from_to(own[i], other[j]));
+            self.pairs.push([i, j]);
             // The edges of A turn into their opposites. Both lists ascend, and heads are less than half a turn apart.
             let turn = match (done[0] < counts[0], done[1] < counts[1]) {
                 (true, true) => -cross(edge(own, i), edge(other, j)),
                 (true, false) => 1,
                 (false, true) => -1,
-                (false, false) => return sum,
+                (false, false) => return,
             };
             done[0] += usize::from(turn >= 0);
             done[1] += usize::from(turn <= 0);

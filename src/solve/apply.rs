@@ -179,6 +179,15 @@ impl Solver {
         }
     }
 
+    /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
+    pub(crate) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
+        self.places.iter().map(|place| {
+            let applied = &self.groups[place.group as usize].applied;
+            let lane = place.lane as usize;
+            (place.contact, [applied[0][lane], applied[1][lane]], place.exponent)
+        })
+    }
+
     /// Writes the impulses of joints and begins the totals with their sums.
     pub(super) fn add_joints(&mut self, flights: &[Flight], joints: &mut [Joint]) {
         self.totals.clear();

@@ -15,7 +15,10 @@ use super::{Constants, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
-use crate::contact::{Changed, ContactEngine as _, ContactSet, Correction, Detected, Scene, Start, Stop, is_asleep};
+use crate::contact::{
+    Changed, ContactEngine as _, ContactSet, Correction, Detected, Overlap, Scene, Sensors, Start, Stop, is_asleep,
+    list_pairs,
+};
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
@@ -50,6 +53,10 @@ pub(super) struct Workspace<S: Scalar> {
     corrections: Vec<Correction<S>>,
     detected: Detected,
     stops: Vec<Stop<S>>,
+    /// The slots of colliders that touch and have events, before and after the step.
+    pub(super) touching_before: Vec<[u32; 2]>,
+    pub(super) touching_after: Vec<[u32; 2]>,
+    sensors: Sensors,
     /// No path ends early.
     #[cfg(feature = "selftest")]
     is_blind: bool,
@@ -83,6 +90,7 @@ impl<S: Scalar> Workspace<S> {
     /// Forgets which bodies there are. The tree of static colliders stays: it is compared before it is used.
     pub(super) fn drop_cached(&mut self) {
         self.revision = None;
+        self.sensors.forget();
     }
 
     pub(super) fn clone_cached_from(&mut self, source: &Self) {
@@ -130,6 +138,7 @@ impl<S: Scalar> Workspace<S> {
     /// Keeps the motion of moving bodies with colliders before their free flight.
     pub(super) fn begin(&mut self, bodies: &Bodies<S>) {
         self.is_detected = false;
+        self.touching_before.clear();
         self.starts.clear();
         let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
         self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
@@ -155,12 +164,23 @@ impl<S: Scalar> Workspace<S> {
         touching.sort();
     }
 
+    /// Finds what overlaps sensors now. *Domain* the contacts of the step were found.
+    pub(super) fn find_overlaps(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
+        let Self { engine, sensors, .. } = self;
+        sensors.find(bodies, colliders, engine.statics(colliders).map(|statics| (statics, &*engine)));
+    }
+
+    /// What was found to overlap sensors, sorted.
+    pub(super) fn overlaps(&self) -> &[Overlap] {
+        &self.sensors.found
+    }
+
     /// Returns true if nothing can touch anything.
     pub(super) fn is_idle(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, contacts: &ContactSet) -> bool {
         // A static body may have been put into a sleeping one.
         let may_wake = || bodies.any_asleep() && !colliders.is_empty();
         let is_kept = || contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
-        self.starts.is_empty() && is_kept() && !(self.may_have_moved_statics && may_wake())
+        !colliders.any_sensors() && self.starts.is_empty() && is_kept() && !(self.may_have_moved_statics && may_wake())
     }
 }
 
@@ -188,7 +208,8 @@ impl<S: Scalar> Step<'_, S> {
         loop {
             own.detected.touched.clear();
             own.detected.crowded.clear();
-            let Workspace { engine, detected, corrections, starts, changed, are_all_changed, .. } = &mut *own;
+            let Workspace { engine, detected, corrections, starts, changed, are_all_changed, touching_before, .. } =
+                &mut *own;
             let starts: &[Start<S>] = starts;
             let scene = Scene {
                 bodies: self.bodies,
@@ -201,15 +222,21 @@ impl<S: Scalar> Step<'_, S> {
             };
             engine.detect(&scene, self.contacts.contacts, detected);
             if detected.touched.is_empty() && detected.crowded.is_empty() {
-                let contacts = &mut *self.contacts.contacts;
+                let (colliders, contacts) = (self.contacts.colliders, &mut *self.contacts.contacts);
+                if colliders.any_contact_events() {
+                    list_pairs(&contacts.records, colliders, touching_before);
+                }
                 let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
-                    engine.list(contacts);
+                    engine.list(colliders, contacts);
                     show(&mut self.probe, StageKind::Detect, self.bodies, self.contacts.contacts);
                 }
                 engine.solve(&scene, corrections);
                 let contacts = &mut *self.contacts.contacts;
-                engine.list(contacts);
+                engine.list(colliders, contacts);
+                if colliders.any_hit_events() {
+                    engine.hits(&scene, &mut self.workspace.report.hits);
+                }
                 let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
                 if is_near || !own.corrections.is_empty() {
                     contacts.pushed_at = self.settings.tick;
@@ -377,7 +404,7 @@ fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, 
     let motion = &bodies.columns.motion;
     let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));
     let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
-    let radius = colliders.of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
+    let radius = colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
     // The speed that the turning leaves to the body.
     let left = size(motion.angular_velocity[i].value()).times(radius).map(|rim| speed - rim);
     let square = |v: S| v.product(v);

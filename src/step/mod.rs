@@ -10,6 +10,7 @@ mod contacts;
 mod coupled;
 mod damp;
 mod drift;
+mod events;
 mod fields;
 mod free;
 mod kick;
@@ -166,13 +167,15 @@ impl<S: Scalar> Step<'_, S> {
         // 8. The applied forces have acted.
         self.applied.finish();
         self.show(StageKind::Clear);
-        // 9. Bodies with a fault are quarantined; islands at rest fall asleep.
+        // 9. Bodies with a fault are quarantined; islands at rest fall asleep; events of contacts and sensors are reported.
         timed!(self.workspace, finish, {
             quarantine::find(self.bodies, self.workspace);
             if let Some(ticks) = sleep_after {
                 sleep::find(self.bodies, self.forces.fields, &self.contacts, (ticks, kinds), self.workspace);
             }
             quarantine::take_out(self.bodies, &self.workspace.report);
+            self.drop_contacts_of_quarantined();
+            self.report_events();
             self.put_contacts_to_sleep();
         });
         self.workspace.applied = applied;

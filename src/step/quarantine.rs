@@ -30,7 +30,7 @@ pub(super) fn first<S: Scalar>(bodies: &Bodies<S>, found: &Found) -> Option<Faul
 }
 
 /// Takes the bodies that are at fault and those that fell asleep out of the moving ones.
-pub(super) fn take_out<S: Scalar>(bodies: &mut Bodies<S>, report: &Report) {
+pub(super) fn take_out<S: Scalar>(bodies: &mut Bodies<S>, report: &Report<S>) {
     let at_fault = report.faults.iter().map(|fault| (fault.body, Activity::Quarantined));
     let asleep = report.fell_asleep.iter().map(|&body| (body, Activity::Asleep));
     for (body, activity) in at_fault.chain(asleep) {

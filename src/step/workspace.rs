@@ -8,6 +8,7 @@ use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, ta
 use crate::body::Bodies;
 use crate::collide::broad::Statics;
 use crate::collider::ColliderSet;
+use crate::contact::{ColliderPair, ContactHit};
 use crate::error::{Cause, Fault};
 use crate::force::FieldSet;
 use crate::island;
@@ -29,7 +30,7 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(super) islands: island::Workspace,
     pub(super) touching: island::Touching,
     pub(super) found: Found,
-    pub(crate) report: Report,
+    pub(crate) report: Report<S>,
     #[cfg(feature = "timers")]
     pub(crate) timers: super::Timers,
 }
@@ -54,19 +55,30 @@ impl Found {
 
 /// The report of the last step.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Report {
+pub(crate) struct Report<S> {
     pub(crate) faults: Vec<Fault>,
     pub(crate) fell_asleep: Vec<BodyId>,
     /// Sleeping bodies that moving ones touched.
     pub(crate) woke: Vec<BodyId>,
+    /// Events of contacts and of sensors, each kind sorted.
+    pub(crate) contacts_ended: Vec<ColliderPair>,
+    pub(crate) contacts_began: Vec<ColliderPair>,
+    pub(crate) hits: Vec<ContactHit<S>>,
+    pub(crate) sensors_left: Vec<ColliderPair>,
+    pub(crate) sensors_entered: Vec<ColliderPair>,
     pub(crate) drag_outside: u32,
 }
 
-impl Report {
+impl<S> Report<S> {
     pub(crate) fn clear(&mut self) {
         self.faults.clear();
         self.fell_asleep.clear();
         self.woke.clear();
+        self.contacts_ended.clear();
+        self.contacts_began.clear();
+        self.hits.clear();
+        self.sensors_left.clear();
+        self.sensors_entered.clear();
         self.drag_outside = 0;
     }
 }
@@ -139,6 +151,11 @@ impl<S: Scalar> Clone for Workspace<S> {
         self.report.faults.clone_from(&source.report.faults);
         self.report.fell_asleep.clone_from(&source.report.fell_asleep);
         self.report.woke.clone_from(&source.report.woke);
+        self.report.contacts_ended.clone_from(&source.report.contacts_ended);
+        self.report.contacts_began.clone_from(&source.report.contacts_began);
+        self.report.hits.clone_from(&source.report.hits);
+        self.report.sensors_left.clone_from(&source.report.sensors_left);
+        self.report.sensors_entered.clone_from(&source.report.sensors_entered);
         self.report.drag_outside = source.report.drag_outside;
     }
 }

@@ -48,7 +48,8 @@ impl<S: Scalar> World<S> {
         Ok(Arc::make_mut(&mut self.colliders).insert(body, def))
     }
 
-    /// Replaces the definition of a collider; wakes its body. Contacts of the collider start without impulses.
+    /// Replaces the definition of a collider; wakes its body. Its contacts and overlaps end, and begin anew in the next step, without
+    /// impulses, if they are still there.
     ///
     /// # Errors
     /// [`Error::NoSuchCollider`], and as [`add_collider`](Self::add_collider).
@@ -61,7 +62,7 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::SetCollider { collider, def: def.clone() });
         self.bodies.set_collider_mass(dense, mass, properties);
-        self.contacts.forget(collider);
+        self.contacts.forget(&self.bodies, &self.colliders, collider);
         Arc::make_mut(&mut self.colliders).replace(collider, def)
     }
 
@@ -78,7 +79,7 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::RemoveCollider(collider));
         self.bodies.set_collider_mass(dense, mass, properties);
-        self.contacts.forget(collider);
+        self.contacts.forget(&self.bodies, &self.colliders, collider);
         Arc::make_mut(&mut self.colliders).remove(collider)
     }
 
@@ -92,7 +93,7 @@ impl<S: Scalar> World<S> {
     pub(super) fn take_colliders(&mut self, body: BodyId) -> Result<(), Error> {
         let own: Vec<ColliderId> = self.colliders_of(body)?.collect();
         for collider in own {
-            self.contacts.forget(collider);
+            self.contacts.forget(&self.bodies, &self.colliders, collider);
             Arc::make_mut(&mut self.colliders).remove(collider)?;
         }
         Ok(())

@@ -208,6 +208,9 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 }
                 None => None,
             },
+            sensor: def.sensor,
+            contact_events: def.contact_events,
+            hit_events: def.hit_events,
             key: def.key,
             user_data: def.user_data,
         })
@@ -220,6 +223,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             push_speed: self.scalar(settings.push_speed)?,
             restitution_speed: self.scalar(settings.restitution_speed)?,
             sleep_speed: self.scalar(settings.sleep_speed)?,
+            hit_speed: self.scalar(settings.hit_speed)?,
             max_pairs: settings.max_pairs,
             max_pairs_per_collider: settings.max_pairs_per_collider,
         })

@@ -2,14 +2,15 @@
 
 use super::World;
 use crate::collider::Collider;
-use crate::contact::{Contact, ContactEngine as _, ContactRecord};
+use crate::contact::{ColliderPair, Contact, ContactEngine as _, ContactRecord};
 use crate::error::Error;
 use crate::scalar::Scalar;
 use crate::shape::Geometry;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
-    /// The contacts that carried an impulse at the end of the last step, at the present poses: those whose colliders are no longer
+    /// The contacts that carried an impulse at the end of the last step, and with
+    /// [`contact_events`](crate::ColliderDef::contact_events) those that carried one earlier in it, at the present poses: those whose colliders are no longer
     /// near each other are left out. Sorted by the slots of the colliders.
     ///
     /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 from the one that it was on.
@@ -42,6 +43,32 @@ impl<S: Scalar> World<S> {
         let is_of = move |slot| self.colliders.at(slot).is_some_and(|collider| collider.body == body);
         let own = self.contacts.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
         Ok(own.filter_map(|record| self.contact(record)))
+    }
+
+    /// The sensors with the colliders that overlapped them at the end of the last step, the sensor first; sorted by the slots of the
+    /// sensors, then of the others.
+    ///
+    /// They are state: a restored world has the same. A collider that calls removed or replaced since is not among them.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, ColliderDef, Event, Shape, World, WorldDef, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let goal = ColliderDef { sensor: true, ..ColliderDef::new(Shape::rectangle(2, 2)?) };
+    /// let goal = world.add_body(BodyDef { position: vec2(10, 0), ..BodyDef::fixed().with_collider(goal) })?;
+    /// let ball = BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic().with_collider(Shape::circle(1)?) };
+    /// let ball = world.add_body(ball)?;
+    /// let enters = |event: &Event| matches!(event, Event::SensorEntered(pair) if pair.bodies == [goal, ball]);
+    /// let ticks = (0..120).filter(|_| world.step().into_iter().any(|event| enters(&event)));
+    /// assert_eq!(ticks.collect::<Vec<_>>(), [79]); // the ball is at 8, and touches the side of the goal
+    /// // It goes through, as if nothing were there.
+    /// assert_eq!(world.body(ball)?.position(), vec2(12, 0));
+    /// assert_eq!(world.sensor_overlaps().map(|pair| pair.bodies).collect::<Vec<_>>(), [[goal, ball]]);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn sensor_overlaps(&self) -> impl Iterator<Item = ColliderPair> {
+        let pair = |slots| ColliderPair::new(&self.bodies, &self.colliders, slots);
+        self.contacts.overlaps.iter().filter_map(move |overlap| pair(overlap.slots()))
     }
 
     fn contact(&self, record: &ContactRecord) -> Option<Contact<S>> {

@@ -1,18 +1,20 @@
-//! Events: the changes of bodies that a step reports.
+//! Events: the changes of bodies and of contacts that a step reports.
 
 use alloc::vec::{self, Vec};
 use core::fmt;
 
 use super::StepReport;
+use crate::contact::{ColliderPair, ContactHit};
 use crate::error::Fault;
+use crate::fx::Fx;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
-/// A change of a body over a tick.
+/// A change of a body over a tick, or an event of two colliders.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
-pub enum Event {
+pub enum Event<S = Fx> {
     /// A call removed the body.
     Removed(BodyId),
     /// A call added the body.
@@ -25,9 +27,21 @@ pub enum Event {
     Quarantined(Fault),
     /// The body fell asleep in the step.
     FellAsleep(BodyId),
+    /// Two colliders no longer touch, or one of them was removed, replaced or disabled. One of them has
+    /// [`contact_events`](crate::ColliderDef::contact_events).
+    ContactEnded(ColliderPair),
+    /// Two colliders touch that did not touch in the step before: an impulse along the normal acted between them. One of them has
+    /// [`contact_events`](crate::ColliderDef::contact_events).
+    ContactBegan(ColliderPair),
+    /// Two colliders hit each other. One of them has [`hit_events`](crate::ColliderDef::hit_events).
+    ContactHit(ContactHit<S>),
+    /// A collider no longer overlaps a sensor, or one of the two was removed, replaced or disabled.
+    SensorLeft(ColliderPair),
+    /// A collider overlaps a sensor that it did not overlap after the step before.
+    SensorEntered(ColliderPair),
 }
 
-impl fmt::Display for Event {
+impl<S: fmt::Display> fmt::Display for Event<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Removed(body) => write!(f, "{body} was removed"),
@@ -36,13 +50,21 @@ impl fmt::Display for Event {
             Self::Woke(body) => write!(f, "{body} woke"),
             Self::Quarantined(fault) => fault.fmt(f),
             Self::FellAsleep(body) => write!(f, "{body} fell asleep"),
+            Self::ContactEnded(ColliderPair { colliders: [a, b], .. }) => write!(f, "{a} no longer touches {b}"),
+            Self::ContactBegan(ColliderPair { colliders: [a, b], .. }) => write!(f, "{a} touches {b}"),
+            Self::ContactHit(ContactHit { pair: ColliderPair { colliders: [a, b], .. }, approach_speed, .. }) => {
+                write!(f, "{a} hit {b} at {approach_speed} m/s")
+            }
+            Self::SensorLeft(ColliderPair { colliders: [a, b], .. }) => write!(f, "{b} left sensor {a}"),
+            Self::SensorEntered(ColliderPair { colliders: [a, b], .. }) => write!(f, "{b} entered sensor {a}"),
         }
     }
 }
 
 impl<'a, S: Scalar> StepReport<'a, S> {
-    /// The changes of bodies, one kind after the other in the order of [`Event`]: changes by calls before the step, each kind in
-    /// the order of the calls, then changes by the step, each kind in the order of the handles.
+    /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
+    /// of the calls; changes of bodies by the step, each kind in the order of the handles; then contacts and sensors, each kind sorted by the
+    /// keys of the bodies and the colliders.
     ///
     /// A body that calls both added and removed has no event, and a body that calls added has no `Placed` event: an observer who
     /// follows the events has each body of the world once.
@@ -72,23 +94,30 @@ impl<'a, S: Scalar> StepReport<'a, S> {
     /// assert_eq!(world.body_count(), 0);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn events(self) -> impl Iterator<Item = Event> + use<'a, S> {
+    pub fn events(self) -> impl Iterator<Item = Event<S>> + use<'a, S> {
         let Self { removed, added, placed, woke, faults, fell_asleep, .. } = self;
+        let Self { contacts_ended, contacts_began, hits, sensors_left, sensors_entered, .. } = self;
         let by_calls = removed.iter().copied().map(Event::Removed).chain(added.iter().copied().map(Event::Added));
         let by_calls = by_calls.chain(placed.iter().copied().map(Event::Placed));
         let by_calls = by_calls.chain(woke.iter().copied().map(Event::Woke));
         let by_step = faults.iter().copied().map(Event::Quarantined);
-        by_calls.chain(by_step).chain(fell_asleep.iter().copied().map(Event::FellAsleep))
+        let by_step = by_step.chain(fell_asleep.iter().copied().map(Event::FellAsleep));
+        let of_contacts = contacts_ended.iter().copied().map(Event::ContactEnded);
+        let of_contacts = of_contacts.chain(contacts_began.iter().copied().map(Event::ContactBegan));
+        let of_contacts = of_contacts.chain(hits.iter().copied().map(Event::ContactHit));
+        let of_sensors = sensors_left.iter().copied().map(Event::SensorLeft);
+        let of_sensors = of_sensors.chain(sensors_entered.iter().copied().map(Event::SensorEntered));
+        by_calls.chain(by_step).chain(of_contacts).chain(of_sensors)
     }
 }
 
 impl<S: Scalar> IntoIterator for StepReport<'_, S> {
-    type Item = Event;
-    type IntoIter = vec::IntoIter<Event>;
+    type Item = Event<S>;
+    type IntoIter = vec::IntoIter<Event<S>>;
 
     /// The [events](Self::events) in a list of their own: the world can change while you go through it. It takes memory only if
     /// there are events.
-    fn into_iter(self) -> vec::IntoIter<Event> {
+    fn into_iter(self) -> vec::IntoIter<Event<S>> {
         self.events().collect::<Vec<_>>().into_iter()
     }
 }

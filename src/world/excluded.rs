@@ -46,11 +46,14 @@ impl<S: Scalar> World<S> {
             Err(index) => contacts.excluded.insert(index, pair),
         }
         let colliders = &self.colliders;
-        contacts.records.retain(|record| {
-            let bodies = record.pair().map(|outline| colliders.at(outline.slot).map(|collider| collider.body));
-            let [Some(first), Some(second)] = bodies else { return false };
-            sorted(first, second) != pair.bodies
-        });
+        let is_one = |slots: [u32; 2]| match slots.map(|slot| colliders.at(slot).map(|collider| collider.body)) {
+            [Some(first), Some(second)] => sorted(first, second) == pair.bodies,
+            _ => true,
+        };
+        if colliders.any_contact_events() {
+            contacts.keep_ends_of(&self.bodies, colliders, false, is_one);
+        }
+        contacts.records.retain(|record| !is_one(record.pair().map(|outline| outline.slot)));
         Ok(())
     }
 

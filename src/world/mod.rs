@@ -34,7 +34,7 @@ use alloc::vec::Vec;
 use crate::body::{Bodies, Damping, FactorTable, KinematicTargets, WorldFactors};
 use crate::codec::codec_struct;
 use crate::collider::{ColliderSet, ContactSettings};
-use crate::contact::ContactSet;
+use crate::contact::{ColliderPair, ContactHit, ContactSet};
 use crate::error::{Error, Fault, Quantity};
 use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
 use crate::fx::Fx;
@@ -237,7 +237,11 @@ clone_by_field!((clone_world, clone_world_from) World {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(bound(serialize = "S::Sum: serde::Serialize")))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound(serialize = "S: serde::Serialize, S::Sum: serde::Serialize"))
+)]
 pub struct StepReport<'a, S: Scalar = Fx> {
     /// The tick the world is at now.
     pub tick: u64,
@@ -255,6 +259,17 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     /// Bodies of the previous step that calls since then placed elsewhere, turned, or gave another kind, in the order of the
     /// first such call to each.
     pub placed: &'a [BodyId],
+    /// Contacts that ended in the step or by a call before it, of colliders with [`contact_events`](crate::ColliderDef::contact_events),
+    /// sorted by the keys of bodies and colliders.
+    pub contacts_ended: &'a [ColliderPair],
+    /// Contacts that began in the step, of colliders with [`contact_events`](crate::ColliderDef::contact_events), sorted likewise.
+    pub contacts_began: &'a [ColliderPair],
+    /// Hits of colliders with [`hit_events`](crate::ColliderDef::hit_events), sorted likewise, then by parts.
+    pub hits: &'a [ContactHit<S>],
+    /// Sensors and the colliders that left them in the step or by a call before it, sorted likewise.
+    pub sensors_left: &'a [ColliderPair],
+    /// Sensors and the colliders that entered them in the step, sorted likewise.
+    pub sensors_entered: &'a [ColliderPair],
     /// Forces and torques applied to bodies over the tick, in the order of their handles. Undoing the step needs them.
     pub applied: &'a [AppliedForce<S>],
     /// The number of bodies under `Yoshida4` with a drag too stiff for the backward sub-step: it acted around the whole step
@@ -388,6 +403,11 @@ impl<S: Scalar> World<S> {
             removed: &self.change_log.reported.removed,
             added: &self.change_log.reported.added,
             placed: &self.change_log.reported.placed,
+            contacts_ended: &self.workspace.report.contacts_ended,
+            contacts_began: &self.workspace.report.contacts_began,
+            hits: &self.workspace.report.hits,
+            sensors_left: &self.workspace.report.sensors_left,
+            sensors_entered: &self.workspace.report.sensors_entered,
             applied: self.applied.done(),
             drag_outside: self.workspace.report.drag_outside,
         }

@@ -70,6 +70,9 @@ fn colliders() -> Vec<ColliderDef> {
         },
         filter: Filter { category: 6, mask: !4, group: -3 },
         one_way: Some(OneWay { direction: vec2(fx!(0.5), -2), tolerance: fx!(1.25) }),
+        sensor: true,
+        contact_events: false,
+        hit_events: true,
         key: 8,
         user_data: u64::MAX,
         ..def
@@ -185,7 +188,12 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaxSpeeds { body, linear: None, angular: None },
         Command::MoveTo { body: BodyId::from_parts(9, 0), position: vec2(fx!(0.5), 2), angle: fx!(3) },
         Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
-        Command::SetContactSettings(ContactSettings { substeps: 3, push_speed: fx!(2), ..ContactSettings::default() }),
+        Command::SetContactSettings(ContactSettings {
+            substeps: 3,
+            push_speed: fx!(2),
+            hit_speed: fx!(5),
+            ..ContactSettings::default()
+        }),
         Command::ExcludePair { a: BodyId::from_parts(0, 0), b: body, exclusion: Exclusion::Always },
         Command::ExcludePair { a: body, b: BodyId::from_parts(0, 0), exclusion: Exclusion::UntilApart },
         Command::AllowPair { a: body, b: BodyId::from_parts(0, 0) },

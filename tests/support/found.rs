@@ -226,6 +226,9 @@ pub(crate) fn collider_def(value: &Value) -> ColliderDef {
             direction: vector(&one_way["direction"]),
             tolerance: number(&one_way["tolerance"]),
         }),
+        sensor: value["sensor"].natural() == 1,
+        contact_events: value["contact_events"].natural() == 1,
+        hit_events: value["hit_events"].natural() == 1,
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
     }
@@ -253,6 +256,7 @@ pub(crate) fn contact_settings(value: &Value) -> ContactSettings {
         push_speed: number(&value["push_speed"]),
         restitution_speed: number(&value["restitution_speed"]),
         sleep_speed: number(&value["sleep_speed"]),
+        hit_speed: number(&value["hit_speed"]),
         max_pairs: value["max_pairs"].natural() as u32,
         max_pairs_per_collider: value["max_pairs_per_collider"].natural() as u32,
     }

@@ -79,6 +79,8 @@ pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
     };
     let categories = |node: &Node<'_>| bits(node, "category");
     let one_way = object.or("one_way", None, |node| one_way(node).map(Some));
+    let flag = |name| object.or(name, false, Node::boolean);
+    let [sensor, contact_events, hit_events] = [flag("sensor"), flag("contact_events"), flag("hit_events")];
     let filter = Filter {
         category: object.or("category", filter.category, categories),
         mask: object.or("mask", filter.mask, categories),
@@ -86,7 +88,20 @@ pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
     };
     let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
     object.finish()?;
-    let def = ColliderDef { shape: shape?, position, angle, density, material, filter, one_way, key, user_data };
+    let def = ColliderDef {
+        shape: shape?,
+        position,
+        angle,
+        density,
+        material,
+        filter,
+        one_way,
+        sensor,
+        contact_events,
+        hit_events,
+        key,
+        user_data,
+    };
     def.check().map_err(|error| blame(object, error))?;
     Ok(SceneCollider { name, def, place: object.node.place() })
 }
@@ -196,6 +211,7 @@ pub(super) fn contacts(node: &Node<'_>) -> Result<ContactSettings> {
     number(&object, "push_speed", &mut settings, Node::number, |settings| &mut settings.push_speed);
     number(&object, "restitution_speed", &mut settings, Node::number, |settings| &mut settings.restitution_speed);
     number(&object, "sleep_speed", &mut settings, Node::number, |settings| &mut settings.sleep_speed);
+    number(&object, "hit_speed", &mut settings, Node::number, |settings| &mut settings.hit_speed);
     number(&object, "max_pairs", &mut settings, Node::whole, |settings| &mut settings.max_pairs);
     number(&object, "max_pairs_per_collider", &mut settings, Node::whole, |settings| {
         &mut settings.max_pairs_per_collider

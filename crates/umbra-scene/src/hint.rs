@@ -8,7 +8,7 @@ const LONGEST: usize = 40;
 const MOST: usize = 4_096;
 
 /// Names that other engines and formats have for a field or a value of ours.
-const SYNONYMS: [(&str, &str); 45] = [
+const SYNONYMS: [(&str, &str); 49] = [
     ("type", "kind"),
     ("fixed", "static"),
     ("id", "name"),
@@ -46,6 +46,10 @@ const SYNONYMS: [(&str, &str); 45] = [
     ("tangent_speed", "surface_speed"),
     ("rolling_friction", "rolling_resistance"),
     ("user_material_id", "material_id"),
+    ("is_sensor", "sensor"),
+    ("enable_contact_events", "contact_events"),
+    ("enable_hit_events", "hit_events"),
+    ("hit_event_threshold", "hit_speed"),
     ("friction_combine_rule", "friction_rule"),
     ("restitution_combine_rule", "restitution_rule"),
     ("category_bits", "category"),
@@ -57,8 +61,12 @@ const SYNONYMS: [(&str, &str); 45] = [
 ];
 
 /// Fields of colliders, here or in other engines.
-const COLLIDER: [&str; 16] = [
+const COLLIDER: [&str; 20] = [
     "one_way",
+    "sensor",
+    "is_sensor",
+    "contact_events",
+    "hit_events",
     "friction",
     "restitution",
     "bounciness",

@@ -20,21 +20,21 @@ mod tests;
 
 use alloc::vec::Vec;
 
-use self::body::Flight;
+use self::body::{Flight, seconds};
 use self::cores::{Cores, Pose};
-use self::number::{Float, Pair, length, minus, plus};
+use self::number::{Float, Pair, dot, length, minus, plus, times};
 use self::points::{Manifold, ManifoldPoint, collide};
 use self::rows::Contact;
 use self::solver::{Clock, Solver};
 use super::engine::Engine;
-use super::numerics::{MARGIN, Numerics, OVERLAP, Surface, Touching};
+use super::numerics::{Approach, MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
 use crate::collide::seam::Face;
 use crate::collide::sweep::{END, Leg};
 use crate::collider::{BodyOutline, Material, MaterialPair, MixRule};
 use crate::fx::Fx;
 use crate::limits;
-use crate::math::Vec2;
+use crate::math::{TimeStep, Vec2};
 use crate::scalar::{ToF64 as _, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
@@ -196,6 +196,40 @@ impl<F: Float> Numerics<F> for Floats<F> {
         self.solver.solve(clock, scene.settings, flights, &mut self.contacts);
         let moving = self.solver.bodies.iter().zip(flights).take(scene.starts.len());
         corrections.extend(moving.map(|(body, flight)| body.correction(flight, clock.substep, clock.substeps)));
+    }
+
+    fn totals(&self) -> impl Iterator<Item = (usize, Impulses)> + '_ {
+        let one =
+            |(contact, [first, second]): (u32, Pair<F>)| (contact as usize, impulses_of([first, second, F::of(0.0)]));
+        self.solver.totals().map(one)
+    }
+
+    fn approach(manifold: &Manifold<F>, flights: [&Flight<F>; 2], time_step: TimeStep) -> Approach<F> {
+        let vector = |[x, y]: Pair<F>| Vec2::new(x, y);
+        let (zero, half) = (F::of(0.0), F::of(0.5));
+        let mut approach = Approach {
+            normal: vector(manifold.normal),
+            positions: flights.map(|flight| vector(flight.position)),
+            speeds: [zero; 2],
+            arms: [[vector([zero; 2]); 2]; 2],
+        };
+        for (k, point) in manifold.points.iter().enumerate().take(manifold.count) {
+            let [a, b] = [0, 1].map(|side| {
+                let ([x, y, turn], [rx, ry]) = (flights[side].start, point.arms[side]);
+                [x - turn * ry, y + turn * rx]
+            });
+            let speed = dot(minus(a, b), manifold.normal);
+            let is_open = point.separation > zero && speed > zero;
+            let time = if is_open { (point.separation / speed).or_less(seconds(time_step)) } else { zero };
+            let way = times(plus(a, b), half * time);
+            approach.speeds[k] = speed;
+            (0..2).for_each(|side| approach.arms[side][k] = vector(plus(point.arms[side], way)));
+        }
+        approach
+    }
+
+    fn middle(a: F, b: F) -> F {
+        (a + b) * F::of(0.5)
     }
 
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {

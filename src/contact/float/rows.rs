@@ -124,6 +124,11 @@ fn rows<F: Float>(manifold: &Manifold<F>, ends: [&ManifoldPoint<F>; 2]) -> [Side
 }
 
 impl<F: Float> Rows<F> {
+    /// The impulses along the normal over the step, by point.
+    pub(super) fn totals(&self) -> Pair<F> {
+        [self.applied[0], if self.is_double { self.applied[1] } else { F::of(0.0) }]
+    }
+
     /// The rows of a contact, for the number of contacts that each body has in the phase. `None` if neither body can be moved along the
     /// normal.
     pub(super) fn new(

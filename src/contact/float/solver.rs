@@ -67,6 +67,11 @@ impl<F: Float> Solver<F> {
         self.apply(contacts);
     }
 
+    /// The number of each contact, and its impulses along the normal over the step, by point.
+    pub(super) fn totals(&self) -> impl Iterator<Item = (u32, Pair<F>)> + '_ {
+        self.phases.iter().flatten().map(|row| (row.contact, row.totals()))
+    }
+
     /// Finds phases, and makes the rows of contacts.
     fn prepare(&mut self, settings: &ContactSettings<F>, flights: &[Flight<F>], contacts: &[Contact<F>]) {
         let links = contacts.iter().map(|contact| contact.bodies);

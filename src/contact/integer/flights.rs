@@ -58,7 +58,7 @@ pub(super) fn complete(scene: &Scene<'_, Fx>, start: &Start<Fx>, flight: &mut Fl
         flight.inertia = info.inertia_for(flight.mass);
     }
     (flight.inverse_mass, flight.inverse_inertia) = (mass.axis_inverse_mass, mass.inverse_inertia);
-    let radii = scene.colliders.of_slot(bodies.id(dense).slot).map(|collider| collider.radius);
+    let radii = scene.colliders.solid_of_slot(bodies.id(dense).slot).map(|collider| collider.radius);
     flight.radius = radii.max().unwrap_or(Fx::ONE);
 }
 

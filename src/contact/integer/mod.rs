@@ -1,5 +1,6 @@
 //! The computations of contacts in fixed point: the free flight as the solver takes it, the narrow phase, and the solver.
 
+mod approach;
 mod flights;
 mod pairs;
 mod paths;
@@ -7,7 +8,7 @@ mod paths;
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::numerics::{MARGIN, Numerics, OVERLAP, Surface, Touching};
+use super::numerics::{Approach, MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
 use crate::collide::seam::Face;
 use crate::collide::sweep::Leg;
@@ -15,7 +16,7 @@ use crate::collide::{self, Cores, Manifold, ManifoldPoint, Pose};
 use crate::collider::{BodyOutline, ContactSettings, Material, MaterialPair};
 use crate::fx::Fx;
 use crate::kernel::round::shr_round;
-use crate::math::Vec2;
+use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
@@ -178,6 +179,22 @@ impl Numerics<Fx> for Fixed {
             displacement: from.displacement,
             rotation: from.rotation,
         }));
+    }
+
+    fn totals(&self) -> impl Iterator<Item = (usize, Impulses)> + '_ {
+        self.solver.totals().map(|(contact, [first, second], exponent)| {
+            let contact = contact as usize;
+            let second = if self.contacts[contact].count == 2 { second } else { 0 };
+            (contact, Impulses { values: [first, second, 0], exponent })
+        })
+    }
+
+    fn approach(manifold: &Manifold, flights: [&Flight; 2], time_step: TimeStep) -> Approach<Fx> {
+        approach::approach(manifold, flights, time_step)
+    }
+
+    fn middle(a: Fx, b: Fx) -> Fx {
+        approach::middle(a, b)
     }
 
     fn contacts(&self) -> impl Iterator<Item = ([u32; 2], Impulses)> + '_ {

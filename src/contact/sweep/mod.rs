@@ -146,7 +146,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             let flight = self.sweep.fast[i];
             let place = *self.flights.body(flight);
             let path = paths.path::<N>(&place, self.flights.flight(flight), flight);
-            for collider in scene.colliders.of_slot(place.slot) {
+            for collider in scene.colliders.solid_of_slot(place.slot) {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = around(&path, N::ulps(collider.outline(part).radius));
@@ -221,7 +221,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 continue;
             }
             let path = paths.path::<N>(place(flight), self.flights.flight(flight), flight);
-            for collider in paths.scene.colliders.of_slot(place(flight).slot) {
+            for collider in paths.scene.colliders.solid_of_slot(place(flight).slot) {
                 let first = self.numbers.first(collider.slot);
                 proxies.extend((0..collider.outline_count()).map(|part| Proxy {
                     collider: first + part,

@@ -110,6 +110,14 @@ impl<S: Scalar> World<S> {
                 let slot = self.contacts.passes.get(index as usize).map_or(0, |record| record.collider);
                 (Owner::Collider(self.collider_in(slot)), path)
             }
+            [Part::Name("sensor_overlaps"), Part::Entry(index), ..] => {
+                let slot = self.contacts.overlaps.get(index as usize).map_or(0, |overlap| overlap.sensor);
+                (Owner::Collider(self.collider_in(slot)), path)
+            }
+            [Part::Name("ended_pairs"), Part::Entry(index), ..] => match self.contacts.ended.get(index as usize) {
+                Some(ended) => (Owner::Collider(ended.pair.colliders[0]), path),
+                None => (Owner::World, path),
+            },
             [Part::Name("excluded_pairs"), Part::Entry(index), ..] => {
                 let slot = self.contacts.excluded.get(index as usize).map_or(0, |pair| pair.bodies[0]);
                 (Owner::Body(BodyId::from_parts(slot, self.bodies.generation(slot).unwrap_or_default())), path)

@@ -125,7 +125,7 @@ impl<S: Scalar> World<S> {
         self.hash_pairs(sink);
     }
 
-    /// Hashes the answers of one-way colliders and the excluded pairs by the keys of colliders and bodies.
+    /// Hashes the answers of one-way colliders, the excluded pairs, and what overlaps sensors or was ended, by the keys of colliders and bodies.
     fn hash_pairs(&self, sink: &mut StateHasher) {
         let of_body = |slot: u32| self.bodies.index_in(slot).map_or(0, |dense| self.bodies.info(dense).key);
         let of_collider = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
@@ -137,7 +137,19 @@ impl<S: Scalar> World<S> {
             let [a, b] = pair.bodies.map(of_body);
             (a.min(b), a.max(b), pair.exclusion as u64)
         });
-        for mut pairs in [one_way.collect::<Vec<_>>(), excluded.collect()] {
+        let overlaps = self.contacts.overlaps.iter().map(|overlap| {
+            let [sensor, visitor] = overlap.slots().map(of_collider);
+            (sensor, visitor, 0)
+        });
+        let ended = self.contacts.ended.iter().map(|ended| {
+            let ([first, second], [of_first, of_second]) = (ended.pair.collider_keys, ended.pair.body_keys);
+            let mut sink = StateHasher::new();
+            of_first.write(&mut sink);
+            of_second.write(&mut sink);
+            ended.is_sensor.write(&mut sink);
+            (first, second, sink.finish())
+        });
+        for mut pairs in [one_way.collect::<Vec<_>>(), excluded.collect(), overlaps.collect(), ended.collect()] {
             pairs.sort_unstable();
             codec::count(sink, pairs.len());
             pairs.iter().for_each(|&(a, b, state)| [a, b, state].iter().for_each(|word| word.write(sink)));

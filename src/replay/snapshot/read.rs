@@ -13,7 +13,7 @@ use crate::body::{
 };
 use crate::codec::{Malformed, Read, Reader, StateHasher};
 use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId, PairEntry};
-use crate::contact::{ContactRecord, ContactSet, ExcludedPair, PassRecord, is_asleep};
+use crate::contact::{ContactRecord, ContactSet, EndedPair, ExcludedPair, Overlap, PassRecord, is_asleep};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::fx::Fx;
@@ -188,8 +188,20 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
     if !fits || !excluded.iter().all(are_two) || !excluded.is_sorted_by(|a, b| a.bodies < b.bodies) {
         return Err(malformed.into());
     }
+    let malformed = reader.malformed("sensors and colliders of other bodies that are none, sorted, each once");
+    let overlaps: Vec<Overlap> = read_list(reader, 8, Overlap::read)?;
+    let is_overlap = |overlap: &Overlap| {
+        let [sensor, visitor] = overlap.slots().map(|slot| world.colliders.at(slot));
+        let are_both = sensor.zip(visitor).filter(|(sensor, visitor)| sensor.def.sensor && !visitor.def.sensor);
+        are_both.is_some_and(|(sensor, visitor)| sensor.body != visitor.body)
+    };
+    if !overlaps.iter().all(is_overlap) || !overlaps.is_sorted_by(|a, b| a < b) {
+        return Err(malformed.into());
+    }
+    let ended: Vec<EndedPair> = read_list(reader, 65, EndedPair::read)?;
     let mut contacts = ContactSet::new(records, |slot| is_asleep(&world.bodies, &world.colliders, slot));
     (contacts.passes, contacts.excluded, contacts.pushed_at) = (passes, excluded, pushed_at);
+    (contacts.overlaps, contacts.ended) = (overlaps, ended);
     Ok(contacts)
 }
 

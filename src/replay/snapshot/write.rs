@@ -226,6 +226,8 @@ impl<S: Scalar> Write for StateView<'_, S> {
         part(out, "contacts", |out| codec::list(out, self.contacts.all().iter()));
         part(out, "one_way_pairs", |out| codec::list(out, self.contacts.passes.iter()));
         part(out, "excluded_pairs", |out| codec::list(out, self.contacts.excluded.iter()));
+        part(out, "sensor_overlaps", |out| codec::list(out, self.contacts.overlaps.iter()));
+        part(out, "ended_pairs", |out| codec::list(out, self.contacts.ended.iter()));
         part(out, "woken", |out| codec::list(out, self.woken.iter()));
     }
 }

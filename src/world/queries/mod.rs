@@ -26,7 +26,7 @@ pub use overlap::ClosestPoint;
 
 /// The colliders of a world, ready for queries. [`World::queries`] makes it; make it once for all queries between two changes.
 ///
-/// Found are the colliders of all bodies but those that are disabled or quarantined: sleeping ones too. Results depend on the poses of
+/// Found are the colliders of all bodies but those that are disabled or quarantined: sleeping ones too. Sensors are not found. Results depend on the poses of
 /// bodies and on the definitions of colliders alone: a world that was just restored, and one that was built in another order, give
 /// the same. They are sorted: by the fraction of a ray or by the distance, then by the [key](crate::ColliderDef::key) of the collider,
 /// then by its handle. Of a collider with several parts the part that comes first is reported, and of parts that tie the one with the least
@@ -201,7 +201,7 @@ impl<S: Scalar> Queries<'_, S> {
         let first = self.outlines.len();
         let (mut proxies, mut places) = (Vec::new(), Vec::new());
         for collider in colliders {
-            if !self.kind(collider.body).is_some_and(&is_wanted) {
+            if collider.def.sensor || !self.kind(collider.body).is_some_and(&is_wanted) {
                 continue;
             }
             for part in 0..collider.outline_count() {

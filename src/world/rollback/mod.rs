@@ -100,7 +100,7 @@ pub struct Rollback<I, S: Scalar = Fx> {
     first: u64,
     /// How often the world had been set back when the last call ended; `None` before the first tick.
     rewinds: Option<u64>,
-    events: Vec<TickEvent>,
+    events: Vec<TickEvent<S>>,
 }
 
 /// The function of the game that makes a tick's calls.
@@ -114,7 +114,7 @@ struct Row<I, S: Scalar> {
     /// The calls of the tick function.
     commands: Vec<Command<S>>,
     /// The events that were reported of it.
-    events: Vec<Event>,
+    events: Vec<Event<S>>,
 }
 
 impl<I, S: Scalar> core::fmt::Debug for Rollback<I, S> {

@@ -4,9 +4,10 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use super::Row;
+use crate::contact::ColliderPair;
 use crate::fx::Fx;
 use crate::scalar::Scalar;
-use crate::slots::BodyId;
+use crate::slots::{BodyId, ColliderId};
 use crate::world::{Command, Event, World};
 
 /// Says whether an event was reported before.
@@ -14,7 +15,7 @@ use crate::world::{Command, Event, World};
 pub enum EventStatus {
     /// It is reported for the first time.
     New,
-    /// The tick was made before, and had the event then as well.
+    /// The tick was made before, and had the event then as well; a hit perhaps at another speed.
     SeenBefore,
     /// The tick was made before and had the event then; it does not have it any more.
     Undone,
@@ -22,11 +23,11 @@ pub enum EventStatus {
 
 /// An event of a tick that was made. If the tick is not confirmed, it may still change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TickEvent {
+pub struct TickEvent<S = Fx> {
     /// The tick before the step that had the event.
     pub tick: u64,
     /// The event.
-    pub event: Event,
+    pub event: Event<S>,
     /// Says whether it was reported before.
     pub status: EventStatus,
 }
@@ -61,7 +62,7 @@ pub struct RollbackReport<'a, I, S: Scalar = Fx> {
     pub waits_for: Option<u32>,
     /// The events of the ticks that were made, in the order of the ticks; those of a tick in the order of
     /// [`StepReport::events`](crate::StepReport::events), then those that are undone.
-    pub events: &'a [TickEvent],
+    pub events: &'a [TickEvent<S>],
     first: u64,
     rows: &'a VecDeque<Row<I, S>>,
     confirmed: usize,
@@ -75,7 +76,7 @@ impl<'a, I, S: Scalar> RollbackReport<'a, I, S> {
         waits_for: Option<u32>,
         first: u64,
         (rows, confirmed, made): (&'a VecDeque<Row<I, S>>, usize, usize),
-        events: &'a [TickEvent],
+        events: &'a [TickEvent<S>],
         world: &'a World<S>,
     ) -> Self {
         Self { redone, waits_for, events, first, rows, confirmed, made, world }
@@ -107,44 +108,58 @@ impl<I, S: Scalar> core::fmt::Debug for RollbackReport<'_, I, S> {
     }
 }
 
-/// The kind of an event and its body: a tick has at most one event of a kind for a body.
-fn key(event: Event) -> (u8, BodyId) {
+/// The kind of an event and its bodies or colliders, of a hit with the parts: a tick has at most one event with a key.
+type Key = (u8, Option<BodyId>, Option<([ColliderId; 2], [u32; 2])>);
+
+fn key<S>(event: &Event<S>) -> Key {
+    let of = |kind, body| (kind, Some(body), None);
+    let of_pair = |kind, pair: &ColliderPair, parts| (kind, None, Some((pair.colliders, parts)));
     match event {
-        Event::Removed(body) => (0, body),
-        Event::Added(body) => (1, body),
-        Event::Placed(body) => (2, body),
-        Event::Woke(body) => (3, body),
-        Event::Quarantined(fault) => (4, fault.body),
-        Event::FellAsleep(body) => (5, body),
+        Event::Removed(body) => of(0, *body),
+        Event::Added(body) => of(1, *body),
+        Event::Placed(body) => of(2, *body),
+        Event::Woke(body) => of(3, *body),
+        Event::Quarantined(fault) => of(4, fault.body),
+        Event::FellAsleep(body) => of(5, *body),
+        Event::ContactEnded(pair) => of_pair(6, pair, [0; 2]),
+        Event::ContactBegan(pair) => of_pair(7, pair, [0; 2]),
+        Event::ContactHit(hit) => of_pair(8, &hit.pair, hit.parts),
+        Event::SensorLeft(pair) => of_pair(9, pair, [0; 2]),
+        Event::SensorEntered(pair) => of_pair(10, pair, [0; 2]),
     }
 }
 
+/// Returns true if an event was reported as this one. A hit is the same one at another speed: a game has shown it.
+fn is_same<S: PartialEq>(a: &Event<S>, b: &Event<S>) -> bool {
+    matches!([a, b], [Event::ContactHit(_), Event::ContactHit(_)]) || a == b
+}
+
 /// Replaces the events that were reported of a tick by those it has now, and lists these and the ones that are undone.
-pub(super) fn compare(
+pub(super) fn compare<S: Scalar>(
     tick: u64,
-    reported: &mut Vec<Event>,
-    events: &mut dyn Iterator<Item = Event>,
-    list: &mut Vec<TickEvent>,
+    reported: &mut Vec<Event<S>>,
+    events: &mut dyn Iterator<Item = Event<S>>,
+    list: &mut Vec<TickEvent<S>>,
 ) {
     let before = core::mem::take(reported);
     reported.extend(events);
     let differs = before != *reported;
-    let is_in = |others: &[Event], event: Event| {
+    let is_in = |others: &[Event<S>], event: &Event<S>| {
         // Sorted: a search for each event takes a logarithm.
-        let found = others.binary_search_by_key(&key(event), |other| key(*other));
-        found.is_ok_and(|index| others[index] == event)
+        let found = others.binary_search_by_key(&key(event), key);
+        found.is_ok_and(|index| is_same(&others[index], event))
     };
-    let sorted = |events: &[Event]| {
+    let sorted = |events: &[Event<S>]| {
         let mut sorted = events.to_vec();
-        sorted.sort_unstable_by_key(|event| key(*event));
+        sorted.sort_unstable_by_key(key);
         sorted
     };
     let (old, new) = if differs { (sorted(&before), sorted(reported)) } else { (Vec::new(), Vec::new()) };
     for &event in &*reported {
-        let is_seen = !differs || is_in(&old, event);
+        let is_seen = !differs || is_in(&old, &event);
         let status = if is_seen { EventStatus::SeenBefore } else { EventStatus::New };
         list.push(TickEvent { tick, event, status });
     }
-    let undone = before.into_iter().filter(|&event| differs && !is_in(&new, event));
+    let undone = before.into_iter().filter(|event| differs && !is_in(&new, event));
     list.extend(undone.map(|event| TickEvent { tick, event, status: EventStatus::Undone }));
 }

@@ -48,6 +48,10 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             material: self.material(),
             filter: self.filter(),
             one_way: self.one_way(),
+            // Of the key, so that no file of the corpora means something else.
+            sensor: key % 8 == 7,
+            contact_events: key % 2 == 0,
+            hit_events: key % 4 == 1,
             ..collider.unwrap_or_else(|| unreachable!("half a metre is a radius"))
         }
     }
@@ -76,6 +80,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         let is_short = self.is_wild();
         let count = |of: u64, all: u32| if is_short { 1 + of as u32 } else { all };
         ContactSettings {
+            hit_speed: standard.hit_speed,
             substeps: if self.choices.one_in(2) { standard.substeps } else { 1 + self.choices.choose(8) as u32 },
             push_speed: self.number([fx!(1), fx!(4)], speed),
             restitution_speed: self.number([fx!(0.5), fx!(2)], speed),

@@ -35,6 +35,10 @@ pub(super) fn collider_text(mut object: Fields, def: &ColliderDef) -> String {
     if let Some(one_way) = &def.one_way {
         object.put("one_way", one_way_text(one_way));
     }
+    let flags = [("sensor", def.sensor), ("contact_events", def.contact_events), ("hit_events", def.hit_events)];
+    for (name, is_set) in flags {
+        object.unless(!is_set, name, true);
+    }
     object.unless(def.key == 0, "key", def.key);
     object.unless(def.user_data == 0, "user_data", def.user_data);
     object.line()
@@ -71,6 +75,7 @@ pub(super) fn contacts_text(contacts: &ContactSettings) -> String {
         push_speed,
         restitution_speed,
         sleep_speed,
+        hit_speed,
         max_pairs,
         max_pairs_per_collider: most,
     } = *contacts;
@@ -79,6 +84,7 @@ pub(super) fn contacts_text(contacts: &ContactSettings) -> String {
     object.unless(push_speed == standard.push_speed, "push_speed", push_speed);
     object.unless(restitution_speed == standard.restitution_speed, "restitution_speed", restitution_speed);
     object.unless(sleep_speed == standard.sleep_speed, "sleep_speed", sleep_speed);
+    object.unless(hit_speed == standard.hit_speed, "hit_speed", hit_speed);
     object.unless(max_pairs == standard.max_pairs, "max_pairs", max_pairs);
     object.unless(most == standard.max_pairs_per_collider, "max_pairs_per_collider", most);
     object.line()

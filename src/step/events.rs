@@ -1,0 +1,70 @@
+//! Events: contacts that begin and end, hits, and what enters and leaves sensors.
+//!
+//! Reads: the contacts before and after the step, poses at its end, the pairs that calls ended. Writes: the report, the overlaps of
+//! sensors.
+
+use super::Step;
+use super::contacts::Contacts;
+use crate::contact::{ColliderPair, ContactRecord, Overlap, compare, list_pairs};
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+
+impl<S: Scalar> Step<'_, S> {
+    /// Drops the contacts of bodies that were quarantined in the step: if one is released, its contacts start anew.
+    pub(super) fn drop_contacts_of_quarantined(&mut self) {
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let report = &mut self.workspace.report;
+        if report.faults.is_empty() {
+            return;
+        }
+        let faults = &report.faults;
+        let is_at_fault = |body: BodyId| faults.binary_search_by_key(&body, |fault| fault.body).is_ok();
+        let of = |slot: u32| colliders.at(slot).is_some_and(|collider| is_at_fault(collider.body));
+        contacts.records.retain(|record: &ContactRecord| !record.pair().iter().any(|outline| of(outline.slot)));
+        report.hits.retain(|hit| !hit.pair.bodies.into_iter().any(is_at_fault));
+    }
+
+    /// Reports events, and keeps what overlaps sensors.
+    pub(super) fn report_events(&mut self) {
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let any_contacts = colliders.any_contact_events();
+        let any_overlaps = colliders.any_sensors() || !contacts.overlaps.is_empty();
+        if !any_contacts && !any_overlaps && contacts.ended.is_empty() {
+            return;
+        }
+        let (workspace, bodies) = (&mut *self.workspace, &*self.bodies);
+        let report = &mut workspace.report;
+        for ended in contacts.ended.drain(..) {
+            if ended.is_sensor { &mut report.sensors_left } else { &mut report.contacts_ended }.push(ended.pair);
+        }
+        if let Some(own) = workspace.contacts.as_deref_mut() {
+            if any_contacts {
+                list_pairs(&contacts.records, colliders, &mut own.touching_after);
+                let pair = |slots| ColliderPair::of_contact(bodies, colliders, slots);
+                let lists = [&own.touching_before[..], &own.touching_after];
+                let (ended, began) = (&mut report.contacts_ended, &mut report.contacts_began);
+                compare(lists, |slots| ended.extend(pair(slots)), |slots| began.extend(pair(slots)));
+            }
+            if any_overlaps {
+                own.find_overlaps(bodies, colliders);
+                let pair = |overlap: Overlap| ColliderPair::new(bodies, colliders, overlap.slots());
+                let lists = [&contacts.overlaps[..], own.overlaps()];
+                let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);
+                compare(lists, |overlap| left.extend(pair(overlap)), |overlap| entered.extend(pair(overlap)));
+                if contacts.overlaps != own.overlaps() {
+                    contacts.overlaps.clear();
+                    contacts.overlaps.extend_from_slice(own.overlaps());
+                    contacts.pushed_at = self.settings.tick;
+                }
+            }
+        }
+        for list in [
+            &mut report.contacts_ended,
+            &mut report.contacts_began,
+            &mut report.sensors_left,
+            &mut report.sensors_entered,
+        ] {
+            list.sort_unstable_by_key(ColliderPair::rank);
+        }
+    }
+}

@@ -1,0 +1,601 @@
+//! Events of contacts: where they begin and end, and hits.
+
+use std::collections::BTreeSet;
+
+use super::scenes::{def, ground, material, square, world};
+use umbra_physics::{
+    BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ColliderPair, ContactSettings, Event, EventStatus, Exclusion,
+    Filter, Fx, Random, Rollback, Shape, Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
+};
+
+/// Two colliders by their handles.
+pub(super) type Pair = [ColliderId; 2];
+
+/// Follows the events of a world. No pair may begin twice or end without having begun.
+#[derive(Default)]
+pub(super) struct Observer {
+    pub(super) touching: BTreeSet<Pair>,
+    pub(super) inside: BTreeSet<Pair>,
+    /// The numbers of contacts that ended and began, of hits, and of what left and entered sensors.
+    pub(super) counts: [usize; 5],
+}
+
+impl Observer {
+    pub(super) fn step(&mut self, world: &mut World) {
+        for event in world.step() {
+            self.note(&event);
+        }
+    }
+
+    pub(super) fn note(&mut self, event: &Event) {
+        let kind = match event {
+            Event::ContactEnded(pair) => {
+                assert!(self.touching.remove(&pair.colliders), "{event} without having touched it");
+                0
+            }
+            Event::ContactBegan(pair) => {
+                assert!(self.touching.insert(pair.colliders), "{event} twice");
+                1
+            }
+            Event::ContactHit(_) => 2,
+            Event::SensorLeft(pair) => {
+                assert!(self.inside.remove(&pair.colliders), "{event} without having entered it");
+                3
+            }
+            Event::SensorEntered(pair) => {
+                assert!(self.inside.insert(pair.colliders), "{event} twice");
+                4
+            }
+            _ => return,
+        };
+        self.counts[kind] += 1;
+    }
+}
+
+/// Bodies at rest fall asleep soon.
+pub(super) fn quiet() -> WorldDef {
+    WorldDef { sleep_after: Some(20), ..def() }
+}
+
+fn eventful(def: BodyDef) -> BodyDef {
+    let flagged = |collider: ColliderDef| ColliderDef { contact_events: true, hit_events: true, ..collider };
+    BodyDef { colliders: def.colliders.into_iter().map(flagged).collect(), ..def }
+}
+
+fn disc(at: Vec2, key: u64) -> BodyDef {
+    let shape = Shape::circle(fx!(0.5)).expect("a disc");
+    BodyDef { position: at, key, ..BodyDef::dynamic().with_collider(ColliderDef { key, ..shape.into() }) }
+}
+
+/// A ground, and bodies of which every other one has events, some at speed.
+pub(super) fn crowd(count: u64, seed: u64) -> Vec<BodyDef> {
+    let mut random = Random::seeded(seed);
+    let mut bodies = vec![BodyDef { key: 1_000, ..ground().expect("a ground") }];
+    for key in 0..count {
+        let mut number = |most: i32| random.number(Fx::from(-most)..=Fx::from(most));
+        let at = vec2(number(4), number(3) + fx!(4));
+        let velocity = vec2(number(4), number(4));
+        let def = if key % 3 == 0 { disc(at, key) } else { square(at, key).expect("a square") };
+        let mut def = BodyDef { velocity, key, ..def };
+        for collider in &mut def.colliders {
+            collider.material = material(fx!(0.5), if key % 4 == 0 { fx!(0.5) } else { fx!(0) });
+            (collider.contact_events, collider.hit_events) = (key % 2 == 0, key % 5 == 0);
+            collider.key = key;
+        }
+        bodies.push(def);
+    }
+    bodies
+}
+
+/// The pairs of colliders with a contact in a world, those with events alone, in the order of events.
+fn pairs(world: &World) -> BTreeSet<Pair> {
+    let flagged = |id: ColliderId| world.collider(id).expect("it is there").contact_events;
+    let rank = |id: ColliderId| {
+        let body = world.collider_body(id).expect("it is there");
+        (world.body(body).expect("it is there").key(), world.collider(id).expect("it is there").key, id)
+    };
+    let own = world.contacts().map(|contact| contact.colliders);
+    let own = own.filter(|pair| pair.iter().any(|id| flagged(*id)));
+    own.map(|[a, b]| if rank(a) < rank(b) { [a, b] } else { [b, a] }).collect()
+}
+
+/// Makes a random call: bodies and colliders come, go, and change.
+pub(super) fn shake(world: &mut World, random: &mut Random) {
+    let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
+    let body = bodies[1 + random.below(bodies.len() as u64 - 1) as usize];
+    let other = bodies[random.below(bodies.len() as u64) as usize];
+    let collider = world.colliders_of(body).expect("a body").next();
+    let at = vec2(random.number(fx!(-4)..=fx!(4)), random.number(fx!(0)..=fx!(6)));
+    // What a call refuses changes nothing.
+    match random.below(12) {
+        0 => _ = world.remove_body(body),
+        1 => _ = world.add_body(crowd(1, random.below(1 << 32)).pop().expect("a body")),
+        2 => _ = world.disable(body),
+        3 | 4 => bodies.iter().for_each(|body| _ = world.enable(*body)),
+        5 => _ = world.set_position(body, at),
+        6 => {
+            let place = world.body(other).expect("a body").position();
+            _ = world.set_position(body, place + vec2(fx!(0.2), fx!(0.1)));
+        }
+        7 | 8 => {
+            let Some(collider) = collider else { return };
+            let own = world.collider(collider).expect("a collider").clone();
+            let next = match random.below(4) {
+                0 => ColliderDef { contact_events: !own.contact_events, ..own },
+                1 => ColliderDef { filter: Filter { mask: own.filter.mask ^ 2, ..own.filter }, ..own },
+                2 => ColliderDef { sensor: !own.sensor, ..own },
+                _ => own,
+            };
+            _ = world.set_collider(collider, next);
+        }
+        9 => {
+            if let Some(collider) = collider {
+                _ = world.remove_collider(collider);
+            }
+            _ = world.add_collider(body, Shape::circle(fx!(0.4)).expect("a disc"));
+        }
+        10 => drop(world.exclude_pair(body, other, Exclusion::UntilApart)),
+        _ => {
+            let kind = if random.below(2) == 0 { BodyKind::Kinematic } else { BodyKind::Dynamic };
+            _ = world.set_kind(body, kind);
+        }
+    }
+}
+
+#[test]
+fn events_are_the_differences_of_contacts_whatever_calls_do() {
+    let mut counts = [0; 2];
+    for seed in 0..12 {
+        let (mut world, _) = world(quiet(), crowd(14, seed)).expect("a scene");
+        let (mut observer, mut random) = (Observer::default(), Random::seeded(seed));
+        for _ in 0..300 {
+            if random.below(4) == 0 {
+                shake(&mut world, &mut random);
+            }
+            observer.step(&mut world);
+            let there = pairs(&world);
+            // Bodies that bounced may be apart at the end of the step.
+            assert!(there.is_subset(&observer.touching), "{there:?} {:?}", observer.touching);
+            let is_apart = |[a, b]: &Pair| {
+                let is_of = |id: ColliderId| world.collider_body(id).expect("it touches");
+                world.contacts_of(is_of(*a)).expect("a body").all(|contact| !contact.bodies.contains(&is_of(*b)))
+            };
+            assert!(observer.touching.difference(&there).all(is_apart));
+        }
+        counts[0] += observer.counts[0];
+        counts[1] += observer.counts[1];
+    }
+    assert!(counts[0] > 1_000 && counts[1] >= counts[0], "{counts:?}");
+}
+
+#[test]
+fn a_restored_world_has_the_events_of_one_that_was_not() {
+    let (mut world, _) = world(quiet(), crowd(14, 3)).expect("a scene");
+    let mut random = Random::seeded(5);
+    let mut met = [0; 5];
+    for _ in 0..400 {
+        if random.below(3) == 0 {
+            shake(&mut world, &mut random);
+        }
+        // Between a call and the step, from bytes.
+        let bytes = world.snapshot().to_bytes();
+        let mut fresh = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        let mut copy = world.clone();
+        assert_eq!(fresh.state_hash(), world.state_hash());
+        let [a, b, c] = [&mut world, &mut fresh, &mut copy].map(|world| {
+            let report = world.step();
+            let StepLists { lists, hits } = StepLists::of(&report);
+            (lists, hits)
+        });
+        assert_eq!(a, b);
+        assert_eq!(a, c);
+        let counts = [a.0[0].len(), a.0[1].len(), a.1.len(), a.0[2].len(), a.0[3].len()];
+        (0..5).for_each(|i| met[i] += counts[i]);
+    }
+    assert!(met.iter().all(|count| *count > 10), "{met:?}");
+}
+
+/// The events of a step.
+struct StepLists {
+    lists: [Vec<ColliderPair>; 4],
+    hits: Vec<umbra_physics::ContactHit>,
+}
+
+impl StepLists {
+    fn of(report: &umbra_physics::StepReport<'_>) -> Self {
+        let lists = [report.contacts_ended, report.contacts_began, report.sensors_left, report.sensors_entered];
+        Self { lists: lists.map(<[_]>::to_vec), hits: report.hits.to_vec() }
+    }
+
+    /// Keys alone, and hits without handles.
+    fn by_key(&self) -> ([Vec<[u64; 2]>; 4], Vec<([u64; 2], Fx, Vec2, Vec2, Fx)>) {
+        let keys = |pairs: &Vec<ColliderPair>| pairs.iter().map(|pair| pair.body_keys).collect();
+        let hit = |hit: &umbra_physics::ContactHit| {
+            (hit.pair.body_keys, hit.approach_speed, hit.normal, hit.point, hit.normal_impulse)
+        };
+        ([0, 1, 2, 3].map(|i| keys(&self.lists[i])), self.hits.iter().map(hit).collect())
+    }
+}
+
+#[test]
+fn the_order_of_insertion_changes_no_event() {
+    let bodies = crowd(20, 8);
+    let mut shuffled = bodies.clone();
+    let mut random = Random::seeded(7);
+    for i in (1..shuffled.len()).rev() {
+        shuffled.swap(i, random.below(i as u64 + 1) as usize);
+    }
+    let (mut here, _) = world(def(), bodies).expect("a scene");
+    let (mut there, _) = world(def(), shuffled).expect("a scene");
+    let mut count = 0;
+    for tick in 0..400 {
+        let [a, b] = [&mut here, &mut there].map(|world| StepLists::of(&world.step()).by_key());
+        count += a.0[0].len() + a.1.len();
+        assert_eq!(a, b, "{tick}");
+    }
+    assert!(count > 100, "{count}");
+}
+
+#[test]
+fn a_mirror_image_has_the_image_of_each_event() {
+    for symmetry in [Symmetry::MIRROR, Symmetry::TURN] {
+        let (mut here, _) = world(quiet(), crowd(20, 9)).expect("a scene");
+        let mut there = symmetry.world(&here).expect("an image");
+        let (mut count, mut random) = (0, Random::seeded(2));
+        for tick in 0..400 {
+            let (a, b) = (StepLists::of(&here.step()), StepLists::of(&there.step()));
+            assert_eq!(a.lists, b.lists, "{tick}");
+            let image = |v: Vec2| if symmetry == Symmetry::MIRROR { vec2(-v.x, v.y) } else { vec2(-v.y, v.x) };
+            assert_eq!(a.hits.len(), b.hits.len());
+            for (a, b) in a.hits.iter().zip(&b.hits) {
+                assert_eq!((a.pair, a.approach_speed, a.normal_impulse), (b.pair, b.approach_speed, b.normal_impulse));
+                assert_eq!((image(a.normal), image(a.point)), (b.normal, b.point), "{tick}");
+            }
+            count += a.lists[0].len() + a.hits.len();
+            if tick % 20 == 19 {
+                // A call, and an image of what is there then.
+                shake(&mut here, &mut random);
+                there = symmetry.world(&here).expect("an image");
+            }
+        }
+        assert!(count > 100, "{count}");
+    }
+}
+
+#[test]
+fn events_change_no_motion() {
+    let silent = |mut def: BodyDef| {
+        for collider in &mut def.colliders {
+            (collider.contact_events, collider.hit_events) = (false, false);
+        }
+        def
+    };
+    for seed in 0..6 {
+        let loud = crowd(16, seed);
+        let (mut here, ids) = world(quiet(), loud.clone()).expect("a scene");
+        let (mut there, _) = world(quiet(), loud.into_iter().map(silent)).expect("a scene");
+        for tick in 0..600 {
+            here.step();
+            there.step();
+            for &id in &ids {
+                let [a, b] = [&here, &there].map(|world| {
+                    let body = world.body(id).expect("a body");
+                    (body.position_exact(), body.angle_exact(), body.activity())
+                });
+                assert_eq!(a, b, "{tick}");
+            }
+            if tick == 400 {
+                for world in [&mut here, &mut there] {
+                    world.set_velocity(ids[3], vec2(2, 4)).expect("a body");
+                }
+            }
+        }
+    }
+}
+
+/// A disc with events on the ground, once it touches.
+fn resting() -> (World, [BodyId; 2], Observer) {
+    let (mut world, ids) =
+        world(quiet(), [ground().expect("a ground"), eventful(disc(vec2(0, 1), 7))]).expect("a scene");
+    let mut observer = Observer::default();
+    (0..60).for_each(|_| observer.step(&mut world));
+    assert_eq!((observer.counts[..3].to_vec(), observer.touching.len()), (vec![0, 1, 1], 1));
+    (world, [ids[0], ids[1]], observer)
+}
+
+/// The events of contacts in the next step: how many ended and began.
+fn next(world: &mut World, observer: &mut Observer) -> [usize; 2] {
+    let before = observer.counts;
+    observer.step(world);
+    [0, 1].map(|kind| observer.counts[kind] - before[kind])
+}
+
+#[test]
+fn what_a_call_takes_away_ends_in_the_report_of_the_next_step() {
+    type Call = fn(&mut World, [BodyId; 2]);
+    let calls: [(&str, Call, [usize; 2]); 10] = [
+        ("body", |world, [_, disc]| world.remove_body(disc).expect("a body"), [1, 0]),
+        ("ground", |world, [ground, _]| world.remove_body(ground).expect("a body"), [1, 0]),
+        (
+            "collider",
+            |world, [_, disc]| {
+                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                world.remove_collider(own).expect("a collider");
+            },
+            [1, 0],
+        ),
+        (
+            "slot used again",
+            |world, [_, disc]| {
+                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def = world.collider(own).expect("a collider").clone();
+                world.remove_collider(own).expect("a collider");
+                let again = world.add_collider(disc, def).expect("a collider");
+                assert_eq!(again.parts().0, own.parts().0);
+            },
+            [1, 1],
+        ),
+        (
+            "replaced",
+            |world, [_, disc]| {
+                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def = world.collider(own).expect("a collider").clone();
+                world.set_collider(own, def).expect("a collider");
+            },
+            [1, 1],
+        ),
+        (
+            "flag",
+            |world, [_, disc]| {
+                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def = ColliderDef { contact_events: false, ..world.collider(own).expect("a collider").clone() };
+                world.set_collider(own, def).expect("a collider");
+            },
+            [1, 0],
+        ),
+        ("disabled", |world, [_, disc]| world.disable(disc).expect("a body"), [1, 0]),
+        ("far", |world, [_, disc]| world.set_position(disc, vec2(0, 50)).expect("a body"), [1, 0]),
+        ("near", |world, [_, disc]| world.set_position(disc, vec2(1, fx!(0.5))).expect("a body"), [0, 0]),
+        (
+            "excluded",
+            |world, [ground, disc]| world.exclude_pair(ground, disc, Exclusion::Always).expect("a pair"),
+            [1, 0],
+        ),
+    ];
+    for is_asleep in [false, true] {
+        for (name, call, expected) in calls {
+            let (mut world, ids, mut observer) = resting();
+            if is_asleep {
+                (0..60).for_each(|_| assert_eq!(next(&mut world, &mut observer), [0, 0], "asleep"));
+                assert_eq!(world.moving_count(), 0);
+            }
+            let pair = *observer.touching.first().expect("it touches");
+            call(&mut world, ids);
+            // Also if the world goes through a file in between.
+            let mut fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("a world").into_world();
+            assert_eq!(next(&mut world, &mut observer), expected, "{name} {is_asleep}");
+            let report = fresh.step();
+            assert_eq!([report.contacts_ended.len(), report.contacts_began.len()], expected, "{name} restored");
+            if let [ended] = report.contacts_ended {
+                assert_eq!((ended.colliders, ended.body_keys), (pair, [7, 1 << 40]));
+                assert_eq!(ended.bodies, [ids[1], ids[0]]);
+            }
+            // Once.
+            if name != "near" && name != "far" {
+                assert_eq!(next(&mut world, &mut observer), [0, 0], "{name} again");
+            }
+        }
+    }
+}
+
+#[test]
+fn sleep_and_waking_end_and_begin_nothing() {
+    let (mut world, [_, disc], mut observer) = resting();
+    for _ in 0..3 {
+        while world.moving_count() > 0 {
+            assert_eq!(next(&mut world, &mut observer), [0, 0]);
+        }
+        (0..10).for_each(|_| assert_eq!(next(&mut world, &mut observer), [0, 0]));
+        world.wake(disc).expect("a body");
+        (0..5).for_each(|_| assert_eq!(next(&mut world, &mut observer), [0, 0]));
+    }
+    // Touched by another one, it wakes in the step.
+    while world.moving_count() > 0 {
+        observer.step(&mut world);
+    }
+    let hit = eventful(BodyDef { velocity: vec2(-3, 0), ..self::disc(vec2(2, fx!(0.6)), 9) });
+    world.add_body(hit).expect("a body");
+    let on_ground = *observer.touching.first().expect("it touches");
+    assert_eq!(observer.touching.len(), 1);
+    let tick = (0..60).find(|_| {
+        let before = observer.counts[0];
+        observer.step(&mut world);
+        let woke = world.last_report().woke == [disc];
+        assert!(!woke || observer.counts[0] == before && observer.touching.contains(&on_ground));
+        woke
+    });
+    assert!(tick.is_some() && observer.touching.len() > 1);
+}
+
+#[test]
+fn a_change_of_the_time_step_ends_nothing() {
+    let (mut world, _, mut observer) = resting();
+    for rate in [10_000, 60, 7_000] {
+        world.set_time_step(TimeStep::hz(rate)).expect("a rate");
+        (0..3).for_each(|_| assert_eq!(next(&mut world, &mut observer), [0, 0]));
+    }
+}
+
+#[test]
+fn contacts_of_a_quarantined_body_end_in_the_step_of_its_fault() {
+    // Too many pairs.
+    let contacts = ContactSettings { max_pairs: 60, max_pairs_per_collider: 8, ..ContactSettings::default() };
+    let bodies = [ground().expect("a ground"), eventful(disc(vec2(0, 1), 7))];
+    let (mut world, ids) = world(WorldDef { contacts, ..def() }, bodies).expect("a scene");
+    let mut observer = Observer::default();
+    (0..60).for_each(|_| observer.step(&mut world));
+    for i in 0..30 {
+        let square = square(vec2(0, fx!(0.5)), i).expect("a square");
+        world.add_body(square).expect("a body");
+    }
+    let report = world.step();
+    assert!(report.faults.iter().any(|fault| fault.body == ids[1]));
+    assert_eq!((report.contacts_ended.len(), report.contacts_began.len()), (1, 0));
+    // Released, it touches anew.
+    let others: Vec<BodyId> = world.bodies().map(|body| body.id()).filter(|id| !ids.contains(id)).collect();
+    others.into_iter().for_each(|id| world.remove_body(id).expect("a body"));
+    world.release(ids[1]).expect("a body");
+    let report = world.step();
+    assert_eq!((report.contacts_ended.len(), report.contacts_began.len()), (0, 1));
+}
+
+#[test]
+fn a_body_that_an_impulse_takes_out_of_range_ends_what_it_touched_at_once() {
+    let edge = Fx::from_bits(1 << 62) - fx!(2);
+    let at = |x: Fx, key| eventful(disc(vec2(x, 0), key));
+    let fast = BodyDef { velocity: vec2(900, 0), ..at(edge - fx!(1.2), 1) };
+    let target = BodyDef { position: vec2(edge, 0), ..at(edge, 2) };
+    let (mut world, ids) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, [fast, target]).expect("a scene");
+    let mut observer = Observer::default();
+    let mut faults = 0;
+    for _ in 0..10 {
+        faults += world.step().faults.len();
+        for event in world.last_report() {
+            observer.note(&event);
+        }
+        for fault in 0..ids.len() {
+            let is_out = world.body(ids[fault]).expect("a body").activity() == umbra_physics::Activity::Quarantined;
+            assert!(!is_out || observer.touching.is_empty());
+        }
+    }
+    assert!(faults > 0);
+}
+
+#[test]
+fn a_bounce_begins_and_ends_and_is_a_hit_of_the_right_size() {
+    let mut ball = eventful(BodyDef { position: vec2(3, 5), velocity: vec2(1, -8), ..disc(vec2(3, 5), 4) });
+    ball.colliders[0].material = material(fx!(0), fx!(0.5));
+    let (mut world, _) =
+        world(WorldDef { gravity: Vec2::ZERO, ..def() }, [ground().expect("a ground"), ball]).expect("a scene");
+    let mut observer = Observer::default();
+    let mut hits = Vec::new();
+    for _ in 0..120 {
+        observer.step(&mut world);
+        hits.extend(world.last_report().hits.iter().copied());
+    }
+    assert_eq!((observer.counts, observer.touching.len()), ([1, 1, 1, 0, 0], 0));
+    let hit = hits[0];
+    // The disc has the lower key: the normal is from it to the ground.
+    assert_eq!((hit.approach_speed, hit.normal), (fx!(8), vec2(0, -1)));
+    // π/4 kg that turn 8 m/s into −4 m/s.
+    assert!((hit.normal_impulse - fx!(9.42478)).abs() < fx!(0.001), "{}", hit.normal_impulse);
+    // It is at the ground after 4.5 m at 8 m/s, and meanwhile goes to the right: 1/60 m a step, of which half is the error.
+    assert!(
+        (hit.point.x - fx!(3.5625)).abs() < Fx::from_ratio(1, 120) && hit.point.y.abs() < fx!(0.001),
+        "{}",
+        hit.point
+    );
+}
+
+#[test]
+fn only_what_closes_fast_enough_is_a_hit() {
+    for (speed, expected) in [(fx!(1.9), 0), (fx!(2), 1), (fx!(30), 1), (fx!(3_000), 1)] {
+        let contacts = ContactSettings { hit_speed: fx!(2), ..ContactSettings::default() };
+        let boxes = |x: Fx, vx: Fx, key| {
+            let def = square(vec2(x, 0), key).expect("a square");
+            BodyDef { velocity: vec2(vx, 0), ..eventful(def) }
+        };
+        let bodies = [boxes(fx!(-3), speed, 5), boxes(fx!(3), fx!(0), 2)];
+        let def = WorldDef { gravity: Vec2::ZERO, contacts, ..def() };
+        let (mut world, _) = world(def, bodies).expect("a scene");
+        let mut hits = Vec::new();
+        (0..240).for_each(|_| hits.extend(world.step().hits.iter().copied()));
+        assert_eq!(hits.len(), expected, "{speed}");
+        for hit in hits {
+            // The body with the lower key is first: it is on the right.
+            assert_eq!((hit.pair.body_keys, hit.normal), ([2, 5], vec2(-1, 0)));
+            // Two corners at one speed: the middle of the side.
+            assert_eq!((hit.approach_speed, hit.point.y), (speed, fx!(0)));
+            assert!((hit.point.x - fx!(2.5)).abs() < fx!(0.01), "{}", hit.point);
+        }
+    }
+}
+
+#[test]
+fn an_impact_is_one_hit_at_any_part_of_a_step() {
+    for i in 0..60 {
+        for (speed, restitution) in [(12_i32, fx!(0)), (100, fx!(0)), (100, fx!(0.5)), (12, fx!(1))] {
+            let away = fx!(1.3) + Fx::from_ratio((i * speed).into(), 60 * 60);
+            let mut bodies = [disc(Vec2::ZERO, 1), eventful(disc(vec2(away, 0), 2))];
+            bodies[0].kind = BodyKind::Static;
+            bodies[1].velocity = vec2(-Fx::from(speed), 0);
+            bodies[1].colliders[0].material = material(fx!(0), restitution);
+            let (mut world, _) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, bodies).expect("a scene");
+            let mut hits = Vec::new();
+            (0..10).for_each(|_| hits.extend(world.step().hits.iter().copied()));
+            let speeds: Vec<Fx> = hits.iter().map(|hit| hit.approach_speed).collect();
+            assert_eq!(speeds, [Fx::from(speed)], "{i} {restitution}");
+            assert!((hits[0].point - vec2(fx!(0.5), 0)).length() < fx!(0.02), "{}", hits[0].point);
+        }
+    }
+}
+
+#[test]
+fn a_game_tells_new_events_from_those_it_has_shown() {
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    struct Push(bool);
+    let bodies = [ground().expect("a ground"), eventful(disc(vec2(0, 3), 1)), eventful(disc(vec2(6, 3), 2))];
+    let (mut world, ids) = world(def(), bodies).expect("a scene");
+    let truth = world.clone();
+    let discs = [ids[1], ids[2]];
+    let tick = |world: &mut World, inputs: &[(u32, Push)]| {
+        for &(player, Push(is_on)) in inputs {
+            if is_on {
+                world.apply_impulse(discs[player as usize], vec2(0, fx!(0.4))).expect("a body");
+            }
+        }
+    };
+    // Player 1 pushes for a while, which the other side learns ten ticks late.
+    let push = |tick: u64| Push(tick % 37 < 8);
+    let mut rollback = Rollback::new(&world, [0, 1], 16);
+    let mut shown: Vec<(u64, Event)> = Vec::new();
+    let (mut undone, mut seen) = (0, 0);
+    for now in 0..300 {
+        rollback.add_input(now, 0, Push(false)).expect("a tick");
+        if now >= 10 {
+            rollback.add_input(now - 10, 1, push(now - 10)).expect("a tick");
+        }
+        let report = rollback.advance(&mut world, tick).expect("a tick");
+        for event in report.events {
+            match event.status {
+                EventStatus::New => shown.push((event.tick, event.event)),
+                EventStatus::SeenBefore => seen += 1,
+                EventStatus::Undone => {
+                    let at = shown.iter().position(|one| *one == (event.tick, event.event));
+                    shown.remove(at.expect("it was shown"));
+                    undone += 1;
+                }
+            }
+        }
+    }
+    // As if all inputs had been there in time.
+    let mut twin = truth;
+    let mut told = Vec::new();
+    for now in 0..290 {
+        tick(&mut twin, &[(0, Push(false)), (1, push(now))]);
+        told.extend(twin.step().events().map(|event| (now, event)));
+    }
+    shown.retain(|(tick, _)| *tick < 290);
+    shown.sort_by_key(|(tick, _)| *tick);
+    let names = |list: &[(u64, Event)]| {
+        let is_hit = |event: &Event| matches!(event, Event::ContactHit(_));
+        let mut names: Vec<String> = list
+            .iter()
+            .map(|(tick, event)| if is_hit(event) { format!("{tick} hit") } else { format!("{tick} {event:?}") })
+            .collect();
+        names.sort();
+        names
+    };
+    assert_eq!(names(&shown), names(&told));
+    assert!(told.len() > 10 && undone > 3 && seen > 3, "{} {undone} {seen}", told.len());
+}

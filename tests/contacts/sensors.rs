@@ -1,0 +1,320 @@
+//! Sensors: what overlaps them, against the queries of the library.
+
+use std::collections::BTreeSet;
+
+use super::events::{Observer, Pair, crowd, quiet, shake};
+use super::scenes::{def, ground, square, world};
+use umbra_physics::{
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Filter, Fx, QueryFilter, Random, Shape, Snapshot,
+    SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
+};
+
+fn sensor(shape: Shape, key: u64) -> ColliderDef {
+    ColliderDef { sensor: true, density: fx!(0), key, ..ColliderDef::new(shape) }
+}
+
+/// The crowd, with sensors on the ground's body, on a kinematic body that goes through it, and around some of the bodies. None of
+/// them is turned but discs, of which the queries of the test know the angle.
+fn watched(seed: u64) -> Vec<BodyDef> {
+    let mut bodies = crowd(14, seed);
+    let tall = Shape::rectangle(fx!(1.5), fx!(4)).expect("a rectangle");
+    let wide = Shape::capsule(fx!(3), fx!(0.4)).expect("a capsule");
+    let at = ColliderDef { position: vec2(2, 3), ..sensor(tall, 500) };
+    bodies[0].colliders.push(at);
+    let wide = sensor(wide, 501);
+    let lift = BodyDef { position: vec2(-4, 2), velocity: vec2(1, 0), key: 2_000, ..BodyDef::kinematic() };
+    bodies.push(lift.with_collider(wide));
+    for (key, body) in bodies.iter_mut().enumerate().filter(|(key, _)| *key % 5 == 1) {
+        body.colliders.push(sensor(Shape::circle(fx!(0.8)).expect("a disc"), 600 + key as u64));
+    }
+    bodies
+}
+
+/// What overlaps each sensor, by the queries: of sensors that are discs or on bodies that are not turned.
+fn overlaps(world: &World) -> BTreeSet<Pair> {
+    let queries = world.queries();
+    let mut found = BTreeSet::new();
+    for (id, def) in world.colliders().filter(|(_, def)| def.sensor) {
+        let own = world.collider_body(id).expect("a body");
+        let body = world.body(own).expect("a body");
+        if !matches!(body.activity(), Activity::Awake | Activity::Asleep) {
+            continue;
+        }
+        assert!(def.position == Vec2::ZERO || body.angle() == fx!(0));
+        let pose = (body.position() + def.position, body.angle());
+        let filter = QueryFilter { without_bodies: &[own], ..QueryFilter::default() };
+        for other in queries.overlap_shape(&def.shape, pose, &filter).expect("a shape") {
+            let there = world.collider_body(other).expect("a body");
+            let there = world.body(there).expect("a body").kind();
+            let moves = [body.kind(), there].iter().any(|kind| *kind != BodyKind::Static);
+            if moves && world.collider(other).expect("a collider").filter.agrees(def.filter) {
+                found.insert([id, other]);
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn sensors_report_what_queries_find() {
+    let mut counts = [0; 2];
+    for seed in 0..10 {
+        let (mut world, _) = world(quiet(), watched(seed)).expect("a scene");
+        let (mut observer, mut random) = (Observer::default(), Random::seeded(seed));
+        for _ in 0..250 {
+            if random.below(4) == 0 {
+                shake(&mut world, &mut random);
+            }
+            observer.step(&mut world);
+            let is_plain = |id: ColliderId| {
+                let def = world.collider(id).expect("a collider");
+                let body = world.body(world.collider_body(id).expect("a body")).expect("a body");
+                // A turned square: the angle of a query is rounded.
+                def.key >= 500 || body.angle() == fx!(0)
+            };
+            let plain =
+                |pairs: BTreeSet<Pair>| pairs.into_iter().filter(|[id, _]| is_plain(*id)).collect::<BTreeSet<_>>();
+            assert_eq!(plain(observer.inside.clone()), plain(overlaps(&world)));
+            assert!(world.sensor_overlaps().map(|pair| pair.colliders).collect::<BTreeSet<_>>() == observer.inside);
+        }
+        counts[0] += observer.counts[3];
+        counts[1] += observer.counts[4];
+    }
+    assert!(counts[0] > 500 && counts[1] >= counts[0], "{counts:?}");
+}
+
+#[test]
+fn sensors_change_no_motion() {
+    for seed in 0..5 {
+        let loud = watched(seed);
+        let silent = loud.iter().cloned().map(|mut def: BodyDef| {
+            def.colliders.retain(|collider| !collider.sensor);
+            def
+        });
+        let silent: Vec<BodyDef> = silent.collect();
+        let (mut here, ids) = world(quiet(), loud).expect("a scene");
+        let (mut there, _) = world(quiet(), silent).expect("a scene");
+        let mut slept = 0;
+        for tick in 0..500 {
+            slept += here.step().fell_asleep.len();
+            there.step();
+            for &id in &ids {
+                let [a, b] = [&here, &there].map(|world| {
+                    let body = world.body(id).expect("a body");
+                    (body.position_exact(), body.angle_exact(), body.velocity_exact(), body.activity())
+                });
+                assert_eq!(a, b, "{tick}");
+            }
+        }
+        assert!(slept > 0);
+    }
+}
+
+#[test]
+fn a_restored_world_a_mirror_image_and_a_shuffled_one_have_the_same_overlaps() {
+    let bodies = watched(4);
+    let mut shuffled = bodies.clone();
+    Random::seeded(3).shuffle(&mut shuffled);
+    let (mut here, _) = world(quiet(), bodies).expect("a scene");
+    let (mut there, _) = world(quiet(), shuffled).expect("a scene");
+    let mut image = Symmetry::MIRROR.world(&here).expect("an image");
+    let mut restored = here.clone();
+    let mut count = 0;
+    for tick in 0..400 {
+        let bytes = restored.snapshot().to_bytes();
+        restored = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        let lists = |world: &mut World| {
+            let report = world.step();
+            [report.sensors_left.to_vec(), report.sensors_entered.to_vec()]
+        };
+        let own = lists(&mut here);
+        count += own[0].len();
+        assert_eq!(own, lists(&mut restored), "{tick}");
+        assert_eq!(own, lists(&mut image), "{tick}");
+        let keys = |lists: [Vec<umbra_physics::ColliderPair>; 2]| {
+            lists.map(|list| list.iter().map(|pair| (pair.body_keys, pair.collider_keys)).collect::<Vec<_>>())
+        };
+        assert_eq!(keys(own), keys(lists(&mut there)), "{tick}");
+        assert_eq!(here.physics_hash(), there.physics_hash(), "{tick}");
+        assert_eq!(here.state_hash(), restored.state_hash(), "{tick}");
+        assert_eq!(Symmetry::MIRROR.world(&here).expect("an image").first_difference(&image), None, "{tick}");
+    }
+    assert!(count > 20, "{count}");
+}
+
+/// A static sensor around the origin and a disc in it, of no gravity.
+fn goal() -> (World, [BodyId; 2], Observer) {
+    let goal = BodyDef { key: 3, ..BodyDef::fixed() };
+    let goal = goal.with_collider(sensor(Shape::rectangle(fx!(4), fx!(4)).expect("a box"), 0));
+    let disc = BodyDef { key: 5, ..BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5)).expect("a disc")) };
+    let (mut world, ids) = world(WorldDef { gravity: Vec2::ZERO, ..quiet() }, [goal, disc]).expect("a scene");
+    let mut observer = Observer::default();
+    observer.step(&mut world);
+    assert_eq!((observer.counts, observer.inside.len()), ([0, 0, 0, 0, 1], 1));
+    (world, [ids[0], ids[1]], observer)
+}
+
+#[test]
+fn what_a_call_takes_out_of_a_sensor_leaves_in_the_report_of_the_next_step() {
+    fn own(world: &World, body: BodyId) -> ColliderId {
+        world.colliders_of(body).expect("a body").next().expect("a collider")
+    }
+    type Call = fn(&mut World, [BodyId; 2]);
+    let calls: [(&str, Call, [usize; 2]); 9] = [
+        ("body", |world, [_, disc]| world.remove_body(disc).expect("a body"), [1, 0]),
+        ("sensor's body", |world, [goal, _]| world.remove_body(goal).expect("a body"), [1, 0]),
+        ("sensor", |world, [goal, _]| world.remove_collider(own(world, goal)).expect("a collider"), [1, 0]),
+        ("disabled", |world, [_, disc]| world.disable(disc).expect("a body"), [1, 0]),
+        ("sensor disabled", |world, [goal, _]| world.disable(goal).expect("a body"), [1, 0]),
+        ("far", |world, [_, disc]| world.set_position(disc, vec2(9, 0)).expect("a body"), [1, 0]),
+        ("sensor far", |world, [goal, _]| world.set_position(goal, vec2(9, 0)).expect("a body"), [1, 0]),
+        (
+            "flag",
+            |world, [goal, _]| {
+                let id = own(world, goal);
+                let def = ColliderDef { sensor: false, ..world.collider(id).expect("a collider").clone() };
+                world.set_collider(id, def).expect("a collider");
+            },
+            [1, 0],
+        ),
+        (
+            "slot used again",
+            |world, [_, disc]| {
+                let id = own(world, disc);
+                let def = world.collider(id).expect("a collider").clone();
+                world.remove_collider(id).expect("a collider");
+                world.add_collider(disc, def).expect("a collider");
+            },
+            [1, 1],
+        ),
+    ];
+    for is_asleep in [false, true] {
+        for (name, call, expected) in calls {
+            let (mut world, ids, mut observer) = goal();
+            if is_asleep {
+                (0..60).for_each(|_| observer.step(&mut world));
+                assert_eq!((world.moving_count(), observer.counts), (0, [0, 0, 0, 0, 1]));
+            }
+            call(&mut world, ids);
+            let mut fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("a world").into_world();
+            observer.step(&mut world);
+            assert_eq!(observer.counts[3..], [expected[0], 1 + expected[1]], "{name}");
+            let report = fresh.step();
+            assert_eq!([report.sensors_left.len(), report.sensors_entered.len()], expected, "{name} restored");
+            assert_eq!((report.sensors_left[0].bodies, report.sensors_left[0].body_keys), (ids, [3, 5]));
+            observer.step(&mut world);
+            assert_eq!(observer.counts[3..], [expected[0], 1 + expected[1]], "{name} again");
+        }
+    }
+}
+
+#[test]
+fn a_body_that_is_quarantined_leaves_its_sensor_in_that_step() {
+    let edge = Fx::from_bits(1 << 62) - fx!(2);
+    let goal = BodyDef { position: vec2(edge, 0), ..BodyDef::fixed() };
+    let goal = goal.with_collider(sensor(Shape::rectangle(fx!(4), fx!(4)).expect("a box"), 0));
+    let disc = BodyDef { position: vec2(edge, 0), velocity: vec2(100, 0), ..BodyDef::dynamic() };
+    let disc = disc.with_collider(Shape::circle(fx!(0.5)).expect("a disc"));
+    let (mut world, _) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, [goal, disc]).expect("a scene");
+    let mut observer = Observer::default();
+    observer.step(&mut world);
+    assert_eq!(observer.inside.len(), 1);
+    observer.step(&mut world);
+    assert_eq!((world.last_report().faults.len(), observer.inside.len()), (1, 0));
+}
+
+#[test]
+fn sensors_see_by_kind_and_filter_and_not_each_other() {
+    let shape = || Shape::circle(fx!(1)).expect("a disc");
+    let solid =
+        |kind, filter| BodyDef { kind, ..BodyDef::default() }.with_collider(ColliderDef { filter, ..shape().into() });
+    let watch = |kind, filter| {
+        BodyDef { kind, ..BodyDef::default() }.with_collider(ColliderDef {
+            filter,
+            density: fx!(1),
+            ..sensor(shape(), 0)
+        })
+    };
+    let (any, apart) = (Filter::default(), Filter { mask: 2, ..Filter::default() });
+    let (fixed, driven, free) = (BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic);
+    for (a, b, expected) in [
+        (watch(fixed, any), solid(free, any), 1),
+        (watch(fixed, any), solid(driven, any), 1),
+        (watch(fixed, any), solid(fixed, any), 0),
+        (watch(driven, any), solid(fixed, any), 1),
+        (watch(driven, any), solid(driven, any), 1),
+        (watch(free, any), solid(fixed, any), 1),
+        (watch(free, any), solid(free, any), 1),
+        (watch(free, apart), solid(free, any), 0),
+        (watch(free, any), watch(free, any), 0),
+        (watch(fixed, any), watch(free, any), 0),
+    ] {
+        let (mut world, _) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, [a.clone(), b.clone()]).expect("a scene");
+        assert_eq!(world.step().sensors_entered.len(), expected, "{a:?} {b:?}");
+        assert_eq!(world.step().sensors_entered.len(), 0);
+        assert_eq!(world.contacts().count(), 0);
+    }
+}
+
+#[test]
+fn a_step_in_which_nothing_enters_or_leaves_can_be_undone() {
+    let goal = BodyDef::fixed().with_collider(sensor(Shape::rectangle(fx!(4), fx!(4)).expect("a box"), 0));
+    let disc = BodyDef { position: vec2(-6, 0), velocity: vec2(6, 0), ..BodyDef::dynamic() };
+    let disc = disc.with_collider(Shape::circle(fx!(0.5)).expect("a disc"));
+    let (mut world, _) = world(WorldDef { gravity: Vec2::ZERO, ..def() }, [goal, disc]).expect("a scene");
+    let [mut undone, mut refused] = [0; 2];
+    for _ in 0..120 {
+        let before = world.state_hash();
+        world.step();
+        let mut back = world.clone();
+        if back.step_back(&[]).is_ok() {
+            assert_eq!(back.state_hash(), before);
+            undone += 1;
+        } else {
+            refused += 1;
+        }
+    }
+    // On the way in and out, and in the tick after.
+    assert_eq!((undone, refused), (116, 4));
+}
+
+#[test]
+fn a_sensor_over_sleeping_bodies_wakes_nobody_and_queries_do_not_see_it() {
+    let (mut world, ids) =
+        world(quiet(), [ground().expect("a ground"), square(vec2(0, fx!(0.5)), 1).expect("a square")])
+            .expect("a scene");
+    (0..60).for_each(|_| _ = world.step());
+    assert_eq!(world.moving_count(), 0);
+    let drone = BodyDef { position: vec2(-3, fx!(0.5)), velocity: vec2(2, 0), ..BodyDef::kinematic() };
+    let drone = drone.with_collider(sensor(Shape::circle(fx!(1)).expect("a disc"), 0));
+    let drone = world.add_body(drone).expect("a body");
+    let mut observer = Observer::default();
+    for _ in 0..300 {
+        observer.step(&mut world);
+        assert_eq!(world.body(ids[1]).expect("a body").activity(), Activity::Asleep);
+    }
+    // The ground from the first step on, then the square, in and out.
+    assert_eq!((observer.counts, observer.inside.len()), ([0, 0, 0, 1, 2], 1));
+    let at = world.body(drone).expect("a body").position() + vec2(0, fx!(0.9));
+    assert!(world.queries().overlap_point(at, &QueryFilter::default()).expect("a point").is_empty());
+}
+
+#[test]
+fn forged_overlaps_are_refused() {
+    let (world, ..) = goal();
+    let bytes = world.snapshot().to_bytes();
+    // At the end: one overlap of 8 bytes after its count, no pair that ended, no body that woke, the hash, the seal.
+    let overlap = bytes.len() - 16 - 2 * 4 - 8;
+    assert_eq!(bytes[overlap - 4..overlap + 8], [1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
+    for (at, value) in [
+        (overlap, 1),     // no sensor
+        (overlap, 9),     // a collider that is not there
+        (overlap + 4, 0), // the sensor itself
+        (overlap + 4, 9),
+    ] {
+        let mut forged = bytes.clone();
+        forged[at] = value;
+        let error = Snapshot::from_bytes(&forged, &[]).expect_err("no world has this");
+        assert!(matches!(error, SnapshotError::Malformed(_)), "{at}: {error}");
+    }
+}
