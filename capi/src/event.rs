@@ -18,7 +18,7 @@ use crate::world::{UmbraWorld, word};
 pub struct UmbraColliderPair {
     /// The colliders.
     pub colliders: [u64; 2],
-    /// Their bodies.
+    /// The bodies of the colliders.
     pub bodies: [u64; 2],
     /// The keys of the colliders.
     pub collider_keys: [u64; 2],

@@ -48,7 +48,7 @@ use crate::slots::{BodyId, ColliderId};
 pub struct ColliderPair {
     /// The colliders.
     pub colliders: [ColliderId; 2],
-    /// Their bodies.
+    /// The bodies of the colliders.
     pub bodies: [BodyId; 2],
     /// The keys of the colliders.
     pub collider_keys: [u64; 2],
@@ -56,7 +56,7 @@ pub struct ColliderPair {
     pub body_keys: [u64; 2],
 }
 
-/// What pairs are sorted by.
+/// The keys that pairs are sorted by.
 type Rank = [(u64, u64, ColliderId); 2];
 
 impl ColliderPair {
@@ -228,7 +228,7 @@ pub(crate) fn compare<T: Copy + Ord>(
 }
 
 impl ContactSet {
-    /// Keeps what the next step reports as the end of the contacts and of the overlaps of a collider.
+    /// Keeps the pairs that the next step reports as the end of the contacts and of the overlaps of a collider.
     pub(super) fn keep_ends<S: Scalar>(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, slot: u32) {
         if colliders.any_contact_events() {
             let any_asleep = self.asleep.touching(slot).next().is_some();

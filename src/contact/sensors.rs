@@ -11,7 +11,6 @@ use crate::body::{Activity, Bodies, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, OutlineId};
-use crate::compiled::Compiled;
 use crate::query::{Core, Placement, Point, Sum, beside, contains, in_scalar};
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Aabb;
@@ -54,9 +53,6 @@ struct Visitor {
     outline: OutlineId,
 }
 
-/// The static colliders, and the engine that numbered them.
-type Standing<'a, S> = (&'a Arc<Statics>, &'a <S as Compiled<S>>::Contacts);
-
 /// Memory that sensors use again.
 #[derive(Debug, Default)]
 pub(crate) struct Sensors {
@@ -89,12 +85,12 @@ impl Sensors {
         self.revision = None;
     }
 
-    /// Finds all overlaps of sensors.
+    /// Finds all overlaps of sensors; `standing` has the static colliders, and the engine that numbered them.
     pub(crate) fn find<S: Scalar>(
         &mut self,
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
-        standing: Option<Standing<'_, S>>,
+        standing: Option<(&Arc<Statics>, &S::Contacts)>,
     ) {
         self.found.clear();
         if self.revision != Some(colliders.revision()) {

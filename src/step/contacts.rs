@@ -170,7 +170,7 @@ impl<S: Scalar> Workspace<S> {
         sensors.find(bodies, colliders, engine.statics(colliders).map(|statics| (statics, &*engine)));
     }
 
-    /// What was found to overlap sensors, sorted.
+    /// The overlaps of sensors that were found, sorted.
     pub(super) fn overlaps(&self) -> &[Overlap] {
         &self.sensors.found
     }

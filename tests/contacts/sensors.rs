@@ -30,7 +30,7 @@ fn watched(seed: u64) -> Vec<BodyDef> {
     bodies
 }
 
-/// What overlaps each sensor, by the queries: of sensors that are discs or on bodies that are not turned.
+/// The overlaps of each sensor, by the queries: of sensors that are discs or on bodies that are not turned.
 fn overlaps(world: &World) -> BTreeSet<Pair> {
     let queries = world.queries();
     let mut found = BTreeSet::new();
