@@ -8,9 +8,9 @@ use std::ptr;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
-    End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator, Locks,
-    Mass, Material, MaterialPair, MixRule, OneWay, Random, Region, Shape, Snapshot, SpringConstants, TimeStep, World,
-    WorldDef, fx, vec2,
+    End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator,
+    Locks, Mass, Material, MaterialPair, MixRule, OneWay, Random, Region, Shape, Snapshot, SpringConstants, TimeStep,
+    World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 

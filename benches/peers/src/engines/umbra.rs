@@ -8,8 +8,8 @@ use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, End, FieldKind, Fx,
-    Geometry, Integrator, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2, World as Umbra,
-    WorldDef,
+    Geometry, Integrator, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2,
+    World as Umbra, WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
@@ -94,7 +94,8 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
         mass = Mass::Explicit { mass: S::number(kilograms), inertia: S::number(inertia) };
     } else if let Some(shape) = shape::<S>(b) {
         origin = [shape.shift().x, shape.shift().y].map(|c| -c.to_f64());
-        let material = Material { friction: S::number(b.friction), restitution: S::number(b.restitution), ..Material::default() };
+        let material =
+            Material { friction: S::number(b.friction), restitution: S::number(b.restitution), ..Material::default() };
         colliders.push(ColliderDef { density: S::number(b.density), material, ..ColliderDef::new(shape) });
     }
     let (dx, dy) = turned(origin, b.angle);

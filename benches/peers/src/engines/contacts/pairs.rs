@@ -109,10 +109,12 @@ impl Pairs {
     fn search(&mut self, bodies: &[Body], poses: &[Pose], flights: &[Flight]) {
         let proxies = |is_dynamic: bool| {
             let all = bodies.iter().zip(poses).zip(flights).enumerate();
-            all.filter(move |(_, ((body, _), _))| body.is_dynamic == is_dynamic).filter_map(|(i, ((body, pose), flight))| {
-                let outline = body.outline.as_ref()?;
-                Some(proxy(i, pose.bounds(&corner_box(outline), outline.radius()), flight))
-            })
+            all.filter(move |(_, ((body, _), _))| body.is_dynamic == is_dynamic).filter_map(
+                |(i, ((body, pose), flight))| {
+                    let outline = body.outline.as_ref()?;
+                    Some(proxy(i, pose.bounds(&corner_box(outline), outline.radius()), flight))
+                },
+            )
         };
         let statics = self.statics.get_or_insert_with(|| Arc::new(Statics::new(proxies(false).collect())));
         self.movers.clear();
