@@ -235,9 +235,11 @@ fn main() -> Result<(), Error> {
     while peers.iter().any(|peer| (peer.hashes.len() as u64) < TICKS) {
         frame += 1;
         for (to, peer) in peers.iter_mut().enumerate() {
-            for (_, _, tick) in line.extract_if(.., |(arrives, player, _)| *arrives <= frame && *player != to as u32) {
+            let is_here = |(arrives, player, _): &(u64, u32, u64)| *arrives <= frame && *player != to as u32;
+            for &(_, _, tick) in line.iter().filter(|input| is_here(input)) {
                 peer.rollback.add_input(tick, 1 - peer.player, bot(1 - to as u64, tick))?;
             }
+            line.retain(|input| !is_here(input));
             let now = peer.world.tick();
             if peer.rollback.add_input(now, peer.player, bot(to as u64, now))? {
                 line.push((frame + 1 + random.below(12), peer.player, now));

@@ -201,6 +201,9 @@ struct StepLists {
     hits: Vec<umbra_physics::ContactHit>,
 }
 
+/// The keys of the bodies, the approach speed, the normal, the point, the impulse.
+type HitByKey = ([u64; 2], Fx, Vec2, Vec2, Fx);
+
 impl StepLists {
     fn of(report: &umbra_physics::StepReport<'_>) -> Self {
         let lists = [report.contacts_ended, report.contacts_began, report.sensors_left, report.sensors_entered];
@@ -208,7 +211,7 @@ impl StepLists {
     }
 
     /// Keys alone, and hits without handles.
-    fn by_key(&self) -> ([Vec<[u64; 2]>; 4], Vec<([u64; 2], Fx, Vec2, Vec2, Fx)>) {
+    fn by_key(&self) -> ([Vec<[u64; 2]>; 4], Vec<HitByKey>) {
         let keys = |pairs: &Vec<ColliderPair>| pairs.iter().map(|pair| pair.body_keys).collect();
         let hit = |hit: &umbra_physics::ContactHit| {
             (hit.pair.body_keys, hit.approach_speed, hit.normal, hit.point, hit.normal_impulse)
@@ -463,8 +466,8 @@ fn a_body_that_an_impulse_takes_out_of_range_ends_what_it_touched_at_once() {
         for event in world.last_report() {
             observer.note(&event);
         }
-        for fault in 0..ids.len() {
-            let is_out = world.body(ids[fault]).expect("a body").activity() == umbra_physics::Activity::Quarantined;
+        for &id in &ids {
+            let is_out = world.body(id).expect("a body").activity() == umbra_physics::Activity::Quarantined;
             assert!(!is_out || observer.touching.is_empty());
         }
     }

@@ -45,8 +45,7 @@ pub(super) fn approach(manifold: &Manifold, flights: [&Flight; 2], time_step: Ti
         let speed = ((closing[0] * nx + closing[1] * ny) >> 62) as i64;
         approach.speeds[k] = Fx::from_bits(speed);
         let way = mean_way([a, b], point.separation, speed, time_step);
-        for side in 0..2 {
-            let arm = arms[side];
+        for (side, arm) in arms.into_iter().enumerate() {
             approach.arms[side][k] = Vec2::new(arm.x.saturating_add(way[0]), arm.y.saturating_add(way[1]));
         }
     }
