@@ -155,6 +155,16 @@ typedef struct UmbraReport {
     uint32_t drag_outside;
     // 0.
     uint32_t reserved;
+    // Number of contacts that ended: `umbra_world_contacts_ended`.
+    uint64_t contacts_ended;
+    // Number of contacts that began: `umbra_world_contacts_began`.
+    uint64_t contacts_began;
+    // Number of hits: `umbra_world_contact_hits`.
+    uint64_t hits;
+    // Number of colliders that left a sensor: `umbra_world_sensors_left`.
+    uint64_t sensors_left;
+    // Number of colliders that entered a sensor: `umbra_world_sensors_entered`.
+    uint64_t sensors_entered;
 } UmbraReport;
 
 // A body that was quarantined in a step, and why.
@@ -370,8 +380,12 @@ typedef struct UmbraColliderDef {
     uint32_t one_way;
     // Number of the material, for coefficients of two materials together; default 0, for none.
     uint32_t material_id;
-    // 0.
-    uint32_t reserved;
+    // 1 for a sensor, which touches nothing and reports what overlaps it, else 0; default 0.
+    uint32_t sensor;
+    // 1 to report where contacts of the collider begin and end, else 0; default 0. One of the two colliders is enough.
+    uint32_t contact_events;
+    // 1 to report hits of the collider, else 0; default 0. One of the two colliders is enough.
+    uint32_t hit_events;
     // Shape. The last field, so that the offsets of the others do not depend on the size of pointers.
     const struct UmbraShape *shape;
 } UmbraColliderDef;
@@ -384,6 +398,8 @@ typedef struct UmbraContactSettings {
     UmbraFx restitution_speed;
     // The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; default 0.05.
     UmbraFx sleep_speed;
+    // The approach speed from which on a contact is a hit, m/s, 0 to 2^10; default 1.
+    UmbraFx hit_speed;
     // The number of sub-steps in which contacts are solved, 1 to 8; default 5.
     uint32_t substeps;
     // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
@@ -447,6 +463,37 @@ typedef struct UmbraContact {
     uint32_t reserved;
 } UmbraContact;
 
+// Two colliders that an event is about. Handles of what calls removed before the step are those that it had: calls refuse them.
+//
+// Of a contact, the collider of the body with the lower key comes first, of equal keys that with the lower key of its own, then that
+// with the lower handle. Of a sensor, the sensor comes first.
+typedef struct UmbraColliderPair {
+    // The colliders.
+    uint64_t colliders[2];
+    // The bodies of the colliders.
+    uint64_t bodies[2];
+    // The keys of the colliders.
+    uint64_t collider_keys[2];
+    // The keys of the bodies.
+    uint64_t body_keys[2];
+} UmbraColliderPair;
+
+// A contact that closed fast when an impulse stopped it.
+typedef struct UmbraContactHit {
+    // The colliders.
+    struct UmbraColliderPair pair;
+    // Speed at which they closed along the normal at the start of the step, m/s.
+    UmbraFx approach_speed;
+    // Unit vector from the first collider to the second one; each component within 2^-29.
+    struct UmbraVec2 normal;
+    // Position at which the surfaces met, m.
+    struct UmbraVec2 point;
+    // Impulse along the normal over the step, N·s, restitution included.
+    UmbraFx normal_impulse;
+    // The part of a compound, or the segment of a chain, of each collider; 0 of all others.
+    uint32_t parts[2];
+} UmbraContactHit;
+
 // A kind of force field: one of the five below.
 typedef uint32_t UmbraFieldKind;
 
@@ -504,6 +551,92 @@ typedef struct UmbraFieldDef {
 
 // Options of a force or impulse: 0, or any of the flags below.
 typedef uint32_t UmbraApplyFlags;
+
+// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
+typedef struct UmbraExplosion {
+    // The centre, m.
+    struct UmbraVec2 position;
+    // The distance up to which it has its whole strength, m, 0 to 2^12.
+    UmbraFx radius;
+    // The distance from there over which the strength falls to nothing, m, 0 to 2^12.
+    UmbraFx falloff;
+    // The impulse on each metre of width that a collider turns to the centre, N·s/m, within ±2^16; below 0 it pulls.
+    UmbraFx impulse;
+    // The categories of the colliders that it acts on.
+    uint32_t mask;
+    // 0.
+    uint32_t reserved;
+} UmbraExplosion;
+
+// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must not
+// call functions that change the world.
+typedef uint32_t (*UmbraPredicate)(void *context, uint64_t collider, uint64_t user_data);
+
+// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
+typedef struct UmbraQueryFilter {
+    // The categories of the query, as bits; default all.
+    uint32_t category;
+    // The categories that it finds, as bits; default all. A collider is found if each has a category in the other's mask.
+    uint32_t mask;
+    // The group, which counts as that of a collider; 0 for none.
+    int32_t group;
+    // 0.
+    uint32_t reserved;
+    // Bodies to leave out.
+    const uint64_t *without_bodies;
+    // Number of them.
+    size_t without_body_count;
+    // Colliders to leave out.
+    const uint64_t *without_colliders;
+    // Number of them.
+    size_t without_collider_count;
+    // A condition; null for none.
+    UmbraPredicate predicate;
+    // The first argument of the condition.
+    void *context;
+} UmbraQueryFilter;
+
+// A ray.
+typedef struct UmbraRay {
+    // Where it starts, m.
+    struct UmbraVec2 origin;
+    // From there to its end, m; each part within ±2^20.
+    struct UmbraVec2 translation;
+} UmbraRay;
+
+// A collider that a ray or a shape met on its way.
+typedef struct UmbraCastHit {
+    // The collider; 0 for a shape without a world.
+    uint64_t collider;
+    // Its body; 0 for a shape without a world.
+    uint64_t body;
+    // The fraction of the translation, from 0 to 1, rounded down.
+    UmbraFx fraction;
+    // The point where they meet, m.
+    struct UmbraVec2 point;
+    // The outward unit normal of the collider there; zero if they overlap at the start.
+    struct UmbraVec2 normal;
+    // Number of the part of a compound or of the segment of a chain; 0 of all others.
+    uint32_t part;
+    // 1; 0 if nothing was met, and then all else is 0 as well.
+    uint32_t is_hit;
+} UmbraCastHit;
+
+// The point of a collider that is nearest to a point.
+typedef struct UmbraClosestPoint {
+    // The collider.
+    uint64_t collider;
+    // Its body.
+    uint64_t body;
+    // The distance, m; 0 in the collider.
+    UmbraFx distance;
+    // The nearest point, m.
+    struct UmbraVec2 point;
+    // Number of the part of a compound or of the segment of a chain; 0 of all others.
+    uint32_t part;
+    // 1; 0 if nothing is that near, and then all else is 0 as well.
+    uint32_t is_found;
+} UmbraClosestPoint;
 
 // Body or force field that a command created.
 typedef struct UmbraMade {
@@ -1207,8 +1340,10 @@ UmbraStatus umbra_world_add_collider(struct UmbraWorld *world,
                                      const struct UmbraColliderDef *def,
                                      uint64_t *collider);
 
-// Puts another definition in the place of a collider's; wakes its body.
-UmbraStatus umbra_world_set_collider(struct UmbraWorld *world, uint64_t collider, const struct UmbraColliderDef *def);
+// Puts another definition in the place of a collider's; wakes its body. Its contacts and overlaps end, and begin anew in the next step.
+UmbraStatus umbra_world_set_collider(struct UmbraWorld *world,
+                                     uint64_t collider,
+                                     const struct UmbraColliderDef *def);
 
 // Removes a collider; wakes its body.
 UmbraStatus umbra_world_remove_collider(struct UmbraWorld *world, uint64_t collider);
@@ -1259,12 +1394,61 @@ UmbraStatus umbra_world_excluded_pairs(const struct UmbraWorld *world,
                                        size_t capacity,
                                        size_t *count);
 
+// The contacts of one body among those of `umbra_world_contacts`; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_body_contacts(const struct UmbraWorld *world,
+                                      uint64_t body,
+                                      struct UmbraContact *contacts,
+                                      size_t capacity,
+                                      size_t *count);
+
 // The contacts that carried an impulse at the end of the last step, by the slots of their colliders; a list as
 // `umbra_world_outcomes` gives it. Each call computes their points.
 UmbraStatus umbra_world_contacts(const struct UmbraWorld *world,
                                  struct UmbraContact *contacts,
                                  size_t capacity,
                                  size_t *count);
+
+// The contacts of colliders with `contact_events` that ended in the last step or by a call before it, sorted by the keys of bodies and
+// colliders; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_contacts_ended(const struct UmbraWorld *world,
+                                       struct UmbraColliderPair *pairs,
+                                       size_t capacity,
+                                       size_t *count);
+
+// The contacts of colliders with `contact_events` that began in the last step, sorted likewise; a list as `umbra_world_outcomes` gives
+// it.
+UmbraStatus umbra_world_contacts_began(const struct UmbraWorld *world,
+                                       struct UmbraColliderPair *pairs,
+                                       size_t capacity,
+                                       size_t *count);
+
+// The colliders that left a sensor in the last step or by a call before it, each behind the sensor, sorted likewise; a list as
+// `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_sensors_left(const struct UmbraWorld *world,
+                                     struct UmbraColliderPair *pairs,
+                                     size_t capacity,
+                                     size_t *count);
+
+// The colliders that entered a sensor in the last step, each behind the sensor, sorted likewise; a list as `umbra_world_outcomes`
+// gives it.
+UmbraStatus umbra_world_sensors_entered(const struct UmbraWorld *world,
+                                        struct UmbraColliderPair *pairs,
+                                        size_t capacity,
+                                        size_t *count);
+
+// The colliders that overlapped sensors at the end of the last step, each behind the sensor, by the slots of the sensors; a list as
+// `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_sensor_overlaps(const struct UmbraWorld *world,
+                                        struct UmbraColliderPair *pairs,
+                                        size_t capacity,
+                                        size_t *count);
+
+// The hits of colliders with `hit_events` in the last step, sorted by the keys of bodies and colliders, then by parts; a list as
+// `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_contact_hits(const struct UmbraWorld *world,
+                                     struct UmbraContactHit *hits,
+                                     size_t capacity,
+                                     size_t *count);
 
 // Fills in the definition of a field of a kind: all groups, no body, everything else 0.
 UmbraStatus umbra_field_def_default(UmbraFieldKind kind, struct UmbraFieldDef *def);
@@ -1312,6 +1496,105 @@ UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
 
 // Takes back the forces and torques applied since the last step.
 UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
+
+// Sets off an explosion. It wakes whom it hits.
+UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExplosion *explosion);
+
+// Fills in a filter that lets all colliders through.
+UmbraStatus umbra_query_filter_default(struct UmbraQueryFilter *filter);
+
+// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. Of a mistake in one
+// ray nothing is written.
+UmbraStatus umbra_world_cast_rays(const struct UmbraWorld *world,
+                                  const struct UmbraRay *rays,
+                                  struct UmbraCastHit *hits,
+                                  size_t length,
+                                  const struct UmbraQueryFilter *filter);
+
+// 1 if a ray meets any collider, 0 if it meets none.
+UmbraStatus umbra_world_cast_ray_any(const struct UmbraWorld *world,
+                                     const struct UmbraRay *ray,
+                                     const struct UmbraQueryFilter *filter,
+                                     uint32_t *is_hit);
+
+// All colliders on a ray, sorted by fraction, then key, then handle; with 1 for `ties` only those that tie for the first place. A list
+// as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_cast_ray_all(const struct UmbraWorld *world,
+                                     const struct UmbraRay *ray,
+                                     uint32_t ties,
+                                     const struct UmbraQueryFilter *filter,
+                                     struct UmbraCastHit *hits,
+                                     size_t capacity,
+                                     size_t *count);
+
+// All colliders that a shape meets on its way over a translation, without turning, sorted as those on a ray; with 1 for `ties` only those
+// that tie for the first place. A list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_cast_shape(const struct UmbraWorld *world,
+                                   const struct UmbraShape *shape,
+                                   UmbraFx x,
+                                   UmbraFx y,
+                                   UmbraFx angle,
+                                   UmbraFx translation_x,
+                                   UmbraFx translation_y,
+                                   uint32_t ties,
+                                   const struct UmbraQueryFilter *filter,
+                                   struct UmbraCastHit *hits,
+                                   size_t capacity,
+                                   size_t *count);
+
+// The colliders that overlap a shape or touch it, sorted by key, then by handle; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_overlap_shape(const struct UmbraWorld *world,
+                                      const struct UmbraShape *shape,
+                                      UmbraFx x,
+                                      UmbraFx y,
+                                      UmbraFx angle,
+                                      const struct UmbraQueryFilter *filter,
+                                      uint64_t *colliders,
+                                      size_t capacity,
+                                      size_t *count);
+
+// The colliders that overlap a box between two corners or touch it, sorted by key, then by handle: with one point for both those at the
+// point. A list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_overlap_box(const struct UmbraWorld *world,
+                                    UmbraFx min_x,
+                                    UmbraFx min_y,
+                                    UmbraFx max_x,
+                                    UmbraFx max_y,
+                                    const struct UmbraQueryFilter *filter,
+                                    uint64_t *colliders,
+                                    size_t capacity,
+                                    size_t *count);
+
+// The collider nearest to a point, up to a distance from 0 to 2^20 m: of several at the same distance that with the least key, then handle.
+UmbraStatus umbra_world_closest_point(const struct UmbraWorld *world,
+                                      UmbraFx x,
+                                      UmbraFx y,
+                                      UmbraFx most,
+                                      const struct UmbraQueryFilter *filter,
+                                      struct UmbraClosestPoint *closest);
+
+// All colliders up to a distance from 0 to 2^20 m from a point, each with its nearest point, sorted by distance, then key, then handle; a list
+// as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_closest_points(const struct UmbraWorld *world,
+                                       UmbraFx x,
+                                       UmbraFx y,
+                                       UmbraFx most,
+                                       const struct UmbraQueryFilter *filter,
+                                       struct UmbraClosestPoint *points,
+                                       size_t capacity,
+                                       size_t *count);
+
+// 1 if a point, relative to the centre of mass of a shape, is in it or on its surface, else 0.
+UmbraStatus umbra_shape_contains(const struct UmbraShape *shape, UmbraFx x, UmbraFx y, uint32_t *is_inside);
+
+// The point of a shape that is nearest to a point, both relative to its centre of mass, and their distance; without a collider and a body.
+UmbraStatus umbra_shape_closest_point(const struct UmbraShape *shape,
+                                      UmbraFx x,
+                                      UmbraFx y,
+                                      struct UmbraClosestPoint *closest);
+
+// The first point of a shape on a ray, relative to its centre of mass; without a collider and a body.
+UmbraStatus umbra_shape_cast_ray(const struct UmbraShape *shape, const struct UmbraRay *ray, struct UmbraCastHit *hit);
 
 // Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
 UmbraStatus umbra_world_execute(struct UmbraWorld *world,

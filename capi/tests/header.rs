@@ -34,7 +34,7 @@ fn the_header_is_that_of_the_sources() {
 }
 
 fn declared(header: &str) -> BTreeSet<&str> {
-    let code = header.lines().filter(|line| !line.starts_with([' ', '/', '#', '}']));
+    let code = header.lines().filter(|line| !line.starts_with([' ', '/', '#', '}']) && !line.starts_with("typedef"));
     code.filter_map(|line| line.split_once('(')?.0.rsplit([' ', '*']).next()).collect()
 }
 

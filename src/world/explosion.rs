@@ -181,6 +181,11 @@ impl<S: Scalar> World<S> {
         Ok(effects)
     }
 
+    /// The bodies that an explosion would hit; none if it is refused.
+    pub(crate) fn hit_by(&self, explosion: &Explosion<S>) -> Vec<BodyId> {
+        self.blast(explosion).map(|hit| hit.into_iter().map(|(body, _)| body).collect()).unwrap_or_default()
+    }
+
     /// The velocities of a body after an explosion, if it is hit.
     fn blast_on(&self, explosion: &Explosion<S>, body: BodyId, dense: usize) -> Result<Option<Effect<S>>, Error> {
         let from = checked_point(explosion.position)?;

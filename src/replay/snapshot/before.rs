@@ -105,6 +105,9 @@ impl BeforeCalls {
             Command::SetSleepAfter(_) | Command::SetIntegrator(_) => {
                 (0..self.slots).for_each(|slot| self.keep_slot(world, slot));
             }
+            Command::Explode(explosion) => {
+                world.hit_by(explosion).into_iter().for_each(|body| self.keep_slot(world, body.slot));
+            }
             Command::ClearForces => {
                 world.applied.rows().iter().for_each(|row| self.keep_slot(world, row.body.slot));
             }
