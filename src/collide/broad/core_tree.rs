@@ -4,7 +4,6 @@
 //! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by up to two units: what a search finds may not meet the path, but nothing that meets it
 //! is left out.
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::Path;
@@ -219,32 +218,5 @@ impl Node {
         let may_agree =
             |[category, mask]: [u32; 2]| (self.category[side] & mask != 0) & (category & self.mask[side] != 0);
         bits.is_none_or(may_agree) && walk.meets(self.low[side], self.high[side])
-    }
-}
-
-/// A tree of cores that is made when the first query asks for it. It is no part of any state.
-#[derive(Debug, Default)]
-pub(super) struct Cached {
-    #[cfg(feature = "std")]
-    tree: std::sync::OnceLock<Arc<CoreTree>>,
-}
-
-impl Cached {
-    /// The tree, made if there is none. Without the feature `std` nothing is kept.
-    #[cfg(feature = "std")]
-    pub(super) fn get(&self, make: impl FnOnce() -> CoreTree) -> Arc<CoreTree> {
-        Arc::clone(self.tree.get_or_init(|| Arc::new(make())))
-    }
-
-    #[cfg(not(feature = "std"))]
-    pub(super) fn get(&self, make: impl FnOnce() -> CoreTree) -> Arc<CoreTree> {
-        Arc::new(make())
-    }
-}
-
-impl Clone for Cached {
-    /// An empty one: the copy may come to hold other colliders.
-    fn clone(&self) -> Self {
-        Self::default()
     }
 }

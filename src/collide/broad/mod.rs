@@ -10,6 +10,7 @@
 //! and those of sleeping bodies in another one. Copies of a world share both, and a step does not look at who stands far away.
 
 mod bounds;
+mod cached;
 mod cap;
 mod core_tree;
 mod entry;

@@ -4,7 +4,8 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::Proxy;
-use super::core_tree::{Cached, CoreAt, CoreTree};
+use super::cached::Cached;
+use super::core_tree::{CoreAt, CoreTree};
 use super::tree::{Extent, Tree};
 use crate::collider::Filter;
 use crate::fx::Fx;
