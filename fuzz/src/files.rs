@@ -30,7 +30,7 @@ pub fn seal_snapshot(bytes: &mut [u8]) {
 pub fn put_tick(bytes: &mut [u8], tick: u64) {
     // It comes after the settings, which end with an option and the settings of contacts.
     let sleep_after = HEAD + 41;
-    let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 } + 36;
+    let at = sleep_after + if bytes[sleep_after] == 1 { 5 } else { 1 } + 44;
     bytes[at..at + 8].copy_from_slice(&tick.to_le_bytes());
 }
 
