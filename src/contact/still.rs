@@ -144,6 +144,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Lists all colliders that stand still in this way.
     fn list(&self, scene: &Scene<'_, S>, state: State, proxies: &mut Vec<Proxy>) {
         proxies.clear();
+        // As many as there may ever be of one kind: then it depends on no step how much there was before.
+        proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
         if state == State::Static || scene.bodies.any_asleep() {
             proxies.extend(scene.colliders.list().flat_map(|collider| self.proxies(scene, collider, state)));
         }

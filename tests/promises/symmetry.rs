@@ -123,6 +123,14 @@ impl Reflected {
         self.of_commands.command(command).ok_or(Ended::Over)
     }
 
+    /// Image of an event. Hits alone have places and directions.
+    fn image_of(&self, event: Event) -> Option<Event> {
+        let Event::ContactHit(mut hit) = event else { return Some(event) };
+        hit.normal = self.symmetry.vector(hit.normal)?;
+        hit.point = self.symmetry.point(hit.point)?;
+        Some(Event::ContactHit(hit))
+    }
+
     fn is_image(&self, what: &str, here: &World, there: &World) -> Result<(), Ended> {
         let image = self.symmetry.world(here).ok_or(Ended::Over)?;
         match image.first_difference(there) {
@@ -132,7 +140,12 @@ impl Reflected {
     }
 
     fn compare(&mut self, what: &str) -> Result<(), Ended> {
-        self.both(what, |side| side.told())?;
+        let [(events, outside, changed), there] = self.sides.each_ref().map(Side::told);
+        let events: Option<Vec<Event>> = events.into_iter().map(|event| self.image_of(event)).collect();
+        let here = (events.ok_or(Ended::Over)?, outside, changed);
+        if here != there {
+            return Err(Ended::Unlike(format!("{what}: {here:?} and {there:?}")));
+        }
         let [here, there] = &self.sides;
         self.is_image(what, &here.world, &there.world)?;
         self.compared += 1;
