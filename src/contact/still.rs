@@ -112,6 +112,9 @@ fn within(pairs: usize, most: usize) -> usize {
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
     pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) {
+        // Room for all: a step that is taken again may have to list them where it followed changes before.
+        self.following.proxies.clear();
+        self.following.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
         let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
         if is_current && self.still.is_some() && scene.changed.is_some_and(Changed::is_empty) {
             return;
@@ -144,8 +147,6 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Lists all colliders that stand still in this way.
     fn list(&self, scene: &Scene<'_, S>, state: State, proxies: &mut Vec<Proxy>) {
         proxies.clear();
-        // As many as there may ever be of one kind: then it depends on no step how much there was before.
-        proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
         if state == State::Static || scene.bodies.any_asleep() {
             proxies.extend(scene.colliders.list().flat_map(|collider| self.proxies(scene, collider, state)));
         }
