@@ -100,7 +100,8 @@ impl Soak {
         self.faults += self.world.step().faults.len() as u64;
         self.twin.step();
         assert_eq!(self.world.last_report(), self.twin.last_report());
-        assert_eq!(self.world.state_hash(), self.twin.state_hash(), "tick {}", self.world.tick());
+        let are_equal = self.world.state_hash() == self.twin.state_hash();
+        assert!(are_equal, "{:#?}", self.world.first_difference(&self.twin));
         self.renew();
     }
 

@@ -353,11 +353,12 @@ impl<S: Scalar> World<S> {
         self.next_step(probe).step();
     }
 
-    /// Computes the derived values that calls have made stale, of the bodies that the step moves.
+    /// Computes the derived values that calls have made stale, of the bodies that the step may move: those that sleep may be touched.
     fn update(&mut self) {
         self.plan.update(self.def.integrator, self.def.time_step);
         let any_come = self.bodies.begin_step(&self.factor_table);
-        let indices = &self.bodies.columns.factors[..self.bodies.moving()];
+        let factors = &self.bodies.columns.factors;
+        let indices = if self.bodies.any_asleep() { &factors[..] } else { &factors[..self.bodies.moving()] };
         // A copy of the world may have the same table: it is copied only if a row has to be made.
         if self.factor_table.is_stale(indices, any_come) {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;

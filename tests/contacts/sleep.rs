@@ -2,8 +2,8 @@
 
 use super::scenes::{def, square, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Exclusion, Fx, Material, OneWay, Random, Shape, Snapshot, Vec2,
-    World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Damping, Exclusion, Fx, Material, OneWay, Random, Shape,
+    Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn disc(position: Vec2, velocity: Vec2) -> BodyDef {
@@ -267,6 +267,36 @@ fn disturb(world: &mut World, random: &mut Random) {
 }
 
 /// Sleeping colliders stand in a tree that follows changes; a restored world builds it anew.
+#[test]
+fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
+    let damped = |def: BodyDef| BodyDef {
+        gravity_scale: fx!(0.5),
+        linear_damping: Some(Damping::rate(fx!(3))),
+        ..def
+    };
+    let floor = BodyDef { position: vec2(0, -1), ..super::scenes::ground().expect("a ground") };
+    let sleeper = damped(square(vec2(0, fx!(0.5)), 1).expect("a square"));
+    let shots = [disc(vec2(-40, fx!(0.6)), vec2(20, 0)), disc(vec2(-60, fx!(0.6)), vec2(20, 0))];
+    let flying = shots.map(|shot| BodyDef { gravity_scale: fx!(0), ..shot });
+    let bodies = [floor, sleeper].into_iter().chain(flying);
+    let (mut there, ids) = world(WorldDef { sleep_after: Some(20), ..def() }, bodies).expect("a scene");
+    let mut woke = 0;
+    for tick in 0..400 {
+        if tick == 60 {
+            // All factors of a step are others from here on, and the box sleeps.
+            assert_eq!(there.body(ids[1]).expect("a box").activity(), Activity::Asleep);
+            there.set_time_step(TimeStep::hz(120)).expect("within the limit of time");
+        }
+        let mut bytes = Vec::new();
+        there.snapshot().write_to(&mut bytes);
+        let mut restored = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        woke += usize::from(there.step().woke.contains(&ids[1]));
+        restored.step();
+        assert_eq!(restored.first_difference(&there), None, "tick {tick}");
+    }
+    assert!(woke > 0, "no shot woke the box");
+}
+
 #[test]
 fn a_world_that_is_restored_wakes_and_sleeps_alike() {
     let [mut fell, mut woke] = [0, 0];
