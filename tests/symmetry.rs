@@ -19,8 +19,8 @@ use umbra_physics::{
     vec2,
 };
 
-/// Steps of the scenes: 28 minutes at 1/60.
-const STEPS: u32 = if cfg!(debug_assertions) { 2_000 } else { 100_000 };
+/// Steps of the scenes: 14 minutes at 1/60.
+const STEPS: u32 = if cfg!(debug_assertions) { 2_000 } else { 50_000 };
 
 /// p' = A·p + t, with the axes of the bodies going along by `quarters`.
 #[derive(Clone, Copy, Debug)]

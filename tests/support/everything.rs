@@ -118,7 +118,7 @@ pub(crate) fn commands() -> Vec<Command> {
     commands.extend(fields().into_iter().map(Command::AddField));
     commands.extend(colliders().into_iter().map(|def| Command::AddCollider { body, def }));
     let collider = ColliderId::from_parts(0, 0);
-    commands.extend(colliders().into_iter().map(|def| Command::SetCollider { collider, def }));
+    commands.extend(colliders().into_iter().step_by(11).map(|def| Command::SetCollider { collider, def }));
     let damped = BodyDef {
         linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
         angular_damping: Some(Damping::kept_per_second(fx!(0.25))),
@@ -267,10 +267,17 @@ pub(crate) fn world() -> World {
     world
 }
 
+/// The bytes of a file that a test changes, one after the other: all of them if `UMBRA_BYTES` is set, else every fifth one, which in words of
+/// 4 and 8 bytes is another one each time.
+#[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
+pub(crate) fn places(length: usize) -> impl Iterator<Item = usize> {
+    (0..length).step_by(if std::env::var_os("UMBRA_BYTES").is_some() { 1 } else { 5 })
+}
+
 /// All commands, a few a tick: by the level itself, and by two players.
 pub(crate) fn recording() -> Vec<u8> {
     let mut world = world();
-    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 8 });
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 16 });
     for (tick, some) in commands().chunks(4).enumerate() {
         let mut inputs = Inputs::new();
         for (i, command) in some.iter().enumerate() {

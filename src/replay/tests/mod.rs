@@ -24,7 +24,7 @@ mod untrusted;
 
 #[path = "../../../tests/support/everything.rs"]
 pub(super) mod everything;
-pub(super) use everything::{commands, custom_forces, recording};
+pub(super) use everything::{commands, custom_forces, places, recording};
 
 /// The chunks of a file, each with the position of its first byte.
 pub(super) fn chunks(file: &[u8]) -> Vec<(Chunk, usize)> {

@@ -6,7 +6,7 @@ use alloc::format;
 use alloc::string::ToString as _;
 use alloc::vec::Vec;
 
-use super::{chunks, commands, custom_forces, file, recording, reseal, values};
+use super::{chunks, commands, custom_forces, file, places, recording, reseal, values};
 use crate::body::BodyDef;
 use crate::replay::file::{REPLAY, SNAPSHOT, TICKS, Tag};
 use crate::replay::{
@@ -76,7 +76,7 @@ fn a_flipped_bit_in_any_value_is_named_with_both_values() {
 #[test]
 fn a_flipped_bit_anywhere_and_a_file_cut_off_anywhere_are_found() {
     let whole = recording();
-    for at in 0..whole.len() {
+    for at in places(whole.len()) {
         let mut changed = whole.clone();
         changed[at] ^= 1 << (at % 8);
         assert!(Replay::from_bytes(&changed, &custom_forces()).is_err(), "byte {at}");
