@@ -72,7 +72,7 @@ fn snapshots() {
             }
         }
     });
-    assert!(accepted > 1_000 && refused > 5_000, "{accepted}, {refused}");
+    assert!(accepted > 1_000 && refused > 2_000, "{accepted}, {refused}");
 }
 
 #[test]
@@ -205,7 +205,7 @@ fn replays() {
         }
     });
     // Those that go as recorded say something else of who sent a command, or of what is overwritten in that tick.
-    assert!(as_recorded > 100 && diverged > 5_000 && refused > 5_000, "{as_recorded}, {diverged}, {refused}");
+    assert!(as_recorded > 100 && diverged > 5_000 && refused > 2_000, "{as_recorded}, {diverged}, {refused}");
 }
 
 #[test]
@@ -246,7 +246,7 @@ fn dumps() {
             refused += 1;
         }
     });
-    assert!(accepted > 100 && refused > 1_000, "{accepted}, {refused}");
+    assert!(accepted > 20 && refused > 300, "{accepted}, {refused}");
     // Another tick than that of its worlds, and another end.
     for (tag, at) in [(*b"TICK", 0), (*b"DONE", 0), (*b"DONE", 8)] {
         let mut other = parts.clone();
