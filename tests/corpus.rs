@@ -15,6 +15,7 @@ use fuzz::tally::Tally;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use umbra_physics::{BodyDef, Command, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, vec2};
 use umbra_scene::Scene;
@@ -108,10 +109,14 @@ fn inputs_have_ticks_and_contacts() {
         values[values.len() / 2]
     };
     for (target, run) in fuzz::TARGETS {
-        let tallies: Vec<Tally> = inputs(target).iter().map(|(_, input)| Tally::of(run, input)).collect();
+        let (inputs, start) = (inputs(target), Instant::now());
+        let tallies: Vec<Tally> = inputs.iter().map(|(_, input)| Tally::of(run, input)).collect();
+        let rate = inputs.len() as f64 / start.elapsed().as_secs_f64();
         let of = |value: fn(&Tally) -> u64| median(tallies.iter().map(value).collect());
         let [ticks, mean, most] = [of(|tally| tally.ticks), of(Tally::mean), of(|tally| tally.most)];
-        println!("{target}: medians of {ticks} ticks, {mean} touching manifolds in a tick, at most {most}");
+        println!(
+            "{target}: medians of {ticks} ticks, {mean} touching manifolds in a tick, at most {most}; {rate:.0} inputs/s"
+        );
         if let Some((_, least, fewest)) = MEDIANS.into_iter().find(|(name, ..)| *name == target) {
             assert!(ticks >= least && mean >= fewest, "{target}: {ticks} ticks with {mean} touching manifolds");
         }
@@ -196,16 +201,22 @@ fn second_encodings_are_committed() {
 }
 
 /// An input of a target in which bodies lie in a pile and most of them touch; `start` makes the first bytes.
-fn piled(target: &str, length: u64, random: &mut Random, start: impl Fn(&mut Random) -> Vec<u8>) -> Vec<u8> {
+fn piled(
+    target: &str,
+    [least, more]: [u64; 2],
+    random: &mut Random,
+    start: impl Fn(&mut Random) -> Vec<u8>,
+) -> Vec<u8> {
     let (_, run) = fuzz::TARGETS.into_iter().find(|(name, _)| *name == target).expect("a target");
-    let (_, least, fewest) = MEDIANS.into_iter().find(|(name, ..)| *name == target).expect("one with medians");
+    let (_, ticks, manifolds) = MEDIANS.into_iter().find(|(name, ..)| *name == target).expect("one with medians");
     loop {
-        let length = length + random.below(length);
+        let length = least + random.below(more);
         let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
-        let rest: Vec<u8> = (0..length).map(|_| byte(random)).collect();
-        let bytes = [start(random), rest].concat();
+        let mut bytes: Vec<u8> = (0..length).map(|_| byte(random)).collect();
+        let start = start(random);
+        bytes.splice(..start.len(), start);
         let tally = Tally::of(run, &bytes);
-        if tally.ticks >= least && tally.mean() >= fewest + 2 {
+        if tally.ticks >= ticks && tally.mean() >= manifolds + 2 {
             return bytes;
         }
     }
@@ -243,21 +254,29 @@ fn write_seeds() {
     {
         // A pile with values of one of four kinds.
         let start = |random: &mut Random| vec![promise, 4 + random.below(4) as u8];
-        write("commands", &format!("piled-{promise}-{number:02}"), &piled("commands", 150, &mut choices, start));
+        write("commands", &format!("piled-{promise}-{number:02}"), &piled("commands", [150, 200], &mut choices, start));
     }
     for number in 0..110 {
         // A file made by the author, of a pile.
-        let start = |_: &mut Random| vec![32 + [3, 35, 67, 99][number % 4]];
-        write("snapshot", &format!("piled-{number:03}"), &piled("snapshot", 120, &mut choices, start));
-        let start = |_: &mut Random| vec![32 + [3, 4, 67, 68][number % 4]];
-        write("replay", &format!("piled-{number:03}"), &piled("replay", 120, &mut choices, start));
+        let start = |_: &mut Random| vec![[35, 99, 163][number % 3]];
+        write("snapshot", &format!("piled-{number:03}"), &piled("snapshot", [120, 120], &mut choices, start));
+        let start = |_: &mut Random| vec![[35, 36, 99, 100][number % 4]];
+        write("replay", &format!("piled-{number:03}"), &piled("replay", [120, 120], &mut choices, start));
+    }
+    for number in 0..90 {
+        let start = |_: &mut Random| Vec::new();
+        write(
+            "contact_solver",
+            &format!("piled-{number:02}"),
+            &piled("contact_solver", [400, 300], &mut choices, start),
+        );
     }
     for number in 0..10 {
-        write("threads", &format!("piled-{number}"), &piled("threads", 200, &mut choices, |_| Vec::new()));
+        write("threads", &format!("piled-{number}"), &piled("threads", [200, 100], &mut choices, |_| Vec::new()));
     }
     for number in 0..40 {
         let start = |random: &mut Random| vec![128 + 16 + random.below(8) as u8];
-        write("queries", &format!("piled-{number:02}"), &piled("queries", 700, &mut choices, start));
+        write("queries", &format!("piled-{number:02}"), &piled("queries", [700, 300], &mut choices, start));
     }
     // Of each function of numbers, with all of its arguments.
     for (i, again) in (0..18u8).flat_map(|i| [(i, 0), (i, 1)]) {

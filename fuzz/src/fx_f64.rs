@@ -35,7 +35,7 @@ use super::tally;
 const COMMANDS: usize = 32;
 const TICKS: u8 = 3;
 /// After the last command an input goes on as if it had so many of them.
-const FEWEST: usize = 8;
+const FEWEST: usize = 12;
 /// Beyond these products of slopes and the time step a step of the integrator says nothing.
 const STIFF: f64 = 0.25;
 /// Ends of a spring that may come so near in a step turn faster than any bound, m.

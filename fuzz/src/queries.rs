@@ -5,8 +5,8 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_physics::{
-    Aabb, BodyDef, BodyKind, ColliderDef, ColliderId, Filter, Fx, Part, Queries, QueryFilter, Shape, Snapshot,
-    Symmetry, Vec2, World, WorldDef, fx, vec2,
+    Aabb, BodyDef, BodyKind, ColliderDef, ColliderId, Filter, Fx, Geometry, Part, Queries, QueryFilter, Shape,
+    Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 use super::tally;
@@ -191,7 +191,7 @@ fn pile_up(bodies: &mut [BodyDef]) {
             let collider = ColliderDef { shape: slab, ..def.colliders[0].clone() };
             (def.kind, def.position, def.angle) = (BodyKind::Static, vec2(0, -2), fx!(0));
             def.colliders = vec![collider];
-        } else if !def.colliders[0].shape.is_chain() {
+        } else if !matches!(def.colliders[0].shape.geometry(), Geometry::Chain { .. }) {
             def.kind = BodyKind::Dynamic;
         }
     }
