@@ -5,8 +5,8 @@
 
 use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_physics::{
-    Aabb, BodyDef, BodyKind, ColliderDef, ColliderId, Filter, Fx, Part, Queries, QueryFilter, Shape, Snapshot,
-    Symmetry, Vec2, World, WorldDef, fx, vec2,
+    Aabb, BodyDef, BodyKind, ColliderDef, ColliderId, Filter, Fx, Geometry, Part, Queries, QueryFilter, Shape,
+    Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 use super::tally;
@@ -19,6 +19,9 @@ pub fn run(data: &[u8]) {
 /// The most bodies and queries of an input.
 const BODIES: usize = 24;
 const QUERIES: usize = 32;
+/// Bodies in a row of a pile, and the fewest steps that it has to fall together.
+const ROW: i32 = 6;
+const TICKS: u8 = 20;
 
 /// A number within so many metres: a multiple of ½ m, where ties and grazes are, or any.
 fn number(input: &mut Unstructured<'_>, most: i32) -> Result<Fx> {
@@ -176,17 +179,41 @@ fn of_shape(body: &BodyDef, query: &Query) -> Option<Option<Row>> {
     }
 }
 
+/// Puts the bodies into a pile: those that are not static into rows near each other, on the others or a slab.
+fn pile_up(bodies: &mut [BodyDef]) {
+    for (i, def) in bodies.iter_mut().enumerate() {
+        let place = vec2(i as i32 % ROW - ROW / 2, i as i32 / ROW);
+        let near = def.position.map(|x| x / 32);
+        def.position = Vec2::new(place.x + near.x, place.y + near.y);
+        let is_floor = i == 0;
+        if is_floor {
+            let slab = Shape::rectangle(24, 2).expect("a slab");
+            let collider = ColliderDef { shape: slab, ..def.colliders[0].clone() };
+            (def.kind, def.position, def.angle) = (BodyKind::Static, vec2(0, -2), fx!(0));
+            def.colliders = vec![collider];
+        } else if !matches!(def.colliders[0].shape.geometry(), Geometry::Chain { .. }) {
+            def.kind = BodyKind::Dynamic;
+        }
+    }
+}
+
 fn play(input: &mut Unstructured<'_>) -> Result<()> {
-    let count = usize::from(u8::arbitrary(input)?) % BODIES + 1;
+    let first = u8::arbitrary(input)?;
+    let count = usize::from(first % 128) % BODIES + 1;
     let mut bodies = (0..count as u64).map(|i| body(input, i * 5 % 31)).collect::<Result<Vec<_>>>()?;
-    let mut world = World::new(WorldDef::default()).expect("a world");
+    let is_piled = first >= 128;
+    if is_piled {
+        pile_up(&mut bodies);
+    }
+    let gravity = if is_piled { vec2(0, -10) } else { vec2(0, 0) };
+    let mut world = World::new(WorldDef { gravity, ..WorldDef::default() }).expect("a world");
     bodies.retain(|def| world.add_body(def.clone()).is_ok());
     let single = |def: &BodyDef| {
         let mut world = World::new(WorldDef::default()).expect("a world");
         world.add_body(def.clone()).map(|_| world).expect("a body that was added before")
     };
     let singles: Vec<World> = bodies.iter().map(single).collect();
-    let steps = u8::arbitrary(input)? % 3;
+    let steps = u8::arbitrary(input)? % 3 + if is_piled { TICKS } else { 0 };
     let mut stepped = world.clone();
     for _ in 0..steps {
         stepped.step();

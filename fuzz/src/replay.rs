@@ -185,6 +185,9 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
     Ok(inputs)
 }
 
+/// The fewest ticks of a run with a pile.
+const TICKS: u8 = 20;
+
 fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
     let mut world = start(&mut author, kind)?;
@@ -193,7 +196,9 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
         snapshot_every: u32::from(author.any::<u8>()? % 4),
     };
     let mut recorder = Recorder::new(&world, options);
-    let ticks = author.any::<u8>()? % 12;
+    // Piles fall together first.
+    let fewest = if kind & PILED != 0 { TICKS } else { 0 };
+    let ticks = fewest + author.any::<u8>()? % 12;
     let mut calls = Vec::new();
     for _ in 0..ticks {
         if author.any()? {

@@ -27,13 +27,19 @@ pub fn run(data: &[u8]) {
     }
 }
 
+/// The ticks of a pile before its world is written: it has fallen together, and some of it may sleep.
+const TICKS: usize = 20;
+
 /// A world of a few bodies and fields, or of a pile.
 fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     if kind & PILED != 0 {
         pile(author, &mut world)?;
-        world.step();
+        for _ in 0..TICKS {
+            world.step();
+            tally::count(&world);
+        }
     }
     for _ in 0..author.any::<u8>()? % 24 {
         let command = author.command();

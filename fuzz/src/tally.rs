@@ -37,8 +37,13 @@ impl Tally {
 
 /// Counts a step of the first run of an input. What a second run repeats is not counted.
 pub fn count<S: Scalar>(world: &World<S>) {
+    count_contacts(|| world.contacts().count());
+}
+
+/// Counts a step with so many touching manifolds.
+pub fn count_contacts(number: impl FnOnce() -> usize) {
     if let Some(Tally { ticks, contacts, most }) = TALLY.get() {
-        let here = world.contacts().count() as u64;
+        let here = number() as u64;
         TALLY.set(Some(Tally { ticks: ticks + 1, contacts: contacts + here, most: most.max(here) }));
     }
 }

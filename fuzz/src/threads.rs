@@ -1,6 +1,6 @@
 //! Two threads do what one does.
 //!
-//! An input is a world's definition, a seed, a kind of body, and commands. Enough free bodies are added for a step to use
+//! An input is a world's definition, a pile, a seed, a kind of body, and commands. Enough free bodies are added for a step to use
 //! several threads: threads share free bodies alone.
 
 use std::sync::LazyLock;
@@ -10,6 +10,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Integrator, Random, Vec2, WorldDef, fx, step_all, vec2};
 
 use super::author::{self, Author};
+use super::pile::pile;
 use super::tally;
 
 /// The target.
@@ -24,6 +25,9 @@ static POOLS: LazyLock<[ThreadPool; 2]> =
 /// [`STEADY`] that move for ever and that no field reaches: 8,200 in all, enough for a step to use several threads.
 const CROWD: u64 = 2_050;
 const STEADY: u64 = 4;
+/// The ticks of an input, and the most commands, one a tick.
+const TICKS: usize = 20;
+const COMMANDS: usize = 8;
 
 fn play(data: &[u8]) -> Result<()> {
     let mut author = Author::new(data);
@@ -34,6 +38,7 @@ fn play(data: &[u8]) -> Result<()> {
         other => other,
     };
     let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(()) };
+    pile(&mut author, &mut world)?;
     let mut random = Random::seeded(author.any()?);
     // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
     let special = author.generator().body_def();
@@ -53,16 +58,15 @@ fn play(data: &[u8]) -> Result<()> {
         }
     }
     let mut others = [world.clone(), world.clone()];
-    for _ in 0..8 {
-        if author.input.is_empty() {
-            break;
+    for tick in 0..TICKS {
+        if tick < COMMANDS && !author.input.is_empty() {
+            let command = author.command();
+            let done = POOLS[0].install(|| world.execute(&command));
+            for other in &mut others {
+                assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
+            }
+            done.into_iter().for_each(|made| author.made(&world, made));
         }
-        let command = author.command();
-        let done = POOLS[0].install(|| world.execute(&command));
-        for other in &mut others {
-            assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
-        }
-        done.into_iter().for_each(|made| author.made(&world, made));
         POOLS[0].install(|| _ = world.step());
         tally::count(&world);
         POOLS[1].install(|| step_all(&mut others));

@@ -41,10 +41,13 @@ pub struct ContactSettings<S = Fx> {
     pub hit_speed: S,
     /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28: a collider has one outline, that of a compound
     /// one for each part, and those of one body are no pair. With more, the bodies of the outlines with the most pairs are quarantined.
+    ///
+    /// As many pairs again of an outline of a sensor with one of another body, where their boxes overlap at the end of the step. With more,
+    /// the sensors with the most pairs find nothing in that step: nobody is quarantined, and what was in them leaves.
     pub max_pairs: u32,
     /// The number of pairs of one outline of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
-    /// 2^12. The bodies of outlines with more are quarantined. If there are still too many pairs, the number is lowered until the
-    /// rest fits.
+    /// 2^12. The bodies of outlines with more are quarantined, and sensors with more find nothing, each where the pairs of its own sort are too
+    /// many. If there are still too many, the number is lowered until the rest fits.
     pub max_pairs_per_collider: u32,
 }
 

@@ -102,6 +102,12 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
+    /// The colliders that stand still, if they are of these.
+    fn still_of(&self, colliders: &ColliderSet<S>) -> Option<&Still> {
+        let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
+        self.still.as_ref().filter(|_| is_current)
+    }
+
     /// An outline in world axes, placed when it is first asked for.
     #[inline]
     pub(super) fn core(
@@ -408,8 +414,11 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     }
 
     fn statics(&self, colliders: &ColliderSet<S>) -> Option<&Arc<Statics>> {
-        let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
-        self.still.as_ref().filter(|_| is_current).map(|still| &still.statics)
+        self.still_of(colliders).map(|still| &still.statics)
+    }
+
+    fn sleepers(&self, colliders: &ColliderSet<S>) -> Option<&Statics> {
+        self.still_of(colliders).map(|still| &still.sleepers)
     }
 
     fn outline(&self, number: u32) -> OutlineId {

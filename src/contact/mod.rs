@@ -233,7 +233,12 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
         None
     }
 
-    /// An outline by its number in [`statics`](Self::statics).
+    /// The colliders of sleeping bodies as they were found last, likewise.
+    fn sleepers(&self, _colliders: &ColliderSet<S>) -> Option<&Statics> {
+        None
+    }
+
+    /// An outline by its number in [`statics`](Self::statics) and [`sleepers`](Self::sleepers).
     fn outline(&self, number: u32) -> OutlineId {
         OutlineId { slot: number, part: 0 }
     }

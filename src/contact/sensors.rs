@@ -2,18 +2,24 @@
 //!
 //! A sensor and a collider of another body overlap if their filters agree, one of the two bodies is not static, both take part, and the
 //! shapes have a point in common: exactly, by the geometry of queries. Sensors do not see each other.
+//!
+//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap. If these
+//! are more than a world may have, the sensors with the most of them find nothing: a function of the boxes and the filters alone.
+//!
+//! How: moving colliders search the tree of sensors, and sensors the trees of what stands still.
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use super::ContactEngine as _;
 use crate::body::{Activity, Bodies, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
-use crate::collide::broad::Statics;
-use crate::collider::{Collider, ColliderSet, OutlineId};
-use crate::query::{Core, Placement, Point, Sum, beside, contains, in_scalar};
+use crate::collide::broad::{Proxy, Statics};
+use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
+use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Aabb;
+use crate::slots::BodyId;
 
 /// A sensor and a collider that overlaps it, by their slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -45,12 +51,14 @@ impl Read for Overlap {
     }
 }
 
-/// The box of an outline of a body that is not static, ulps.
+/// An outline that was placed: the box of its exact shape, and the state of its body.
 #[derive(Clone, Copy, Debug)]
-struct Visitor {
-    low: Point,
-    high: Point,
+struct Seen {
     outline: OutlineId,
+    body: u32,
+    bounds: Aabb,
+    kind: BodyKind,
+    activity: Activity,
 }
 
 /// Memory that sensors use again.
@@ -59,24 +67,81 @@ pub(crate) struct Sensors {
     /// The slots of the sensors, and the revision of the colliders that they are of.
     slots: Vec<u32>,
     revision: Option<u64>,
-    /// Sorted by their lower end along x.
-    visitors: Vec<Visitor>,
-    /// The largest extent of a visitor along x.
-    widest: i64,
+    /// The outlines of sensors that take part, and those that are solid of bodies that a step moves.
+    sensors: Vec<Seen>,
+    movers: Vec<Seen>,
+    /// One of the two lists in a tree, by the index there: that of sensors as long as there are few pairs.
+    tree: Statics,
+    proxies: Vec<Proxy>,
+    /// Sensors, by their index, with outlines whose boxes overlap theirs.
+    pairs: Vec<(u32, OutlineId)>,
+    /// By sensor, the number of these; by that number, the pairs of the sensors that have as many.
+    degrees: Vec<u32>,
+    sums: Vec<usize>,
     sum: Sum,
     /// Sorted, each once.
     pub(crate) found: Vec<Overlap>,
 }
 
-/// The place of a body that takes part, and its kind.
-fn place<S: Scalar>(bodies: &Bodies<S>, collider: &Collider<S>) -> Option<(Placement<S>, BodyKind)> {
-    let dense = bodies.find(collider.body).ok()?;
-    if !matches!(bodies.activity(dense), Activity::Awake | Activity::Asleep) {
-        return None;
+/// The parts of a world that sensors look at.
+struct View<'a, S: Scalar> {
+    bodies: &'a Bodies<S>,
+    colliders: &'a ColliderSet<S>,
+    engine: &'a S::Contacts,
+}
+
+impl<S: Scalar> View<'_, S> {
+    /// The place of the body of a collider, its kind and its activity, if it takes part.
+    fn place(&self, collider: &Collider<S>) -> Option<(Placement<S>, BodyKind, Activity)> {
+        let dense = self.bodies.find(collider.body).ok()?;
+        let activity = self.bodies.activity(dense);
+        if !matches!(activity, Activity::Awake | Activity::Asleep) {
+            return None;
+        }
+        let motion = &self.bodies.columns.motion;
+        let placement = Placement::new(motion.position.get(dense).map(|part| part.value()), motion.angle[dense]);
+        Some((placement, self.bodies.info(dense).kind, activity))
     }
-    let motion = &bodies.columns.motion;
-    let placement = Placement::new(motion.position.get(dense).map(|part| part.value()), motion.angle[dense]);
-    Some((placement, bodies.info(dense).kind))
+
+    /// These outlines of a collider, if its body takes part.
+    fn seen<'a>(&'a self, collider: &'a Collider<S>, parts: Range<u32>) -> impl Iterator<Item = Seen> + 'a {
+        let place = self.place(collider).into_iter();
+        place.flat_map(move |(placement, kind, activity)| {
+            parts.clone().filter_map(move |part| {
+                let from = placement.position();
+                let core = Core::new(&collider.outline(part).outline, &placement, from)?;
+                let [min, max] = core.bounds().map(|corner| in_fx(beside(from, corner)));
+                let outline = OutlineId { slot: collider.slot, part };
+                Some(Seen { outline, body: collider.body.slot, bounds: Aabb { min, max }, kind, activity })
+            })
+        })
+    }
+
+    /// An outline as the tree has it.
+    fn proxy(&self, number: usize, seen: &Seen) -> Option<Proxy> {
+        let filter = self.colliders.at(seen.outline.slot)?.def.filter;
+        Some(Proxy { collider: number as u32, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
+    }
+
+    /// Calls `found` with each outline that stands still and makes a pair with a sensor, until it returns false: those of sleeping bodies, and
+    /// for a sensor that is not static those of static ones. In the trees they have larger boxes, so that each is looked at.
+    fn standing(&self, sensor: &Seen, own: &Proxy, mut found: impl FnMut(OutlineId) -> bool) {
+        let mut goes_on = true;
+        let (sleepers, statics) = (self.engine.sleepers(self.colliders), self.engine.statics(self.colliders));
+        let statics = statics.map(|all| &**all).filter(|_| sensor.kind != BodyKind::Static);
+        for (tree, state) in [(sleepers, Activity::Asleep), (statics, Activity::Awake)] {
+            let Some(tree) = tree.filter(|tree| goes_on && !tree.is_empty()) else { continue };
+            tree.meeting(own, |other| {
+                let outline = self.engine.outline(other.collider);
+                let collider = self.colliders.at(outline.slot);
+                let parts = outline.part..outline.part + 1;
+                let mut seen = collider.into_iter().flat_map(|collider| self.seen(collider, parts.clone()));
+                let is_pair = seen.any(|seen| seen.activity == state && seen.bounds.overlaps(own.bounds));
+                goes_on = !is_pair || found(outline);
+                goes_on
+            });
+        }
+    }
 }
 
 impl Sensors {
@@ -85,94 +150,145 @@ impl Sensors {
         self.revision = None;
     }
 
-    /// Finds all overlaps of sensors; `standing` has the static colliders, and the engine that numbered them.
+    /// Finds all overlaps of sensors; `engine` found the contacts of the step, in which the bodies of `fell_asleep` did so.
     pub(crate) fn find<S: Scalar>(
         &mut self,
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
-        standing: Option<(&Arc<Statics>, &S::Contacts)>,
+        engine: &S::Contacts,
+        fell_asleep: &[BodyId],
+        settings: &ContactSettings<S>,
     ) {
-        self.found.clear();
+        let view = View { bodies, colliders, engine };
         if self.revision != Some(colliders.revision()) {
             self.revision = Some(colliders.revision());
             self.slots.clear();
             self.slots.extend(colliders.list().filter(|own| own.def.sensor).map(|own| own.slot));
         }
-        self.list_visitors(bodies, colliders);
-        for i in 0..self.slots.len() {
-            let Some(sensor) = colliders.at(self.slots[i]) else { continue };
-            let Some((placement, kind)) = place(bodies, sensor) else { continue };
-            let from = placement.position();
-            for part in 0..sensor.outline_count() {
-                let Some(core) = Core::new(&sensor.outline(part).outline, &placement, from) else { continue };
-                let [low, high] = core.bounds().map(|corner| beside(from, corner));
-                let first =
-                    self.visitors.partition_point(|visitor| visitor.low[0] < low[0].saturating_sub(self.widest));
-                for at in first..self.visitors.len() {
-                    let visitor = self.visitors[at];
-                    if visitor.low[0] > high[0] {
-                        break;
-                    }
-                    let meets = (0..2).all(|axis| visitor.low[axis] <= high[axis] && low[axis] <= visitor.high[axis]);
-                    if meets {
-                        self.meet(bodies, colliders, (sensor, &core, from), visitor.outline);
-                    }
-                }
-                if let (Some((statics, engine)), false) = (standing, kind == BodyKind::Static) {
-                    let bounds = Aabb { min: in_scalar(low), max: in_scalar(high) };
-                    statics.search_box(bounds, sensor.def.filter, |number| {
-                        self.meet(bodies, colliders, (sensor, &core, from), engine.outline(number));
-                        true
-                    });
-                }
-            }
-        }
-        self.found.sort_unstable();
-        self.found.dedup();
-    }
-
-    /// Lists the boxes of all that is not static.
-    fn list_visitors<S: Scalar>(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
-        self.visitors.clear();
-        self.widest = 0;
-        let moving = bodies.columns.slot[..bodies.moving()].iter().copied();
-        let asleep = bodies.any_asleep().then(|| bodies.asleep()).into_iter().flatten();
-        for slot in moving.chain(asleep.map(|dense| bodies.columns.slot[dense])) {
-            for collider in colliders.solid_of_slot(slot) {
-                let Some((placement, _)) = place(bodies, collider) else { continue };
-                let from = placement.position();
-                for part in 0..collider.outline_count() {
-                    let Some(core) = Core::new(&collider.outline(part).outline, &placement, from) else { continue };
-                    let [low, high] = core.bounds().map(|corner| beside(from, corner));
-                    self.widest = self.widest.max(high[0].saturating_sub(low[0]));
-                    self.visitors.push(Visitor { low, high, outline: OutlineId { slot: collider.slot, part } });
-                }
-            }
-        }
-        self.visitors.sort_unstable_by_key(|visitor| visitor.low[0]);
-    }
-
-    /// Adds an overlap, if an outline overlaps the core of a sensor.
-    fn meet<S: Scalar>(
-        &mut self,
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
-        (sensor, core, from): (&Collider<S>, &Core, Point),
-        outline: OutlineId,
-    ) {
-        let Some(other) = colliders.at(outline.slot) else { return };
-        let overlap = Overlap { sensor: sensor.slot, visitor: other.slot };
-        if other.body == sensor.body
-            || !sensor.def.filter.agrees(other.def.filter)
-            || self.found.last() == Some(&overlap)
-        {
+        self.found.clear();
+        self.sensors.clear();
+        let sensors = self.slots.iter().filter_map(|&slot| colliders.at(slot));
+        self.sensors.extend(sensors.flat_map(|collider| view.seen(collider, 0..collider.outline_count())));
+        self.movers.clear();
+        if self.sensors.is_empty() {
             return;
         }
-        let Some((placement, _)) = place(bodies, other) else { return };
-        let Some(own) = Core::new(&other.outline(outline.part).outline, &placement, from) else { return };
-        self.sum.set(core, &own);
-        if contains(&self.sum.core) {
-            self.found.push(overlap);
+        let moving = bodies.columns.slot[..bodies.moving()].iter().copied();
+        for slot in moving.chain(fell_asleep.iter().map(|body| body.slot)) {
+            self.movers.extend(
+                colliders.solid_of_slot(slot).flat_map(|collider| view.seen(collider, 0..collider.outline_count())),
+            );
         }
+        let most = settings.max_pairs as usize;
+        if !self.pair_all(&view, most) {
+            self.pair_fewest(&view, most, settings.max_pairs_per_collider);
+        }
+        self.meet(&view);
+    }
+
+    /// Puts outlines into the tree, by their index in the list.
+    fn plant<S: Scalar>(&mut self, view: &View<'_, S>, are_sensors: bool) {
+        let list = if are_sensors { &self.sensors } else { &self.movers };
+        self.proxies.clear();
+        self.proxies.extend(list.iter().enumerate().filter_map(|(number, seen)| view.proxy(number, seen)));
+        if !self.tree.are(&self.proxies) {
+            self.tree.refill(&self.proxies);
+        }
+    }
+
+    /// Lists all pairs of sensors and outlines whose boxes overlap. Returns false, with a part of them, if there are more than `most`.
+    fn pair_all<S: Scalar>(&mut self, view: &View<'_, S>, most: usize) -> bool {
+        self.plant(view, true);
+        let Self { sensors, movers, tree, pairs, .. } = self;
+        pairs.clear();
+        for (number, mover) in movers.iter().enumerate() {
+            let Some(own) = view.proxy(number, mover) else { continue };
+            tree.meeting(&own, |sensor| {
+                pairs.push((sensor.collider, mover.outline));
+                pairs.len() <= most
+            });
+        }
+        for (number, sensor) in sensors.iter().enumerate() {
+            let Some(own) = view.proxy(number, sensor).filter(|_| pairs.len() <= most) else { break };
+            view.standing(sensor, &own, |outline| {
+                pairs.push((own.collider, outline));
+                pairs.len() <= most
+            });
+        }
+        pairs.len() <= most
+    }
+
+    /// Lists the pairs of the sensors that have the fewest: of those with at most `per_sensor`, or of the largest number at which they fit. It
+    /// counts no pairs of a sensor beyond that.
+    #[cold]
+    fn pair_fewest<S: Scalar>(&mut self, view: &View<'_, S>, most: usize, per_sensor: u32) {
+        self.plant(view, false);
+        let Self { sensors, movers, tree, pairs, degrees, sums, .. } = self;
+        let each = |number: usize, found: &mut dyn FnMut(OutlineId) -> bool| {
+            let Some(own) = view.proxy(number, &sensors[number]) else { return };
+            let mut goes_on = true;
+            tree.meeting(&own, |mover| {
+                goes_on = found(movers[mover.collider as usize].outline);
+                goes_on
+            });
+            if goes_on {
+                view.standing(&sensors[number], &own, |outline| found(outline));
+            }
+        };
+        degrees.clear();
+        sums.clear();
+        sums.resize(per_sensor as usize + 1, 0);
+        for number in 0..sensors.len() {
+            let mut degree = 0;
+            each(number, &mut |_| {
+                degree += 1;
+                degree <= per_sensor
+            });
+            degrees.push(degree);
+            if let Some(sum) = sums.get_mut(degree as usize) {
+                *sum += degree as usize;
+            }
+        }
+        let mut total = 0;
+        let fitting = sums.iter().take_while(|&&pairs| {
+            total += pairs;
+            total <= most
+        });
+        // Sensors without pairs fit always.
+        let cap = (fitting.count() as u32).saturating_sub(1);
+        pairs.clear();
+        for number in (0..sensors.len()).filter(|&number| degrees[number] <= cap) {
+            each(number, &mut |outline| {
+                pairs.push((number as u32, outline));
+                true
+            });
+        }
+    }
+
+    /// Finds which of the pairs overlap.
+    fn meet<S: Scalar>(&mut self, view: &View<'_, S>) {
+        let Self { sensors, pairs, sum, found, .. } = self;
+        pairs.sort_unstable();
+        for same in pairs.chunk_by(|a, b| a.0 == b.0) {
+            let outline = sensors[same[0].0 as usize].outline;
+            let Some(sensor) = view.colliders.at(outline.slot) else { continue };
+            let Some((placement, ..)) = view.place(sensor) else { continue };
+            let from = placement.position();
+            let Some(core) = Core::new(&sensor.outline(outline.part).outline, &placement, from) else { continue };
+            for (_, visitor) in same {
+                let overlap = Overlap { sensor: outline.slot, visitor: visitor.slot };
+                let Some(other) = view.colliders.at(visitor.slot).filter(|_| found.last() != Some(&overlap)) else {
+                    continue;
+                };
+                let Some((placement, ..)) = view.place(other) else { continue };
+                let Some(own) = Core::new(&other.outline(visitor.part).outline, &placement, from) else { continue };
+                sum.set(&core, &own);
+                if contains(&sum.core) {
+                    found.push(overlap);
+                }
+            }
+        }
+        found.sort_unstable();
+        found.dedup();
     }
 }

@@ -26,7 +26,7 @@ mod tests;
 
 pub(crate) use crate::kernel::round::odd_shift;
 
-pub(crate) use self::core::{Core, Placement, place_digest};
+pub(crate) use self::core::{Core, Placement, in_fx, place_digest};
 pub(crate) use near::{Near, contains, distance, nearest, point};
 pub(crate) use ray::{FULL, Feature, Line, RayEnd, at, beyond_seam, first_hit, normal, normal_at_seam, ray_hit};
 pub use shape::ShapeHit;

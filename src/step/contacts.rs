@@ -24,6 +24,7 @@ use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide as _};
+use crate::slots::BodyId;
 
 /// The colliders and the contacts of a world.
 pub(crate) struct Contacts<'a, S: Scalar> {
@@ -165,9 +166,14 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// Finds what overlaps sensors now. *Domain* the contacts of the step were found.
-    pub(super) fn find_overlaps(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
-        let Self { engine, sensors, .. } = self;
-        sensors.find(bodies, colliders, engine.statics(colliders).map(|statics| (statics, &*engine)));
+    pub(super) fn find_overlaps(
+        &mut self,
+        bodies: &Bodies<S>,
+        colliders: &ColliderSet<S>,
+        fell_asleep: &[BodyId],
+        settings: &ContactSettings<S>,
+    ) {
+        self.sensors.find(bodies, colliders, &self.engine, fell_asleep, settings);
     }
 
     /// The overlaps of sensors that were found, sorted.

@@ -26,7 +26,7 @@ impl<S: Scalar> Step<'_, S> {
 
     /// Reports events, and keeps what overlaps sensors.
     pub(super) fn report_events(&mut self) {
-        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let Contacts { colliders, contacts, settings } = &mut self.contacts;
         let any_contacts = colliders.any_contact_events();
         let any_overlaps = colliders.any_sensors() || !contacts.overlaps.is_empty();
         if !any_contacts && !any_overlaps && contacts.ended.is_empty() {
@@ -46,7 +46,7 @@ impl<S: Scalar> Step<'_, S> {
                 compare(lists, |slots| ended.extend(pair(slots)), |slots| began.extend(pair(slots)));
             }
             if any_overlaps {
-                own.find_overlaps(bodies, colliders);
+                own.find_overlaps(bodies, colliders, &report.fell_asleep, settings);
                 let pair = |overlap: Overlap| ColliderPair::new(bodies, colliders, overlap.slots());
                 let lists = [&contacts.overlaps[..], own.overlaps()];
                 let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::events::{Observer, Pair, crowd, quiet, shake};
 use super::scenes::{def, ground, square, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Filter, Fx, QueryFilter, Random, Shape, Snapshot,
-    SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ContactSettings, Filter, Fx, Mass, QueryFilter,
+    Random, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn sensor(shape: Shape, key: u64) -> ColliderDef {
@@ -317,4 +317,80 @@ fn forged_overlaps_are_refused() {
         let error = Snapshot::from_bytes(&forged, &[]).expect_err("no world has this");
         assert!(matches!(error, SnapshotError::Malformed(_)), "{at}: {error}");
     }
+}
+
+/// Sensors of several sizes over bodies that lie in a row, none of them turned, and what each finds: by keys.
+fn row(contacts: ContactSettings, order: &[u64], steps: usize) -> World {
+    let mut world = World::new(WorldDef { contacts, sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
+    let square = Shape::rectangle(fx!(0.5), fx!(0.5)).expect("a square");
+    for &key in order {
+        let place = vec2(key as i32, 0);
+        let def = match key {
+            // A sensor with as many bodies as its number, and more far to its right.
+            0..12 => {
+                let shape = Shape::rectangle(Fx::from(key as i32) + fx!(0.25), fx!(1)).expect("a rectangle");
+                let reach = Fx::from(key as i32) / 2 - fx!(0.5);
+                let at = ColliderDef { position: Vec2::new(reach, fx!(0)), ..sensor(shape, key) };
+                let kind = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][key as usize % 3];
+                let mass = Mass::Kilograms(fx!(1));
+                let def = BodyDef { kind, key, mass, position: vec2(100, 0), ..BodyDef::dynamic() };
+                BodyDef { gravity_scale: fx!(0), ..def }.with_collider(at)
+            }
+            // The others move a little, or fall asleep, or are static.
+            _ => {
+                let kind = if key % 4 == 0 { BodyKind::Static } else { BodyKind::Dynamic };
+                let velocity = if key % 4 == 1 { Vec2::new(fx!(0), fx!(0.0625)) } else { vec2(0, 0) };
+                let position = place + vec2(88, 0);
+                let def = BodyDef { kind, key, position, velocity, gravity_scale: fx!(0), ..BodyDef::dynamic() };
+                def.with_collider(ColliderDef { key, ..ColliderDef::new(square.clone()) })
+            }
+        };
+        world.add_body(def).expect("a fair body");
+    }
+    for _ in 0..steps {
+        assert!(world.step().faults.is_empty());
+    }
+    world
+}
+
+fn found_by_keys(world: &World) -> BTreeSet<[u64; 2]> {
+    let key = |collider: ColliderId| world.collider(collider).expect("it is there").key;
+    world.sensor_overlaps().map(|pair| pair.colliders.map(key)).collect()
+}
+
+#[test]
+fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
+    let up: Vec<u64> = (0..30).collect();
+    let down: Vec<u64> = up.iter().rev().copied().collect();
+    let mixed: Vec<u64> = up.iter().map(|i| i * 7 % 30).collect();
+    let all = found_by_keys(&row(ContactSettings::default(), &up, 1));
+    let count = |found: &BTreeSet<[u64; 2]>, sensor: u64| found.iter().filter(|[own, _]| *own == sensor).count();
+    for sensor in 0..12u64 {
+        // A static one sees no static body.
+        let statics = (12..12 + sensor).filter(|key| key % 4 == 0 && sensor % 3 == 0).count();
+        assert_eq!(count(&all, sensor), sensor as usize - statics);
+    }
+    let mut cuts = BTreeSet::new();
+    for (max_pairs, per_sensor) in [(0x1000, 1), (60, 256), (40, 256), (40, 4), (10, 256), (10, 3), (1, 256), (1, 1)] {
+        let contacts = ContactSettings { max_pairs, max_pairs_per_collider: per_sensor, ..ContactSettings::default() };
+        let most = max_pairs as usize;
+        // The largest number at which the sensors that have as many at most fit.
+        let fits = |cap: usize| (0..12).map(|own| count(&all, own)).filter(|&own| own <= cap).sum::<usize>() <= most;
+        let cap =
+            if all.len() <= most { 12 } else { (0..=per_sensor as usize).rev().find(|&cap| fits(cap)).expect("none") };
+        let expected: BTreeSet<[u64; 2]> = all.iter().copied().filter(|pair| count(&all, pair[0]) <= cap).collect();
+        cuts.insert(expected.len());
+        for (order, steps) in [(&up, 1), (&down, 1), (&mixed, 1), (&up, 2), (&mixed, 6), (&down, 6)] {
+            let world = row(contacts, order, steps);
+            assert_eq!(world.bodies().any(|body| body.activity() == Activity::Asleep), steps > 2);
+            assert_eq!(found_by_keys(&world), expected, "{max_pairs}, {per_sensor}");
+        }
+        let world = row(contacts, &up, 3);
+        let image = Symmetry::TURN.world(&world).expect("an image");
+        let (mut world, mut image) = (world, image);
+        world.step();
+        image.step();
+        assert_eq!(found_by_keys(&image), found_by_keys(&world));
+    }
+    assert!(cuts.len() >= 4, "{cuts:?}");
 }

@@ -9,5 +9,6 @@
 mod everything;
 
 mod forgeries;
+mod hostile;
 mod memory;
 mod seals;

@@ -1,0 +1,213 @@
+//! Scenes and replays that are made to take long: each is done in bounded time and memory, by the limits that the caller gives.
+//!
+//! The bounds of time are generous, as a machine may have much else to do: what they rule out is time that grows with the square of a number.
+
+use std::time::{Duration, Instant};
+
+use allocation_counter::measure;
+use umbra_physics::{
+    Aabb, BodyDef, BodyKind, Cause, ColliderDef, ContactSettings, Explosion, Filter, Fx, Inputs, QueryFilter,
+    RecordOptions, Recorder, Replay, ReplayLimits, Shape, Vec2, VerifyError, World, WorldDef, fx, vec2,
+};
+use umbra_scene::Scene;
+
+const MANY: usize = 100_000;
+
+/// Does something, and asserts that it takes no longer than this and no more memory than so many bytes.
+fn within<T>(what: &str, seconds: u64, bytes: u64, act: impl FnOnce() -> T) -> T {
+    let (mut result, start) = (None, Instant::now());
+    let taken = measure(|| result = Some(act())).bytes_max;
+    let time = start.elapsed();
+    if std::env::var_os("UMBRA_SAY").is_some() {
+        println!("{what:<32} {time:>12.3?} of {seconds:>3} s, {taken:>11} of {bytes:>11} bytes");
+    }
+    assert!(taken <= bytes, "{what}: {taken} of {bytes} bytes");
+    // Without optimisation all takes tens of times as long.
+    assert!(cfg!(debug_assertions) || time < Duration::from_secs(seconds), "{what}: {time:?} of {seconds} s");
+    result.expect("it was done")
+}
+
+/// The memory that a step may take, in bytes: so many for each collider and for each pair that may be.
+fn bound(colliders: usize, max_pairs: u32) -> u64 {
+    1_600 * colliders as u64 + 1_600 * u64::from(max_pairs) + (1 << 20)
+}
+
+fn world(contacts: ContactSettings) -> World {
+    World::new(WorldDef { contacts, gravity: vec2(0, -10), ..WorldDef::default() }).expect("a fair definition")
+}
+
+fn disc() -> ColliderDef {
+    ColliderDef::new(Shape::circle(fx!(0.5)).expect("a fair radius"))
+}
+
+fn few(max_pairs: u32, max_pairs_per_collider: u32) -> ContactSettings {
+    ContactSettings { max_pairs, max_pairs_per_collider, ..ContactSettings::default() }
+}
+
+fn one_point(contacts: ContactSettings) -> World {
+    let mut world = world(contacts);
+    for key in 0..MANY as u64 {
+        world.add_body(BodyDef { key, ..BodyDef::dynamic().with_collider(disc()) }).expect("a fair body");
+    }
+    world
+}
+
+/// Asks for everything in a world with so many outlines, and does to all what can be done at once.
+fn use_up(what: &str, world: &mut World, count: usize) {
+    within(what, 20, 4_000 * count as u64 + (1 << 22), || {
+        let (queries, all) = (world.queries(), QueryFilter::default());
+        let everywhere = Aabb { min: vec2(-1000, -1000), max: vec2(1000, 1000) };
+        let found = queries.overlap_box(everywhere, &all).expect("a fair box").len();
+        assert!(found > 0, "nothing to be found");
+        _ = queries.overlap_point(Vec2::ZERO, &all).expect("a fair point");
+        _ = queries
+            .overlap_shape(&Shape::circle(100).expect("a radius"), (Vec2::ZERO, fx!(0)), &all)
+            .expect("a fair place");
+        _ = queries.cast_ray_all(vec2(-90, 0), vec2(180, 0), &all).expect("a fair ray");
+        _ = queries.cast_ray(vec2(-90, 0), vec2(180, 0), &all).expect("a fair ray");
+        let disc = Shape::circle(1).expect("a radius");
+        _ = queries.cast_shape_all(&disc, (vec2(-90, 0), fx!(0)), vec2(180, 0), &all).expect("a fair way");
+        _ = queries.closest_points(Vec2::ZERO, fx!(100), &all).expect("a fair distance");
+    });
+    within(what, 20, bound(count, 0), || {
+        let blast = Explosion { position: Vec2::ZERO, radius: fx!(50), falloff: fx!(50), impulse: fx!(9), mask: !0 };
+        _ = world.explode(&blast);
+    });
+}
+
+#[test]
+fn bodies_in_one_point() {
+    for contacts in [ContactSettings::default(), few(1_000, 4)] {
+        let mut world = one_point(contacts);
+        use_up("bodies in one point", &mut world, MANY);
+        let faults = within("bodies in one point", 60, bound(MANY, contacts.max_pairs.min(1 << 18)), || {
+            world.step().faults.len()
+        });
+        // Each has as many pairs as all others.
+        assert_eq!(faults, MANY);
+        assert!(world.last_report().faults.iter().all(|fault| fault.cause == Cause::Pairs));
+    }
+}
+
+/// Rods across rods: each pair of two of them touches.
+fn lattice(side: i32, contacts: ContactSettings) -> World {
+    let mut world = world(contacts);
+    let length = Fx::from(side) * 2;
+    for (across, category) in [(false, 1), (true, 2)] {
+        let [width, height] = if across { [fx!(0.5), length] } else { [length, fx!(0.5)] };
+        let filter = Filter { category, mask: 3 - category, ..Filter::default() };
+        let rod = ColliderDef { filter, ..ColliderDef::new(Shape::rectangle(width, height).expect("a fair size")) };
+        for i in 0..side {
+            let place = Fx::from(i - side / 2);
+            let position = if across { Vec2::new(place, fx!(0)) } else { Vec2::new(fx!(0), place) };
+            world.add_body(BodyDef { position, ..BodyDef::dynamic().with_collider(rod.clone()) }).expect("a fair body");
+        }
+    }
+    world
+}
+
+#[test]
+fn a_million_pairs() {
+    let mut all = lattice(1_000, ContactSettings::default());
+    use_up("a million pairs", &mut all, 2_000);
+    within("a million pairs", 120, bound(2_000, 1 << 20), || assert!(all.step().faults.is_empty()));
+    // Those with an impulse: a rod rests on some of those below it.
+    assert!(all.contacts().count() > 100_000);
+    // Rods are in a thousand pairs each: none of them may stay.
+    let mut short = lattice(1_000, few(100_000, 100));
+    within("a million pairs, limited", 20, bound(2_000, 100_000), || assert_eq!(short.step().faults.len(), 2_000));
+}
+
+#[test]
+fn long_chains_that_cross() {
+    const CHAINS: i32 = 8;
+    let count = 1 << 16;
+    // To and fro, each segment along all of the others.
+    let comb = |k: i32| vec2(if k % 2 == 0 { -100 } else { 100 }, Fx::from_ratio(k.into(), 256));
+    let points: Vec<Vec2> = (0..count).map(comb).collect();
+    let shape = within("a long chain", 60, 1_000 * count as u64, || {
+        Shape::chain(&points, false).expect("it does not cross itself")
+    });
+    // All segments cross all others, or would.
+    let star = |k: i32| vec2(if k % 2 == 0 { -100 } else { 100 }, Fx::from_ratio((k * 7919 % count).into(), 256));
+    let crossed: Vec<Vec2> = (0..count).map(star).collect();
+    within("a chain that crosses itself", 60, 1_000 * count as u64, || assert!(Shape::chain(&crossed, false).is_err()));
+    let mut world = world(few(10_000, 64));
+    for i in 0..CHAINS {
+        let def = ColliderDef { angle: Fx::from_ratio(i.into(), 8), ..ColliderDef::new(shape.clone()) };
+        world.add_body(BodyDef::fixed().with_collider(def)).expect("a fair body");
+    }
+    // Bodies over many segments of all of them, and one over all.
+    for (i, radius) in (0..100).map(|i| (i, if i == 0 { 300 } else { 2 })) {
+        let position = vec2(i % 10 * 5, i / 10 * 5);
+        let body = BodyDef { position, bullet: i % 2 == 0, velocity: vec2(200, 0), ..BodyDef::dynamic() };
+        world.add_body(body.with_collider(Shape::circle(radius).expect("a radius"))).expect("a fair body");
+    }
+    let outlines = (CHAINS * count) as usize;
+    use_up("long chains", &mut world, outlines);
+    let faults = within("long chains", 60, bound(outlines, 10_000), || world.step().faults.len());
+    assert!(faults > 0, "all fit");
+    within("long chains, again", 10, bound(outlines, 10_000), || world.step().faults.len());
+}
+
+/// Sensors and bodies at one place.
+fn watched(sensors: usize, bodies: usize, contacts: ContactSettings) -> World {
+    let mut world = world(contacts);
+    // Bodies do not meet each other.
+    let filter = Filter { category: 2, mask: 1, ..Filter::default() };
+    for key in 0..sensors as u64 {
+        let filter = Filter { category: 1, mask: 2, ..Filter::default() };
+        let kind = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][key as usize % 3];
+        let def = BodyDef { kind, key, ..BodyDef::dynamic() };
+        world.add_body(def.with_collider(ColliderDef { sensor: true, filter, ..disc() })).expect("a fair body");
+    }
+    for key in 0..bodies as u64 {
+        let def = BodyDef { key, gravity_scale: fx!(0), ..BodyDef::dynamic() };
+        world.add_body(def.with_collider(ColliderDef { filter, ..disc() })).expect("a fair body");
+    }
+    world
+}
+
+#[test]
+fn sensors_over_bodies() {
+    for contacts in [ContactSettings::default(), few(1_000, 4)] {
+        let mut world = watched(MANY, 10_000, contacts);
+        use_up("sensors", &mut world, MANY + 10_000);
+        // The second step is one of bodies that lie still, and sleep later on.
+        for _ in 0..2 {
+            within("sensors over bodies", 60, bound(MANY + 10_000, contacts.max_pairs.min(1 << 18)), || {
+                assert!(world.step().faults.is_empty());
+            });
+        }
+        // Each of them is in more pairs than the limit, and so finds nothing.
+        assert_eq!(world.sensor_overlaps().count(), 0);
+    }
+}
+
+#[test]
+fn scenes_and_replays() {
+    let text = format!(
+        r#"{{"contacts": {{"max_pairs": 1000, "max_pairs_per_collider": 4}}, "bodies": [
+            {{"name": "{{i}}", "repeat": {{"i": {MANY}}}, "colliders": [{{"shape": {{"circle": {{"radius": 0.5}}}}}}]}}]}}"#
+    );
+    let refused = within("a scene, limited", 1, 1 << 20, || Scene::parse_within(&text, 1_000).map(drop));
+    assert_eq!(refused.map_err(|error| error.code()), Err(510));
+    let scene =
+        within("a scene", 30, 5_000 * MANY as u64, || Scene::parse_within(&text, MANY as u32)).expect("a scene");
+    let mut world = within("a scene", 30, 5_000 * MANY as u64, || scene.build::<Fx>()).expect("a world");
+    let mut recorder = Recorder::new(&world, RecordOptions::default());
+    for _ in 0..3 {
+        within("a run", 30, bound(MANY, 1 << 16), || recorder.step(&mut world, &Inputs::new()).faults.len());
+    }
+    let file = recorder.finish(&world);
+    let replay = Replay::from_bytes(&file, &[]).expect("a replay");
+    let limits =
+        ReplayLimits { ticks: 10, bodies: MANY as u32, fields: 0, colliders: MANY as u32, pairs: 1_000, commands: 0 };
+    within("a replay", 60, bound(2 * MANY, 1 << 16), || assert_eq!(replay.verify_within(limits), Ok(())));
+    within("a replay, limited", 10, bound(2 * MANY, 0), || {
+        let found = replay.verify_within(ReplayLimits { pairs: 999, ..limits });
+        assert!(matches!(found, Err(VerifyError::Pairs { .. })), "{found:?}");
+        let found = replay.verify_within(ReplayLimits { bodies: 999, ..limits });
+        assert!(matches!(found, Err(VerifyError::Bodies { .. })), "{found:?}");
+    });
+}
