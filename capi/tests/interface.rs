@@ -158,6 +158,26 @@ fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
             FieldKind::Zone { region: Region::Box { min: vec2(1, 2), max: vec2(1, 2) }, acceleration: vec2(1, 2) }
                 .into(),
         ),
+        (
+            UmbraFieldDef {
+                min: UmbraVec2 { x: -ONE, y: 0 },
+                max: point,
+                density: 4 * ONE,
+                linear_drag: 5 * ONE,
+                angular_drag: 6 * ONE,
+                flow: point,
+                ..def(UMBRA_BUOYANCY)
+            },
+            FieldKind::Buoyancy {
+                min: vec2(-1, 0),
+                max: vec2(1, 2),
+                density: fx!(4),
+                linear_drag: fx!(5),
+                angular_drag: fx!(6),
+                flow: vec2(1, 2),
+            }
+            .into(),
+        ),
     ]
 }
 
