@@ -246,3 +246,6 @@ impl Walk {
         self.sums
     }
 }
+
+#[cfg(test)]
+mod tests;
