@@ -9,7 +9,7 @@
 //! Arcs are walked in chords between [`ARC`] fixed directions of the world, farther out by the factor that gives a whole disc its area.
 //!
 //! **Ranges.** Points are in units of 2^-32 m, or of a power of two of it where the collider reaches farther than 2^37 of them, 32 m. So a
-//! component is at most 2^37 + 1, a cross product of two points at most 2^75, and its product with the sum of two components below 2^114.
+//! component is below 1.02·2^37, a cross product of two points below 2^75.1, and its product with the sum of two components below 2^114.
 //! An outline has at most 64 corners, each with two ends of an arc, and 32 points of arcs; each edge is cut at most 4 times. These are fewer
 //! than 2^10 points, and sums stay below 2^124.
 
@@ -69,8 +69,10 @@ pub(super) fn submerged<'a, S: Scalar>(
             continue;
         }
         let unit = (i128::BITS - radius.leading_zeros()).saturating_sub(REACH);
-        // Sides out of reach are as good as at its end.
-        let side = |side: [i128; 2]| side.map(|part| odd_shift(part.clamp(-radius, radius), unit) as i64);
+        // Sides out of reach are as good as beyond its end, where those of chords are.
+        let end = radius + (radius >> 6) + 1;
+        let in_units = |part: i128| if unit == 0 { part as i64 } else { odd_shift(part, unit) as i64 };
+        let side = |side: [i128; 2]| side.map(|part| in_units(part.clamp(-end, end)));
         let direction = *direction.get_or_insert_with(|| (angle != S::Angle::default()).then(|| angle.direction()));
         let turned = |v: Vec2<S>| {
             // Corners are below 2^15 m, so that they fit wherever they are turned to.
@@ -80,7 +82,7 @@ pub(super) fn submerged<'a, S: Scalar>(
         };
         for part in 0..if collider.def.shape.is_chain() { 0 } else { collider.outline_count() } {
             let mut walk = Walk::new([side(low), side(high)]);
-            let put = |point: [i128; 2]| walk.put(point.map(|part| odd_shift(part, unit) as i64));
+            let put = |point: [i128; 2]| walk.put(point.map(in_units));
             go_around(&collider.outline(part).outline, turned, put);
             let [area, x, y] = walk.finish();
             if area <= 0 {

@@ -107,7 +107,7 @@ fn shapes(random: &mut Random, size: Fx) -> Vec<Shape> {
         Shape::rectangle(number(fx!(0.1), fx!(2)), number(fx!(0.1), fx!(2))),
         Shape::circle(number(fx!(0.1), fx!(1))),
         Shape::capsule(number(fx!(0.1), fx!(2)), number(fx!(0.1), fx!(1))),
-        Shape::rounded_polygon(&corners, number(fx!(0.05), fx!(0.5))),
+        Shape::rounded_polygon(&corners, number(fx!(0.1), fx!(0.5))),
     ];
     shapes.into_iter().map(|shape| shape.expect("a shape")).collect()
 }

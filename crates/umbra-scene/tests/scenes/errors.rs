@@ -180,7 +180,8 @@ fn every_mistake_in_an_explosion_is_told_at_its_field() {
         "2: inputs[0].explode: the field `position` is missing [E505]".into(),
         "2: inputs[0].explode: the field `impulse` is missing [E505]".into(),
         "2: inputs[0].explode.position: out of range: expected a position within ±2^30 m [E101]".into(),
-        "2: inputs[0].explode.impulse: out of range: expected an impulse of an explosion within ±2^16 N·s/m [E101]".into(),
+        "2: inputs[0].explode.impulse: out of range: expected an impulse of an explosion within ±2^16 N·s/m [E101]"
+            .into(),
         format!("2: inputs[0].explode.radius: {radius}"),
         format!("2: inputs[0].explode.falloff: {radius}"),
         "2: inputs[0].explode.mask[0]: out of range: expected a category from 0 to 31 [E508]".into(),
