@@ -856,6 +856,14 @@ fn law() -> impl Strategy<Value = FieldKind> {
         (vector_within(POSITION), vector_within(POSITION), vector_within(GRAVITY))
             .prop_map(|(min, max, acceleration)| FieldKind::Zone { region: Region::Box { min, max }, acceleration }),
         (98u64..101).prop_map(|id| FieldKind::Custom { id }),
+        (
+            (vector_within(POSITION), vector_within(POSITION), vector_within(SPEED)),
+            (positive(Fx::MAX), positive(Fx::MAX), positive(Fx::MAX))
+        )
+            .prop_map(|((a, b, flow), (density, linear_drag, angular_drag))| {
+                let (min, max) = (Vec2::new(a.x.min(b.x), a.y.min(b.y)), Vec2::new(a.x.max(b.x), a.y.max(b.y)));
+                FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow }
+            }),
     ]
 }
 

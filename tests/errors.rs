@@ -103,6 +103,7 @@ const GIVEN: [(u16, &str); 156] = [
     (194, "Quantity::CharacterTranslation"),
     (195, "Quantity::ExplosionRadius"),
     (196, "Quantity::ExplosionImpulse"),
+    (197, "Quantity::FluidBox"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),

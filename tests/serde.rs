@@ -191,6 +191,14 @@ fn custom_forces() -> Vec<FieldKind> {
         FieldKind::Thrust { at, force: vec2(3, fx!(-0.1)) },
         FieldKind::Zone { region, acceleration: vec2(3, fx!(-0.1)) },
         FieldKind::Custom { id: u64::MAX },
+        FieldKind::Buoyancy {
+            min: vec2(-1, fx!(-0.1)),
+            max: vec2(1, 2),
+            density: fx!(0.1),
+            linear_drag: fx!(3),
+            angular_drag: Fx::MAX,
+            flow: vec2(0, fx!(-0.3)),
+        },
     ]
 }
 

@@ -10,7 +10,7 @@ use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by, field_id, look, made, word};
 
-/// A kind of force field: one of the five below.
+/// A kind of force field: one of the six below.
 pub type UmbraFieldKind = u32;
 
 /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
@@ -26,6 +26,9 @@ pub const UMBRA_THRUST: UmbraFieldKind = 3;
 /// A constant acceleration of the bodies whose centre of mass is in a region. Reads `region` and what that reads, and
 /// `acceleration`.
 pub const UMBRA_ZONE: UmbraFieldKind = 4;
+/// A fluid in a box, which lifts colliders by the area that they have in it and slows them down. Reads `min`, `max`, `density`,
+/// `linear_drag`, `angular_drag`, `flow`.
+pub const UMBRA_BUOYANCY: UmbraFieldKind = 5;
 
 /// The region of a zone: one of the two below. Its edge belongs to it.
 pub type UmbraRegion = u32;
@@ -87,6 +90,14 @@ pub struct UmbraFieldDef {
     pub min: UmbraVec2,
     /// The upper right corner of a box, m.
     pub max: UmbraVec2,
+    /// The density of a fluid, from 0, kg/m².
+    pub density: UmbraFx,
+    /// The linear drag of a fluid, from 0, N·s/m for each m² in it.
+    pub linear_drag: UmbraFx,
+    /// The angular drag of a fluid, from 0, N·m·s for each m² in it.
+    pub angular_drag: UmbraFx,
+    /// The velocity of a fluid, m/s.
+    pub flow: UmbraVec2,
 }
 
 const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
@@ -115,6 +126,10 @@ const BLANK: UmbraFieldDef = UmbraFieldDef {
     radius: 0,
     min: EMPTY,
     max: EMPTY,
+    density: 0,
+    linear_drag: 0,
+    angular_drag: 0,
+    flow: EMPTY,
 };
 
 impl UmbraFieldDef {
@@ -159,6 +174,14 @@ impl UmbraFieldDef {
             },
             UMBRA_THRUST => FieldKind::Thrust { at: self.near(), force: self.force.into() },
             UMBRA_ZONE => FieldKind::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
+            UMBRA_BUOYANCY => FieldKind::Buoyancy {
+                min: self.min.into(),
+                max: self.max.into(),
+                density: Fx::from_bits(self.density),
+                linear_drag: Fx::from_bits(self.linear_drag),
+                angular_drag: Fx::from_bits(self.angular_drag),
+                flow: self.flow.into(),
+            },
             _ => return Err(Refusal::bad("no kind of force field has this number")),
         };
         Ok(ForceField { kind, force_groups: self.force_groups })
@@ -207,6 +230,11 @@ impl UmbraFieldDef {
                     }
                 }
             }
+            FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow } => {
+                (def.kind, def.min, def.max, def.flow) = (UMBRA_BUOYANCY, (*min).into(), (*max).into(), (*flow).into());
+                (def.density, def.linear_drag) = (density.to_bits(), linear_drag.to_bits());
+                def.angular_drag = angular_drag.to_bits();
+            }
             _ => return Err(Refusal::bad("this interface does not have the kind of this force field")),
         }
         Ok(def)
@@ -221,7 +249,7 @@ pub extern "C" fn umbra_field_def_default(
 ) -> UmbraStatus {
     guard(|| {
         let place = given(def)?;
-        if kind > UMBRA_ZONE {
+        if kind > UMBRA_BUOYANCY {
             return Err(Refusal::bad("no kind of force has this number"));
         }
         place.write(UmbraFieldDef { kind, ..BLANK });

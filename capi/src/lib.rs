@@ -34,6 +34,8 @@ mod field;
 mod force;
 mod query;
 
+mod character;
+
 mod command;
 mod settings;
 
@@ -44,6 +46,7 @@ mod replay;
 mod totals;
 
 pub use body::*;
+pub use character::*;
 pub use collider::*;
 pub use command::*;
 pub use contact::*;

@@ -139,7 +139,7 @@ impl From<ClosestPoint> for UmbraClosestPoint {
 ///
 /// # Safety
 /// The lists of the filter are as long as it says, and its condition may be called.
-unsafe fn query<T>(
+pub(crate) unsafe fn query<T>(
     world: Option<&UmbraWorld>,
     filter: Option<&UmbraQueryFilter>,
     ask: impl FnOnce(&Queries<'_>, &QueryFilter<'_>) -> Result<T>,

@@ -158,6 +158,26 @@ fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
             FieldKind::Zone { region: Region::Box { min: vec2(1, 2), max: vec2(1, 2) }, acceleration: vec2(1, 2) }
                 .into(),
         ),
+        (
+            UmbraFieldDef {
+                min: UmbraVec2 { x: -ONE, y: 0 },
+                max: point,
+                density: 4 * ONE,
+                linear_drag: 5 * ONE,
+                angular_drag: 6 * ONE,
+                flow: point,
+                ..def(UMBRA_BUOYANCY)
+            },
+            FieldKind::Buoyancy {
+                min: vec2(-1, 0),
+                max: vec2(1, 2),
+                density: fx!(4),
+                linear_drag: fx!(5),
+                angular_drag: fx!(6),
+                flow: vec2(1, 2),
+            }
+            .into(),
+        ),
     ]
 }
 
@@ -402,6 +422,86 @@ unsafe extern "C" fn is_other(context: *mut std::ffi::c_void, _: u64, user_data:
     let calls = unsafe { &mut *context.cast::<u32>() };
     *calls += 1;
     u32::from(user_data != 7)
+}
+
+/// It falls onto a floor, walks along it, rides on it and pushes a crate; and each value out of range is refused.
+#[test]
+fn a_character_moves_as_in_the_library() {
+    let mut world = world();
+    let part = |x: i64, y: i64| UmbraVec2 { x: x * UMBRA_ONE / 4, y: y * UMBRA_ONE / 4 };
+    let [floor, crate_, box_] = [(80, 4), (4, 4), (4, 4)].map(|(width, height)| {
+        let (width, height) = (width * UMBRA_ONE / 4, height * UMBRA_ONE / 4);
+        own(|shape| umbra_shape_rectangle(width, height, shape)).expect("a shape")
+    });
+    let plain = out(|def| umbra_collider_def_default(def)).expect("a definition");
+    let mut put = |kind, velocity, position, shape: &UmbraShape| {
+        let body = add(&mut world, &UmbraBodyDef { kind, velocity, position, ..body_def() }).expect("a body");
+        let def = UmbraColliderDef { shape, ..plain };
+        // SAFETY: the shape is alive.
+        let collider = out(|id| unsafe { umbra_world_add_collider(Some(&mut world), body, Some(&def), id) });
+        (body, collider.expect("a collider"))
+    };
+    // Its surface is at y = 0, and it moves to the right with 3 m/s.
+    let (ground, ground_collider) = put(UMBRA_KINEMATIC, part(12, 0), part(0, -2), &floor);
+    let (pushed, pushed_collider) = put(UMBRA_DYNAMIC, part(0, 0), part(8, 2), &crate_);
+    let def = out(|def| umbra_character_def_default(def)).expect("a definition");
+    let hero = UmbraCharacterDef { shape: &raw const *box_, push_mass: 3 * UMBRA_ONE, ..def };
+    let air = UmbraGround { body: UMBRA_NO_HANDLE, local: part(0, 0), point: part(0, 0) };
+    let go = |world: &UmbraWorld, hero: &UmbraCharacterDef, way: &UmbraCharacterMove| {
+        // SAFETY: the shape is alive.
+        let movement =
+            own(|movement| unsafe { umbra_character_move(Some(world), Some(hero), Some(way), None, movement) })?;
+        let state = out(|state| umbra_movement_state(Some(&movement), state)).expect("a state");
+        // SAFETY: the buffers are those of `list`.
+        let hits = list(|rows, room, count| unsafe { umbra_movement_hits(Some(&movement), rows, room, count) });
+        // SAFETY: likewise.
+        let pushes = list(|rows, room, count| unsafe { umbra_movement_pushes(Some(&movement), rows, room, count) });
+        umbra_movement_free(Some(movement));
+        Ok::<_, UmbraStatus>((state, hits.expect("hits"), pushes.expect("pushes")))
+    };
+    let fall = UmbraCharacterMove { position: part(0, 8), translation: part(0, -8), ground: air };
+    let (fallen, hits, pushes) = go(&world, &hero, &fall).expect("a movement");
+    assert_eq!((fallen.ground.body, fallen.ground_collider), (ground, ground_collider));
+    assert_eq!((fallen.ground_normal, fallen.ground_velocity, fallen.desired), (part(0, 4), part(12, 0), part(0, -8)));
+    assert_eq!((fallen.is_overlapping, fallen.position.x, pushes.len()), (0, 0, 0));
+    // Half its height above the floor, and the skin of 1/64 m, within 6 ulps.
+    assert!((fallen.position.y - UMBRA_ONE / 2 - UMBRA_ONE / 64).abs() <= 6, "{}", fallen.position.y);
+    let [hit] = hits[..] else { panic!("{hits:?}") };
+    assert_eq!((hit.collider, hit.body, hit.normal, hit.part), (ground_collider, ground, part(0, 4), 0));
+    // In the air nothing is given.
+    let (flying, ..) = go(&world, &hero, &UmbraCharacterMove { translation: part(0, 1), ..fall }).expect("a movement");
+    assert_eq!((flying.ground, flying.ground_collider), (air, UMBRA_NO_HANDLE));
+    assert_eq!((flying.position, flying.ground_normal, flying.ground_velocity), (part(0, 9), part(0, 0), part(0, 0)));
+    // It meets the crate, of 1 kg, at 1 m/s a step and pushes it.
+    let walk = UmbraCharacterMove { position: fallen.position, translation: part(8, 0), ground: air };
+    let (_, hits, pushes) = go(&world, &hero, &walk).expect("a movement");
+    assert!(hits.iter().any(|hit| hit.collider == pushed_collider), "{hits:?}");
+    let [push] = pushes[..] else { panic!("{pushes:?}") };
+    assert!(push.body == pushed && push.impulse.x > UMBRA_ONE && push.impulse.y == 0, "{push:?}");
+    let weak = UmbraCharacterDef { push_mass: 0, ..hero };
+    assert_eq!(go(&world, &weak, &walk).expect("a movement").2, []);
+    // It rides: a tick takes the floor 3/60 m along.
+    assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    let ride = UmbraCharacterMove { position: fallen.position, translation: part(0, 0), ground: fallen.ground };
+    let (ridden, ..) = go(&world, &hero, &ride).expect("a movement");
+    assert!((ridden.position.x - UMBRA_ONE / 20).abs() < 8, "{}", ridden.position.x);
+    for (bad, cause) in [
+        (UmbraCharacterDef { skin: 0, ..hero }, 190),
+        (UmbraCharacterDef { up: part(0, 0), ..hero }, 191),
+        (UmbraCharacterDef { max_slope: -1, ..hero }, 192),
+        (UmbraCharacterDef { max_rest_slope: 2 * UMBRA_ONE, ..hero }, 192),
+        (UmbraCharacterDef { step_height: 17 * UMBRA_ONE, ..hero }, 193),
+        (UmbraCharacterDef { step_width: -1, ..hero }, 193),
+        (UmbraCharacterDef { snap: -1, ..hero }, 193),
+        (UmbraCharacterDef { push_mass: -1, ..hero }, 155),
+    ] {
+        assert_eq!(go(&world, &bad, &walk).map(drop), Err(UMBRA_ERROR_OUT_OF_RANGE), "{bad:?}");
+        assert_eq!(umbra_last_cause(), cause, "{bad:?}");
+    }
+    let far = UmbraCharacterMove { translation: part(2_000, 0), ..walk };
+    assert_eq!(go(&world, &hero, &far).map(drop), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    assert_eq!(umbra_last_cause(), 194);
+    assert_eq!(go(&world, &def, &walk).map(drop), Err(UMBRA_ERROR_NULL_POINTER));
 }
 
 #[test]
@@ -762,7 +862,7 @@ fn fields_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_fields(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(made));
-    assert_eq!(out(|def| umbra_field_def_default(5, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_field_def_default(6, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     umbra_world_free(Some(world));
 }
 
@@ -1411,7 +1511,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (160, 152));
-    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 232));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 272));
     assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

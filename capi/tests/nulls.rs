@@ -55,8 +55,16 @@ fn null_is_refused_everywhere() {
     // SAFETY: the definition is filled in.
     let b = made(|body| unsafe { umbra_world_add_body(Some(w), Some(&body_def), body) });
     let f = made(|field| umbra_world_add_field(Some(w), Some(&field_def), field));
+    let shapeless = made(|def| umbra_character_def_default(def));
     let empty_collider = made(|def| umbra_collider_def_default(def));
     let disc = made(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a shape");
+    let hero = UmbraCharacterDef { shape: &raw const *disc, ..shapeless };
+    let no_ground = UmbraGround { body: UMBRA_NO_HANDLE, local: UmbraVec2::default(), point: UmbraVec2::default() };
+    let far = UmbraVec2 { x: 99 * UMBRA_ONE, y: 0 };
+    let way = UmbraCharacterMove { position: far, translation: UmbraVec2::default(), ground: no_ground };
+    // SAFETY: the shape is alive.
+    let movement = made(|movement| unsafe { umbra_character_move(Some(w), Some(&hero), Some(&way), None, movement) });
+    let movement = movement.expect("a movement");
     let collider_def = UmbraColliderDef { shape: &raw const *disc, ..empty_collider };
     // SAFETY: the definition is filled in, and its shape is alive.
     let c = made(|collider| unsafe { umbra_world_add_collider(Some(w), b, Some(&collider_def), collider) });
@@ -223,6 +231,18 @@ fn null_is_refused_everywhere() {
         umbra_world_body_contacts(None, b, null_mut(), 0, None);
         umbra_world_body_contacts(Some(w), b, null_mut(), 1, None);
         umbra_query_filter_default(None);
+        umbra_character_def_default(None);
+        umbra_character_move(None, Some(&hero), Some(&way), None, Some(&mut MaybeUninit::uninit()));
+        umbra_character_move(Some(w), None, Some(&way), None, Some(&mut MaybeUninit::uninit()));
+        umbra_character_move(Some(w), Some(&shapeless), Some(&way), None, Some(&mut MaybeUninit::uninit()));
+        umbra_character_move(Some(w), Some(&hero), None, None, Some(&mut MaybeUninit::uninit()));
+        umbra_character_move(Some(w), Some(&hero), Some(&way), None, None);
+        umbra_movement_state(None, Some(&mut MaybeUninit::uninit()));
+        umbra_movement_state(Some(&movement), None);
+        umbra_movement_hits(None, null_mut(), 0, None);
+        umbra_movement_hits(Some(&movement), null_mut(), 1, None);
+        umbra_movement_pushes(None, null_mut(), 0, None);
+        umbra_movement_pushes(Some(&movement), null_mut(), 1, None);
         umbra_world_cast_rays(None, null(), null_mut(), 0, None);
         umbra_world_cast_rays(Some(w), null(), null_mut(), 1, None);
         umbra_world_cast_ray_any(None, Some(&ray), None, Some(&mut MaybeUninit::uninit()));
@@ -357,6 +377,7 @@ fn null_is_refused_everywhere() {
     assert_eq!((umbra_bytes_data(None), umbra_bytes_length(None)), (null_mut(), 0));
     umbra_world_free(None);
     umbra_shape_free(None);
+    umbra_movement_free(None);
     umbra_inputs_free(None);
     umbra_bytes_free(None);
     umbra_snapshot_free(None);
@@ -366,6 +387,7 @@ fn null_is_refused_everywhere() {
         "umbra_bytes_free",
         "umbra_world_free",
         "umbra_shape_free",
+        "umbra_movement_free",
         "umbra_inputs_free",
         "umbra_snapshot_free",
     ];

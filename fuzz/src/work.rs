@@ -239,6 +239,7 @@ impl Busy {
             FieldKind::Drag { .. } => "drag".to_string(),
             FieldKind::Thrust { .. } => "thrust".to_string(),
             FieldKind::Zone { .. } => "zone".to_string(),
+            FieldKind::Buoyancy { .. } => "buoyancy".to_string(),
             _ => "custom force".to_string(),
         });
         let mut all: Vec<String> = bodies.chain(fields).chain([format!("pushed: {}", self.pushed.len())]).collect();

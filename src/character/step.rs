@@ -29,7 +29,7 @@ impl<S: Scalar> Character<S> {
     /// Leave out the body of the character itself by the filter. A [one-way](crate::OneWay) collider lets it through until it has left
     /// the skin of it; to drop it through a platform that it stands on, leave that out for one call with a translation downwards.
     ///
-    /// *Cost* that of finding the colliders within reach of the translation, steps and snapping, and about 1 µs for each of those.
+    /// *Cost* that of finding the colliders within reach of the translation, steps and snapping.
     ///
     /// # Errors
     /// Those of [`check`](Self::check); [`Error::OutOfRange`] with [`Quantity::CharacterTranslation`], or with [`Quantity::Position`].

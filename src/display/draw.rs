@@ -72,6 +72,8 @@ pub enum Role {
     Thrust(FieldId),
     /// The region of a zone, and an arrow of 1 m from its middle along its acceleration.
     Zone(FieldId),
+    /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
+    Buoyancy(FieldId),
     /// A point of the contact of these two colliders.
     Contact([ColliderId; 2]),
     /// An arrow from a point of their contact along its normal, from the first collider to the second one.
@@ -363,6 +365,15 @@ impl<S: Scalar + ToF64> World<S> {
                     }
                 };
                 if let Some(along) = unit(acceleration.to_f64()) {
+                    draw.arrow(middle, [middle[0] + along[0], middle[1] + along[1]], role);
+                }
+            }
+            FieldKind::Buoyancy { min, max, flow, .. } => {
+                let role = Role::Buoyancy(id);
+                let ([left, bottom], [right, top]) = (min.to_f64(), max.to_f64());
+                draw.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], role);
+                if let Some(along) = unit(flow.to_f64()) {
+                    let middle = [(left + right) / 2.0, (bottom + top) / 2.0];
                     draw.arrow(middle, [middle[0] + along[0], middle[1] + along[1]], role);
                 }
             }

@@ -105,6 +105,8 @@ pub enum Quantity {
     ExplosionRadius,
     /// The impulse of an explosion on a metre of width.
     ExplosionImpulse,
+    /// The corners of the box of a fluid.
+    FluidBox,
 }
 
 impl Quantity {
@@ -157,6 +159,7 @@ impl Quantity {
             Self::CharacterTranslation => "a translation of a character within ±2^8 m a component",
             Self::ExplosionRadius => "a radius or a falloff of an explosion from 0 to 2^12 m",
             Self::ExplosionImpulse => "an impulse of an explosion within ±2^16 N·s/m",
+            Self::FluidBox => "a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one",
         }
     }
 }
@@ -208,6 +211,7 @@ codes!(Quantity {
     CharacterTranslation = 194,
     ExplosionRadius = 195,
     ExplosionImpulse = 196,
+    FluidBox = 197,
 });
 
 impl core::error::Error for Quantity {}

@@ -3,19 +3,56 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::buoyancy::{submerged_of, whole_area};
 use super::{FieldKind, FieldSet, ForceField};
 use crate::body::Bodies;
+use crate::collider::ColliderSet;
 use crate::error::Cause;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator, Factor, Offset, Scalar};
+use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum};
 use crate::slots::FieldId;
+
+/// The drag of a field on a body: the equations du/dt = −(linear + quadratic·|u|)/m·u, with u the velocity relative to the medium, and
+/// dω/dt = −angular/I·ω.
+struct Resistance<S: Scalar> {
+    linear: S::Factor,
+    quadratic: S::Factor,
+    angular: S::Factor,
+    medium: Vec2<S>,
+}
+
+/// The drag of a field on body `i`: `None` if it has none, `Some(None)` if it is too large.
+fn resistance<S: Scalar>(
+    kind: &FieldKind<S>,
+    bodies: &Bodies<S>,
+    colliders: &ColliderSet<S>,
+    i: usize,
+) -> Option<Option<Resistance<S>>> {
+    let factor = S::Factor::from_scalar;
+    match kind {
+        FieldKind::Drag { linear, quadratic, wind } => {
+            let [linear, quadratic] = [*linear, *quadratic].map(factor);
+            Some(Some(Resistance { linear, quadratic, angular: S::Factor::ZERO, medium: *wind }))
+        }
+        FieldKind::Buoyancy { min, max, linear_drag, angular_drag, flow, .. } if kind.has_drag() => {
+            let part = submerged_of(bodies, colliders, i, (*min, *max))?;
+            let of_area = |area: S::Wide| {
+                let [linear, angular] =
+                    [*linear_drag, *angular_drag].map(|drag| factor(drag).times(S::Factor::from_wide(area)));
+                Resistance { linear, quadratic: S::Factor::ZERO, angular, medium: *flow }
+            };
+            Some(part.area.total().map(of_area))
+        }
+        _ => None,
+    }
+}
 
 /// Drag over a span: the exact solution for each field, one after the other, in reverse order if
 /// `mirrored`.
 ///
 /// `only` says which of the coupled bodies feel it: with `Yoshida4` some feel theirs around the whole step.
 pub(crate) fn resist<S: Scalar>(
-    fields: &FieldSet<S>,
+    (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
     bodies: &mut Bodies<S>,
     coupled: Range<usize>,
     span: (S::Factor, bool),
@@ -24,40 +61,16 @@ pub(crate) fn resist<S: Scalar>(
     faults: &mut Vec<(usize, Cause)>,
 ) {
     let mut one = |id: FieldId, field: &ForceField<S>| {
-        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { return };
+        if !field.kind.has_drag() {
+            return;
+        }
         for i in coupled.clone() {
-            let info = bodies.info(i);
-            if !info.feels(field.force_groups) || !only(i) {
+            if !bodies.info(i).feels(field.force_groups) || !only(i) {
                 continue;
             }
-            let mass = bodies.mass(i);
-            let (inverse_mass, axes) = (mass.inverse_mass, mass.axis_inverse_mass);
-            let velocities = &mut bodies.columns.motion.velocity;
-            let velocity = velocities.get(i);
-            // A square root for the quadratic part alone.
-            let speed =
-                if *quadratic == S::ZERO { S::Factor::ZERO } else { S::length(relative(velocity, *wind), S::ZERO) };
-            let (alpha, beta) = (
-                S::Factor::from_scalar(*linear).times(inverse_mass),
-                S::Factor::from_scalar(*quadratic).times(inverse_mass),
-            );
-            let left = S::drag(speed, alpha, beta, span.0, span.1);
-            if left == Some(S::Factor::ONE) {
-                continue;
-            }
-            let slowed = left.and_then(|left| {
-                let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
-                    if inverse_mass.is_zero() {
-                        return Some(v);
-                    }
-                    let w = S::Accumulator::from_scalar(w);
-                    Some(v.plus(w.negated()).scaled(left)?.plus(w))
-                };
-                Some(Vec2::new(component(velocity.x, wind.x, axes.x)?, component(velocity.y, wind.y, axes.y)?))
-            });
-            match slowed {
-                Some(slowed) => velocities.set(i, slowed),
-                None => faults.push((i, Cause::Field { field: id })),
+            let Some(resistance) = resistance(&field.kind, bodies, colliders, i) else { continue };
+            if resistance.and_then(|resistance| slow_down(bodies, i, &resistance, span)).is_none() {
+                faults.push((i, Cause::Field { field: id }));
             }
         }
     };
@@ -68,15 +81,49 @@ pub(crate) fn resist<S: Scalar>(
     }
 }
 
+/// Lets drag act on a body over a span; `None` if a velocity does not fit.
+fn slow_down<S: Scalar>(
+    bodies: &mut Bodies<S>,
+    i: usize,
+    resistance: &Resistance<S>,
+    span: (S::Factor, bool),
+) -> Option<()> {
+    let Resistance { linear, quadratic, angular, medium } = *resistance;
+    let mass = bodies.mass(i);
+    let (inverse_mass, axes, inverse_inertia) = (mass.inverse_mass, mass.axis_inverse_mass, mass.inverse_inertia);
+    let motion = &mut bodies.columns.motion;
+    let velocity = motion.velocity.get(i);
+    // A square root for the quadratic part alone.
+    let speed = if quadratic.is_zero() { S::Factor::ZERO } else { S::length(relative(velocity, medium), S::ZERO) };
+    let left = S::drag(speed, linear.times(inverse_mass), quadratic.times(inverse_mass), span.0, span.1)?;
+    if left != S::Factor::ONE {
+        let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
+            if inverse_mass.is_zero() {
+                return Some(v);
+            }
+            let w = S::Accumulator::from_scalar(w);
+            Some(v.plus(w.negated()).scaled(left)?.plus(w))
+        };
+        let slowed = Vec2::new(component(velocity.x, medium.x, axes.x)?, component(velocity.y, medium.y, axes.y)?);
+        motion.velocity.set(i, slowed);
+    }
+    if !angular.is_zero() {
+        let left = S::drag(S::Factor::ZERO, angular.times(inverse_inertia), S::Factor::ZERO, span.0, span.1)?;
+        motion.angular_velocity[i] = motion.angular_velocity[i].scaled(left)?;
+    }
+    Some(())
+}
+
 /// The public velocity relative to a medium.
 fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<S> {
     Vec2::new(velocity.x.value().offset(wind.x), velocity.y.value().offset(wind.y))
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
-/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add.
+/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add. That of a fluid is judged as if all
+/// of the body were in it, as the step may take it there.
 pub(crate) fn outer_drag<S: Scalar>(
-    fields: &FieldSet<S>,
+    (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
     bodies: &Bodies<S>,
     coupled: Range<usize>,
     time_step: S::Factor,
@@ -88,14 +135,28 @@ pub(crate) fn outer_drag<S: Scalar>(
     let half = S::Factor::from_ratio(1, 2);
     let velocities = &bodies.columns.motion.velocity;
     for (_, field) in fields.iter() {
-        let FieldKind::Drag { linear, quadratic, wind } = &field.kind else { continue };
+        if !field.kind.has_drag() {
+            continue;
+        }
         for (i, outside) in coupled.clone().zip(outside.iter_mut()) {
-            let info = bodies.info(i);
-            if info.feels(field.force_groups) {
-                let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
-                let slope = S::Factor::from_scalar(*linear).plus(S::Factor::from_scalar(*quadratic).times(speed));
-                *outside |= slope.times(bodies.mass(i).inverse_mass).times(time_step) > half;
+            if !bodies.info(i).feels(field.force_groups) {
+                continue;
             }
+            let mass = bodies.mass(i);
+            let factor = S::Factor::from_scalar;
+            let is_stiff = |slope: S::Factor, inverse: S::Factor| slope.times(inverse).times(time_step) > half;
+            *outside |= match &field.kind {
+                FieldKind::Drag { linear, quadratic, wind } => {
+                    let speed = S::length(relative(velocities.get(i), *wind), S::ZERO).plus(gain(i));
+                    is_stiff(factor(*linear).plus(factor(*quadratic).times(speed)), mass.inverse_mass)
+                }
+                FieldKind::Buoyancy { linear_drag, angular_drag, .. } => {
+                    let area = whole_area(bodies, colliders, i);
+                    is_stiff(factor(*linear_drag).times(area), mass.inverse_mass)
+                        || is_stiff(factor(*angular_drag).times(area), mass.inverse_inertia)
+                }
+                _ => false,
+            };
         }
     }
     outside.iter().map(|&is| u32::from(is)).sum()

@@ -157,6 +157,56 @@ pub enum FieldKind<S: Scalar = Fx> {
         /// The acceleration, m/s².
         acceleration: Vec2<S>,
     },
+    /// A fluid in a box, which lifts the colliders in it and slows them down.
+    ///
+    /// The part of a body's colliders in the box displaces the fluid: the body gets a lift of density·area against the gravity of the world,
+    /// at the centroid of that part. Sensors, segments and a body without colliders displace nothing. The gravity scale of the body does not
+    /// matter, as it is the fluid that is heavy. Parts of a compound, or colliders of a body, that lie on each other count twice, as they do
+    /// for the mass.
+    ///
+    /// The drags are in proportion to the area too: F = −`linear_drag`·area·(v − flow) through the centre of mass, and a torque of
+    /// −`angular_drag`·area·ω. Their equations are solved exactly over each half of a step, so that no drag is too strong, with the area at
+    /// the start and at the end. They act in turn with [`Drag`](Self::Drag)s, in the order in which the fields were added.
+    ///
+    /// A body that has a part in fluids without flow falls asleep as one with contacts does: when it has been slower than
+    /// [`ContactSettings::sleep_speed`](crate::ContactSettings::sleep_speed) for some time.
+    ///
+    /// *Error* of the area 2^-32 m times the length of the outline (2^-36 of its reach from the centre of mass, where that is more than 32 m,
+    /// times that length), and for a collider with a radius r 2^-10·r² more.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, ContactSettings, FieldKind, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// // A pool 20 m wide and 5 m deep; its surface is at a height of 0.
+    /// world.add_field(FieldKind::Buoyancy {
+    ///     min: vec2(-10, -5),
+    ///     max: vec2(10, 0),
+    ///     density: fx!(4),
+    ///     linear_drag: fx!(6),
+    ///     angular_drag: fx!(2),
+    ///     flow: vec2(0, 0),
+    /// })?;
+    /// // A quarter as heavy as the fluid: a quarter of it is under the surface.
+    /// let crate_ = world.add_body(BodyDef::dynamic().with_collider(Shape::rectangle(2, 2)?))?;
+    /// (0..600).for_each(|_| _ = world.step());
+    /// assert_eq!(format!("{:.3}", world.body(crate_)?.position().y), "0.500");
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    Buoyancy {
+        /// The lower left corner of the box, m.
+        min: Vec2<S>,
+        /// The upper right corner of the box, m: not left of the other one and not below it.
+        max: Vec2<S>,
+        /// The density of the fluid, kg/m².
+        density: S,
+        /// The linear drag, N·s/m for each m² in the fluid.
+        linear_drag: S,
+        /// The angular drag, N·m·s for each m² in the fluid.
+        angular_drag: S,
+        /// The velocity of the fluid, m/s.
+        flow: Vec2<S>,
+    },
     /// A [`CustomForce`](super::CustomForce) that the user defines.
     Custom {
         /// The id of the custom force.
@@ -204,6 +254,7 @@ codec_enum!(FieldKind<S>, "the number of a kind of field", {
     3 => Thrust { at, force },
     4 => Zone { region, acceleration },
     5 => Custom { id },
+    6 => Buoyancy { min, max, density, linear_drag, angular_drag, flow },
 });
 
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
@@ -223,7 +274,20 @@ impl<S: Scalar> FieldKind<S> {
     pub(crate) fn acts_by_groups(&self) -> bool {
         match self {
             Self::Spring { .. } | Self::Thrust { .. } => false,
-            Self::Attractor { .. } | Self::Drag { .. } | Self::Zone { .. } | Self::Custom { .. } => true,
+            Self::Attractor { .. }
+            | Self::Drag { .. }
+            | Self::Zone { .. }
+            | Self::Buoyancy { .. }
+            | Self::Custom { .. } => true,
+        }
+    }
+
+    /// Returns true if the field slows bodies down by the exact solution of its equation: see [`resist`](super::resist).
+    pub(crate) fn has_drag(&self) -> bool {
+        match self {
+            Self::Drag { .. } => true,
+            Self::Buoyancy { linear_drag, angular_drag, .. } => *linear_drag != S::ZERO || *angular_drag != S::ZERO,
+            _ => false,
         }
     }
 }
@@ -253,6 +317,7 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Attractor { .. }
             | FieldKind::Drag { .. }
             | FieldKind::Zone { .. }
+            | FieldKind::Buoyancy { .. }
             | FieldKind::Custom { .. } => Ok(()),
         }
     }
@@ -307,18 +372,27 @@ impl<S: Scalar> ForceField<S> {
                 check(placed, Quantity::Position)?;
                 check(within(*acceleration, limits::GRAVITY), Quantity::Gravity)
             }
+            FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow } => {
+                let is_box = min.x <= max.x && min.y <= max.y;
+                check(is_box && within(*min, limits::POSITION) && within(*max, limits::POSITION), Quantity::FluidBox)?;
+                check(not_negative(*density), Quantity::ColliderDensity)?;
+                check(not_negative(*linear_drag) && not_negative(*angular_drag), Quantity::Drag)?;
+                check_velocity(*flow)
+            }
             FieldKind::Custom { id } => custom_forces.get(id).map(drop).ok_or(Error::CustomForce { id: *id }),
         }
     }
 
     /// The part of the bodies' state that the field depends on. The damper of a spring is evaluated apart from its elastic
-    /// force.
+    /// force, and the drag of a fluid apart from its lift.
     pub(crate) fn depends_on(&self, custom_forces: &CustomForces<S>) -> Dependence {
         match &self.kind {
             FieldKind::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
             FieldKind::Custom { id } => custom_forces.get(id).map_or(Dependence::Nothing, |custom| custom.depends_on()),
-            FieldKind::Drag { .. } => Dependence::Velocity,
-            FieldKind::Zone { .. }
+            kind if kind.has_drag() => Dependence::Velocity,
+            FieldKind::Drag { .. }
+            | FieldKind::Buoyancy { .. }
+            | FieldKind::Zone { .. }
             | FieldKind::Spring { .. }
             | FieldKind::Attractor { .. }
             | FieldKind::Thrust { .. } => Dependence::Position,
@@ -352,7 +426,10 @@ impl<S: Scalar> ForceField<S> {
                 FieldKind::Spring { near: attachment(&near)?, far: end(&far)?, spring }
             }
             FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(&at)?, force },
-            kind @ (FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. }) => kind,
+            kind @ (FieldKind::Drag { .. }
+            | FieldKind::Zone { .. }
+            | FieldKind::Buoyancy { .. }
+            | FieldKind::Custom { .. }) => kind,
         };
         Some(Self { kind, force_groups: self.force_groups })
     }
@@ -363,7 +440,9 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Attractor { centre, .. } => [centre.body(), None],
             FieldKind::Spring { near, far, .. } => [Some(near.body), far.body()],
             FieldKind::Thrust { at, .. } => [Some(at.body), None],
-            FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Custom { .. } => [None, None],
+            FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Buoyancy { .. } | FieldKind::Custom { .. } => {
+                [None, None]
+            }
         }
     }
 

@@ -2,10 +2,12 @@
 
 use alloc::vec::Vec;
 
+use super::buoyancy::{lift, submerged_of};
 use super::{
     Attachment, BodyState, CustomForces, Dependence, End, FieldKind, FieldSet, ForceField, ForceTorque, Region,
 };
 use crate::body::{Bodies, BodyKind, Sparse};
+use crate::collider::ColliderSet;
 use crate::error::Cause;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, SpringConstants, Sum, Wide};
@@ -39,6 +41,13 @@ impl<S: Scalar> Load<S> {
         Some(())
     }
 
+    /// Adds a force through the centre of mass, and a torque.
+    fn push_with(&mut self, force: Offset<S>, torque: S::Wide) {
+        self.force.x.add(force.x);
+        self.force.y.add(force.y);
+        self.torque.add(torque);
+    }
+
     #[inline]
     fn push_freely(&mut self, push: &ForceTorque<S>) {
         self.force.x.add(S::Wide::from_scalar(push.force.x));
@@ -67,6 +76,9 @@ pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) bodies: &'a Bodies<S>,
     pub(crate) fields: &'a FieldSet<S>,
     pub(crate) custom_forces: &'a CustomForces<S>,
+    pub(crate) colliders: &'a ColliderSet<S>,
+    /// The gravity of the world.
+    pub(crate) gravity: Vec2<S>,
 }
 
 /// A point of the world or of a body, and how it moves.
@@ -200,7 +212,7 @@ pub(crate) enum Targets<'a> {
 }
 
 /// Adds the loads of the fields of one dependence on the targets. `Position` includes fields that depend on nothing, and the
-/// elastic part of springs, whose dampers come with `Velocity`. Drag belongs to neither: [`resist`](super::resist) has it.
+/// elastic part of springs, whose dampers come with `Velocity`, and the lift of fluids. Drag belongs to neither: [`resist`](super::resist) has it.
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
@@ -215,8 +227,8 @@ pub(crate) fn accumulate<S: Scalar>(
             Dependence::Velocity => Dependence::Velocity,
             Dependence::Nothing | Dependence::Position => Dependence::Position,
         };
-        let is_spring = matches!(field.kind, FieldKind::Spring { .. });
-        if own_pass == pass || (is_spring && pass == Dependence::Position) {
+        let is_split = matches!(field.kind, FieldKind::Spring { .. } | FieldKind::Buoyancy { .. });
+        if own_pass == pass || (is_split && pass == Dependence::Position) {
             evaluation.field(id, field, pass);
         }
     }
@@ -266,7 +278,19 @@ impl<S: Scalar> Evaluation<'_, S> {
                     Err(answer) => one.faults.push((i, Cause::CustomForce { field: id, code: answer.code })),
                 });
             }
-            FieldKind::Drag { .. } => {}
+            FieldKind::Buoyancy { min, max, density, .. } if pass == Dependence::Position => {
+                self.each_in(field.force_groups, |one, i| {
+                    let Some(part) = submerged_of(scene.bodies, scene.colliders, i, (*min, *max)) else { return };
+                    match lift(&part, *density, scene.gravity) {
+                        Some((force, torque)) => {
+                            let turns = !scene.bodies.mass(i).locks.rotation;
+                            one.loads.of(i).push_with(force, if turns { torque } else { S::Wide::default() });
+                        }
+                        None => one.faults.push((i, Cause::Field { field: id })),
+                    }
+                });
+            }
+            FieldKind::Buoyancy { .. } | FieldKind::Drag { .. } => {}
         }
     }
 

@@ -1,14 +1,17 @@
 //! Forces: force fields as data, the hook for custom forces, and the forces and torques applied in this tick.
 
 mod applied;
+mod buoyancy;
 mod custom;
 mod drag;
 mod field;
 mod load;
 mod set;
+mod submerged;
 
 pub(crate) use applied::Applied;
 pub use applied::AppliedForce;
+pub(crate) use buoyancy::floats;
 pub use custom::{BodyState, CustomForce, CustomForceError, ForceTorque};
 pub(crate) use drag::{outer_drag, resist};
 pub use field::{Attachment, Dependence, End, FieldKind, ForceField, Region};

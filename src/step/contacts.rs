@@ -11,10 +11,11 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::sleep::is_slow;
 use super::{Constants, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
-use crate::collider::{Collider, ColliderSet, ContactSettings};
+use crate::collider::{ColliderSet, ContactSettings};
 use crate::contact::{
     Changed, ContactEngine as _, ContactSet, Correction, Detected, Overlap, Scene, Sensors, Start, Stop, is_asleep,
     list_pairs,
@@ -23,7 +24,7 @@ use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide as _};
+use crate::scalar::{Accumulator as _, Angle as _, Scalar};
 use crate::slots::BodyId;
 
 /// The colliders and the contacts of a world.
@@ -327,7 +328,7 @@ impl<S: Scalar> Step<'_, S> {
 
     /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
     fn correct(&mut self, own: &Workspace<S>, constants: &Constants<'_, S>) {
-        let (colliders, settings) = (self.contacts.colliders, self.contacts.settings);
+        let colliders = self.contacts.colliders;
         for (start, by) in own.starts.iter().zip(&own.corrections) {
             if !by.is_pushed {
                 continue;
@@ -353,7 +354,7 @@ impl<S: Scalar> Step<'_, S> {
                 let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
                 let rests = constants.sleep_after.is_some()
                     && is_left_alone
-                    && is_slow(bodies, colliders, settings.sleep_speed, i);
+                    && is_slow(bodies, colliders, constants.sleep_speed, i);
                 let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
                 *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
                 if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {
@@ -402,18 +403,4 @@ impl<S: Scalar> Step<'_, S> {
             self.note_pushed(stop.dense);
         }
     }
-}
-
-/// Returns true if no point of a body's colliders is faster than this.
-fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
-    let size = |value: S| if value < S::ZERO { -value } else { value };
-    let motion = &bodies.columns.motion;
-    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));
-    let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
-    let radius = colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
-    // The speed that the turning leaves to the body.
-    let left = size(motion.angular_velocity[i].value()).times(radius).map(|rim| speed - rim);
-    let square = |v: S| v.product(v);
-    // Below 2^10 m/s, no sum is too large.
-    left.is_some_and(|left| x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left)))
 }

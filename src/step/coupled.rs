@@ -2,15 +2,18 @@
 //!
 //! Reads: fields, rows of factors, applied accelerations. Writes: positions, angles, velocities, ticks at rest, faults.
 
+use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::applied::part_in;
 use super::bounds::check_bounds_and_rest;
+use super::sleep::is_slow;
 use super::timers::timed;
 use super::{Constants, Forces, Probe, Workspace as StepWorkspace, damp, drift, fields, kick};
 use crate::body::{BLOCK, Block, Bodies, BodyKind, Motion};
-use crate::force::{Dependence, End, FieldKind, Scene, Targets};
+use crate::force::{Dependence, End, FieldKind, Scene, Targets, floats};
 use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
+use crate::island::is_candidate;
 use crate::scalar::Scalar;
 
 /// Memory that the pass uses again.
@@ -18,6 +21,8 @@ use crate::scalar::Scalar;
 pub(super) struct Workspace<S: Scalar> {
     /// The coupled bodies as they were before the step.
     backup: Motion<S>,
+    /// The slow bodies that float, in ascending order, and for how many ticks they have been at rest.
+    floating: Vec<(usize, u32)>,
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -33,6 +38,7 @@ pub(super) struct FieldKinds {
     pub(super) position: bool,
     pub(super) velocity: bool,
     pub(super) drag: bool,
+    pub(super) fluid: bool,
     /// Attractors that a movable body carries.
     pub(super) moving_attractors: bool,
 }
@@ -44,6 +50,10 @@ impl FieldKinds {
             let depends_on = field.depends_on(forces.custom_forces);
             match &field.kind {
                 FieldKind::Drag { .. } => kinds.drag = true,
+                FieldKind::Buoyancy { .. } => {
+                    (kinds.position, kinds.fluid) = (true, true);
+                    kinds.drag |= field.kind.has_drag();
+                }
                 FieldKind::Spring { .. } => {
                     kinds.position = true;
                     kinds.velocity |= depends_on == Dependence::Velocity;
@@ -94,8 +104,8 @@ impl<S: Scalar> Coupled<'_, S> {
 
     /// The view that fields have of the world.
     pub(super) fn scene(&self) -> Scene<'_, S> {
-        let Forces { fields, custom_forces } = self.forces;
-        Scene { bodies: self.bodies, fields, custom_forces }
+        let Forces { fields, custom_forces, colliders, gravity } = self.forces;
+        Scene { bodies: self.bodies, fields, custom_forces, colliders, gravity }
     }
 
     /// The bodies that fields act on.
@@ -152,8 +162,16 @@ fn begin<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>)
 
 /// Checks the bodies, and gives those with a fault back what they were.
 fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { coupled: Workspace { backup }, found, .. } = workspace;
+    let StepWorkspace { coupled: Workspace { backup, floating }, found, .. } = workspace;
     let constants = pass.constants;
+    floating.clear();
+    if pass.kinds.fluid && constants.sleep_after.is_some() {
+        let Forces { fields, colliders, .. } = pass.forces;
+        let bodies = &*pass.bodies;
+        let is_slow = |i: &usize| is_slow(bodies, colliders, constants.sleep_speed, *i);
+        let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(fields, bodies, colliders, i));
+        floating.extend(slow.map(|i| (i, bodies.columns.motion.ticks_at_rest[i])));
+    }
     let mut coupled = pass.all();
     check_bounds_and_rest(&mut coupled, backup, &constants, found);
     // Stable: the first fault of a body stays its first.
@@ -163,6 +181,18 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
         for (i, _) in part_in(&coupled, &found.faults) {
             backup.restore(&mut coupled, *i - first);
             coupled.ticks_at_rest[*i - first] = 0;
+        }
+    }
+    // A fluid may move it a little in each step: it counts as at rest while it is slow and nothing else is applied to it.
+    for &(i, ticks_at_rest) in &*floating {
+        let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err()
+            && found.faults.binary_search_by_key(&i, |(i, _)| *i).is_err();
+        if is_left_alone {
+            let rest = ticks_at_rest.saturating_add(1);
+            coupled.ticks_at_rest[i - coupled.first] = rest;
+            if constants.sleep_after.is_some_and(|ticks| is_candidate(rest, ticks)) {
+                found.candidates.push(i);
+            }
         }
     }
 }

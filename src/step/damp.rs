@@ -50,7 +50,15 @@ fn resist_inside<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace:
     let first = pass.indices.start;
     let only = |i: usize| report.drag_outside == 0 || !outside[i - first];
     let span = (timing.seconds, timing.negative);
-    resist(pass.forces.fields, pass.bodies, pass.indices.clone(), span, stage.mirrored, only, &mut found.faults);
+    resist(
+        (pass.forces.fields, pass.forces.colliders),
+        pass.bodies,
+        pass.indices.clone(),
+        span,
+        stage.mirrored,
+        only,
+        &mut found.faults,
+    );
 }
 
 /// Finds the bodies whose drag acts around the whole step, and lets the first half of it act.
@@ -68,7 +76,15 @@ fn resist_outside<S: Scalar>(pass: &mut Coupled<'_, S>, mirrored: bool, workspac
     let StepWorkspace { damp: Workspace { outside, .. }, found, .. } = workspace;
     let (first, span) = (pass.indices.start, (pass.constants.plan.half, false));
     let only = |i: usize| outside[i - first];
-    resist(pass.forces.fields, pass.bodies, pass.indices.clone(), span, mirrored, only, &mut found.faults);
+    resist(
+        (pass.forces.fields, pass.forces.colliders),
+        pass.bodies,
+        pass.indices.clone(),
+        span,
+        mirrored,
+        only,
+        &mut found.faults,
+    );
 }
 
 /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the applied forces and the fields of
@@ -90,5 +106,8 @@ fn find_stiff_drag<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspa
     let whole = constants.plan.whole;
     let twice = whole.plus(whole);
     let gain = |i: usize| speed_gain[i - first].times(twice);
-    report.drag_outside = outer_drag(pass.forces.fields, pass.bodies, pass.indices.clone(), whole, gain, outside);
+    report.drag_outside = {
+        let forces = (pass.forces.fields, pass.forces.colliders);
+        outer_drag(forces, pass.bodies, pass.indices.clone(), whole, gain, outside)
+    };
 }

@@ -13,6 +13,7 @@ use super::{Accelerations, Workspace as StepWorkspace};
 use crate::body::{Bodies, Change};
 use crate::error::Cause;
 use crate::force::{Dependence, Directions, FieldKind, FieldSet, Loads, Targets, accumulate};
+use crate::math::Vec2;
 use crate::scalar::Scalar;
 
 /// Memory that the stage uses again.
@@ -24,6 +25,8 @@ pub(super) struct Workspace<S: Scalar> {
     /// The accelerations by fields of position; those of the positions now if `is_current`, but for the bodies in `outdated`.
     pub(super) position: Accelerations<S>,
     is_current: bool,
+    /// The gravity of the world that they are evaluated with.
+    gravity: Vec2<S>,
     /// In ascending order. They have no entry in `position`.
     outdated: Vec<usize>,
     /// The accelerations by fields of velocity, as evaluated for the kick before.
@@ -94,6 +97,7 @@ impl<S: Scalar> Workspace<S> {
     /// Takes over what is cached of another one, which this one is a copy of.
     pub(super) fn clone_cached_from(&mut self, source: &Self) {
         self.is_current = source.is_current && source.outdated.is_empty();
+        self.gravity = source.gravity;
         self.outdated.clear();
         if self.is_current {
             self.position.clone_from(&source.position);
@@ -119,7 +123,9 @@ pub(super) fn complete<S: Scalar>(
     workspace: &mut Workspace<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
+    let gravity = pass.forces.gravity;
     let Workspace { position, is_current, outdated, .. } = workspace;
+    *is_current &= workspace.gravity == gravity;
     let (mut into, only) = (core::mem::take(position), core::mem::take(outdated));
     if !*is_current {
         into.clear();
@@ -128,6 +134,7 @@ pub(super) fn complete<S: Scalar>(
         evaluate(pass, Dependence::Position, Targets::Only(&only), workspace, &mut into, faults);
     }
     (workspace.position, workspace.outdated, workspace.is_current) = (into, only, true);
+    workspace.gravity = gravity;
     workspace.outdated.clear();
 }
 

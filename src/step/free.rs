@@ -123,7 +123,7 @@ impl<S: Scalar> FreePass<'_, S> {
         backup: &mut Motion<S>,
         found: &mut Found,
     ) {
-        let Constants { rows, applied, sleep_after, restores, any_capped, plan } = self.constants;
+        let Constants { rows, applied, sleep_after, restores, any_capped, plan, .. } = self.constants;
         let factors = BlockFactors::of(block, rows);
         let is_pushed = !part_in(block, applied).is_empty();
         let may_rest = sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));

@@ -31,11 +31,12 @@ use alloc::vec::Vec;
 #[cfg(feature = "parallel")]
 use crate::body::BLOCK;
 use crate::body::{Acceleration, Block, Bodies, FactorTable, KinematicTargets, StepFactors};
+use crate::collider::ColliderSet;
 use crate::contact::ContactSet;
 use crate::error::{Cause, Fault};
 use crate::force::{Applied, CustomForces, FieldSet};
 use crate::integrate::{AFTER_FLIGHT, Integrator, Plan, Schedule, Stage, StageKind};
-use crate::math::TimeStep;
+use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 use coupled::FieldKinds;
 use free::FreePass;
@@ -55,11 +56,15 @@ pub(crate) struct Step<'a, S: Scalar> {
     pub(crate) workspace: &'a mut Workspace<S>,
 }
 
-/// The force fields.
+/// The force fields, and what they depend on beside the bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Forces<'a, S: Scalar> {
     pub(crate) fields: &'a FieldSet<S>,
     pub(crate) custom_forces: &'a CustomForces<S>,
+    /// The colliders, which displace fluids.
+    pub(crate) colliders: &'a ColliderSet<S>,
+    /// The gravity of the world.
+    pub(crate) gravity: Vec2<S>,
 }
 
 /// The parameters of a step.
@@ -100,6 +105,8 @@ struct Constants<'a, S: Scalar> {
     /// In the order of the columns.
     applied: &'a [AppliedAcceleration<S>],
     sleep_after: Option<u32>,
+    /// The speed below which a body that contacts push, or that floats, is at rest.
+    sleep_speed: S,
     /// True if a body with a fault is restored to its state before the step. When a step is undone, all bodies are, or none.
     restores: bool,
     /// True if the speed of a body is limited.
@@ -145,6 +152,7 @@ impl<S: Scalar> Step<'_, S> {
             rows: factor_table.rows(),
             applied: &applied,
             sleep_after,
+            sleep_speed: self.contacts.settings.sleep_speed,
             restores: true,
             any_capped: factor_table.any_capped(),
         };
@@ -202,6 +210,7 @@ impl<S: Scalar> Step<'_, S> {
             rows,
             applied: &applied,
             sleep_after: None,
+            sleep_speed: S::ZERO,
             restores: false,
             any_capped: false,
         };

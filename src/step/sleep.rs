@@ -4,15 +4,16 @@
 //!
 //! A body without contacts is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
 //! below them either, no force was applied, and no body that might still move acts on it. Skipping it changes nothing. One that contacts
-//! push is at rest while it is slow; when it falls asleep, it stops.
+//! push, or that floats, is at rest while it is slow; when it falls asleep, it stops.
 
 use super::coupled::{FieldKinds, may_move};
 use super::{Contacts, Workspace};
 use crate::body::Bodies;
+use crate::collider::{Collider, ColliderSet};
 use crate::force::{End, FieldKind, FieldSet};
 use crate::island;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Scalar};
+use crate::scalar::{Accumulator as _, Scalar, Wide as _};
 use crate::slots::BodyId;
 
 /// Reports the bodies that fall asleep, in the order of the handles.
@@ -67,4 +68,18 @@ fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields
             }
         }
     }
+}
+
+/// Returns true if no point of a body's colliders is faster than this.
+pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
+    let size = |value: S| if value < S::ZERO { -value } else { value };
+    let motion = &bodies.columns.motion;
+    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));
+    let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
+    let radius = colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
+    // The speed that the turning leaves to the body.
+    let left = size(motion.angular_velocity[i].value()).times(radius).map(|rim| speed - rim);
+    let square = |v: S| v.product(v);
+    // Below 2^10 m/s, no sum is too large.
+    left.is_some_and(|left| x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left)))
 }

@@ -5,7 +5,7 @@ mod world;
 use alloc::vec::Vec;
 
 use crate::body::{BodyDef, Locks};
-use crate::force::{ForceField, Region};
+use crate::force::ForceField;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{FxFactor, Turn};
@@ -299,18 +299,13 @@ impl CommandMap<Fx> for Image<'_> {
         Err(NoImage)
     }
 
-    fn region(&mut self, region: Region) -> Result<Region, NoImage> {
-        Ok(match region {
-            Region::Disc { centre, radius } => Region::Disc { centre: self.point(centre)?, radius },
-            Region::Box { min, max } => {
-                let (a, b) = (self.point(min)?, self.point(max)?);
-                // The lower edge becomes the upper one where its axis is reversed; an empty box stays empty.
-                let reversed = |row: [i8; 2]| row.contains(&-1);
-                let along = |row, a: Fx, b: Fx| if reversed(row) { (b, a) } else { (a, b) };
-                let [horizontal, vertical] = self.0.matrix;
-                let ((left, right), (bottom, top)) = (along(horizontal, a.x, b.x), along(vertical, a.y, b.y));
-                Region::Box { min: Vec2::new(left, bottom), max: Vec2::new(right, top) }
-            }
-        })
+    fn corners(&mut self, min: Vec2, max: Vec2) -> Result<(Vec2, Vec2), NoImage> {
+        let (a, b) = (self.point(min)?, self.point(max)?);
+        // The lower edge becomes the upper one where its axis is reversed; an empty box stays empty.
+        let reversed = |row: [i8; 2]| row.contains(&-1);
+        let along = |row, a: Fx, b: Fx| if reversed(row) { (b, a) } else { (a, b) };
+        let [horizontal, vertical] = self.0.matrix;
+        let ((left, right), (bottom, top)) = (along(horizontal, a.x, b.x), along(vertical, a.y, b.y));
+        Ok((Vec2::new(left, bottom), Vec2::new(right, top)))
     }
 }

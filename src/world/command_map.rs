@@ -261,8 +261,16 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             Region::Disc { centre, radius } => {
                 Region::Disc { centre: self.point(centre)?, radius: self.scalar(radius)? }
             }
-            Region::Box { min, max } => Region::Box { min: self.point(min)?, max: self.point(max)? },
+            Region::Box { min, max } => {
+                let (min, max) = self.corners(min, max)?;
+                Region::Box { min, max }
+            }
         })
+    }
+
+    /// The least and the greatest corner of a box along the axes.
+    fn corners(&mut self, min: Vec2<S>, max: Vec2<S>) -> Result<(Vec2<T>, Vec2<T>), Self::Error> {
+        Ok((self.point(min)?, self.point(max)?))
     }
 
     /// A force field.
@@ -292,6 +300,17 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             }
             FieldKind::Zone { region, acceleration } => {
                 FieldKind::Zone { region: self.region(region)?, acceleration: self.vector(acceleration)? }
+            }
+            FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow } => {
+                let (min, max) = self.corners(min, max)?;
+                FieldKind::Buoyancy {
+                    min,
+                    max,
+                    density: self.scalar(density)?,
+                    linear_drag: self.scalar(linear_drag)?,
+                    angular_drag: self.scalar(angular_drag)?,
+                    flow: self.vector(flow)?,
+                }
             }
             FieldKind::Custom { id } => FieldKind::Custom { id: self.custom_force(id)? },
         };

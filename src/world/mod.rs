@@ -374,7 +374,12 @@ impl<S: Scalar> World<S> {
             bodies: &mut self.bodies,
             applied: &mut self.applied,
             targets: &mut self.targets,
-            forces: Forces { fields: &self.fields, custom_forces: &self.custom_forces },
+            forces: Forces {
+                fields: &self.fields,
+                custom_forces: &self.custom_forces,
+                colliders: &self.colliders,
+                gravity: self.def.gravity,
+            },
             contacts: Contacts {
                 colliders: &self.colliders,
                 contacts: &mut self.contacts,

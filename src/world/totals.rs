@@ -162,7 +162,13 @@ impl<S: Scalar> World<S> {
                 sum.add(S::Wide::from_factor(energy, g.is_negative() == (x < S::ZERO))?);
             }
         }
-        let scene = Scene { bodies: &self.bodies, fields: &self.fields, custom_forces: &self.custom_forces };
+        let scene = Scene {
+            bodies: &self.bodies,
+            fields: &self.fields,
+            custom_forces: &self.custom_forces,
+            colliders: &self.colliders,
+            gravity: self.def.gravity,
+        };
         let mut directions = Directions::<S>::default();
         for (_, field) in self.fields.iter() {
             match &field.kind {
@@ -175,6 +181,7 @@ impl<S: Scalar> World<S> {
                 FieldKind::Drag { .. }
                 | FieldKind::Thrust { .. }
                 | FieldKind::Zone { .. }
+                | FieldKind::Buoyancy { .. }
                 | FieldKind::Custom { .. } => {}
             }
         }

@@ -1,5 +1,6 @@
 //! Bodies that collide: symmetric scenes, order of insertion, closed forms.
 
+mod buoyancy;
 mod cases;
 mod chains;
 mod character;

@@ -95,6 +95,14 @@ fn fields() -> Vec<ForceField> {
         FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) },
         FieldKind::Zone { region: Region::Box { min: vec2(0, 0), max: vec2(1, 1) }, acceleration: vec2(0, 1) },
         FieldKind::Custom { id: 9 },
+        FieldKind::Buoyancy {
+            min: vec2(-5, -5),
+            max: vec2(5, 0),
+            density: fx!(2),
+            linear_drag: fx!(0.5),
+            angular_drag: fx!(0.25),
+            flow: vec2(1, 0),
+        },
     ];
     kinds.map(|kind| ForceField { kind, force_groups: 5 }).into()
 }

@@ -172,6 +172,14 @@ pub(crate) fn field(value: &Value) -> ForceField {
         "Thrust" => FieldKind::Thrust { at: attachment(&law["at"]), force: vector(&law["force"]) },
         "Zone" => FieldKind::Zone { region: region(&law["region"]), acceleration: vector(&law["acceleration"]) },
         "Custom" => FieldKind::Custom { id: law["id"].natural() },
+        "Buoyancy" => FieldKind::Buoyancy {
+            min: vector(&law["min"]),
+            max: vector(&law["max"]),
+            density: number(&law["density"]),
+            linear_drag: number(&law["linear_drag"]),
+            angular_drag: number(&law["angular_drag"]),
+            flow: vector(&law["flow"]),
+        },
         other => panic!("law {other}"),
     };
     ForceField { kind, force_groups: value["force_groups"].natural() as u32 }

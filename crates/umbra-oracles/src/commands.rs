@@ -369,6 +369,25 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         Region::Box { min: self.vector(fx!(9), limits::POSITION), max: self.vector(fx!(9), limits::POSITION) }
     }
 
+    fn buoyancy(&mut self) -> FieldKind {
+        let [a, b] = [(); 2].map(|()| self.vector(fx!(9), limits::POSITION));
+        // A box with its corners in any order would be refused.
+        let is_sorted = self.taste.wild == 0 || !self.choices.one_in(8);
+        let sorted = |a: Fx, b: Fx| if is_sorted && b < a { (b, a) } else { (a, b) };
+        let ((left, right), (bottom, top)) = (sorted(a.x, b.x), sorted(a.y, b.y));
+        let is_resisting = !self.taste.reversible && self.choices.one_in(2);
+        let mut drag = || if is_resisting { self.not_negative(fx!(2), Fx::MAX) } else { Fx::ZERO };
+        let (linear_drag, angular_drag) = (drag(), drag());
+        FieldKind::Buoyancy {
+            min: Vec2::new(left, bottom),
+            max: Vec2::new(right, top),
+            density: self.not_negative(fx!(4), Fx::MAX),
+            linear_drag,
+            angular_drag,
+            flow: if is_resisting { self.vector(fx!(2), limits::SPEED) } else { Vec2::ZERO },
+        }
+    }
+
     /// The kind of a force field.
     pub fn field_kind(&mut self) -> FieldKind {
         let is_heavy = self.taste.near > 0 && self.choices.draw(8) < u64::from(self.taste.near);
@@ -376,6 +395,7 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             9 if self.taste.custom_forces > 0 => {
                 FieldKind::Custom { id: self.choices.choose(self.taste.custom_forces.into()) }
             }
+            8 if !self.taste.smooth && self.choices.one_in(2) => self.buoyancy(),
             7 | 8 if !self.taste.smooth => {
                 let region = self.region();
                 FieldKind::Zone { region, acceleration: self.vector(fx!(3), limits::GRAVITY) }

@@ -281,7 +281,7 @@ impl Subject for Commands {
     /// Bodies that are added one after the other among themselves, and so fields, but for drags, which act in order; forces and
     /// torques, but for those that a sleeping body does not feel. Where a field is made a drag later all keep their order.
     fn reordered(&self, course: &Course<Command>, turn: &mut dyn FnMut(&mut [usize])) -> (Course<Command>, Likeness) {
-        let is_drag = |field: &ForceField| matches!(field.kind, FieldKind::Drag { .. });
+        let is_drag = |field: &ForceField| matches!(field.kind, FieldKind::Drag { .. } | FieldKind::Buoyancy { .. });
         let made_drag = |command: &Command| matches!(command, Command::SetField { field, .. } if is_drag(field));
         let keep_order = course.inputs.iter().any(|(_, command)| made_drag(command));
         let kind =

@@ -68,17 +68,21 @@ pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize>
     Err(node.fault(Flaw::NoSuchName.of(format_args!("there is no {what} {}{meant}", quoted(&name)))))
 }
 
+/// The kinds of force fields.
+const KINDS: [&str; 6] = ["attractor", "spring", "drag", "thrust", "zone", "buoyancy"];
+
 /// Reads a force field.
 pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
     let name = object.or("name", None, |node| node.string().map(Some));
     let force_groups = object.or("force_groups", u32::MAX, force_groups);
-    let (kind, inner) = object.one_of(&["attractor", "spring", "drag", "thrust", "zone"])?;
+    let (kind, inner) = object.one_of(&KINDS)?;
     let kind = inner.object().and_then(|inner| match kind {
         "attractor" => attractor(&inner, names),
         "spring" => spring(&inner, names),
         "drag" => drag(&inner),
         "thrust" => thrust(&inner, names),
-        _ => zone(&inner),
+        "zone" => zone(&inner),
+        _ => buoyancy(&inner),
     });
     object.finish()?;
     Ok(SceneField { name, field: ForceField { kind: kind?, force_groups }, place: inner.place() })
@@ -86,11 +90,11 @@ pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
 
 /// Puts an error of the engine's at the field of the law that it is about.
 pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
-    let law = object.at(&["attractor", "spring", "drag", "thrust", "zone"]);
+    let law = object.at(&KINDS);
     let fields: &[&str] = match error {
         Error::OutOfRange { quantity } => match quantity {
             Quantity::Position => &["at", "from", "disc", "box"],
-            Quantity::Velocity => &["wind"],
+            Quantity::Velocity => &["wind", "flow"],
             Quantity::Gravity => &["acceleration"],
             Quantity::Mu => &["mu"],
             Quantity::Softening => &["softening"],
@@ -98,6 +102,7 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
             Quantity::Drag => &["damping", "linear", "quadratic"],
             Quantity::RestLength => &["rest"],
             Quantity::Force => &["force"],
+            Quantity::FluidBox => &["box"],
             _ => &[],
         },
         Error::SameBody { .. } => &["to"],
@@ -176,6 +181,18 @@ fn zone(object: &Object<'_>) -> Result<FieldKind> {
     Ok(FieldKind::Zone { region: region?, acceleration: acceleration? })
 }
 
+fn buoyancy(object: &Object<'_>) -> Result<FieldKind> {
+    let corners = object.need("box", |node| corners(&node.object()?));
+    let density = object.need("density", |node| not_negative(node, Quantity::ColliderDensity));
+    let drag = |node: &Node<'_>| not_negative(node, Quantity::Drag);
+    let linear_drag = object.or("linear_drag", Fx::ZERO, drag);
+    let angular_drag = object.or("angular_drag", Fx::ZERO, drag);
+    let flow = object.or("flow", Vec2::ZERO, Node::point);
+    object.finish()?;
+    let (min, max) = corners?;
+    Ok(FieldKind::Buoyancy { min, max, density: density?, linear_drag, angular_drag, flow })
+}
+
 fn region(kind: &str, parts: &Object<'_>) -> Result<Region> {
     if kind == "disc" {
         let centre = parts.need("centre", Node::point);
@@ -183,9 +200,14 @@ fn region(kind: &str, parts: &Object<'_>) -> Result<Region> {
         parts.finish()?;
         return Ok(Region::Disc { centre: centre?, radius: radius? });
     }
+    corners(parts).map(|(min, max)| Region::Box { min, max })
+}
+
+/// The least and the greatest corner of a box.
+fn corners(parts: &Object<'_>) -> Result<(Vec2, Vec2)> {
     let (min, max) = (parts.need("min", Node::point), parts.need("max", Node::point));
     parts.finish()?;
-    Ok(Region::Box { min: min?, max: max? })
+    Ok((min?, max?))
 }
 
 /// "name", or {body, point}.

@@ -141,6 +141,17 @@ impl Scene {
                 law.put("acceleration", point(*acceleration));
                 "zone"
             }
+            FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow } => {
+                let mut corners = Fields::default();
+                corners.put("min", point(*min));
+                corners.put("max", point(*max));
+                law.put("box", corners.line());
+                law.put("density", density);
+                law.unless(*linear_drag == Fx::ZERO, "linear_drag", linear_drag);
+                law.unless(*angular_drag == Fx::ZERO, "angular_drag", angular_drag);
+                law.unless(*flow == Vec2::ZERO, "flow", point(*flow));
+                "buoyancy"
+            }
             // No scene has one: it is refused where it stands.
             FieldKind::Custom { id } => {
                 law.put("id", id);

@@ -5,7 +5,6 @@ use core::cmp::Ordering;
 
 use crate::codec::{self, StateHasher, Write as _};
 use crate::contact::ContactRecord;
-use crate::force::FieldKind;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
@@ -84,7 +83,7 @@ impl<S: Scalar> World<S> {
         let (mut drags, mut others) = (Vec::new(), Vec::new());
         for (_, field) in self.fields.iter() {
             let digest = field.map_bodies(by_key).map_or(0, |field| StateHasher::of(&field));
-            if matches!(field.kind, FieldKind::Drag { .. }) { drags.push(digest) } else { others.push(digest) }
+            if field.kind.has_drag() { drags.push(digest) } else { others.push(digest) }
         }
         others.sort_unstable();
         for digests in [drags, others] {

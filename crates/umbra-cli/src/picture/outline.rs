@@ -96,7 +96,7 @@ impl DebugDraw for Outlines {
 
 impl DebugDraw for Scenery {
     fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
-        if let Role::Zone(_) = role {
+        if let Role::Zone(_) | Role::Buoyancy(_) = role {
             self.zones.push(ring(corners));
         }
     }
@@ -113,6 +113,6 @@ impl DebugDraw for Scenery {
         }
     }
 
-    /// Leaves out the direction of a zone or a thrust: the trails show it.
+    /// Leaves out the direction of a zone, a fluid or a thrust: the trails show it.
     fn arrow(&mut self, _from: [f64; 2], _to: [f64; 2], _role: Role) {}
 }

@@ -69,6 +69,7 @@ pub(super) fn field(field: &ForceField<Fx>, life: impl Fn(BodyId) -> Option<usiz
         FieldKind::Zone { region: Region::Box { min, max }, acceleration } => {
             Some(json!(["b", min.to_f64(), max.to_f64(), acceleration.to_f64()]))
         }
+        FieldKind::Buoyancy { min, max, flow, .. } => Some(json!(["b", min.to_f64(), max.to_f64(), flow.to_f64()])),
         _ => None,
     }
 }

@@ -165,6 +165,7 @@ fn field_words(field: &ForceField) -> &'static str {
         FieldKind::Drag { .. } => "a drag",
         FieldKind::Thrust { .. } => "a thrust",
         FieldKind::Zone { .. } => "a zone",
+        FieldKind::Buoyancy { .. } => "a fluid",
         FieldKind::Custom { .. } => "a custom force",
         _ => "a force field",
     }

@@ -9,13 +9,15 @@ use umbra_scene::{Scene, SceneRun};
 use super::scenes::{scenes, short};
 
 /// The scenes of bodies that touch.
-const NAMES: [&str; 13] = [
+const NAMES: [&str; 15] = [
     "arch",
     "belts",
     "billiards",
+    "buoyancy",
     "cards",
     "cradle",
     "dominoes",
+    "explosion",
     "hopper",
     "marble-run",
     "pile",
@@ -385,4 +387,51 @@ fn marbles_fly_from_the_track_into_the_basket() {
     for (name, [x, y]) in places(&run) {
         assert!(25.0 < x && x < 36.0 && -3.0 < y && y < 0.0, "{name} at {x}, {y}");
     }
+}
+
+/// Each box floats as deep as its density says, what is heavier sinks, and all sleep in the end.
+#[test]
+fn boxes_float_as_deep_as_they_are_heavy_and_fall_asleep() {
+    let scene = scene("buoyancy");
+    let mut run = start(&scene);
+    advance(&mut run, scene.ticks);
+    let height = |name: &str| body(&run, name).position().y.to_f64();
+    for (name, share) in [("share-2", 0.2), ("share-4", 0.4), ("share-6", 0.6), ("share-8", 0.8)] {
+        // Asleep they are within what 0.05 m/s for half a second make.
+        assert!((height(name) - (0.5 - share)).abs() < 0.03, "{name}: {}", height(name));
+        assert!(tilt(&body(&run, name)) < 0.02, "{name}");
+    }
+    assert!((height("anchor") + 4.5).abs() < 0.02, "{}", height("anchor"));
+    assert!(height("plank").abs() < 0.03 && tilt(&body(&run, "plank")) < 0.05);
+    assert!(height("disc").abs() < 0.03, "{}", height("disc"));
+    // 6 m² of 0.25 kg/m² and 1.5 kg on 6 m: half of it is under water.
+    assert!(height("raft").abs() < 0.05 && (height("crate") - height("raft") - 1.0).abs() < 0.02);
+    let moving = run.world().bodies().filter(|body| body.kind() == umbra_physics::BodyKind::Dynamic);
+    assert!(moving.clone().all(|body| body.activity() == umbra_physics::Activity::Asleep));
+    assert_eq!(moving.count(), 9);
+}
+
+/// The charge throws the plate up and the walls apart, and does not reach the posts.
+#[test]
+fn the_explosion_stays_symmetric_to_the_bit_and_spares_the_posts() {
+    let scene = scene("explosion");
+    let mut run = start(&scene);
+    advance(&mut run, 30);
+    let before = places(&run);
+    advance(&mut run, 31);
+    assert!(body(&run, "plate").velocity().y > fx!(5));
+    let mut highest = 0.0_f64;
+    for tick in 32..=scene.ticks {
+        advance(&mut run, tick);
+        highest = highest.max(body(&run, "plate").position().y.to_f64());
+        if tick % 60 == 0 {
+            assert_eq!(without_image(&run, 0), 0, "tick {tick}");
+        }
+    }
+    let after = places(&run);
+    assert!(highest > 2.0, "{highest}");
+    let moved = |name: &str| (after[name][0] - before[name][0]).hypot(after[name][1] - before[name][1]);
+    assert!(moved("post-left") < 0.01 && moved("post-right") < 0.01);
+    let thrown = before.keys().filter(|name| name.starts_with("left") && moved(name) > 1.0).count();
+    assert!(thrown >= 4, "{thrown} of 8 boxes");
 }

@@ -122,6 +122,76 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
 }
 
 #[test]
+fn every_mistake_in_a_fluid_is_told_at_its_field() {
+    let fluid = |rest: &str| format!("{{\"buoyancy\": {{{rest}}}}}");
+    let fields = [
+        fluid(r#""density": 1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}"#),
+        fluid(r#""box": {"min": [0, 0]}, "density": 1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, -1]}, "density": 1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [2000000000, 1]}, "density": 1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}, "density": -1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}, "density": 1, "linear_drag": -1"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}, "density": 1, "angular_drag": "much""#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}, "density": 1, "flow": [2000000, 0]"#),
+        fluid(r#""box": {"min": [0, 0], "max": [1, 1]}, "density": 1, "flows": [1, 0]"#),
+    ];
+    let expected = [
+        "2: fields[0].buoyancy: the field `box` is missing [E505]",
+        "2: fields[0].buoyancy: the field `density` is missing [E505]",
+        "2: fields[0].buoyancy.box: the field `max` is missing [E505]",
+        "2: fields[0].buoyancy.box: out of range: expected a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one [E101]",
+        "2: fields[0].buoyancy.box: out of range: expected a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one [E101]",
+        "2: fields[0].buoyancy.density: out of range: expected a density of at least zero [E101]",
+        "2: fields[0].buoyancy.linear_drag: out of range: expected a coefficient of at least zero [E101]",
+        "2: fields[0].buoyancy.angular_drag: expected a number, found a text [E502]",
+        "2: fields[0].buoyancy.flow: out of range: expected a velocity within ±2^20 m/s a component [E101]",
+        "2: fields[0].buoyancy.flows: unknown field: did you mean `flow`? [E503]",
+    ];
+    assert_eq!(told_alone("fields", &fields), expected);
+}
+
+/// What is told of each entry, alone in a list of a scene on the second line.
+fn told_alone(list: &str, entries: &[String]) -> Vec<String> {
+    let alone = entries.iter().map(|entry| {
+        let told = lines(&format!("{{\"{list}\": [\n{entry}]}}"));
+        assert_eq!(told.len(), 1, "{told:#?}");
+        told[0].clone()
+    });
+    alone.collect()
+}
+
+#[test]
+fn every_mistake_in_an_explosion_is_told_at_its_field() {
+    let explosion = |rest: &str| format!("{{\"at\": 1, \"explode\": {{{rest}}}}}");
+    let inputs = [
+        explosion(r#""impulse": 1"#),
+        explosion(r#""position": [0, 0]"#),
+        explosion(r#""position": [2000000000, 0], "impulse": 1"#),
+        explosion(r#""position": [0, 0], "impulse": 65537"#),
+        explosion(r#""position": [0, 0], "impulse": 1, "radius": -1"#),
+        explosion(r#""position": [0, 0], "impulse": 1, "falloff": 4097"#),
+        explosion(r#""position": [0, 0], "impulse": 1, "mask": [32]"#),
+        explosion(r#""position": [0, 0], "impulse": 1, "fallof": 1"#),
+        explosion(r#""position": [0, 0], "impulse": "big""#),
+    ];
+    let radius = "out of range: expected a radius or a falloff of an explosion from 0 to 2^12 m [E101]";
+    let expected = [
+        "2: inputs[0].explode: the field `position` is missing [E505]".into(),
+        "2: inputs[0].explode: the field `impulse` is missing [E505]".into(),
+        "2: inputs[0].explode.position: out of range: expected a position within ±2^30 m [E101]".into(),
+        "2: inputs[0].explode.impulse: out of range: expected an impulse of an explosion within ±2^16 N·s/m [E101]"
+            .into(),
+        format!("2: inputs[0].explode.radius: {radius}"),
+        format!("2: inputs[0].explode.falloff: {radius}"),
+        "2: inputs[0].explode.mask[0]: out of range: expected a category from 0 to 31 [E508]".into(),
+        "2: inputs[0].explode.fallof: unknown field: did you mean `falloff`? [E503]".into(),
+        "2: inputs[0].explode.impulse: expected a number, found a text [E502]".into(),
+    ];
+    assert_eq!(told_alone("inputs", &inputs), expected);
+}
+
+#[test]
 fn every_mistake_in_a_surface_is_told_at_its_field() {
     let text = r#"{"bodies": [{"name": "a", "colliders": [
   {"shape": {"circle": {"radius": 1}}, "surface_speed": 1025},

@@ -164,7 +164,8 @@ pub(crate) const RICH: &str = r#"{
     {"drag": {"linear": 0.1, "quadratic": 0.2, "wind": [3, 0]}},
     {"thrust": {"at": {"body": "c", "point": [1, 0]}, "force": [0, 1]}},
     {"zone": {"disc": {"centre": [0, 0], "radius": 2}, "acceleration": [1, 0]}},
-    {"zone": {"box": {"min": [0, 0], "max": [2, 2]}, "acceleration": [1, 0]}}
+    {"zone": {"box": {"min": [0, 0], "max": [2, 2]}, "acceleration": [1, 0]}},
+    {"buoyancy": {"box": {"min": [-50, -50], "max": [50, -20]}, "density": 2, "linear_drag": 0.5, "angular_drag": 0.25, "flow": [1, 0]}}
   ],
   "inputs": [
     {"at": 1, "body": "c", "force": [1, 2], "torque": 3, "impulse": [0.1, 0], "angular_impulse": 0.1, "point": [0, 1], "frame": "body", "wake": false},

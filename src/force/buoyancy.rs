@@ -1,0 +1,66 @@
+//! Fluids: the lift of a body, and which bodies float.
+
+use super::submerged::{Submerged, submerged};
+use super::{FieldKind, FieldSet};
+use crate::body::Bodies;
+use crate::collider::ColliderSet;
+use crate::math::Vec2;
+use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum, Wide};
+
+/// The part of a body's colliders in the box of a fluid, if there is one.
+pub(super) fn submerged_of<S: Scalar>(
+    bodies: &Bodies<S>,
+    colliders: &ColliderSet<S>,
+    i: usize,
+    region: (Vec2<S>, Vec2<S>),
+) -> Option<Submerged<S>> {
+    let motion = &bodies.columns.motion;
+    let own = colliders.solid_of_slot(bodies.columns.slot[i]);
+    submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], region)
+}
+
+/// At least the area of the colliders of a body that displace a fluid, m²: that of the boxes around them.
+pub(super) fn whole_area<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, i: usize) -> S::Factor {
+    let mut sum = S::Sum::default();
+    for collider in colliders.solid_of_slot(bodies.columns.slot[i]).filter(|collider| !collider.def.shape.is_chain()) {
+        for part in 0..collider.outline_count() {
+            let bounds = collider.outline(part).outline.bounds();
+            sum.add((bounds.max.x - bounds.min.x).product(bounds.max.y - bounds.min.y));
+        }
+    }
+    sum.total().map_or(S::Factor::from_ratio(u64::MAX, 1), S::Factor::from_wide)
+}
+
+/// The lift of a part of a body, −density·area·gravity, and its torque about the centre of mass; `None` if either does not fit.
+pub(super) fn lift<S: Scalar>(part: &Submerged<S>, density: S, gravity: Vec2<S>) -> Option<(Offset<S>, S::Wide)> {
+    let density = S::Factor::from_scalar(density);
+    let scaled = |value: S::Wide, by: S| {
+        let product = value.times(density)?.times(S::Factor::from_scalar(by))?;
+        Some(if by < S::ZERO { product } else { product.negated() })
+    };
+    let (area, moments) = (part.area.total()?, part.moments.try_map(Sum::total)?);
+    let force = Vec2::new(scaled(area, gravity.x)?, scaled(area, gravity.y)?);
+    let torque = scaled(moments.x, gravity.y)?.plus(scaled(moments.y, gravity.x)?.negated())?;
+    Some((force, torque))
+}
+
+/// Returns true if a body has a part in fluids, and none of them flows.
+pub(crate) fn floats<S: Scalar>(
+    fields: &FieldSet<S>,
+    bodies: &Bodies<S>,
+    colliders: &ColliderSet<S>,
+    i: usize,
+) -> bool {
+    let info = bodies.info(i);
+    let mut floats = false;
+    for (_, field) in fields.iter() {
+        let FieldKind::Buoyancy { min, max, flow, .. } = &field.kind else { continue };
+        if info.feels(field.force_groups) && submerged_of(bodies, colliders, i, (*min, *max)).is_some() {
+            if *flow != Vec2::ZERO {
+                return false;
+            }
+            floats = true;
+        }
+    }
+    floats
+}
