@@ -269,11 +269,7 @@ fn disturb(world: &mut World, random: &mut Random) {
 /// Sleeping colliders stand in a tree that follows changes; a restored world builds it anew.
 #[test]
 fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
-    let damped = |def: BodyDef| BodyDef {
-        gravity_scale: fx!(0.5),
-        linear_damping: Some(Damping::rate(fx!(3))),
-        ..def
-    };
+    let damped = |def: BodyDef| BodyDef { gravity_scale: fx!(0.5), linear_damping: Some(Damping::rate(fx!(3))), ..def };
     let floor = BodyDef { position: vec2(0, -1), ..super::scenes::ground().expect("a ground") };
     let sleeper = damped(square(vec2(0, fx!(0.5)), 1).expect("a square"));
     let shots = [disc(vec2(-40, fx!(0.6)), vec2(20, 0)), disc(vec2(-60, fx!(0.6)), vec2(20, 0))];

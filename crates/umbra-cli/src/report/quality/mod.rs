@@ -150,7 +150,8 @@ impl Judged {
 
     /// The value with its unit.
     fn shown(&self) -> String {
-        self.value.map_or("never".to_owned(), |value| [number(value).as_str(), self.unit].join(" ").trim_end().to_owned())
+        self.value
+            .map_or("never".to_owned(), |value| [number(value).as_str(), self.unit].join(" ").trim_end().to_owned())
     }
 
     /// A line of text: scene, measure, value, promise.
@@ -163,19 +164,22 @@ impl Judged {
     }
 }
 
-/// A number in three digits, whole ones below a million in all of theirs.
+/// A number in three digits, whole ones below a million in all of theirs. Zeros at its end are left out.
 fn number(value: f64) -> String {
+    let trimmed = |text: String| {
+        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        text.replace('-', "\u{2212}")
+    };
     if value.fract() == 0.0 && value.abs() < 1e6 {
-        return format!("{value:.0}").replace('-', "\u{2212}");
+        return trimmed(format!("{value:.0}"));
     }
     let text = format!("{value:.2e}");
     let (digits, power) = text.split_once('e').unwrap_or((&text, "0"));
     let power: i32 = power.parse().unwrap_or(0);
-    let short = match power {
-        -3..=2 => format!("{value:.*}", (2 - power) as usize),
-        _ => format!("{digits}·{}", crate::chart::power_of_ten(power)),
-    };
-    short.replace('-', "\u{2212}")
+    match power {
+        -3..=2 => trimmed(format!("{value:.*}", (2 - power) as usize)),
+        _ => format!("{}·{}", trimmed(digits.to_owned()), crate::chart::power_of_ten(power)),
+    }
 }
 
 /// The destinations of a page.

@@ -1,6 +1,6 @@
 //! The page: a table of all measures, and a section with a picture for each scene.
 
-use super::peers::{PEERS, figure, origin};
+use super::peers::{PEERS, Peer, figure, origin};
 use super::{Judged, Report, Results, Verdict, number};
 use crate::chart::{self, escaped};
 use crate::report::page::{STYLE, table};
@@ -43,49 +43,45 @@ fn head(report: &Report) -> String {
     )
 }
 
-/// The head of a table of measures after its first column.
-fn columns() -> impl Iterator<Item = String> {
-    let peers = PEERS.into_iter().map(|peer| format!("{} {}", peer.title, peer.version));
-    peers.chain(["promised", "this run", ""].map(str::to_owned))
-}
-
-/// The cells of a measure after the first one.
-fn cells<'a>(scene: &'a Results, measure: &'a Judged) -> impl Iterator<Item = String> + 'a {
-    let peers = PEERS.into_iter().map(|peer| {
-        figure(peer, scene.name, measure.name).map_or("–".to_owned(), |(value, length)| {
-            let value = if value.is_finite() { number(value) } else { "never".to_owned() };
-            let length = if length == scene.length { String::new() } else { format!(" ({length})") };
-            format!("{value}{length}")
-        })
-    });
-    let promise = measure.promise.clone().unwrap_or_else(|| "–".to_owned());
-    let verdict = measure.verdict.name();
-    peers.chain([promise, measure.shown(), format!("<span class=\"{verdict}\">{verdict}</span>")])
-}
-
+/// All measures, with the scene beside its first one.
 fn overview(report: &Report) -> String {
-    let head: Vec<String> = ["scene", "measure"].map(str::to_owned).into_iter().chain(columns()).collect();
+    let peers = PEERS.into_iter().map(|peer| format!("{} {}", peer.title, peer.version));
+    let head: Vec<String> =
+        ["scene", "measure", "this run", "promised", ""].into_iter().map(str::to_owned).chain(peers).collect();
     let rows = report.scenes.iter().flat_map(|scene| {
         scene.measures.iter().enumerate().map(move |(i, measure)| {
-            let link = if i == 0 { format!("<a href=\"#{}\">{}</a>", scene.name, scene.row.title) } else { String::new() };
-            [link, measure.about.to_owned()].into_iter().chain(cells(scene, measure)).collect()
+            let link = format!("<a href=\"#{}\">{}</a>", scene.name, scene.row.title);
+            let promise = measure.promise.clone().unwrap_or_else(|| "–".to_owned());
+            let verdict = measure.verdict.name();
+            let verdict = format!("<span class=\"{verdict}\">{verdict}</span>");
+            let cells = [
+                if i == 0 { link } else { String::new() },
+                measure.about.to_owned(),
+                measure.shown(),
+                promise,
+                verdict,
+            ];
+            cells.into_iter().chain(PEERS.into_iter().map(|peer| figure_of(peer, scene, measure))).collect()
         })
     });
-    table(&head, rows)
+    format!("<div class=\"quality\">{}</div>\n", table(&head, rows))
+}
+
+/// The figure of another engine, with the length of its run where that is another one.
+fn figure_of(peer: Peer, scene: &Results, measure: &Judged) -> String {
+    figure(peer, scene.name, measure.name).map_or("–".to_owned(), |(value, length)| {
+        let value = if value.is_finite() { number(value) } else { "never".to_owned() };
+        if length == scene.length { value } else { format!("{value} ({length})") }
+    })
 }
 
 fn section(scene: &Results) -> String {
-    let head: Vec<String> = ["measure".to_owned()].into_iter().chain(columns()).collect();
-    let rows = scene.measures.iter().map(|measure| {
-        [measure.about.to_owned()].into_iter().chain(cells(scene, measure)).collect()
-    });
     format!(
-        "<section id=\"{}\"><h2>{}</h2>\n<p>{} Run: {}.</p>\n{}{}</section>\n",
+        "<section id=\"{}\"><h2>{}</h2>\n<p>{} Run: {}.</p>\n{}</section>\n",
         scene.name,
         scene.row.title,
         scene.row.about,
         scene.length,
         scene.picture.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1),
-        table(&head, rows)
     )
 }

@@ -65,12 +65,8 @@ impl Numbers {
 
 impl Scene {
     fn new(mirror: Option<Mirror>) -> Self {
-        let def = WorldDef {
-            time_step: TimeStep::hz(60),
-            gravity: vec2(0, -10),
-            sleep_after: None,
-            ..WorldDef::default()
-        };
+        let def =
+            WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
         Self { def, bodies: Vec::new(), springs: Vec::new(), mirror }
     }
 

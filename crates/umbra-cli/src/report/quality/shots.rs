@@ -25,10 +25,9 @@ fn room(is_fixed: bool) -> Result<BodyDef, Error> {
     Ok(BodyDef { colliders: walls.collect(), key: 1 << 40, ..body })
 }
 
-/// A disc or a box of 1 cm that flies at 1 km/s in any direction. Shots do not touch each other.
+/// A box of 1 cm or the smallest disc there is, which flies at 1 km/s in any direction. Shots do not touch each other.
 fn shot(random: &mut Random, key: u64) -> Result<BodyDef, Error> {
-    let size = fx!(0.01);
-    let shape = if key % 2 == 0 { Shape::circle(size * fx!(0.5))? } else { Shape::rectangle(size, size)? };
+    let shape = if key % 2 == 0 { Shape::circle(fx!(0.0078125))? } else { Shape::rectangle(fx!(0.01), fx!(0.01))? };
     let filter = Filter { group: -1, ..Filter::default() };
     let (sin, cos) = random.angle().sin_cos();
     let mut place = || random.number(fx!(-3)..=fx!(3));
@@ -132,12 +131,8 @@ pub(super) fn seams(length: Length) -> Result<Played, Error> {
         })
     };
     let world = |ground: Shape| -> Result<(World, BodyId), Error> {
-        let mut def = WorldDef {
-            time_step: TimeStep::hz(60),
-            gravity: vec2(0, -10),
-            sleep_after: None,
-            ..WorldDef::default()
-        };
+        let mut def =
+            WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
         def.contacts.substeps = length.substeps;
         let mut world = World::new(def)?;
         world.add_body(BodyDef::fixed().with_collider(ground))?;
