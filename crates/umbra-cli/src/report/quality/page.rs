@@ -32,7 +32,7 @@ fn head(report: &Report) -> String {
          beside what is promised of it. <strong class=\"passed\">{passed} passed</strong>, <strong class=\"failed\">{failed} failed</strong>, \
          <strong class=\"open\">{open} open</strong>.</p>\n\
          <dl><dt>Program</dt><dd>umbra-physics {}, {} sub-steps, 60 steps a second where nothing else is said, no body sleeps</dd>\
-         <dt>Made by</dt><dd><code>{}</code>; every machine makes the same page</dd>\
+         <dt>Made by</dt><dd><code>{}</code>; each run makes the same page</dd>\
          <dt>Passed, failed</dt><dd>a promise that is kept or broken: a run with a broken one ends with an error</dd>\
          <dt>Open</dt><dd>a goal that is not reached yet</dd>\
          <dt>Other engines</dt><dd>figures of one run of the same scenes, see <a href=\"#figures\">the end of the page</a>; – where there is none; \
