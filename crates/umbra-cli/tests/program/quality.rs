@@ -16,7 +16,7 @@ const SCENES: [(&str, usize); 17] = [
     ("pyramid40", 5),
     ("tower20", 3),
     ("tower_100x", 4),
-    ("tower_1000x", 5),
+    ("tower_1000x", 6),
     ("cards", 3),
     ("arch", 3),
     ("thin_arch", 3),
@@ -100,6 +100,7 @@ fn known_figures_hold() {
         assert!((found - about).abs() <= by, "{scene} {name}: {found}");
     };
     is("tower_100x", "top_sink", 0.259, 0.001);
+    is("tower_1000x", "overlap_120x8", 0.028, 0.001);
     is("break", "energy_left", 0.716, 0.001);
     is("break", "overlap_worst", 0.0008, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);

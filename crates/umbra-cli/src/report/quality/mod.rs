@@ -99,7 +99,7 @@ impl Promise {
         match self {
             Self::AtMost(most) => format!("at most {}", with(most)),
             Self::AtLeast(least) => format!("at least {}", with(least)),
-            Self::Within(value, by) if value == 0.0 => format!("at most ±{}", with(by)),
+            Self::Within(0.0, by) => format!("at most ±{}", with(by)),
             Self::Within(value, by) => format!("{} ± {}", number(value), with(by)),
             Self::Zero => "0, to the bit".to_owned(),
             Self::NoMoreThanBox2d => {

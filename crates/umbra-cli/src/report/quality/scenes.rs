@@ -220,7 +220,7 @@ fn wedge(first: [Vec2; 2], last: [Vec2; 2]) -> (Vec2, [Vec2; 4]) {
     // In units of 2^-20 m, halves away from zero; the area is positive.
     let centroid = sum.map(|sum: i128| {
         let size = (2 * sum.abs() + 3 * twice_area) / (6 * twice_area);
-        Fx::from_bits((sum.signum() * size << 12) as i64)
+        Fx::from_bits(((sum.signum() * size) << 12) as i64)
     });
     let centroid = Vec2::new(centroid[0], centroid[1]);
     (centroid, corners.map(|corner| corner - centroid))
