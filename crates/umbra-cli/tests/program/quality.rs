@@ -104,7 +104,7 @@ fn known_figures_hold() {
     is("break", "energy_left", 0.716, 0.001);
     is("break", "overlap_worst", 0.0008, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);
-    is("slope_above", "acceleration_err", -3.6e-6, 1e-7);
+    is("slope_above", "acceleration_err", -3.71e-6, 1e-8);
     is("bounce", "height_err_10", -1.27e-5, 1e-6);
     is("shots", "twin_fixed", 1000.0, 10.0);
     for (scene, name) in
