@@ -53,7 +53,7 @@ struct Mover {
 
 pub(super) struct Run {
     pub(super) world: World,
-    mirror: Option<Mirror>,
+    pub(super) mirror: Option<Mirror>,
     movers: Vec<Mover>,
     pub(super) start: Vec<State>,
     pub(super) now: Vec<State>,
@@ -63,7 +63,8 @@ pub(super) struct Run {
     pub(super) rest_after: Option<u64>,
     /// The deepest overlap at the start of a tick so far, m; `None` if nobody wants to know.
     pub(super) overlap: Option<f64>,
-    /// The largest difference of a coordinate or an angle from the mirror image, m or rad: 0 if and only if all bits are equal.
+    /// The largest difference of a coordinate or an angle from the mirror image, m or rad: 0 if and only if all bits are equal;
+    /// infinite if the scene itself is not its own mirror image.
     pub(super) asymmetry: f64,
 }
 
@@ -80,27 +81,22 @@ impl Run {
             let image = mirrored(mirror, images[i]);
             mover.partner = images.iter().position(|other| *other == image).unwrap_or(usize::MAX);
         }
+        let is_symmetric = movers.iter().all(|mover| mover.partner < images.len());
         let mut run = Self {
             world,
-            mirror: scene.mirror.filter(|_| movers.iter().all(|mover| mover.partner < images.len())),
+            mirror: scene.mirror.filter(|_| is_symmetric),
             movers,
             start: Vec::new(),
             now: Vec::new(),
             path: Vec::new(),
             rest_after: Some(0),
             overlap: None,
-            asymmetry: 0.0,
+            asymmetry: if is_symmetric { 0.0 } else { f64::INFINITY },
         };
         run.now = run.states();
         run.start = run.now.clone();
         run.path.extend(run.now.last());
         Ok(run)
-    }
-
-    /// Returns true if the scene is its own mirror image, to the bit.
-    #[cfg(test)]
-    pub(super) fn is_symmetric(&self) -> bool {
-        self.mirror.is_some()
     }
 
     fn states(&self) -> Vec<State> {
