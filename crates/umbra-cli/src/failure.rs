@@ -41,6 +41,8 @@ pub(crate) enum Failure {
     Usage { what: String },
     /// This machine does not give the golden digests.
     Selftest,
+    /// Promises about contacts that are broken, of so many; each as a line of text.
+    Quality { broken: Vec<String>, promised: usize },
 }
 
 impl Failure {
@@ -62,16 +64,19 @@ impl Failure {
             Self::Picture { .. } => 803,
             Self::Foreign { .. } => 804,
             Self::Clash { .. } => 805,
-            Self::Scene { .. } | Self::Usage { .. } | Self::Verify { .. } | Self::Differ { .. } | Self::Selftest => {
-                return None;
-            }
+            Self::Scene { .. }
+            | Self::Usage { .. }
+            | Self::Verify { .. }
+            | Self::Differ { .. }
+            | Self::Selftest
+            | Self::Quality { .. } => return None,
         })
     }
 
     /// 1 for a check that failed, 2 for bad usage, bad input, and what cannot be written.
     pub(crate) const fn status(&self) -> u8 {
         match self {
-            Self::Selftest | Self::Differ { .. } => 1,
+            Self::Selftest | Self::Differ { .. } | Self::Quality { .. } => 1,
             Self::Verify { status, .. } => *status,
             Self::Scene { .. }
             | Self::Replay { .. }
@@ -126,6 +131,9 @@ impl Failure {
             }
             Self::Selftest => {
                 f.write_str("the self-test does not give the golden digests, which every machine must give")
+            }
+            Self::Quality { broken, promised } => {
+                write!(f, "{} of {promised} promises are not kept:\n{}", broken.len(), broken.join("\n"))
             }
             Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
         }

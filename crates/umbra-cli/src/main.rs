@@ -54,7 +54,7 @@ enum Task {
     Run(run::Options),
     /// Runs a scene in every scalar with every integrator, and measures how far each is from a converged reference.
     Compare(compare::Options),
-    /// Measures time against error, for every integrator, scalar and time step.
+    /// Measures time against error, for every integrator, scalar and time step; or the quality of contacts.
     Report(report::Options),
     /// Writes a page that plays a run.
     View(view::Options),

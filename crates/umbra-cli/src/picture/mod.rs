@@ -118,6 +118,23 @@ impl<'a> Recorder<'a> {
     }
 }
 
+/// Draws the bodies of a world as they are now, in a part of the plane or in all of it, m.
+pub(crate) fn still(world: &World, title: &str, view: Option<[Point; 2]>) -> Result<String, String> {
+    let bodies = world.bodies().zip(Outline::all(world));
+    let picture = Picture {
+        title,
+        caption: caption(world),
+        view,
+        ways: Vec::new(),
+        bodies: bodies.map(|(body, outline)| EndState { way: None, at: place(body.position()), outline }).collect(),
+        start: &[],
+        exposures: &[],
+        scenery: Scenery::of(world),
+        contacts: Contacts::of(world, &ContactOptions::default()),
+    };
+    draw::draw(&picture)
+}
+
 /// The way of a body.
 struct Way<'a> {
     index: usize,

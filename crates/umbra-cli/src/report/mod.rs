@@ -1,4 +1,4 @@
-//! `umbra report`: time against error, for every integrator, scalar and time step.
+//! `umbra report`: time against error, for every integrator, scalar and time step; the quality of contacts.
 
 mod analysis;
 mod conclude;
@@ -8,6 +8,7 @@ mod measure;
 mod page;
 mod parting;
 mod problem;
+mod quality;
 
 use std::path::{Path, PathBuf};
 
@@ -24,6 +25,10 @@ use data::{Line, Machine, Measured, Report, Results};
 use measure::Run;
 use parting::Parting;
 use problem::{PROBLEMS, Problem, Truth};
+use quality::Row;
+
+/// The number of sub-steps of a world that says nothing else.
+const SUBSTEPS: u32 = 5;
 
 #[derive(Args)]
 pub(crate) struct Options {
@@ -36,12 +41,22 @@ pub(crate) struct Options {
     /// Draws time against error of one problem by itself: the orbit, or the first there is.
     #[arg(long, value_name = "FILE.svg")]
     diagram: Option<PathBuf>,
-    /// A few time steps, measured once: seconds instead of minutes.
+    /// A few time steps, measured once: seconds instead of minutes. With `--contacts`: shorter runs and fewer shots.
     #[arg(long)]
     quick: bool,
     /// These problems alone.
     #[arg(long, value_name = "NAME", num_args = 1.., value_parser = problem)]
     problem: Vec<&'static Problem>,
+    /// Measures the quality of contacts instead: what stands, rests, slides and bounces, beside what is promised. A broken promise is
+    /// status 1.
+    #[arg(long, conflicts_with_all = ["problem", "diagram"])]
+    contacts: bool,
+    /// These scenes of `--contacts` alone.
+    #[arg(long, value_name = "NAME", num_args = 1.., value_parser = quality::row, requires = "contacts")]
+    scene: Vec<&'static Row>,
+    /// The number of sub-steps in which `--contacts` solves contacts, 1 to 8. The promises are about 5.
+    #[arg(long, value_name = "N", default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=8), requires = "contacts")]
+    substeps: u32,
 }
 
 fn problem(name: &str) -> Result<&'static Problem, String> {
@@ -75,6 +90,13 @@ impl Options {
             command += " --quick";
         }
         self.problem.iter().for_each(|problem| command += &format!(" --problem {}", problem.name));
+        if self.contacts {
+            command += " --contacts";
+        }
+        self.scene.iter().for_each(|row| command += &format!(" --scene {}", row.name));
+        if self.contacts && self.substeps != SUBSTEPS {
+            command += &format!(" --substeps {}", self.substeps);
+        }
         command
     }
 }
@@ -95,6 +117,9 @@ impl Outputs {
 }
 
 pub(crate) fn report(options: &Options) -> Result<(), Failure> {
+    if options.contacts {
+        return quality::report(options);
+    }
     let outputs = Outputs::of(options)?;
     let effort = if options.quick { QUICK } else { FULL };
     let chosen: Vec<&Problem> =

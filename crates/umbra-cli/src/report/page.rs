@@ -11,7 +11,7 @@ use super::data::{Machine, Measured, Report, Results};
 use super::parting::{Pair, Parting};
 use crate::chart::{self, Axis, Chart, Line, Look, Scale, escaped, power_of_ten, sample};
 
-const STYLE: &str = include_str!("page.css");
+pub(super) const STYLE: &str = include_str!("page.css");
 /// Errors beyond this are off the charts: m or rad.
 const WILD: f64 = 100.0;
 

@@ -4,6 +4,7 @@ mod cli;
 mod compare;
 mod contacts;
 mod outputs;
+mod quality;
 mod replays;
 mod report;
 mod view;

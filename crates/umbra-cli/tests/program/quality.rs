@@ -1,0 +1,183 @@
+//! `umbra report --contacts`: what it measures, what it writes, and that a broken promise is an error.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Output;
+use std::sync::LazyLock;
+
+use serde_json::Value;
+
+use crate::report::list;
+use crate::umbra;
+
+/// The scenes of the page, and how many measures each has.
+const SCENES: [(&str, usize); 17] = [
+    ("flat_drop", 3),
+    ("pyramid40", 5),
+    ("tower20", 3),
+    ("tower_100x", 4),
+    ("tower_1000x", 6),
+    ("cards", 3),
+    ("arch", 3),
+    ("thin_arch", 3),
+    ("belt", 1),
+    ("mixed", 1),
+    ("break", 3),
+    ("slope_below", 1),
+    ("slope_above", 1),
+    ("bounce", 3),
+    ("cradle", 1),
+    ("shots", 4),
+    ("seams", 2),
+];
+/// Unoptimised builds leave out the scenes that take minutes there.
+const SLOW: [&str; 7] = ["pyramid40", "tower20", "cards", "arch", "thin_arch", "belt", "mixed"];
+
+fn scratch(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-quality-{name}", std::process::id()))
+}
+
+struct Page {
+    html: String,
+    data: Value,
+    output: Output,
+}
+
+/// Runs the page with these options besides, to files of this name, which it takes.
+fn page(name: &str, options: &[&str]) -> Page {
+    let [html, json] = ["html", "json"].map(|end| scratch(&format!("{name}.{end}")));
+    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
+    let (out, data) = (path(&html), path(&json));
+    let output = umbra(&[&["report", "--contacts", "--quick", "--out", &out, "--json", &data], options].concat());
+    let taken = |file: &Path| {
+        let text = fs::read_to_string(file).expect("the file is there");
+        fs::remove_file(file).expect("it can go");
+        text
+    };
+    Page { html: taken(&html), data: serde_json::from_str(&taken(&json)).expect("JSON"), output }
+}
+
+fn scenes() -> impl Iterator<Item = (&'static str, usize)> {
+    SCENES.into_iter().filter(|(name, _)| !cfg!(debug_assertions) || !SLOW.contains(name))
+}
+
+static PAGE: LazyLock<Page> = LazyLock::new(|| {
+    let names: Vec<&str> = scenes().map(|(name, _)| name).collect();
+    let options = [&["--scene"], &names[..]].concat();
+    page("all", if names.len() == SCENES.len() { &[] } else { &options })
+});
+
+fn measure<'a>(data: &'a Value, scene: &str, name: &str) -> &'a Value {
+    let scene = list(&data["scenes"]).iter().find(|it| it["name"] == scene).unwrap_or_else(|| panic!("no {scene}"));
+    list(&scene["measures"]).iter().find(|it| it["name"] == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+#[test]
+fn every_scene_is_measured_and_every_promise_is_kept() {
+    let Page { data, output, .. } = &*PAGE;
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let found: Vec<(&str, usize)> = list(&data["scenes"])
+        .iter()
+        .map(|scene| (scene["name"].as_str().expect("text"), list(&scene["measures"]).len()))
+        .collect();
+    assert_eq!(found, scenes().collect::<Vec<_>>());
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert_eq!(text.lines().count(), scenes().map(|(_, count)| count).sum::<usize>());
+    for line in text.lines() {
+        assert!(["passed ", "open ", "measured "].iter().any(|verdict| line.starts_with(verdict)), "{line}");
+    }
+    let open: Vec<&str> = text.lines().filter(|line| line.starts_with("open")).collect();
+    let creeps = open.iter().filter(|line| line.contains("creep_after_60s")).count();
+    let heavy = open.iter().filter(|line| line.contains("tower_1000x")).count();
+    assert_eq!((heavy, heavy + creeps), (4, open.len()), "{open:?}");
+}
+
+#[test]
+fn known_figures_hold() {
+    let value = |scene, name| measure(&PAGE.data, scene, name)["value"].as_f64().expect("a number");
+    let is = |scene, name, about: f64, by: f64| {
+        let found = value(scene, name);
+        assert!((found - about).abs() <= by, "{scene} {name}: {found}");
+    };
+    is("tower_100x", "top_sink", 0.259, 0.001);
+    is("tower_1000x", "overlap_120x8", 0.028, 0.001);
+    is("break", "energy_left", 0.716, 0.001);
+    is("break", "overlap_worst", 0.0008, 0.0001);
+    is("flat_drop", "bounce_height", 0.5, 1e-4);
+    is("slope_above", "acceleration_err", -3.71e-6, 1e-8);
+    is("bounce", "height_err_10", -1.27e-5, 1e-6);
+    is("shots", "twin_fixed", 1000.0, 10.0);
+    for (scene, name) in
+        [("break", "asymmetry"), ("cradle", "asymmetry"), ("seams", "bump"), ("shots", "crossed_moving")]
+    {
+        is(scene, name, 0.0, 0.0);
+    }
+    if !cfg!(debug_assertions) {
+        is("pyramid40", "top_sink", 0.0917, 0.001);
+        is("pyramid40", "largest_shift", 0.0274, 0.001);
+        is("cards", "largest_shift", 0.104, 0.001);
+        is("arch", "largest_shift", 0.0159, 0.001);
+        is("thin_arch", "largest_shift", 0.0648, 0.001);
+    }
+    let heavy = measure(&PAGE.data, "tower_1000x", "top_sink");
+    assert_eq!((&heavy["verdict"], &heavy["unit"]), (&"open".into(), &"m".into()));
+    let peers: Vec<&str> = list(&heavy["peers"]).iter().filter_map(|peer| peer["engine"].as_str()).collect();
+    assert_eq!(peers, ["box2d", "rapier"]);
+}
+
+#[test]
+fn the_page_needs_nothing_else_and_is_the_same_each_time() {
+    let options = ["--scene", "flat_drop", "break", "bounce"];
+    let [one, two] = [page("same", &options), page("same", &options)];
+    assert_eq!((&one.html, &one.data, &one.output.stdout), (&two.html, &two.data, &two.output.stdout));
+    let html = &PAGE.html;
+    assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
+    // But for the names of its files.
+    let inside = html.replace(PAGE.data["command"].as_str().expect("text"), "umbra report");
+    for outside in ["http:", "https:", "//", "<script", "src=", "@import", "<link", "<img", "NaN"] {
+        assert!(!inside.contains(outside), "{outside}");
+    }
+    for (name, _) in scenes() {
+        assert!(html.contains(&format!("<section id=\"{name}\">")), "{name}");
+    }
+    assert_eq!(html.matches("<svg").count(), scenes().count(), "a picture each");
+    for text in ["Box2D 3.2.0", "Rapier 0.36.1", "--scene quality", "class=\"open\""] {
+        assert!(html.contains(text), "{text}");
+    }
+}
+
+#[test]
+fn a_broken_promise_is_status_one() {
+    let options = ["--scene", "tower_100x", "flat_drop", "--substeps", "2"];
+    let Page { html, data, output } = page("broken", &options);
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(error.starts_with("1 of 7 promises are not kept:\ntower_100x top_sink: "), "{error}");
+    assert!(error.trim_end().ends_with("promised: at most 0.45 m"), "{error}");
+    // What was found is written all the same.
+    assert_eq!(measure(&data, "tower_100x", "top_sink")["verdict"], "failed");
+    assert!(html.contains("1 failed"));
+    let command = data["command"].as_str().expect("text");
+    assert!(command.ends_with("--quick --contacts --scene tower_100x --scene flat_drop --substeps 2"), "{command}");
+}
+
+#[test]
+fn bad_usage_is_status_two() {
+    for arguments in [
+        &["report", "--scene", "arch"][..],
+        &["report", "--substeps", "4"],
+        &["report", "--contacts", "--scene", "skyscraper"],
+        &["report", "--contacts", "--substeps", "0"],
+        &["report", "--contacts", "--substeps", "9"],
+        &["report", "--contacts", "--problem", "spin"],
+        &["report", "--contacts", "--diagram", "x.svg"],
+    ] {
+        let output = umbra(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(!output.stderr.is_empty(), "{arguments:?}");
+    }
+    let output = umbra(&["report", "--contacts", "--scene", "arch", "--out", "no/such/folder/x.html"]);
+    assert_eq!(output.status.code(), Some(2));
+    let error = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(error.starts_with("no/such/folder/x.html: cannot write: "), "{error}");
+}
