@@ -1,5 +1,7 @@
 //! Fluids: where bodies float, how they are slowed down, and that nothing of it depends on the side from which one looks.
 
+use std::f64::consts::{PI, TAU};
+
 use umbra_physics::scalar::ToF64 as _;
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Error, FieldKind, ForceField, Fx, Integrator, Mass, Quantity, Shape,
@@ -41,7 +43,7 @@ fn steps(world: &mut World, count: u32) {
 fn pose(world: &World, body: BodyId) -> (f64, f64) {
     let body = world.body(body).expect("it is there");
     let angle = body.angle().to_f64();
-    (body.position().y.to_f64(), if angle > 3.141_592_653 { angle - 6.283_185_307_179_586 } else { angle })
+    (body.position().y.to_f64(), if angle > PI { angle - TAU } else { angle })
 }
 
 #[test]
