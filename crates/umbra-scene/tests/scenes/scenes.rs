@@ -219,7 +219,7 @@ fn the_rich_scene_is_one() {
     assert_eq!((scene.starting_bodies, scene.bodies.len()), (9, 11));
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
-    assert_eq!(run.world().fields().count(), 8);
+    assert_eq!(run.world().fields().count(), 9);
     // Five and a fin on the one, six discs of which one was removed.
     assert_eq!(run.world().collider_count(), 11);
     let (world, labels) = (run.world(), run.labels());
