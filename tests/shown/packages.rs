@@ -34,7 +34,7 @@ fn belongs(package: &str, file: &str) -> bool {
     let kind = name.rsplit_once('.').map_or("", |(_, kind)| kind);
     // Cargo writes it: the commit that the package was made from.
     let is_common = ALWAYS.contains(&file) || file == ".cargo_vcs_info.json";
-    let is_source = file.starts_with("src/") && matches!(kind, "rs" | "md" | "txt" | "css" | "html" | "js");
+    let is_source = file.starts_with("src/") && matches!(kind, "rs" | "md" | "txt" | "css" | "csv" | "html" | "js");
     let is_of_library = match folder {
         "docs" => matches!(kind, "md" | "png" | "svg"),
         "docs/report" => name == "README.md",

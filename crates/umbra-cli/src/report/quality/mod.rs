@@ -41,7 +41,7 @@ struct Results {
     name: &'static str,
     #[serde(skip)]
     row: &'static Row,
-    /// How long it ran, or how often.
+    /// The duration of the run, or the number of shots.
     length: String,
     #[serde(skip)]
     picture: String,

@@ -48,7 +48,7 @@ impl Measure {
     }
 }
 
-/// How a scene is run.
+/// The settings of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Length {
     pub(super) substeps: u32,
@@ -59,7 +59,7 @@ pub(super) struct Length {
 pub(super) struct Played {
     pub(super) world: World,
     pub(super) measures: Vec<Measure>,
-    /// How long it ran, or how often.
+    /// The duration of the run, or the number of shots.
     pub(super) length: String,
     /// The part of the plane that is drawn, where that depends on the run.
     pub(super) view: Option<View>,
