@@ -1,5 +1,7 @@
 //! Fluids: where bodies float, how they are slowed down, and that nothing of it depends on the side from which one looks.
 
+use std::f64::consts::{PI, TAU};
+
 use umbra_physics::scalar::ToF64 as _;
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Error, FieldKind, ForceField, Fx, Integrator, Mass, Quantity, Shape,
@@ -41,7 +43,7 @@ fn steps(world: &mut World, count: u32) {
 fn pose(world: &World, body: BodyId) -> (f64, f64) {
     let body = world.body(body).expect("it is there");
     let angle = body.angle().to_f64();
-    (body.position().y.to_f64(), if angle > 3.141_592_653 { angle - 6.283_185_307_179_586 } else { angle })
+    (body.position().y.to_f64(), if angle > PI { angle - TAU } else { angle })
 }
 
 #[test]
@@ -75,7 +77,7 @@ fn a_tilted_box_rights_itself() {
 
 /// The share of a disc of radius 1 that is below the line at a height over its centre.
 fn below(height: f64) -> f64 {
-    0.5 + (height * (1.0 - height * height).sqrt() + height.asin()) / std::f64::consts::PI
+    0.5 + (height * (1.0 - height * height).sqrt() + height.asin()) / PI
 }
 
 #[test]
@@ -87,7 +89,7 @@ fn a_disc_floats_where_its_segment_weighs_as_much() {
         let (height, angle) = pose(&world, body);
         let share = below(-height);
         // Its area is right within 2^-10 m².
-        assert!((share - density.to_f64() / 4.0).abs() < 0.000_976 / std::f64::consts::PI, "{density}: {share}");
+        assert!((share - density.to_f64() / 4.0).abs() < 0.000_976 / PI, "{density}: {share}");
         assert_eq!(angle, 0.0);
     }
 }
