@@ -50,7 +50,7 @@ pub(super) struct Submerged<S: Scalar> {
 /// The part of these colliders of a body in a box; `None` if there is none. Parts that lie on each other count twice, as they do for the mass.
 ///
 /// *Error* of the area 2^-32 m times the outline's length, from 32 m of reach on 2^-36 of its reach times that; where there are arcs of a
-/// radius r besides 2^-12·r² a piece.
+/// radius r besides 2^-10·r² an outline.
 pub(super) fn submerged<'a, S: Scalar>(
     colliders: impl Iterator<Item = &'a Collider<S>>,
     position: Vec2<S>,

@@ -77,7 +77,7 @@ fn a_tilted_box_rights_itself() {
 
 /// The share of a disc of radius 1 that is below the line at a height over its centre.
 fn below(height: f64) -> f64 {
-    0.5 + (height * (1.0 - height * height).sqrt() + height.asin()) / std::f64::consts::PI
+    0.5 + (height * (1.0 - height * height).sqrt() + height.asin()) / PI
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn a_disc_floats_where_its_segment_weighs_as_much() {
         let (height, angle) = pose(&world, body);
         let share = below(-height);
         // Its area is right within 2^-10 m².
-        assert!((share - density.to_f64() / 4.0).abs() < 0.000_976 / std::f64::consts::PI, "{density}: {share}");
+        assert!((share - density.to_f64() / 4.0).abs() < 0.000_976 / PI, "{density}: {share}");
         assert_eq!(angle, 0.0);
     }
 }
