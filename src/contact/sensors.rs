@@ -232,7 +232,7 @@ impl Sensors {
                 goes_on
             });
             if goes_on {
-                view.standing(&sensors[number], &own, |outline| found(outline));
+                view.standing(&sensors[number], &own, found);
             }
         };
         degrees.clear();
