@@ -449,7 +449,7 @@ fn the_tables_read_a_replay() {
                     (u64::from(PHYSICS_VERSION), 1)
                 );
                 assert_eq!(head["tick"].natural(), replay.start().tick());
-                assert_eq!(head["snapshot_every"].natural(), 8);
+                assert_eq!(head["snapshot_every"].natural(), 16);
             }
             "SNAP" => {
                 let (state, hash) = snapshot(&layouts, contents);
