@@ -48,6 +48,9 @@ typedef struct UmbraBytes UmbraBytes;
 // The inputs of one tick, by player and sequence.
 typedef struct UmbraInputs UmbraInputs;
 
+// A movement that was made: its result, what it met and what it pushes.
+typedef struct UmbraMovement UmbraMovement;
+
 // A shape, for any number of bodies: they keep what they need of it, so that it can be freed.
 typedef struct UmbraShape UmbraShape;
 
@@ -494,7 +497,7 @@ typedef struct UmbraContactHit {
     uint32_t parts[2];
 } UmbraContactHit;
 
-// A kind of force field: one of the five below.
+// A kind of force field: one of the six below.
 typedef uint32_t UmbraFieldKind;
 
 // The region of a zone: one of the two below. Its edge belongs to it.
@@ -547,6 +550,14 @@ typedef struct UmbraFieldDef {
     struct UmbraVec2 min;
     // The upper right corner of a box, m.
     struct UmbraVec2 max;
+    // The density of a fluid, from 0, kg/m².
+    UmbraFx density;
+    // The linear drag of a fluid, from 0, N·s/m for each m² in it.
+    UmbraFx linear_drag;
+    // The angular drag of a fluid, from 0, N·m·s for each m² in it.
+    UmbraFx angular_drag;
+    // The velocity of a fluid, m/s.
+    struct UmbraVec2 flow;
 } UmbraFieldDef;
 
 // Options of a force or impulse: 0, or any of the flags below.
@@ -637,6 +648,94 @@ typedef struct UmbraClosestPoint {
     // 1; 0 if nothing is that near, and then all else is 0 as well.
     uint32_t is_found;
 } UmbraClosestPoint;
+
+// A character; `umbra_character_def_default` fills it in, but for the shape. Values out of range are refused with the causes 190 to 194.
+typedef struct UmbraCharacterDef {
+    // The shape, upright: it is never turned. Not a chain. Default null.
+    const struct UmbraShape *shape;
+    // The direction that is up: of any length from 2^-10 on, within ±2^10 a component. Default +y.
+    struct UmbraVec2 up;
+    // The distance from colliders that it keeps, m, 2^-12 to 1. Default 2^-6.
+    UmbraFx skin;
+    // The angle of the steepest slope that it climbs and stands on, rad, 0 to π/2. Default π/4.
+    UmbraFx max_slope;
+    // The angle of the steepest slope on which a downward translation moves it nowhere, rad, 0 to π/2. Default π/4.
+    UmbraFx max_rest_slope;
+    // The height of the highest step that it climbs, m, 0 to 2^4. Default 1/4.
+    UmbraFx step_height;
+    // The depth of the top of a step that it needs to climb it, m, 0 to 2^4. Default 1/16.
+    UmbraFx step_width;
+    // The distance by which it is moved down to stay on the ground, m, 0 to 2^4. Default 1/4.
+    UmbraFx snap;
+    // The mass with which it pushes dynamic bodies, kg, 0 to 2^24. Default 0, which pushes nothing.
+    UmbraFx push_mass;
+} UmbraCharacterDef;
+
+// The ground that a character stands on. With it a character rides on bodies that move and turn.
+typedef struct UmbraGround {
+    // The body, or `UMBRA_NO_HANDLE` in the air; then nothing else is read, and all else is 0.
+    uint64_t body;
+    // The centre of the character in the axes of the body, m.
+    struct UmbraVec2 local;
+    // The point of the world where that was, m.
+    struct UmbraVec2 point;
+} UmbraGround;
+
+// A movement that is asked for.
+typedef struct UmbraCharacterMove {
+    // Where the centre of mass of the shape is, m.
+    struct UmbraVec2 position;
+    // The way to go, m; each part within ±2^8.
+    struct UmbraVec2 translation;
+    // The ground that the last movement gave.
+    struct UmbraGround ground;
+} UmbraCharacterMove;
+
+// The result of a movement.
+typedef struct UmbraMovementState {
+    // The new position of the centre of mass of the shape, m.
+    struct UmbraVec2 position;
+    // The ground that it stands on now.
+    struct UmbraGround ground;
+    // The collider of the ground, or `UMBRA_NO_HANDLE` in the air.
+    uint64_t ground_collider;
+    // The unit normal of the ground, towards the character; zero in the air.
+    struct UmbraVec2 ground_normal;
+    // The velocity of the ground at the centre of the character, m/s; zero in the air.
+    struct UmbraVec2 ground_velocity;
+    // The translation that was asked for, m.
+    struct UmbraVec2 desired;
+    // 1 if it overlaps a collider that it could not get out of, else 0.
+    uint32_t is_overlapping;
+    // 0.
+    uint32_t reserved;
+} UmbraMovementState;
+
+// A collider that a character moved against.
+typedef struct UmbraCharacterHit {
+    // The collider.
+    uint64_t collider;
+    // Its body.
+    uint64_t body;
+    // The point where they meet, m.
+    struct UmbraVec2 point;
+    // The unit normal of the collider there.
+    struct UmbraVec2 normal;
+    // Number of the part of a compound or of the segment of a chain; 0 of all others.
+    uint32_t part;
+    // 0.
+    uint32_t reserved;
+} UmbraCharacterHit;
+
+// An impulse with which a character pushes a body that it met: for `umbra_world_apply_impulse`.
+typedef struct UmbraCharacterPush {
+    // The body.
+    uint64_t body;
+    // The impulse, N·s.
+    struct UmbraVec2 impulse;
+    // The point of the world where it acts, m.
+    struct UmbraVec2 point;
+} UmbraCharacterPush;
 
 // Body or force field that a command created.
 typedef struct UmbraMade {
@@ -949,6 +1048,10 @@ typedef struct UmbraReplayLimits {
 // A constant acceleration of the bodies whose centre of mass is in a region. Reads `region` and what that reads, and
 // `acceleration`.
 #define UMBRA_ZONE 4
+
+// A fluid in a box, which lifts colliders by the area that they have in it and slows them down. Reads `min`, `max`, `density`,
+// `linear_drag`, `angular_drag`, `flow`.
+#define UMBRA_BUOYANCY 5
 
 // Reads `centre` and `radius`.
 #define UMBRA_DISC 0
@@ -1595,6 +1698,35 @@ UmbraStatus umbra_shape_closest_point(const struct UmbraShape *shape,
 
 // The first point of a shape on a ray, relative to its centre of mass; without a collider and a body.
 UmbraStatus umbra_shape_cast_ray(const struct UmbraShape *shape, const struct UmbraRay *ray, struct UmbraCastHit *hit);
+
+// Fills in a character without a shape.
+UmbraStatus umbra_character_def_default(struct UmbraCharacterDef *def);
+
+// Moves a character: it rides with its ground, is pushed out of what came into its skin, goes the translation, slides along what it meets,
+// climbs a step, and is moved down to the ground. Nothing of the world changes. Leave out its own body by the filter.
+UmbraStatus umbra_character_move(const struct UmbraWorld *world,
+                                 const struct UmbraCharacterDef *character,
+                                 const struct UmbraCharacterMove *way,
+                                 const struct UmbraQueryFilter *filter,
+                                 struct UmbraMovement **movement);
+
+// The result of a movement.
+UmbraStatus umbra_movement_state(const struct UmbraMovement *movement, struct UmbraMovementState *state);
+
+// The colliders that a character moved against, in the order in which it met them; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_movement_hits(const struct UmbraMovement *movement,
+                                struct UmbraCharacterHit *hits,
+                                size_t capacity,
+                                size_t *count);
+
+// The impulses on the bodies that a character met, at most one a body; none without a `push_mass`. A list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_movement_pushes(const struct UmbraMovement *movement,
+                                  struct UmbraCharacterPush *pushes,
+                                  size_t capacity,
+                                  size_t *count);
+
+// Frees a movement. Null is let be.
+void umbra_movement_free(struct UmbraMovement *movement);
 
 // Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
 UmbraStatus umbra_world_execute(struct UmbraWorld *world,
