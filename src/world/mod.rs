@@ -358,12 +358,14 @@ impl<S: Scalar> World<S> {
         self.plan.update(self.def.integrator, self.def.time_step);
         let any_come = self.bodies.begin_step(&self.factor_table);
         let factors = &self.bodies.columns.factors;
-        let indices = if self.bodies.any_asleep() { &factors[..] } else { &factors[..self.bodies.moving()] };
+        let moving = &factors[..self.bodies.moving()];
         // A copy of the world may have the same table: it is copied only if a row has to be made.
-        if self.factor_table.is_stale(indices, any_come) {
+        if self.factor_table.is_stale(moving, any_come) {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
             let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
+            // Whoever sleeps has moved with these factors, or they were stale when it came.
+            let indices = if self.bodies.any_asleep() { &factors[..] } else { moving };
             Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }
     }
