@@ -288,9 +288,10 @@ fn one_file_names_the_crate_fixed() {
     assert_eq!(files, ["fx/mod.rs"]);
 }
 
-/// Files of the float feature, and tests of the solver, which compare it with doubles.
+/// Files of the float feature, and tests of the solver and of areas in a box, which compare with doubles.
 fn may_have_floats(path: &str) -> bool {
     FLOATS.contains(&path)
+        || path == "force/submerged/tests.rs"
         || path.starts_with("contact/float/")
         || path.starts_with("solve/tests/")
         || path.starts_with("solve/joint/tests/")

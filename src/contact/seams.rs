@@ -23,7 +23,7 @@ pub(super) struct Chains {
     records: Vec<(u32, OutlineId, u32)>,
     /// True if the records of this step are listed.
     is_listed: bool,
-    /// What the present contact takes over.
+    /// Impulses that the present contact takes over.
     pub(super) terms: Vec<Term>,
 }
 

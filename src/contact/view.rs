@@ -31,7 +31,7 @@ use super::{ContactRecord, TouchPoint};
 pub struct Contact<S: Scalar = Fx> {
     /// The colliders.
     pub colliders: [ColliderId; 2],
-    /// Their bodies.
+    /// The bodies of the colliders.
     pub bodies: [BodyId; 2],
     /// The numbers of the outlines that touch, among those of each shape: of a compound the number of the part, of a chain that of the
     /// segment, of all others 0.

@@ -123,7 +123,7 @@ struct Impact {
     impulse: i64,
     /// The relative velocity at the start, negative: the points close.
     closing: i64,
-    /// Its change by the free flight over the step.
+    /// The change by the free flight over the step.
     change: i64,
     /// The separation at the start and at the end.
     separations: [i64; 2],

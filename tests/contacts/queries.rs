@@ -85,7 +85,7 @@ fn build(bodies: &[BodyDef]) -> World {
     world
 }
 
-/// All that a query says of a collider, by its key.
+/// A collider as each query reports it, by its key.
 #[derive(Clone, Debug, PartialEq)]
 enum Said {
     Cast(u64, Fx, Vec2, Vec2, u32),

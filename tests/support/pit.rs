@@ -51,7 +51,7 @@ pub(crate) fn is_global(command: &Command) -> bool {
     )
 }
 
-/// What the pit is made of.
+/// The bodies of the pit.
 pub(crate) struct Pit {
     random: Random,
     walls: Vec<BodyId>,

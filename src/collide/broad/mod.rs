@@ -54,16 +54,16 @@ pub struct Proxy {
 /// The colliders that stand still in a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Standing<'a> {
-    /// Those of static bodies.
+    /// The colliders of static bodies.
     pub statics: &'a Arc<Statics>,
-    /// Those of sleeping bodies, which are treated alike.
+    /// The colliders of sleeping bodies, which are treated alike.
     pub sleepers: Option<&'a Statics>,
     /// A number that changes whenever the sleeping ones do.
     pub version: u64,
 }
 
 impl<'a> Standing<'a> {
-    /// Those of static bodies alone.
+    /// The colliders of static bodies alone.
     #[must_use]
     pub fn of(statics: &'a Arc<Statics>) -> Self {
         Self { statics, sleepers: None, version: 0 }

@@ -155,7 +155,6 @@ fn areas_and_moments_are_those_of_a_dense_polygon() {
         assert!(cut > 1_000, "{cut}");
         assert!(worst < 1.0, "{size}: {worst} of the bound");
         assert!(round[0] < 1.0 / 1024.0 && round[1] < 1.0 / 512.0, "{size}: {round:?}");
-        std::eprintln!("{size}: {worst} {round:?}");
     }
 }
 

@@ -37,7 +37,7 @@ use crate::slots::{BodyId, ColliderId};
 pub struct CastHit<S = Fx> {
     /// The collider.
     pub collider: ColliderId,
-    /// Its body.
+    /// The body of the collider.
     pub body: BodyId,
     /// The fraction of the translation at which they meet, from 0 to 1, rounded down to units of 2^-32.
     pub fraction: S,

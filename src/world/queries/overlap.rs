@@ -33,7 +33,7 @@ use crate::slots::{BodyId, ColliderId};
 pub struct ClosestPoint<S = Fx> {
     /// The collider.
     pub collider: ColliderId,
-    /// Its body.
+    /// The body of the collider.
     pub body: BodyId,
     /// The distance, m; 0 in the collider. *Error* ½ ulp and 2^-16.
     pub distance: S,

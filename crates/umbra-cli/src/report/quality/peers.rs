@@ -5,7 +5,7 @@ use serde::Serialize;
 /// An engine of the figures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(super) struct Peer {
-    /// Its name in the figures.
+    /// The name in the figures.
     #[serde(rename = "engine")]
     pub(super) id: &'static str,
     #[serde(skip)]

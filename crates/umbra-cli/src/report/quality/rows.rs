@@ -22,7 +22,7 @@ pub(super) enum Promise {
 /// A measure of a scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Measure {
-    /// Its name in the figures of other engines.
+    /// The name in the figures of other engines.
     pub(super) name: &'static str,
     pub(super) about: &'static str,
     pub(super) unit: &'static str,
