@@ -124,6 +124,7 @@ fn quantities() -> Vec<Quantity> {
         Friction,
         Restitution,
         Filter,
+        FluidBox,
         Substeps,
         ContactSpeed,
         Pairs,
