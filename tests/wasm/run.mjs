@@ -25,9 +25,10 @@ const bytesOf64 = (value) => Array.from({ length: 8 }, (_, i) => Number(BigInt.a
 const bytesOf = (buffer) => new Uint8Array(engine.memory.buffer, engine.address(buffer), engine.length(buffer));
 const setGravity = (world, y) => send(world, 21, fx(0), fx(y));
 // Dynamic; position, angle, velocity, angular velocity; no shape, no colliders; a mass in kg; gravity, no dampings, no limits, no locks;
-// group 1, key, user data.
+// dominance 0, no bullet; group 1, key, user data.
 const addBody = (world, [x, y], [u, v], mass) =>
-  send(world, 0, 2, fx(x), fx(y), 0n, fx(u), fx(v), 0n, 0, 0, 0, 0, 0, 1, fx(mass), fx(1), 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0n, 0n);
+  send(world, 0, 2, fx(x), fx(y), 0n, fx(u), fx(v), 0n, 0, 0, 0, 0, 0, 1, fx(mass), fx(1), 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 1, 0, 0, 0, 0n, 0n);
 const pushed = (world, body, x, y) => send(world, 2, body, 2, fx(x), fx(y), 0, 0, 1);
 
 check('a world of no rate', engine.create(0), 0);
