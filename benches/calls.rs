@@ -1,11 +1,11 @@
 //! Cost of a kilobyte of commands at worst, in steps of the world that it is sent to, by counting instructions under
 //! callgrind.
 //!
-//! `cargo bench -p umbra-physics --bench calls -- check` counts those of `benches/scenes/hostile.rs`, a line each: whether their cost is constant,
-//! how many commands they are, then for worlds of 1,000 and of 4,000 bodies the instructions of the calls alone, and how many steps the calls and what they
-//! leave the next step to do come to. After them it counts calls that name 4,000 and 16,000 things. `tests/costs.rs` holds all
-//! of them to bounds. `search 600` looks for worse ones for so many seconds, and fails if it comes to one that costs more
-//! than ten steps; `search 600 7` begins elsewhere.
+//! `cargo bench -p umbra-physics --bench calls -- check` counts those of `benches/scenes/hostile.rs`, a line each: whether their cost is
+//! constant, how many commands they are, then for worlds of 1,000 and of 4,000 bodies the instructions of the calls alone, and how many
+//! steps the calls and what they leave the next step to do come to. After them it counts calls that name 4,000 and 16,000 things.
+//! `tests/costs.rs` holds all of them to bounds. `search 600` looks for worse ones for so many seconds, and fails if it comes to one that
+//! costs more than ten steps; `search 600 7` begins elsewhere.
 
 use std::collections::BTreeMap;
 use std::hint::black_box;

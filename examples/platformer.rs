@@ -6,8 +6,8 @@
 //! cargo run --release --example platformer
 //! ```
 //!
-//! A player is a kinematic body that goes where a [`Character`] gets. All else that the game keeps of a player is in the blob of the world: so a
-//! copy of the world is a copy of the game.
+//! A player is a kinematic body that goes where a [`Character`] gets. All else that the game keeps of a player is in the blob of the world:
+//! so a copy of the world is a copy of the game.
 
 use umbra_physics::{
     BodyDef, BodyId, Character, ColliderDef, Error, Filter, Fx, Ground, Mass, OneWay, QueryFilter, Random, Rollback,

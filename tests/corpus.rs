@@ -88,8 +88,8 @@ fn corpora_are_small() {
     assert!(sizes.iter().sum::<usize>() < 700_000, "{sizes:?}");
 }
 
-/// The least medians of ticks and of touching manifolds in a tick that committed inputs have, by target. Others have no world of their own, or
-/// one without colliders: the bound of `fx_f64` covers no contacts, and `work` is about free flight.
+/// The least medians of ticks and of touching manifolds in a tick that committed inputs have, by target. Others have no world of their own,
+/// or one without colliders: the bound of `fx_f64` covers no contacts, and `work` is about free flight.
 const MEDIANS: [(&str, u64, u64); 7] = [
     ("commands", 20, 10),
     ("contact_solver", 20, 10),

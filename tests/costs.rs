@@ -1,7 +1,7 @@
 //! A scene does not pay for what it lacks: counts of instructions, each beside a control that has the thing and pays.
 //!
-//! `benches/instructions.rs` and `benches/calls.rs` do the counting, in the scenes of `benches/scenes`. Where valgrind or gungraun-runner is
-//! missing the tests say that they are skipped, and with UMBRA_REQUIRE_COUNTS=1 they fail.
+//! `benches/instructions.rs` and `benches/calls.rs` do the counting, in the scenes of `benches/scenes`. Where valgrind or gungraun-runner
+//! is missing the tests say that they are skipped, and with UMBRA_REQUIRE_COUNTS=1 they fail.
 
 use std::collections::BTreeMap;
 use std::io::Write as _;

@@ -366,7 +366,7 @@ fn colliders_and_contacts_have_their_bounds() {
     expect(&mut world, &Command::SetContactSettings(least), Ok(()));
     for (quantity, bad) in [
         (Quantity::Substeps, ContactSettings { substeps: 0, ..good }),
-        (Quantity::Substeps, ContactSettings { substeps: 9, ..good }),
+        (Quantity::Substeps, ContactSettings { substeps: 17, ..good }),
         (Quantity::ContactSpeed, ContactSettings { push_speed: limit + ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { restitution_speed: -ULP, ..good }),
         (Quantity::ContactSpeed, ContactSettings { sleep_speed: limit + ULP, ..good }),

@@ -261,7 +261,8 @@ fn every_level_names_modules_that_are_there() {
     }
 }
 
-/// Files that may name floats: the builds in floats, their list of compiled functions, and output for a display, which nothing in a step can name.
+/// Files that may name floats: the builds in floats, their list of compiled functions, and output for a display, which nothing in a step
+/// can name.
 const FLOATS: [&str; 7] = [
     "compiled.rs",
     "scalar/float.rs",
@@ -393,7 +394,8 @@ fn packages_beside_the_library_depend_on_it_and_name_public_items_alone() {
             assert!(words(&code, "collide").next().is_none(), "{package}/src/{path}: the narrow phase");
         }
     }
-    // The engines of contacts of each scalar; the traits that `Scalar` is sealed by, `Fx::from_literal`, for `fx!`, and the narrow phase, in `lib.rs`.
+    // The engines of contacts of each scalar; the traits that `Scalar` is sealed by, `Fx::from_literal`, for `fx!`, and the narrow phase,
+    // in `lib.rs`.
     let is_known = |path: &String| {
         let is_folder = path.starts_with("scalar/") || path.starts_with("contact/");
         is_folder || ["compiled.rs", "fx/text.rs", "lib.rs", "selftest/mod.rs"].contains(&&**path)

@@ -1,5 +1,5 @@
-//! A world of 1,000 bodies and a pit with a pile of 160 more under random commands, beside a twin that goes through a snapshot at every tick, and
-//! a second one that goes back some ticks now and then and makes them again.
+//! A world of 1,000 bodies and a pit with a pile of 160 more under random commands, beside a twin that goes through a snapshot at every
+//! tick, and a second one that goes back some ticks now and then and makes them again.
 //!
 //! Equal at every tick, and none takes more memory as time goes by. For a minute and for an hour:
 //! `cargo test --release --all-features --test soak -- --ignored --nocapture minute` (or `hour`).

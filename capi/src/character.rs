@@ -260,7 +260,8 @@ pub unsafe extern "C" fn umbra_movement_hits(
     })
 }
 
-/// The impulses on the bodies that a character met, at most one a body; none without a `push_mass`. A list as `umbra_world_outcomes` gives it.
+/// The impulses on the bodies that a character met, at most one a body; none without a `push_mass`. A list as `umbra_world_outcomes` gives
+/// it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_movement_pushes(
     movement: Option<&UmbraMovement>,

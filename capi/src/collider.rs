@@ -139,9 +139,10 @@ pub struct UmbraContactSettings {
     pub sleep_speed: UmbraFx,
     /// The approach speed from which on a contact is a hit, m/s, 0 to 2^10; default 1.
     pub hit_speed: UmbraFx,
-    /// The number of sub-steps in which contacts are solved, 1 to 8; default 5.
+    /// The number of sub-steps in which contacts are solved, 1 to 16; default 5.
     pub substeps: u32,
-    /// The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
+    /// The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default
+    /// 2^20.
     pub max_pairs: u32,
     /// The number of pairs of one outline that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     pub max_pairs_per_collider: u32,

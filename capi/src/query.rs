@@ -17,8 +17,8 @@ use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, word};
 
-/// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must not
-/// call functions that change the world.
+/// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must
+/// not call functions that change the world.
 pub type UmbraPredicate = Option<unsafe extern "C" fn(context: *mut c_void, collider: u64, user_data: u64) -> u32>;
 
 /// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
@@ -333,7 +333,8 @@ pub unsafe extern "C" fn umbra_world_overlap_box(
     })
 }
 
-/// The collider nearest to a point, up to a distance from 0 to 2^20 m: of several at the same distance that with the least key, then handle.
+/// The collider nearest to a point, up to a distance from 0 to 2^20 m: of several at the same distance that with the least key, then
+/// handle.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_closest_point(
     world: Option<&UmbraWorld>,
@@ -353,8 +354,8 @@ pub unsafe extern "C" fn umbra_world_closest_point(
     })
 }
 
-/// All colliders up to a distance from 0 to 2^20 m from a point, each with its nearest point, sorted by distance, then key, then handle; a list
-/// as `umbra_world_outcomes` gives it.
+/// All colliders up to a distance from 0 to 2^20 m from a point, each with its nearest point, sorted by distance, then key, then handle; a
+/// list as `umbra_world_outcomes` gives it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_closest_points(
     world: Option<&UmbraWorld>,

@@ -1,7 +1,8 @@
 //! Any commands on any world, held to one promise an input: a second run that has to go the same way.
 //!
-//! The first byte of an input says which promise, the second which values and whether bodies lie in a [pile](super::pile) at the start. Then
-//! come the world's definition, the pile, and commands with the steps after each. After the last command the world goes on for a while.
+//! The first byte of an input says which promise, the second which values and whether bodies lie in a [pile](super::pile) at the start.
+//! Then come the world's definition, the pile, and commands with the steps after each. After the last command the world goes on for a
+//! while.
 
 use arbitrary::Result;
 use umbra_oracles::Taste;

@@ -50,7 +50,7 @@ impl Values<'_> {
     pub fn scene(&mut self) -> Scene {
         let rates = [60, 1, 10_000, 144, 30, 1_000];
         let time_step = TimeStep::hz(rates[self.below(rates.len())]);
-        let substeps = [5, 1, 2, 3, 4, 6, 7, 8][self.below(8)];
+        let substeps = [5, 1, 2, 3, 4, 6, 8, 16][self.below(8)];
         let options = match self.below(4) {
             0 => SolverOptions {
                 // Softer contacts are beyond the solver's ranges.

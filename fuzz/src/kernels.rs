@@ -572,8 +572,8 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
         let parts = [unit(stiffness) * (&length - unit(rest)), unit(damping) * &rate, pull];
         return assert!(parts.iter().any(|part| magnitude(part) >= 2f64.powi(63) * 0.999_999));
     };
-    // The documented error: of the length 0.501 · 2^-64 m, or 0.751 where it is large, and as much of the rate; of the tension one rounding for each
-    // part; of the direction 2^-94 relative; one rounding more. In units of 2^-64 N.
+    // The documented error: of the length 0.501 · 2^-64 m, or 0.751 where it is large, and as much of the rate; of the tension one rounding
+    // for each part; of the direction 2^-94 relative; one rounding more. In units of 2^-64 N.
     let speed = f64::hypot(magnitude(&unit(velocity.0)), magnitude(&unit(velocity.1)));
     let lost = (magnitude(&pull) + magnitude(&unit(damping)) * speed) * 2f64.powi(64 - 93);
     let stretched = if magnitude(&length) < 2f64.powi(23) { 0.501 } else { 0.751 };

@@ -91,7 +91,8 @@ impl Damping<Fx> {
     ///
     /// *Units* 1/s. *Domain* 0 and above; a negative rate is refused by what the damping is given to, as nothing may gain speed.
     /// *Error* of the share 0.5001 ulp. From 22.8739 (33·ln 2) on the share is 0, and the velocity stops at once. For a stronger
-    /// damping that does not stop at once, use a linear [`FieldKind::Drag`](crate::FieldKind::Drag). *Source* a power of two, as [`Fx::exp2`].
+    /// damping that does not stop at once, use a linear [`FieldKind::Drag`](crate::FieldKind::Drag). *Source* a power of two, as
+    /// [`Fx::exp2`].
     ///
     /// A `Damping<f64>` or `Damping<f32>` is made as `Damping::kept_per_second((-c).exp())`.
     ///

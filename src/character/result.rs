@@ -8,8 +8,8 @@ use crate::slots::{BodyId, ColliderId};
 
 /// The ground that a character stands on.
 ///
-/// A game gives it back at the next call, so that the character rides: where the body has moved and turned since, the character moves along with
-/// the point of the body at its centre.
+/// A game gives it back at the next call, so that the character rides: where the body has moved and turned since, the character moves along
+/// with the point of the body at its centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Ground<S = Fx> {

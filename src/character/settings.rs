@@ -12,8 +12,8 @@ use crate::shape::Shape;
 
 /// A character controller: a shape that is moved by translations and stops, slides and steps where it meets colliders.
 ///
-/// It is data, and [`translate`](Self::translate) is a function of a world and its arguments: the controller keeps nothing between two calls.
-/// A game keeps the position and the [`Ground`](crate::Ground) that it returns, and gives them back at the next tick.
+/// It is data, and [`translate`](Self::translate) is a function of a world and its arguments: the controller keeps nothing between two
+/// calls. A game keeps the position and the [`Ground`](crate::Ground) that it returns, and gives them back at the next tick.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Character, QueryFilter, Shape, World, WorldDef, fx, vec2};
@@ -40,8 +40,8 @@ pub struct Character<S: Scalar = Fx> {
     pub up: Vec2<S>,
     /// The distance from colliders that the character keeps, m, 2^-12 to 1: it comes as near as that, within 6 ulps.
     pub skin: S,
-    /// The angle of the steepest slope that it climbs and stands on, rad, 0 to π/2. A steeper one is a wall for one who walks, and who falls
-    /// on it slides down. *Error* 2^-29 rad and, near 0, 2^-14 rad.
+    /// The angle of the steepest slope that it climbs and stands on, rad, 0 to π/2. A steeper one is a wall for one who walks, and who
+    /// falls on it slides down. *Error* 2^-29 rad and, near 0, 2^-14 rad.
     pub max_slope: S,
     /// The angle of the steepest slope on which a downward translation moves it nowhere, rad, 0 to π/2. On a steeper one it slides, also
     /// where it can climb.
@@ -53,13 +53,14 @@ pub struct Character<S: Scalar = Fx> {
     pub step_width: S,
     /// The distance by which it is moved down to stay on the ground on its way down a slope or steps, m, 0 to 2^4; 0 never moves it.
     pub snap: S,
-    /// The mass with which it [pushes](Self::push) dynamic bodies, kg: its own mass, or a share of it; from 0, which pushes nothing, to 2^24.
+    /// The mass with which it [pushes](Self::push) dynamic bodies, kg: its own mass, or a share of it; from 0, which pushes nothing, to
+    /// 2^24.
     pub push_mass: S,
 }
 
 impl<S: Scalar> Character<S> {
-    /// A character with this shape: up is +y, the skin is 2^-6 m, it climbs slopes of 45° and steps of ¼ m with a top of 1/16 m, is moved down
-    /// by up to ¼ m, rests wherever it can climb, and pushes nothing.
+    /// A character with this shape: up is +y, the skin is 2^-6 m, it climbs slopes of 45° and steps of ¼ m with a top of 1/16 m, is moved
+    /// down by up to ¼ m, rests wherever it can climb, and pushes nothing.
     ///
     /// ```
     /// use umbra_physics::{Character, Error, Quantity, Shape, fx};

@@ -22,8 +22,8 @@ impl<S: Scalar> Character<S> {
     /// Moves the character from a position by a translation, both in m, and returns where it gets and what it meets.
     ///
     /// In this order: it rides with `ground`, which the last call returned; it is pushed out of colliders that came into its skin, by up to
-    /// 1 m; it goes the translation, slides along what it meets and climbs a step; it is moved down to the ground, if it stood on one and the
-    /// translation does not lead up. It ends in no collider that it did not overlap at the start, but for one that moved into it and
+    /// 1 m; it goes the translation, slides along what it meets and climbs a step; it is moved down to the ground, if it stood on one and
+    /// the translation does not lead up. It ends in no collider that it did not overlap at the start, but for one that moved into it and
     /// has it caught against others ([`Movement::is_overlapping`]).
     ///
     /// Leave out the body of the character itself by the filter. A [one-way](crate::OneWay) collider lets it through until it has left

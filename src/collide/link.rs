@@ -8,8 +8,9 @@
 //! is above, but for the place where both are as near. Where the chain goes on straight, an edge that lies over the seam has no point
 //! there: it has points at its own ends, as on one long segment.
 //!
-//! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose neighbours
-//! are the edges by which the surface goes on. At a corner whose two edges are both on the surface a polygon pushes as one that stands alone.
+//! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose
+//! neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a polygon pushes as one that
+//! stands alone.
 //!
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 

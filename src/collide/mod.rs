@@ -94,10 +94,10 @@ const MARGIN_MAX: i64 = 1 << (22 + 32);
 /// *Domain* positions within 2^31 m. A margin below zero counts as zero, one above 2^22 m as that.
 ///
 /// *Error* of a separation: 3 ulp, and 2^-30 of the larger core's size (the largest distance of two of its corners) and of the distance of
-/// the cores; in a single point between two corners, 2^-30 of both cores' sizes. An edge whose ends are within 4 ulp of one height counts as
-/// level, which adds half of the difference; at the far end of another edge at an angle to the normal its slope times 2^-28 of the pair's size
-/// is added. Directions whose separations differ by less than about 2^-26 of the pair's size may count as tied. A corner within as much of the
-/// line through its neighbours counts as on it, which adds as much.
+/// the cores; in a single point between two corners, 2^-30 of both cores' sizes. An edge whose ends are within 4 ulp of one height counts
+/// as level, which adds half of the difference; at the far end of another edge at an angle to the normal its slope times 2^-28 of the
+/// pair's size is added. Directions whose separations differ by less than about 2^-26 of the pair's size may count as tied. A corner within
+/// as much of the line through its neighbours counts as on it, which adds as much.
 #[must_use]
 pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: Fx) -> Option<Manifold> {
     if a.neighbours().is_some() || b.neighbours().is_some() {

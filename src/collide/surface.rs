@@ -80,8 +80,9 @@ pub(crate) struct Surface<'a, V: Normal> {
 impl<V: Normal> Surface<'_, V> {
     /// Returns true if the surface may push in a direction, a normal of the other core.
     ///
-    /// `reaches` says of an edge if the other core is over the part of it that is on the surface, or, where an end is given, beyond that end.
-    /// At a corner of one polygon both edges have to be near in that way: the other core may be beside one of them where that is covered.
+    /// `reaches` says of an edge if the other core is over the part of it that is on the surface, or, where an end is given, beyond that
+    /// end. At a corner of one polygon both edges have to be near in that way: the other core may be beside one of them where that is
+    /// covered.
     pub(crate) fn has(&self, n: V, reaches: impl Fn(&Link<V>, Option<usize>) -> bool) -> bool {
         let is_at_end = |link: &Link<V>, end: usize| {
             let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);

@@ -101,8 +101,9 @@ pub struct Material<S = Fx> {
     /// The coefficient of restitution, 0 to 1: the share of the approach speed at which bodies part after an impact. 0 for no bounce.
     pub restitution: S,
     /// The coefficient of rolling resistance c, 0 to 1: a contact with one point that is pressed with the force N holds against a torque of
-    /// up to c·R·N that rolls the bodies on each other. R is the radius with which a disc, the end of a capsule or a rounded corner touches;
-    /// where both surfaces are round, the smaller one. Two surfaces have the larger coefficient. Contacts with two points do not roll.
+    /// up to c·R·N that rolls the bodies on each other. R is the radius with which a disc, the end of a capsule or a rounded corner
+    /// touches; where both surfaces are round, the smaller one. Two surfaces have the larger coefficient. Contacts with two points do not
+    /// roll.
     pub rolling_resistance: S,
     /// The speed at which the surface moves around the shape, counter-clockwise, within ±2^10 m/s: a conveyor belt. It pulls by friction,
     /// and moves no body by itself. The top of a belt moves to the left if the speed is positive.

@@ -11,8 +11,8 @@ use crate::shape::turned_unit;
 /// The side from which a one-way collider holds others: a platform that bodies jump through from below and land on.
 ///
 /// A body that comes to the collider is *held* if the contact normal, from the collider to the body, is within `tolerance` of `direction`,
-/// and else it *passes*. One that passes goes on passing until it overlaps the collider no more; then its side decides anew. One that is held
-/// stays held while it is within 2 cm of the collider, so it may tilt and slide over an edge. A body that is put into the collider
+/// and else it *passes*. One that passes goes on passing until it overlaps the collider no more; then its side decides anew. One that is
+/// held stays held while it is within 2 cm of the collider, so it may tilt and slide over an edge. A body that is put into the collider
 /// passes if it overlaps by more than 2 cm.
 ///
 /// The answer is one for the whole body, whatever its colliders are, and by outline of the one-way collider: each part of a compound is

@@ -159,8 +159,8 @@ impl<S: Scalar> ColliderSet<S> {
         push(&mut self.changes, (self.revision, slot));
     }
 
-    /// The slots whose colliders were added, changed or removed since a revision, perhaps more than once; `None` if that was too many changes
-    /// ago.
+    /// The slots whose colliders were added, changed or removed since a revision, perhaps more than once; `None` if that was too many
+    /// changes ago.
     pub(crate) fn changed_since(&self, revision: u64) -> Option<impl Iterator<Item = u32> + '_> {
         let from = match self.changes.iter().rposition(|(after, _)| *after == revision) {
             Some(last) => last + 1,

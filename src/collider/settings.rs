@@ -26,7 +26,8 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ContactSettings<S = Fx> {
-    /// The number of sub-steps in which contacts are solved, 1 to 8. More make stacks stiffer.
+    /// The number of sub-steps in which contacts are solved, 1 to 16. More make stacks stiffer: a box that bears 1,000 times its own mass
+    /// needs 13 of them at 60 steps a second.
     pub substeps: u32,
     /// The largest speed with which overlapping bodies are pushed apart, m/s, up to 2^10.
     pub push_speed: S,
@@ -46,8 +47,8 @@ pub struct ContactSettings<S = Fx> {
     /// the sensors with the most pairs find nothing in that step: nobody is quarantined, and what was in them leaves.
     pub max_pairs: u32,
     /// The number of pairs of one outline of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
-    /// 2^12. The bodies of outlines with more are quarantined, and sensors with more find nothing, each where the pairs of its own sort are too
-    /// many. If there are still too many, the number is lowered until the rest fits.
+    /// 2^12. The bodies of outlines with more are quarantined, and sensors with more find nothing, each where the pairs of its own sort are
+    /// too many. If there are still too many, the number is lowered until the rest fits.
     pub max_pairs_per_collider: u32,
 }
 
@@ -87,7 +88,7 @@ impl<S: Scalar> ContactSettings<S> {
         let is_speed = |speed: S| speed >= S::ZERO && speed <= S::from_fx(fx!(1024));
         let are_counts =
             (1..=1 << 28).contains(&self.max_pairs) && (1..=1 << 12).contains(&self.max_pairs_per_collider);
-        check((1..=8).contains(&self.substeps), Quantity::Substeps)?;
+        check((1..=16).contains(&self.substeps), Quantity::Substeps)?;
         let speeds = [self.push_speed, self.restitution_speed, self.sleep_speed, self.hit_speed];
         check(speeds.into_iter().all(is_speed), Quantity::ContactSpeed)?;
         check(are_counts, Quantity::Pairs)

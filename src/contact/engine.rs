@@ -134,8 +134,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its points
-    /// had with other segments or polygons. The surface is at this side of the pair.
+    /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its
+    /// points had with other segments or polygons. The surface is at this side of the pair.
     #[cold]
     fn start_over_seams(
         &mut self,

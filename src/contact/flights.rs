@@ -28,7 +28,8 @@ pub(super) struct Place<P> {
     pub(super) kind: FlightOf,
     /// Contacts of two dynamic bodies do not move the one with the higher number.
     pub(super) dominance: i32,
-    /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all angles.
+    /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all
+    /// angles.
     pub(super) reach: i64,
     /// The least width of its colliders, ulps.
     pub(super) width: i64,

@@ -197,8 +197,8 @@ pub(crate) struct Scene<'a, S: Scalar> {
 #[doc(hidden)]
 pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
-    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs; with
-    /// either, the contacts are of no use.
+    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs;
+    /// with either, the contacts are of no use.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that

@@ -54,8 +54,8 @@ pub struct Approach<S> {
 }
 
 impl<S: Scalar> Approach<S> {
-    /// Leaves out the points that an impulse held at the end of the step before: what arrives in the last fifth of a step is slowed down there
-    /// already, and was reported.
+    /// Leaves out the points that an impulse held at the end of the step before: what arrives in the last fifth of a step is slowed down
+    /// there already, and was reported.
     pub(super) fn leave_out_pressed(&mut self, start: &Impulses) {
         for (speed, impulse) in self.speeds.iter_mut().zip(start.values) {
             if impulse > 0 {
@@ -64,8 +64,8 @@ impl<S: Scalar> Approach<S> {
         }
     }
 
-    /// The speed of the faster one of the points with an impulse, and where it meets the other surface, as seen from this body; in the middle of
-    /// two points of one speed. `None` if no point closed.
+    /// The speed of the faster one of the points with an impulse, and where it meets the other surface, as seen from this body; in the
+    /// middle of two points of one speed. `None` if no point closed.
     pub(super) fn fastest<N: Numerics<S>>(&self, total: &Impulses, side: usize) -> Option<(S, Vec2<S>)> {
         let is_hit = |&k: &usize| total.values[k] > 0 && self.speeds[k] > S::ZERO;
         let mut points = (0..2).filter(is_hit);

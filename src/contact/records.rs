@@ -11,8 +11,8 @@ use crate::solve::Impulses;
 pub(crate) struct ContactRecord {
     /// The slots of the two colliders, the lower one first, in the lower 24 bits; above them the lower 8 bits of the outline's number.
     pair: [u32; 2],
-    /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s, and
-    /// the number of points with the [`LONG`] bits.
+    /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s,
+    /// and the number of points with the [`LONG`] bits.
     packed: [u32; 2],
     /// Multiples of the unit: along the normal, by point; then along the tangent. With one point the second one is that of rolling
     /// resistance.
@@ -130,8 +130,8 @@ impl ContactRecord {
     }
 
     /// The record in a mirror image, for these outlines: points come in the opposite order, and the impulses along the tangent and of
-    /// rolling resistance have the opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in the image; `None` if that does
-    /// for one.
+    /// rolling resistance have the opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in
+    /// the image; `None` if that does for one.
     pub(crate) fn mirrored(
         &self,
         pair: [OutlineId; 2],

@@ -3,8 +3,8 @@
 //! A sensor and a collider of another body overlap if their filters agree, one of the two bodies is not static, both take part, and the
 //! shapes have a point in common: exactly, by the geometry of queries. Sensors do not see each other.
 //!
-//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap. If these
-//! are more than a world may have, the sensors with the most of them find nothing: a function of the boxes and the filters alone.
+//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap. If
+//! these are more than a world may have, the sensors with the most of them find nothing: a function of the boxes and the filters alone.
 //!
 //! How: moving colliders search the tree of sensors, and sensors the trees of what stands still.
 
@@ -123,8 +123,8 @@ impl<S: Scalar> View<'_, S> {
         Some(Proxy { collider: number as u32, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
     }
 
-    /// Calls `found` with each outline that stands still and makes a pair with a sensor, until it returns false: those of sleeping bodies, and
-    /// for a sensor that is not static those of static ones. In the trees they have larger boxes, so that each is looked at.
+    /// Calls `found` with each outline that stands still and makes a pair with a sensor, until it returns false: those of sleeping bodies,
+    /// and for a sensor that is not static those of static ones. In the trees they have larger boxes, so that each is looked at.
     fn standing(&self, sensor: &Seen, own: &Proxy, mut found: impl FnMut(OutlineId) -> bool) {
         let mut goes_on = true;
         let (sleepers, statics) = (self.engine.sleepers(self.colliders), self.engine.statics(self.colliders));
@@ -218,8 +218,8 @@ impl Sensors {
         pairs.len() <= most
     }
 
-    /// Lists the pairs of the sensors that have the fewest: of those with at most `per_sensor`, or of the largest number at which they fit. It
-    /// counts no pairs of a sensor beyond that.
+    /// Lists the pairs of the sensors that have the fewest: of those with at most `per_sensor`, or of the largest number at which they fit.
+    /// It counts no pairs of a sensor beyond that.
     #[cold]
     fn pair_fewest<S: Scalar>(&mut self, view: &View<'_, S>, most: usize, per_sensor: u32) {
         self.plant(view, false);

@@ -240,8 +240,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Finds the pairs of the step: those of moving colliders. With too many pairs, those of sleeping ones counted, it takes these for moving
-    /// ones: whether a body sleeps makes no difference to who has too many.
+    /// Finds the pairs of the step: those of moving colliders. With too many pairs, those of sleeping ones counted, it takes these for
+    /// moving ones: whether a body sleeps makes no difference to who has too many.
     pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
         let Some(still) = &self.still else { return };
         self.broad.update(&still.standing(), &self.movers, limits);

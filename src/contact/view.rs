@@ -8,7 +8,8 @@ use crate::slots::{BodyId, ColliderId};
 use super::seams::rolling_radius;
 use super::{ContactRecord, TouchPoint};
 
-/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies; of compounds, two of their parts.
+/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies; of compounds, two of their
+/// parts.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Contact, Shape, World, WorldDef, fx, vec2};

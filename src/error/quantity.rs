@@ -143,7 +143,7 @@ impl Quantity {
             Self::Friction => "a coefficient of friction from 0 to 32",
             Self::Restitution => "a coefficient of restitution from 0 to 1",
             Self::Filter => "a filter with a category and a mask, or with a positive group",
-            Self::Substeps => "a number of sub-steps from 1 to 8",
+            Self::Substeps => "a number of sub-steps from 1 to 16",
             Self::ContactSpeed => "a speed from 0 to 2^10 m/s",
             Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
             Self::SurfaceSpeed => "a surface speed within ±2^10 m/s",

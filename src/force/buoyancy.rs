@@ -2,21 +2,40 @@
 
 use super::submerged::{Submerged, submerged};
 use super::{FieldKind, FieldSet};
-use crate::body::Bodies;
+use crate::body::{Bodies, Sparse};
 use crate::collider::ColliderSet;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum, Wide};
+use crate::slots::FieldId;
+
+/// Parts of bodies in fluids that were computed already, by the index of the body: at most once for a body as long as it does not move, if
+/// it is in one fluid. Of several it is the part in the last one.
+pub(crate) type Parts<S> = Sparse<(usize, (FieldId, Option<Submerged<S>>))>;
+
+/// The fields, and the colliders that fluids act on.
+pub(crate) struct Fluids<'a, S: Scalar> {
+    pub(crate) fields: &'a FieldSet<S>,
+    pub(crate) colliders: &'a ColliderSet<S>,
+    pub(crate) parts: &'a mut Parts<S>,
+}
 
 /// The part of a body's colliders in the box of a fluid, if there is one.
 pub(super) fn submerged_of<S: Scalar>(
     bodies: &Bodies<S>,
-    colliders: &ColliderSet<S>,
+    (colliders, parts): (&ColliderSet<S>, &mut Parts<S>),
     i: usize,
-    region: (Vec2<S>, Vec2<S>),
+    (fluid, min, max): (FieldId, Vec2<S>, Vec2<S>),
 ) -> Option<Submerged<S>> {
-    let motion = &bodies.columns.motion;
-    let own = colliders.solid_of_slot(bodies.columns.slot[i]);
-    submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], region)
+    let compute = || {
+        let motion = &bodies.columns.motion;
+        let own = colliders.solid_of_slot(bodies.columns.slot[i]);
+        submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], (min, max))
+    };
+    let (_, (of, part)) = parts.get_or_insert(i, || (i, (fluid, compute())));
+    if *of != fluid {
+        (*of, *part) = (fluid, compute());
+    }
+    *part
 }
 
 /// At least the area of the colliders of a body that displace a fluid, m²: that of the boxes around them.
@@ -45,17 +64,13 @@ pub(super) fn lift<S: Scalar>(part: &Submerged<S>, density: S, gravity: Vec2<S>)
 }
 
 /// Returns true if a body has a part in fluids, and none of them flows.
-pub(crate) fn floats<S: Scalar>(
-    fields: &FieldSet<S>,
-    bodies: &Bodies<S>,
-    colliders: &ColliderSet<S>,
-    i: usize,
-) -> bool {
+pub(crate) fn floats<S: Scalar>(fluids: &mut Fluids<'_, S>, bodies: &Bodies<S>, i: usize) -> bool {
     let info = bodies.info(i);
     let mut floats = false;
-    for (_, field) in fields.iter() {
+    for (id, field) in fluids.fields.iter() {
         let FieldKind::Buoyancy { min, max, flow, .. } = &field.kind else { continue };
-        if info.feels(field.force_groups) && submerged_of(bodies, colliders, i, (*min, *max)).is_some() {
+        let shapes = (fluids.colliders, &mut *fluids.parts);
+        if info.feels(field.force_groups) && submerged_of(bodies, shapes, i, (id, *min, *max)).is_some() {
             if *flow != Vec2::ZERO {
                 return false;
             }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::buoyancy::{submerged_of, whole_area};
+use super::buoyancy::{Fluids, submerged_of, whole_area};
 use super::{FieldKind, FieldSet, ForceField};
 use crate::body::Bodies;
 use crate::collider::ColliderSet;
@@ -23,9 +23,9 @@ struct Resistance<S: Scalar> {
 
 /// The drag of a field on body `i`: `None` if it has none, `Some(None)` if it is too large.
 fn resistance<S: Scalar>(
-    kind: &FieldKind<S>,
+    (id, kind): (FieldId, &FieldKind<S>),
+    fluids: &mut Fluids<'_, S>,
     bodies: &Bodies<S>,
-    colliders: &ColliderSet<S>,
     i: usize,
 ) -> Option<Option<Resistance<S>>> {
     let factor = S::Factor::from_scalar;
@@ -35,7 +35,7 @@ fn resistance<S: Scalar>(
             Some(Some(Resistance { linear, quadratic, angular: S::Factor::ZERO, medium: *wind }))
         }
         FieldKind::Buoyancy { min, max, linear_drag, angular_drag, flow, .. } if kind.has_drag() => {
-            let part = submerged_of(bodies, colliders, i, (*min, *max))?;
+            let part = submerged_of(bodies, (fluids.colliders, fluids.parts), i, (id, *min, *max))?;
             let of_area = |area: S::Wide| {
                 let [linear, angular] =
                     [*linear_drag, *angular_drag].map(|drag| factor(drag).times(S::Factor::from_wide(area)));
@@ -52,7 +52,7 @@ fn resistance<S: Scalar>(
 ///
 /// `only` says which of the coupled bodies feel it: with `Yoshida4` some feel theirs around the whole step.
 pub(crate) fn resist<S: Scalar>(
-    (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
+    mut fluids: Fluids<'_, S>,
     bodies: &mut Bodies<S>,
     coupled: Range<usize>,
     span: (S::Factor, bool),
@@ -60,6 +60,7 @@ pub(crate) fn resist<S: Scalar>(
     only: impl Fn(usize) -> bool,
     faults: &mut Vec<(usize, Cause)>,
 ) {
+    let fields = fluids.fields;
     let mut one = |id: FieldId, field: &ForceField<S>| {
         if !field.kind.has_drag() {
             return;
@@ -68,7 +69,7 @@ pub(crate) fn resist<S: Scalar>(
             if !bodies.info(i).feels(field.force_groups) || !only(i) {
                 continue;
             }
-            let Some(resistance) = resistance(&field.kind, bodies, colliders, i) else { continue };
+            let Some(resistance) = resistance((id, &field.kind), &mut fluids, bodies, i) else { continue };
             if resistance.and_then(|resistance| slow_down(bodies, i, &resistance, span)).is_none() {
                 faults.push((i, Cause::Field { field: id }));
             }
@@ -120,8 +121,8 @@ fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
-/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add. That of a fluid is judged as if all
-/// of the body were in it, as the step may take it there.
+/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add. That of a fluid is judged as if
+/// all of the body were in it, as the step may take it there.
 pub(crate) fn outer_drag<S: Scalar>(
     (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
     bodies: &Bodies<S>,

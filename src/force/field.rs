@@ -159,10 +159,10 @@ pub enum FieldKind<S: Scalar = Fx> {
     },
     /// A fluid in a box, which lifts the colliders in it and slows them down.
     ///
-    /// The part of a body's colliders in the box displaces the fluid: the body gets a lift of density·area against the gravity of the world,
-    /// at the centroid of that part. Sensors, segments and a body without colliders displace nothing. The gravity scale of the body does not
-    /// matter, as it is the fluid that is heavy. Parts of a compound, or colliders of a body, that lie on each other count twice, as they do
-    /// for the mass.
+    /// The part of a body's colliders in the box displaces the fluid: the body gets a lift of density·area against the gravity of the
+    /// world, at the centroid of that part. Sensors, segments and a body without colliders displace nothing. The gravity scale of the body
+    /// does not matter, as it is the fluid that is heavy. Parts of a compound, or colliders of a body, that lie on each other count twice,
+    /// as they do for the mass.
     ///
     /// The drags are in proportion to the area too: F = −`linear_drag`·area·(v − flow) through the centre of mass, and a torque of
     /// −`angular_drag`·area·ω. Their equations are solved exactly over each half of a step, so that no drag is too strong, with the area at
@@ -171,8 +171,8 @@ pub enum FieldKind<S: Scalar = Fx> {
     /// A body that has a part in fluids without flow falls asleep as one with contacts does: when it has been slower than
     /// [`ContactSettings::sleep_speed`](crate::ContactSettings::sleep_speed) for some time.
     ///
-    /// *Error* of the area 2^-32 m times the length of the outline (2^-36 of its reach from the centre of mass, where that is more than 32 m,
-    /// times that length), and for a collider with a radius r 2^-10·r² more.
+    /// *Error* of the area 2^-32 m times the length of the outline (2^-36 of its reach from the centre of mass, where that is more than 32
+    /// m, times that length), and for a collider with a radius r 2^-10·r² more.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, ContactSettings, FieldKind, Shape, World, WorldDef, fx, vec2};

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::buoyancy::{lift, submerged_of};
+use super::buoyancy::{Parts, lift, submerged_of};
 use super::{
     Attachment, BodyState, CustomForces, Dependence, End, FieldKind, FieldSet, ForceField, ForceTorque, Region,
 };
@@ -212,16 +212,17 @@ pub(crate) enum Targets<'a> {
 }
 
 /// Adds the loads of the fields of one dependence on the targets. `Position` includes fields that depend on nothing, and the
-/// elastic part of springs, whose dampers come with `Velocity`, and the lift of fluids. Drag belongs to neither: [`resist`](super::resist) has it.
+/// elastic part of springs, whose dampers come with `Velocity`, and the lift of fluids. Drag belongs to neither: [`resist`](super::resist)
+/// has it.
 pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
     targets: Targets<'_>,
-    directions: &mut Directions<S>,
+    (directions, parts): (&mut Directions<S>, &mut Parts<S>),
     loads: &mut Loads<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let mut evaluation = Evaluation { scene, targets, directions, loads, faults };
+    let mut evaluation = Evaluation { scene, targets, directions, parts, loads, faults };
     for (id, field) in scene.fields.iter() {
         let own_pass = match field.depends_on(scene.custom_forces) {
             Dependence::Velocity => Dependence::Velocity,
@@ -239,6 +240,7 @@ struct Evaluation<'a, S: Scalar> {
     scene: Scene<'a, S>,
     targets: Targets<'a>,
     directions: &'a mut Directions<S>,
+    parts: &'a mut Parts<S>,
     loads: &'a mut Loads<S>,
     faults: &'a mut Vec<(usize, Cause)>,
 }
@@ -280,7 +282,8 @@ impl<S: Scalar> Evaluation<'_, S> {
             }
             FieldKind::Buoyancy { min, max, density, .. } if pass == Dependence::Position => {
                 self.each_in(field.force_groups, |one, i| {
-                    let Some(part) = submerged_of(scene.bodies, scene.colliders, i, (*min, *max)) else { return };
+                    let shapes = (scene.colliders, &mut *one.parts);
+                    let Some(part) = submerged_of(scene.bodies, shapes, i, (id, *min, *max)) else { return };
                     match lift(&part, *density, scene.gravity) {
                         Some((force, torque)) => {
                             let turns = !scene.bodies.mass(i).locks.rotation;

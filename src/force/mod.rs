@@ -11,7 +11,7 @@ mod submerged;
 
 pub(crate) use applied::Applied;
 pub use applied::AppliedForce;
-pub(crate) use buoyancy::floats;
+pub(crate) use buoyancy::{Fluids, Parts, floats};
 pub use custom::{BodyState, CustomForce, CustomForceError, ForceTorque};
 pub(crate) use drag::{outer_drag, resist};
 pub use field::{Attachment, Dependence, End, FieldKind, ForceField, Region};

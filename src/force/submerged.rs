@@ -1,17 +1,17 @@
 //! The part of a collider in a box along the axes: its area, and the first moments of it about the centre of mass of the body.
 //!
-//! The boundary of an outline is walked counter-clockwise, cut where it crosses the lines of the box, and each of its points is moved to the
-//! nearest point of the box. The area that the moved boundary encloses is that of the part in the box: on the way from a point to its nearest
-//! one nothing inside the box is crossed, so that the boundary goes around each inner point as often as before. So neither the order of the
-//! cuts nor that of the corners matters to the sums, which are exact, and no case is special: not a corner of the box in the outline, not
-//! an edge along a side.
+//! The boundary of an outline is walked counter-clockwise, cut where it crosses the lines of the box, and each of its points is moved to
+//! the nearest point of the box. The area that the moved boundary encloses is that of the part in the box: on the way from a point to its
+//! nearest one nothing inside the box is crossed, so that the boundary goes around each inner point as often as before. So neither the
+//! order of the cuts nor that of the corners matters to the sums, which are exact, and no case is special: not a corner of the box in the
+//! outline, not an edge along a side.
 //!
 //! Arcs are walked in chords between [`ARC`] fixed directions of the world, farther out by the factor that gives a whole disc its area.
 //!
 //! **Ranges.** Points are in units of 2^-32 m, or of a power of two of it where the collider reaches farther than 2^37 of them, 32 m. So a
 //! component is below 1.02·2^37, a cross product of two points below 2^75.1, and its product with the sum of two components below 2^114.
-//! An outline has at most 64 corners, each with two ends of an arc, and 32 points of arcs; each edge is cut at most 4 times. These are fewer
-//! than 2^10 points, and sums stay below 2^124.
+//! An outline has at most 64 corners, each with two ends of an arc, and 32 points of arcs; each edge is cut at most 4 times. These are
+//! fewer than 2^10 points, and sums stay below 2^124.
 
 use crate::collider::Collider;
 use crate::kernel::trig::sin_cos_turn;
@@ -42,12 +42,13 @@ const REACH: u32 = 37;
 ///
 /// Sums over the outlines, which stand in no order.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Submerged<S: Scalar> {
+pub(crate) struct Submerged<S: Scalar> {
     pub(super) area: S::Sum,
     pub(super) moments: Vec2<S::Sum>,
 }
 
-/// The part of these colliders of a body in a box; `None` if there is none. Parts that lie on each other count twice, as they do for the mass.
+/// The part of these colliders of a body in a box; `None` if there is none. Parts that lie on each other count twice, as they do for the
+/// mass.
 ///
 /// *Error* of the area 2^-32 m times the outline's length, from 32 m of reach on 2^-36 of its reach times that; where there are arcs of a
 /// radius r besides 2^-10·r² an outline.

@@ -65,8 +65,8 @@ pub trait Motion<S: Scalar>: Sized {
     /// The rate of a velocity of which the share `kept` is left after a second. [`decay_over`](Self::decay_over) takes it, so that the
     /// logarithm is computed once for all spans. *Domain* 0 ≤ kept ≤ 1.
     fn decay_rate(kept: S) -> Self::DecayRate;
-    /// The share of a velocity that is left after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0 where
-    /// the span is negative.
+    /// The share of a velocity that is left after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0
+    /// where the span is negative.
     fn decay_over(rate: Self::DecayRate, span: Span) -> S::Factor;
     /// The distance covered at this velocity in `seconds`, m. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: S::Factor) -> S::Accumulator;

@@ -59,8 +59,8 @@ fn neighbours<S: Scalar>(corners: &[Vec2<S>]) -> impl Iterator<Item = [Vec2<S>; 
 
 /// The mass of the rim of a rounded polygon as weights of its corners, which have the same centre of mass.
 ///
-/// The strip along an edge of length L, L·r, counts half at either end, and the sector at a corner, πr² times its part of a turn, there. What
-/// strips and sectors lie outside of these points cancels all around: Σ L·n = 0, and the first moments of sectors are r³/3 times
+/// The strip along an edge of length L, L·r, counts half at either end, and the sector at a corner, πr² times its part of a turn, there.
+/// What strips and sectors lie outside of these points cancels all around: Σ L·n = 0, and the first moments of sectors are r³/3 times
 /// differences of normals.
 pub(super) fn rounded_weights<S: Scalar>(corners: &[Vec2<S>], radius: S) -> Vec<S::Factor> {
     let (disc, _) = circle(radius);
@@ -72,8 +72,8 @@ pub(super) fn rounded_weights<S: Scalar>(corners: &[Vec2<S>], radius: S) -> Vec<
     neighbours(corners).map(weight).collect()
 }
 
-/// A + r·P + πr², and the moment of inertia over that, about the origin: *domain* that is the centre of mass but for an ulp along each axis,
-/// and within the polygon.
+/// A + r·P + πr², and the moment of inertia over that, about the origin: *domain* that is the centre of mass but for an ulp along each
+/// axis, and within the polygon.
 ///
 /// The moments about the origin: of the polygon ΣA·(a² + b² + c²)/12 over the triangles with the origin, a and b from there to the
 /// corners and c = a + b; of strips r·ΣL·(L²/12 + m²) + 2r²·A + r³·P/3, with m from there to the middle of the edge; of sectors

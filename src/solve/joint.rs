@@ -28,10 +28,10 @@
 //! - Elements of an inverse matrix are below 2^32: a sum of two products is below 2^95, times a share of at most 2^30 below 2^125.
 //! - Impulses are within ±2^50 ([`IMPULSE`]). Those of a sub-step are the one of the solve pass at one axis and the change of the relax
 //!   pass at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Times a mass of at most 2^44 that is below 2^127. Weighted sums
-//!   over 8 sub-steps are at most 36 times that: below 2^88.
+//!   over 16 sub-steps are at most 136 times that: below 2^90.
 //! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
-//! - Offsets of points are within ±2^60 ([`FAR`]): 2^21 m at 80,000 sub-steps a second.
+//! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
 mod pass;
 mod phases;

@@ -66,7 +66,7 @@ use crate::scalar::{FxAccumulator, FxFactor};
 /// Settings of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SolverOptions {
-    /// Sub-steps of a step, 1 to 8.
+    /// Sub-steps of a step, 1 to 16.
     pub substeps: u32,
     /// Frequency of soft contacts over the rate of sub-steps.
     pub frequency: Fx,

@@ -157,19 +157,19 @@ fn begin<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>)
     let constants = pass.constants;
     let coupled = pass.all();
     workspace.coupled.backup.keep(&coupled);
+    workspace.fields.begin();
     constants.report_overloaded(&coupled, &mut workspace.found.faults);
 }
 
 /// Checks the bodies, and gives those with a fault back what they were.
 fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { coupled: Workspace { backup, floating }, found, .. } = workspace;
+    let StepWorkspace { coupled: Workspace { backup, floating }, fields, found, .. } = workspace;
     let constants = pass.constants;
     floating.clear();
     if pass.kinds.fluid && constants.sleep_after.is_some() {
-        let Forces { fields, colliders, .. } = pass.forces;
-        let bodies = &*pass.bodies;
-        let is_slow = |i: &usize| is_slow(bodies, colliders, constants.sleep_speed, *i);
-        let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(fields, bodies, colliders, i));
+        let (bodies, mut fluids) = (&*pass.bodies, fields.fluids(pass.forces));
+        let is_slow = |i: &usize| is_slow(bodies, pass.forces.colliders, constants.sleep_speed, *i);
+        let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(&mut fluids, bodies, i));
         floating.extend(slow.map(|i| (i, bodies.columns.motion.ticks_at_rest[i])));
     }
     let mut coupled = pass.all();

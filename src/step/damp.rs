@@ -46,19 +46,12 @@ fn resist_inside<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace:
         return;
     }
     let timing = pass.constants.plan.timing[stage.span];
-    let StepWorkspace { damp: Workspace { outside, .. }, report, found, .. } = workspace;
+    let StepWorkspace { damp: Workspace { outside, .. }, fields, report, found, .. } = workspace;
+    let fluids = fields.fluids(pass.forces);
     let first = pass.indices.start;
     let only = |i: usize| report.drag_outside == 0 || !outside[i - first];
     let span = (timing.seconds, timing.negative);
-    resist(
-        (pass.forces.fields, pass.forces.colliders),
-        pass.bodies,
-        pass.indices.clone(),
-        span,
-        stage.mirrored,
-        only,
-        &mut found.faults,
-    );
+    resist(fluids, pass.bodies, pass.indices.clone(), span, stage.mirrored, only, &mut found.faults);
 }
 
 /// Finds the bodies whose drag acts around the whole step, and lets the first half of it act.
@@ -73,18 +66,11 @@ pub(super) fn close_outside<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mu
 }
 
 fn resist_outside<S: Scalar>(pass: &mut Coupled<'_, S>, mirrored: bool, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { damp: Workspace { outside, .. }, found, .. } = workspace;
+    let StepWorkspace { damp: Workspace { outside, .. }, fields, found, .. } = workspace;
+    let fluids = fields.fluids(pass.forces);
     let (first, span) = (pass.indices.start, (pass.constants.plan.half, false));
     let only = |i: usize| outside[i - first];
-    resist(
-        (pass.forces.fields, pass.forces.colliders),
-        pass.bodies,
-        pass.indices.clone(),
-        span,
-        mirrored,
-        only,
-        &mut found.faults,
-    );
+    resist(fluids, pass.bodies, pass.indices.clone(), span, mirrored, only, &mut found.faults);
 }
 
 /// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the applied forces and the fields of
@@ -106,8 +92,6 @@ fn find_stiff_drag<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspa
     let whole = constants.plan.whole;
     let twice = whole.plus(whole);
     let gain = |i: usize| speed_gain[i - first].times(twice);
-    report.drag_outside = {
-        let forces = (pass.forces.fields, pass.forces.colliders);
-        outer_drag(forces, pass.bodies, pass.indices.clone(), whole, gain, outside)
-    };
+    let forces = (pass.forces.fields, pass.forces.colliders);
+    report.drag_outside = outer_drag(forces, pass.bodies, pass.indices.clone(), whole, gain, outside);
 }

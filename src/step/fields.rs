@@ -9,10 +9,10 @@ use alloc::vec::Vec;
 
 use super::applied::acceleration;
 use super::coupled::Coupled;
-use super::{Accelerations, Workspace as StepWorkspace};
+use super::{Accelerations, Forces, Workspace as StepWorkspace};
 use crate::body::{Bodies, Change};
 use crate::error::Cause;
-use crate::force::{Dependence, Directions, FieldKind, FieldSet, Loads, Targets, accumulate};
+use crate::force::{Dependence, Directions, FieldKind, FieldSet, Fluids, Loads, Parts, Targets, accumulate};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 
@@ -22,10 +22,12 @@ pub(super) struct Workspace<S: Scalar> {
     loads: Loads<S>,
     /// Sines and cosines of the angles now.
     directions: Directions<S>,
+    /// Of the positions and angles now, within a step.
+    parts: Parts<S>,
     /// The accelerations by fields of position; those of the positions now if `is_current`, but for the bodies in `outdated`.
     pub(super) position: Accelerations<S>,
     is_current: bool,
-    /// The gravity of the world that they are evaluated with.
+    /// The gravity that the lift among them is evaluated with; zero without a fluid.
     gravity: Vec2<S>,
     /// In ascending order. They have no entry in `position`.
     outdated: Vec<usize>,
@@ -39,6 +41,18 @@ impl<S: Scalar> Workspace<S> {
         self.is_current = false;
         self.outdated.clear();
         self.directions.clear();
+        self.parts.clear();
+    }
+
+    /// Begins a step. Bodies, colliders and fluids may have changed since the one before.
+    pub(super) fn begin(&mut self) {
+        self.parts.clear();
+    }
+
+    /// The fluids, and what is known of the bodies in them.
+    pub(super) fn fluids<'a>(&'a mut self, forces: Forces<'a, S>) -> Fluids<'a, S> {
+        let Forces { fields, colliders, .. } = forces;
+        Fluids { fields, colliders, parts: &mut self.parts }
     }
 
     /// Drops what is cached of bodies that changed, and of the bodies at the other ends of fields attached to them.
@@ -123,7 +137,7 @@ pub(super) fn complete<S: Scalar>(
     workspace: &mut Workspace<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let gravity = pass.forces.gravity;
+    let gravity = if pass.kinds.fluid { pass.forces.gravity } else { Vec2::ZERO };
     let Workspace { position, is_current, outdated, .. } = workspace;
     *is_current &= workspace.gravity == gravity;
     let (mut into, only) = (core::mem::take(position), core::mem::take(outdated));
@@ -159,9 +173,9 @@ pub(super) fn evaluate<S: Scalar>(
     into: &mut Accelerations<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let Workspace { directions, loads, .. } = workspace;
+    let Workspace { directions, parts, loads, .. } = workspace;
     loads.clear();
-    accumulate(pass.scene(), dependence, targets, directions, loads, faults);
+    accumulate(pass.scene(), dependence, targets, (directions, parts), loads, faults);
     // A spring may push a body that goes through the step by itself: its load there is not of this pass.
     for (i, load) in loads.rows().iter().filter(|(i, _)| pass.indices.contains(i)) {
         match acceleration(load, pass.bodies.mass(*i)) {

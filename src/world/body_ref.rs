@@ -273,7 +273,8 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
         self.world.bodies.mass(self.dense).inverse_mass
     }
 
-    /// The inverse moment of inertia 1/I, 1/(kg·m²); zero for a body that no torque turns, or whose rotation is locked. *Error* 2^-58 relative.
+    /// The inverse moment of inertia 1/I, 1/(kg·m²); zero for a body that no torque turns, or whose rotation is locked. *Error* 2^-58
+    /// relative.
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
         self.world.bodies.mass(self.dense).inverse_inertia

@@ -13,7 +13,8 @@ impl<S: Scalar> World<S> {
     /// [`contact_events`](crate::ColliderDef::contact_events) those that carried one earlier in it, at the present poses: those whose colliders are no longer
     /// near each other are left out. Sorted by the slots of the colliders.
     ///
-    /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 from the one that it was on.
+    /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 from the one that it was
+    /// on.
     ///
     /// They are a function of the state: a restored world has the same.
     pub fn contacts(&self) -> impl Iterator<Item = Contact<S>> {

@@ -63,8 +63,8 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
 
 impl<'a, S: Scalar> StepReport<'a, S> {
     /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
-    /// of the calls; changes of bodies by the step, each kind in the order of the handles; then contacts and sensors, each kind sorted by the
-    /// keys of the bodies and the colliders.
+    /// of the calls; changes of bodies by the step, each kind in the order of the handles; then contacts and sensors, each kind sorted by
+    /// the keys of the bodies and the colliders.
     ///
     /// A body that calls both added and removed has no event, and a body that calls added has no `Placed` event: an observer who
     /// follows the events has each body of the world once.

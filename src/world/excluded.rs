@@ -13,8 +13,8 @@ impl<S: Scalar> World<S> {
     /// are dropped. A pair that is excluded already gets the new exclusion.
     ///
     /// [`Exclusion::UntilApart`] is for bodies that overlap: a grenade and its thrower, a character that drops through a platform. A step
-    /// allows the pair again when no outlines of theirs are within 2 cm and the distance that they close in the step; bodies that are disabled
-    /// or quarantined stay excluded meanwhile.
+    /// allows the pair again when no outlines of theirs are within 2 cm and the distance that they close in the step; bodies that are
+    /// disabled or quarantined stay excluded meanwhile.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::Full`] with [`limits::EXCLUDED_PAIRS`].

@@ -20,8 +20,8 @@ use crate::slots::BodyId;
 
 /// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
 ///
-/// A collider whose nearest point is d away gets the impulse p·w·f at that point, in the direction from the centre to it. w is the width that it
-/// turns to the centre, m: the length of its shadow at right angles to that direction. f is 1 up to the radius, falls evenly to 0
+/// A collider whose nearest point is d away gets the impulse p·w·f at that point, in the direction from the centre to it. w is the width
+/// that it turns to the centre, m: the length of its shadow at right angles to that direction. f is 1 up to the radius, falls evenly to 0
 /// over the falloff, and is 0 beyond. Each part of a compound counts by itself. A collider that has the centre in it gets its impulse at
 /// the centre, in the direction of the centre of mass of its body, and none where the two are the same.
 ///

@@ -76,8 +76,8 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub linear_damping: Damping<S>,
     /// The damping of angular velocities, for bodies without their own.
     pub angular_damping: Damping<S>,
-    /// The number of ticks at rest after which a body falls asleep; `None` for never. A body that contacts push counts as at rest while it is
-    /// slower than [`ContactSettings::sleep_speed`].
+    /// The number of ticks at rest after which a body falls asleep; `None` for never. A body that contacts push counts as at rest while it
+    /// is slower than [`ContactSettings::sleep_speed`].
     pub sleep_after: Option<u32>,
     /// The settings of contacts.
     pub contacts: ContactSettings<S>,

@@ -59,8 +59,8 @@ impl<S: Scalar> World<S> {
     /// Previews the future of one body without a copy of the world, for example for an aim line.
     ///
     /// The preview has the body, all bodies that springs connect to it directly or indirectly, bodies that carry an attractor
-    /// which acts on one of these, and the fields that act on them. It has no colliders: it shows the free flight, without the lift of fluids, through whatever stands in
-    /// the way. To look ahead with contacts, step a clone of the world.
+    /// which acts on one of these, and the fields that act on them. It has no colliders: it shows the free flight, without the lift of
+    /// fluids, through whatever stands in the way. To look ahead with contacts, step a clone of the world.
     ///
     /// *Cost* in proportion to the fields of the world and to those bodies.
     ///

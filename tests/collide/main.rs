@@ -1,4 +1,5 @@
-//! The narrow phase: against manifolds in exact numbers, distances in floats, and its own mirror images, quarter turns, swaps and renumberings.
+//! The narrow phase: against manifolds in exact numbers, distances in floats, and its own mirror images, quarter turns, swaps and
+//! renumberings.
 
 #[path = "../support/random.rs"]
 mod random;

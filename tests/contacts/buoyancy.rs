@@ -113,7 +113,7 @@ fn the_drag_is_that_of_its_equation() {
     assert!((spin - 2.0 * turns_left).abs() < 1e-8, "{spin}");
 }
 
-/// The same fluid with other drags and another flow.
+/// Replaces the drags and the flow of a fluid.
 fn fluid(kind: FieldKind, drag: Fx, flow: Vec2) -> FieldKind {
     match kind {
         FieldKind::Buoyancy { min, max, density, .. } => {

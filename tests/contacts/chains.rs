@@ -87,8 +87,8 @@ fn boxes_and_capsules_slide_over_seams_without_a_bump() {
         };
         let (most, seams) = differences(&ground(12_000), &body, 120, 1_200);
         assert!(seams >= 1_100, "{seams}");
-        // 2^10 ulp are 0.24 µm, and 2^14 ulp are 4 µm/s: the corners are on two segments, and the solver, which rounds velocities to 2^-22 m/s,
-        // does not have them in one block.
+        // 2^10 ulp are 0.24 µm, and 2^14 ulp are 4 µm/s: the corners are on two segments, and the solver, which rounds velocities to 2^-22
+        // m/s, does not have them in one block.
         let [height, velocities @ ..] = most;
         assert!(height <= 1 << 10 && velocities.iter().all(|&ulps| ulps <= 1 << 14), "shape {i}: {most:?} ulp");
     }

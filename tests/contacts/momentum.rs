@@ -3,8 +3,8 @@
 use super::scenes::{def, material, world};
 use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Mass, Random, Shape, Vec2, World, WorldDef, fx, vec2};
 
-/// A hollow square that spins, 16 m wide, with boxes and discs in it: all are free, and what is thrown outwards stays in touch. The walls are
-/// 2 m thick. Masses are 1 and 3 kg in turn.
+/// A hollow square that spins, 16 m wide, with boxes and discs in it: all are free, and what is thrown outwards stays in touch. The walls
+/// are 2 m thick. Masses are 1 and 3 kg in turn.
 fn drum() -> (World, Vec<(BodyId, i128)>) {
     let mut random = Random::seeded(63);
     let mut upto = |most: i32| Fx::from_ratio(random.below(2_000) as i64 - 1_000, 1_000) * most;

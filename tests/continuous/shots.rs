@@ -196,8 +196,8 @@ fn times(a: Fx, b: Fx) -> Fx {
     a.checked_mul(b).expect("a product")
 }
 
-/// Returns true if a body is outside of a room, by more than a wall is thick and than it may overlap one. One that was quarantined is not: it
-/// went beyond the largest speed.
+/// Returns true if a body is outside of a room, by more than a wall is thick and than it may overlap one. One that was quarantined is not:
+/// it went beyond the largest speed.
 fn is_out(world: &World, house: BodyId, body: BodyId) -> bool {
     let (house, body) = (world.body(house).expect("a room"), world.body(body).expect("a body"));
     let from = body.position() - house.position();

@@ -275,8 +275,8 @@ pub(crate) fn world() -> World {
     world
 }
 
-/// The bytes of a file that a test changes, one after the other: all of them if `UMBRA_BYTES` is set, else every fifth one, which in words of
-/// 4 and 8 bytes is another one each time.
+/// The bytes of a file that a test changes, one after the other: all of them if `UMBRA_BYTES` is set, else every fifth one, which in words
+/// of 4 and 8 bytes is another one each time.
 #[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
 pub(crate) fn places(length: usize) -> impl Iterator<Item = usize> {
     (0..length).step_by(if std::env::var_os("UMBRA_BYTES").is_some() { 1 } else { 5 })

@@ -1,4 +1,5 @@
-//! A closed pit with a pile of bodies of all shapes, a stirrer, a one-way platform, a sensor and a bullet: in turn shaken, stirred and at rest.
+//! A closed pit with a pile of bodies of all shapes, a stirrer, a one-way platform, a sensor and a bullet: in turn shaken, stirred and at
+//! rest.
 
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, BodyRef, ColliderDef, Command, Created, Damping, Filter, Fx, Material, OneWay,

@@ -1,6 +1,7 @@
 //! Scenes and replays that are made to take long: each is done in bounded time and memory, by the limits that the caller gives.
 //!
-//! The bounds of time are generous, as a machine may have much else to do: what they rule out is time that grows with the square of a number.
+//! The bounds of time are generous, as a machine may have much else to do: what they rule out is time that grows with the square of a
+//! number.
 
 use std::time::{Duration, Instant};
 

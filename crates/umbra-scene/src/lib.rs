@@ -157,9 +157,9 @@ impl Scene {
         Self::parse_within(text, Self::MOST)
     }
 
-    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields, of colliders and of things that
-    /// inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as well, to
-    /// 512 bytes for each of the things allowed.
+    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields, of colliders and of
+    /// things that inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as
+    /// well, to 512 bytes for each of the things allowed.
     ///
     /// Memory: at most 64 KiB, 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
     ///

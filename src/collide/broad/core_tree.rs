@@ -1,8 +1,8 @@
 //! Cores at their places, in a tree for queries.
 //!
 //! A node holds the boxes of its two halves, so that a search reads one line of the cache for both; leaves stand in the order of the
-//! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by up to two units: what a search finds may not meet the path, but nothing that meets it
-//! is left out.
+//! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by
+//! up to two units: what a search finds may not meet the path, but nothing that meets it is left out.
 
 use alloc::vec::Vec;
 
@@ -150,8 +150,8 @@ impl CoreTree {
         self.leaves.len() as u32 - 1
     }
 
-    /// Calls `found` with each outline whose box may meet a path and whose filter agrees with a filter, if there is one: those at the start of the path first,
-    /// but for some. `found` may shorten the path, and ends the search with false. Returns false if it did.
+    /// Calls `found` with each outline whose box may meet a path and whose filter agrees with a filter, if there is one: those at the start
+    /// of the path first, but for some. `found` may shorten the path, and ends the search with false. Returns false if it did.
     #[inline]
     pub(crate) fn search<'a>(
         &'a self,

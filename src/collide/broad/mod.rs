@@ -1,8 +1,9 @@
 //! Broad phase: the pairs of colliders that may touch.
 //!
-//! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes have a point in common, their filters agree and one
-//! of them moves. Each outline is a collider of its own here, as the parts of a compound are. Boxes are exact, and the pairs come sorted: they are a function of boxes and filters alone. All the rest here is a cache,
-//! which no snapshot holds, and which may be of any age.
+//! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes have a point in common, their filters agree and
+//! one of them moves. Each outline is a collider of its own here, as the parts of a compound are. Boxes are exact, and the pairs come
+//! sorted: they are a function of boxes and filters alone. All the rest here is a cache, which no snapshot holds, and which may be of any
+//! age.
 //!
 //! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
 //! are *candidates*; they change when somebody leaves a fat box, and only then a tree is searched. In a step in which nobody does, the
@@ -119,7 +120,8 @@ fn pair(key: u64) -> [u32; 2] {
 }
 
 impl BroadPhase {
-    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand still.
+    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand
+    /// still.
     ///
     /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
     ///

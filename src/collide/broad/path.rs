@@ -13,7 +13,8 @@ pub struct Path {
 }
 
 impl Path {
-    /// The path of the box from `min` to `max`, in ulps, over a translation. *Domain* the translation is at most 2^52 ulps in each component.
+    /// The path of the box from `min` to `max`, in ulps, over a translation. *Domain* the translation is at most 2^52 ulps in each
+    /// component.
     #[must_use]
     pub fn new(min: [i64; 2], max: [i64; 2], translation: [i64; 2]) -> Self {
         let [low, high] = [translation.map(|part| part.min(0)), translation.map(|part| part.max(0))];
@@ -33,8 +34,8 @@ impl Path {
 
 /// A path in the coarse units of a tree.
 ///
-/// All is rounded so that boxes which the path meets are met here. Sizes: boxes are from 0 to 2^30 + 1, the path is at most 2^30 + 1 long in
-/// each component, and so is, relative to the start, what of a box is beside the path.
+/// All is rounded so that boxes which the path meets are met here. Sizes: boxes are from 0 to 2^30 + 1, the path is at most 2^30 + 1 long
+/// in each component, and so is, relative to the start, what of a box is beside the path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     /// As in [`Path`], from the corner of the tree: rounded up and down.

@@ -14,8 +14,8 @@ use crate::shape::Aabb;
 /// The number of changes that stand beside a tree before it is built anew.
 const CHANGES: usize = 512;
 
-/// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, which copies of a world share, and the few changes since
-/// it was built.
+/// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, which copies of a world share, and the few changes
+/// since it was built.
 ///
 /// A search finds the same colliders whenever the tree was built.
 #[derive(Debug, Default)]
@@ -225,8 +225,8 @@ impl Statics {
         self.search(&Extent::new(bounds.into(), filter), |proxy| found(proxy.collider));
     }
 
-    /// The cores of all outlines, in two trees, which are kept for later queries; `place` gives the core of a number. Copies of a world share
-    /// the first one, also after changes, so that it may have [numbers that are gone](Self::is_gone).
+    /// The cores of all outlines, in two trees, which are kept for later queries; `place` gives the core of a number. Copies of a world
+    /// share the first one, also after changes, so that it may have [numbers that are gone](Self::is_gone).
     pub(crate) fn cores(&self, mut place: impl FnMut(u32) -> Option<CoreAt>) -> [Arc<CoreTree>; 2] {
         [&*self.base, &self.added].map(|part| {
             part.cores.get(|| {

@@ -3,11 +3,12 @@
 //! *Conservative advancement.* At a moment, any direction n along which the outlines are apart (or overlap by less than is allowed) bounds
 //! from below the time for which they stay so: along n, the distance shrinks by the displacement, by what corners approach at their
 //! present speeds, and by at most φ²·r/2 more for a rotation by φ of corners within r of the centre; nor does a corner ever
-//! reach farther than r. The longest of those times over several directions is passed in one step, and so on until the end of the tick or until
-//! no direction says more. So the outlines do not meet before the moment that is found, whatever the directions: a direction that
+//! reach farther than r. The longest of those times over several directions is passed in one step, and so on until the end of the tick or
+//! until no direction says more. So the outlines do not meet before the moment that is found, whatever the directions: a direction that
 //! is not the best one costs steps, and a path that takes more than [`STEPS`] of them ends early.
 //!
-//! All directions that tie are tried and the longest time is taken, so that neither the order of corners nor a mirror image changes the moment.
+//! All directions that tie are tried and the longest time is taken, so that neither the order of corners nor a mirror image changes the
+//! moment.
 
 mod form;
 mod path;

@@ -24,8 +24,8 @@ fn velocity(flight: &Flight, arm: Vec2) -> [i128; 2] {
     [(bits(v.x) << 32) - turn * bits(arm.y), (bits(v.y) << 32) + turn * bits(arm.x)]
 }
 
-/// The approach at the points of a manifold. The speed is an exact sum, rounded down, that a mirror image and the two bodies in the other order
-/// have as well; vectors are rounded oddly.
+/// The approach at the points of a manifold. The speed is an exact sum, rounded down, that a mirror image and the two bodies in the other
+/// order have as well; vectors are rounded oddly.
 pub(super) fn approach(manifold: &Manifold, flights: [&Flight; 2], time_step: TimeStep) -> Approach<Fx> {
     /// Faster points count as that, 2^30 m/s: products with the normal are below 2^125.
     const FASTEST: i128 = 1 << 94;

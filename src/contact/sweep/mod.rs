@@ -188,8 +188,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.sweep.pairs = pairs;
     }
 
-    /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each other. A
-    /// one-way collider without an answer in this step had no manifold with the body, and lets it pass.
+    /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each
+    /// other. A one-way collider without an answer in this step had no manifold with the body, and lets it pass.
     fn may_meet(&self, scene: &Scene<'_, S>, pair: [u32; 2]) -> bool {
         let outlines = pair.map(|number| self.numbers.outline(number));
         let [Some(a), Some(b)] = outlines.map(|outline| scene.colliders.at(outline.slot)) else { return false };

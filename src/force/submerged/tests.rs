@@ -30,7 +30,7 @@ impl Case {
         [area, moments.x, moments.y].map(|sum| sum.total().expect("it fits").to_bits())
     }
 
-    /// The same in doubles, of an outline with arcs of this many chords a turn.
+    /// The area and moments in doubles, of an outline with arcs of this many chords a turn.
     fn dense(&self, chords: usize) -> [f64; 3] {
         let mut sums = [0.0; 3];
         let [cx, cy] = self.position.to_f64();

@@ -124,7 +124,8 @@ impl<S: Scalar> World<S> {
         self.hash_pairs(sink);
     }
 
-    /// Hashes the answers of one-way colliders, the excluded pairs, and what overlaps sensors or was ended, by the keys of colliders and bodies.
+    /// Hashes the answers of one-way colliders, the excluded pairs, and what overlaps sensors or was ended, by the keys of colliders and
+    /// bodies.
     fn hash_pairs(&self, sink: &mut StateHasher) {
         let of_body = |slot: u32| self.bodies.index_in(slot).map_or(0, |dense| self.bodies.info(dense).key);
         let of_collider = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);

@@ -46,7 +46,7 @@ fn a_ball_leaves_with_its_share_of_the_energy() {
         let separation = 1.5 * unit(&mut random) * speed * TICK;
         let mut scene =
             Scene::new(alloc::vec![fixed(4.0), falling(1.0, -speed)], alloc::vec![above([0, 1], separation, e)]);
-        scene.options.substeps = 1 + case % 8;
+        scene.options.substeps = 1 + case % 16;
         let correction = scene.solve().corrections[1];
         let displaced = scene.flights[1].displacement.y.to_bits() as f64 / 2f64.powi(32);
         let gap = (separation + displaced + to_f64(correction.displacement.y)).max(0.0);

@@ -31,7 +31,7 @@ fn steps_follow_a_twin_in_doubles() {
         let ranges = Ranges { separation, mass: [-2.0, 2.0], ..Ranges::default() };
         let contacts = 1 + random.below(6) as usize;
         let mut scene = ranges.scene(&mut random, 4, contacts);
-        scene.options.substeps = 1 + random.below(8) as u32;
+        scene.options.substeps = 1 + random.below(16) as u32;
         let twin = Twin::new(&scene, None);
         let solution = scene.solve();
         assert_eq!(solution.counts.cut, 0, "case {case}");

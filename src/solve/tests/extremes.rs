@@ -38,7 +38,7 @@ fn scene(random: &mut Random, ranges: &Ranges, rate: u32, substeps: u32) -> Scen
 fn check_all(seed: u64, ranges: &Ranges) -> u64 {
     let (mut random, mut cut) = (Random::seeded(seed), 0);
     for rate in [1, 60, 10_000] {
-        for substeps in 1..=8 {
+        for substeps in 1..=16 {
             for _ in 0..20 {
                 cut += check(&scene(&mut random, ranges, rate, substeps));
             }
@@ -81,7 +81,7 @@ fn deep_overlaps_and_far_points() {
 fn fast_rims() {
     let mut random = Random::seeded(5);
     for rate in [1, 60, 10_000] {
-        for substeps in 1..=8 {
+        for substeps in 1..=16 {
             let mut scene = scene(&mut random, &Ranges { radius: [12.0, 13.0], ..Ranges::default() }, rate, substeps);
             for flight in scene.flights.iter_mut().filter(|flight| !flight.is_fixed()) {
                 let radius = flight.radius.to_bits() as f64 / 2f64.powi(32);
@@ -99,7 +99,7 @@ fn impulses_at_the_cap() {
     let (mut random, mut cut) = (Random::seeded(6), 0);
     let ranges = Ranges { mass: [-20.0, 20.0], gyration: [1.0, 1e4], restitution: 1.0, ..Ranges::default() };
     for _ in 0..400 {
-        let substeps = 1 + random.below(8) as u32;
+        let substeps = 1 + random.below(16) as u32;
         let mut scene = scene(&mut random, &ranges, 60, substeps);
         for contact in &mut scene.contacts {
             let exponent = random.integer(-80..=80) as i32;

@@ -26,11 +26,11 @@ pub use overlap::ClosestPoint;
 
 /// The colliders of a world, ready for queries. [`World::queries`] makes it; make it once for all queries between two changes.
 ///
-/// Found are the colliders of all bodies but those that are disabled or quarantined: sleeping ones too. Sensors are not found. Results depend on the poses of
-/// bodies and on the definitions of colliders alone: a world that was just restored, and one that was built in another order, give
-/// the same. They are sorted: by the fraction of a ray or by the distance, then by the [key](crate::ColliderDef::key) of the collider,
-/// then by its handle. Of a collider with several parts the part that comes first is reported, and of parts that tie the one with the least
-/// number. So with distinct keys the order does not depend on the order in which the world was built.
+/// Found are the colliders of all bodies but those that are disabled or quarantined: sleeping ones too. Sensors are not found. Results
+/// depend on the poses of bodies and on the definitions of colliders alone: a world that was just restored, and one that was built in
+/// another order, give the same. They are sorted: by the fraction of a ray or by the distance, then by the [key](crate::ColliderDef::key)
+/// of the collider, then by its handle. Of a collider with several parts the part that comes first is reported, and of parts that tie the
+/// one with the least number. So with distinct keys the order does not depend on the order in which the world was built.
 ///
 /// A mirror image of a world has the mirror images of all results, to the bit, but for the numbers of the segments of a chain, which run
 /// the other way there: where a ray meets a seam or a shape meets several segments at once, the one with the least number is reported.
@@ -238,8 +238,8 @@ impl<S: Scalar> Queries<'_, S> {
         self.on_path(&mut Path::new(min, max, [0; 2]), filter, |outline, _| found(outline));
     }
 
-    /// Calls `found` with the outlines that a filter lets through and whose boxes may meet a path, until it returns false. It may shorten the
-    /// path. All bodies in the trees take part.
+    /// Calls `found` with the outlines that a filter lets through and whose boxes may meet a path, until it returns false. It may shorten
+    /// the path. All bodies in the trees take part.
     #[inline]
     fn on_path<'q>(
         &'q self,

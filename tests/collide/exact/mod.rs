@@ -1,8 +1,8 @@
 //! Manifolds against their definition in exact numbers.
 //!
 //! Corners are turned by angles with 160 bits; products, comparisons and quotients are of integers of any size. The reference shares no
-//! code with the narrow phase. Where a choice (which of two directions, whether an edge is flat) is within the rounding of the narrow phase, any of
-//! the manifolds that follow is right.
+//! code with the narrow phase. Where a choice (which of two directions, whether an edge is flat) is within the rounding of the narrow
+//! phase, any of the manifolds that follow is right.
 
 mod expected;
 mod geometry;
@@ -49,7 +49,8 @@ fn is_of_corners(name: u32) -> bool {
     part(0) == part(6) && part(12) == part(18)
 }
 
-/// The errors of a manifold: of the normal, of separations and of points, each in its unit and in units of its bound. `None` if it is another one.
+/// The errors of a manifold: of the normal, of separations and of points, each in its unit and in units of its bound. `None` if it is
+/// another one.
 fn errors(pair: &Pair, manifold: &Manifold, contact: &Contact) -> Option<[[f64; 2]; 3]> {
     let part = |i: usize| (f64::from(manifold.normal[i]) - contact.normal[i] * 2f64.powi(30)).abs();
     let normal = part(0).max(part(1));

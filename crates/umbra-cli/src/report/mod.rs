@@ -54,8 +54,8 @@ pub(crate) struct Options {
     /// These scenes of `--contacts` alone.
     #[arg(long, value_name = "NAME", num_args = 1.., value_parser = quality::row, requires = "contacts")]
     scene: Vec<&'static Row>,
-    /// The number of sub-steps in which `--contacts` solves contacts, 1 to 8. The promises are about 5.
-    #[arg(long, value_name = "N", default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=8), requires = "contacts")]
+    /// The number of sub-steps in which `--contacts` solves contacts, 1 to 16. The promises are about 5.
+    #[arg(long, value_name = "N", default_value_t = SUBSTEPS, value_parser = clap::value_parser!(u32).range(1..=16), requires = "contacts")]
     substeps: u32,
 }
 

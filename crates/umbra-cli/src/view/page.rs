@@ -78,8 +78,8 @@ fn ordinal(n: u64) -> String {
     format!("{n}{suffix}")
 }
 
-/// The data that the program of the page reads: a value for what there is once, and bytes for each tick. The bytes are the hashes of the frames
-/// then the tracks, and then the contacts of each frame.
+/// The data that the program of the page reads: a value for what there is once, and bytes for each tick. The bytes are the hashes of the
+/// frames then the tracks, and then the contacts of each frame.
 fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) -> (Value, Vec<u8>) {
     let mut bytes: Vec<u8> = recording.hashes.iter().flat_map(|hash| hash.to_le_bytes()).collect();
     let frames = recording.hashes.len();

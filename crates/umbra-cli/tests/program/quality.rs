@@ -100,7 +100,7 @@ fn known_figures_hold() {
         assert!((found - about).abs() <= by, "{scene} {name}: {found}");
     };
     is("tower_100x", "top_sink", 0.259, 0.001);
-    is("tower_1000x", "overlap_120x8", 0.028, 0.001);
+    is("tower_1000x", "overlap_16", 0.028, 0.001);
     is("break", "energy_left", 0.716, 0.001);
     is("break", "overlap_worst", 0.0008, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);
@@ -168,7 +168,7 @@ fn bad_usage_is_status_two() {
         &["report", "--substeps", "4"],
         &["report", "--contacts", "--scene", "skyscraper"],
         &["report", "--contacts", "--substeps", "0"],
-        &["report", "--contacts", "--substeps", "9"],
+        &["report", "--contacts", "--substeps", "17"],
         &["report", "--contacts", "--problem", "spin"],
         &["report", "--contacts", "--diagram", "x.svg"],
     ] {

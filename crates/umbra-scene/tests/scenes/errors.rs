@@ -67,7 +67,7 @@ fn a_name_that_nothing_has_is_told_the_nearest_one() {
 
 #[test]
 fn every_mistake_in_a_collider_is_told_at_its_field() {
-    let text = r#"{"contacts": {"substeps": 9, "sleep_speed": -1, "restitution_speed": 2000, "max_pair": 3},
+    let text = r#"{"contacts": {"substeps": 17, "sleep_speed": -1, "restitution_speed": 2000, "max_pair": 3},
 "bodies": [{"name": "a", "colliders": [
   {"name": "hull", "friction": 0.5},
   {"shape": {"compound": [{"shape": {"circle": {"radius": 1}}}]}, "friction": -1},
@@ -88,7 +88,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
   {"at": 1, "body": "b", "add_collider": {"shape": {"circle": {"radius": 0}}}},
   {"at": 1, "set": {"contacts": {"substeps": 0}}}]}"#;
     let expected = [
-        "1: contacts.substeps: out of range: expected a number of sub-steps from 1 to 8 [E101]",
+        "1: contacts.substeps: out of range: expected a number of sub-steps from 1 to 16 [E101]",
         "1: contacts.restitution_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
         "1: contacts.sleep_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
         "1: contacts.max_pair: unknown field: did you mean `max_pairs`? [E503]",
@@ -151,7 +151,7 @@ fn every_mistake_in_a_fluid_is_told_at_its_field() {
     assert_eq!(told_alone("fields", &fields), expected);
 }
 
-/// What is told of each entry, alone in a list of a scene on the second line.
+/// The mistake in each entry, alone in a list of a scene on the second line.
 fn told_alone(list: &str, entries: &[String]) -> Vec<String> {
     let alone = entries.iter().map(|entry| {
         let told = lines(&format!("{{\"{list}\": [\n{entry}]}}"));

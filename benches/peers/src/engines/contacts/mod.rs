@@ -39,7 +39,7 @@ impl Contacts {
             let (name, value) = option.split_once('=')?;
             let number = || Fx::parse(value).ok();
             match name {
-                "substeps" => options.substeps = value.parse().ok().filter(|n| (1..=8).contains(n))?,
+                "substeps" => options.substeps = value.parse().ok().filter(|n| (1..=16).contains(n))?,
                 "frequency" => options.frequency = number()?,
                 "damping" => options.damping_ratio = number()?,
                 "joint_frequency" => options.joint_frequency = number()?,
