@@ -275,7 +275,7 @@ pub unsafe extern "C" fn umbra_movement_pushes(
     })
 }
 
-/// Frees a movement. Null is let be.
+/// Frees a movement. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_movement_free(movement: Option<Box<UmbraMovement>>) {
     drop(movement);
