@@ -75,7 +75,7 @@ impl Pit {
         Self { random: Random::seeded(3), walls: Vec::new(), pile: Vec::new(), bullet: None, usual }
     }
 
-    /// Carries out the commands of a tick by `execute`, which says what a command made.
+    /// Makes the commands of a tick and carries them out by `execute`, which returns the handle that a command created.
     pub(crate) fn tick(
         &mut self,
         tick: u64,
@@ -174,7 +174,7 @@ fn made(created: Option<Created>) -> Option<BodyId> {
     created.and_then(|made| if let Created::Body(body) = made { Some(body) } else { None })
 }
 
-/// The walls, the floor, which is a chain, what is in between, and last the paddle.
+/// The walls, the floor (a chain), the platform, the sensor, and last the paddle.
 fn walls() -> Vec<BodyDef> {
     let fair = "a fair size";
     let slab = |x: i32, y: i32, width: i32, height: i32| {
