@@ -583,7 +583,7 @@ typedef struct UmbraExplosion {
 // call functions that change the world.
 typedef uint32_t (*UmbraPredicate)(void *context, uint64_t collider, uint64_t user_data);
 
-// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
+// The colliders that a query finds; `umbra_query_filter_default` fills it in so that all are found. Null finds all, too.
 typedef struct UmbraQueryFilter {
     // The categories of the query, as bits; default all.
     uint32_t category;
@@ -681,13 +681,13 @@ typedef struct UmbraGround {
     struct UmbraVec2 point;
 } UmbraGround;
 
-// A movement that is asked for.
+// A request for a movement.
 typedef struct UmbraCharacterMove {
     // Where the centre of mass of the shape is, m.
     struct UmbraVec2 position;
-    // The way to go, m; each part within ±2^8.
+    // The translation, m; each component within ±2^8.
     struct UmbraVec2 translation;
-    // The ground that the last movement gave.
+    // The ground in the state of the last movement.
     struct UmbraGround ground;
 } UmbraCharacterMove;
 
@@ -1606,8 +1606,8 @@ UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExpl
 // Fills in a filter that lets all colliders through.
 UmbraStatus umbra_query_filter_default(struct UmbraQueryFilter *filter);
 
-// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. Of a mistake in one
-// ray nothing is written.
+// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. If one ray
+// is invalid, nothing is written.
 UmbraStatus umbra_world_cast_rays(const struct UmbraWorld *world,
                                   const struct UmbraRay *rays,
                                   struct UmbraCastHit *hits,
