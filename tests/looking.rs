@@ -7,7 +7,7 @@ mod random;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use commands::Author;
+use commands::{Author, is_global};
 use random::SplitMix;
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Created, Event, Rollback, Snapshot, World, WorldDef,
@@ -222,16 +222,8 @@ fn whoever_follows_events_and_changes_knows_all_bodies() {
             for _ in 0..author.random.next() % 3 {
                 let command = author.any(&watched.world);
                 let is_crowded = matches!(command, Command::AddBody(_)) && watched.world.body_count() > 60;
-                // A change of the world's parameters wakes all; they would hardly sleep.
-                let wakes_all = matches!(
-                    command,
-                    Command::SetTimeStep(_)
-                        | Command::SetGravity(_)
-                        | Command::SetIntegrator(_)
-                        | Command::SetDamping { .. }
-                        | Command::SetSleepAfter(_)
-                );
-                if !(is_crowded || wakes_all && round % 16 != 0) {
+                // Bodies would hardly sleep if a command woke all of them in each round.
+                if !(is_crowded || is_global(&command) && round % 16 != 0) {
                     watched.execute(&command);
                 }
             }

@@ -15,8 +15,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
-use commands::Author;
-use pit::{PILE, Phase, Pit, is_global};
+use commands::{Author, is_global};
+use pit::{PILE, Phase, Pit};
 use random::SplitMix;
 use umbra_physics::{
     BodyState, Command, Created, CustomForce, CustomForceError, Dependence, Error, ForceTorque, Snapshot, StepReport,

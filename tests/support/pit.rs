@@ -38,19 +38,6 @@ impl Phase {
     }
 }
 
-/// Returns true if a command changes the motion of all bodies.
-pub(crate) fn is_global(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::SetTimeStep(_)
-            | Command::SetGravity(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetContactSettings(_)
-    )
-}
-
 /// The bodies of the pit.
 pub(crate) struct Pit {
     random: Random,
