@@ -1600,7 +1600,7 @@ UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
 // Takes back the forces and torques applied since the last step.
 UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
 
-// Sets off an explosion. It wakes whom it hits.
+// Sets off an explosion, which wakes the bodies that it hits.
 UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExplosion *explosion);
 
 // Fills in a filter that lets all colliders through.
