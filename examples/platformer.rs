@@ -31,7 +31,7 @@ const RIGHT: u8 = 2;
 const UP: u8 = 4;
 const DOWN: u8 = 8;
 
-/// Players touch no bodies but by impulses, and are obstacles for each other.
+/// Players push bodies by impulses alone, without contacts, and are obstacles for each other.
 const PLAYERS: Filter = Filter { category: 2, mask: 2, group: 0 };
 
 /// State of a player that its body does not have.
@@ -150,7 +150,7 @@ impl Game {
         if let Some(ground) = player.ground {
             player.rise = Fx::ZERO;
             if held & UP != 0 {
-                // Who jumps off a lift takes its velocity along.
+                // A player who jumps off a lift keeps its velocity.
                 let velocity = world.body(ground.body)?.velocity();
                 player.rise = JUMP + velocity.y.max(Fx::ZERO);
                 run += velocity.x;
@@ -158,7 +158,7 @@ impl Game {
             }
         }
         player.rise -= GRAVITY * TICK;
-        // Down from a platform: it is left out once, and then lets through who is in it.
+        // Down from a platform: it is left out in this tick, and then lets through the player who is in it.
         let without = [id, self.platform];
         let without = if held & DOWN != 0 { &without[..] } else { &without[..1] };
         let filter = QueryFilter {

@@ -1,9 +1,9 @@
 //! Deterministic 2D rigid-body physics in fixed point: the same bits on every machine, in every build.
 //!
-//! A [`World`] holds bodies and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
+//! A [`World`] holds bodies, colliders and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
-//! Bodies collide by their [colliders](ColliderDef); the only joints are springs so far.
+//! Bodies touch each other with their [colliders](ColliderDef). Springs are the only joints so far.
 //!
 //! ```
 //! use umbra_physics::{BodyDef, Shape, TimeStep, World, WorldDef, fx, vec2};

@@ -1,4 +1,4 @@
-//! Looking at a world from beside it: bodies by key, what happened to them, and what of them changed.
+//! Observing a world: bodies by key, their events, and the bodies that changed.
 
 #[path = "support/commands.rs"]
 mod commands;
@@ -7,7 +7,7 @@ mod random;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use commands::Author;
+use commands::{Author, is_global};
 use random::SplitMix;
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, BodyRef, Cause, Command, Created, Event, Rollback, Snapshot, World, WorldDef,
@@ -148,7 +148,6 @@ impl Watched {
 
     fn execute(&mut self, command: &Command) {
         let owner = command.collider().and_then(|collider| self.world.collider_body(collider).ok());
-        // What the next look is to be compared with is of the time after the step.
         let Ok(made) = self.world.execute(command) else { return };
         let (Command::SetPosition { body, .. } | Command::SetAngle { body, .. } | Command::SetKind { body, .. }) =
             command
@@ -156,7 +155,8 @@ impl Watched {
             if let Command::ExcludePair { a, b, .. } | Command::AllowPair { a, b } = command {
                 self.touched.extend([*a, *b]);
             }
-            return self.touched.extend(owner.or(named(command, made)));
+            let named = if let Created::Body(body) = made { Some(body) } else { command.body() };
+            return self.touched.extend(owner.or(named));
         };
         self.put.insert(*body);
         self.touched.insert(*body);
@@ -206,38 +206,6 @@ impl Watched {
     }
 }
 
-/// The body that a command is about.
-fn named(command: &Command, made: Created) -> Option<BodyId> {
-    match (command, made) {
-        (_, Created::Body(body)) => Some(body),
-        (
-            Command::RemoveBody(body)
-            | Command::Apply { body, .. }
-            | Command::SetVelocity { body, .. }
-            | Command::SetAngularVelocity { body, .. }
-            | Command::SetMass { body, .. }
-            | Command::SetShape { body, .. }
-            | Command::AddCollider { body, .. }
-            | Command::SetGravityScale { body, .. }
-            | Command::SetBodyDamping { body, .. }
-            | Command::SetForceGroups { body, .. }
-            | Command::SetDominance { body, .. }
-            | Command::SetBullet { body, .. }
-            | Command::SetLocks { body, .. }
-            | Command::SetMaxSpeeds { body, .. }
-            | Command::Disable(body)
-            | Command::Enable(body)
-            | Command::MoveTo { body, .. }
-            | Command::SetKey { body, .. }
-            | Command::SetUserData { body, .. }
-            | Command::Wake(body)
-            | Command::Release(body),
-            _,
-        ) => Some(*body),
-        _ => None,
-    }
-}
-
 #[test]
 fn whoever_follows_events_and_changes_knows_all_bodies() {
     let mut still = [0; 2];
@@ -254,16 +222,8 @@ fn whoever_follows_events_and_changes_knows_all_bodies() {
             for _ in 0..author.random.next() % 3 {
                 let command = author.any(&watched.world);
                 let is_crowded = matches!(command, Command::AddBody(_)) && watched.world.body_count() > 60;
-                // A change of the world's parameters wakes all; they would hardly sleep.
-                let wakes_all = matches!(
-                    command,
-                    Command::SetTimeStep(_)
-                        | Command::SetGravity(_)
-                        | Command::SetIntegrator(_)
-                        | Command::SetDamping { .. }
-                        | Command::SetSleepAfter(_)
-                );
-                if !(is_crowded || wakes_all && round % 16 != 0) {
+                // Bodies would hardly sleep if a command woke all of them in each round.
+                if !(is_crowded || is_global(&command) && round % 16 != 0) {
                     watched.execute(&command);
                 }
             }
@@ -306,7 +266,7 @@ fn a_match_after_another_in_the_same_memory_sees_changes_from_its_start() {
     new.restore(&kept);
     assert_eq!(ids(new.changed_since(4)), [wall, ball]);
     (0..2).for_each(|_| _ = new.step());
-    // What the memory held before is not among what this world had been.
+    // The former contents of the memory do not count as a past of this world.
     assert_eq!(ids(new.changed_since(5)), [ball]);
 }
 

@@ -15,8 +15,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
-use commands::Author;
-use pit::{PILE, Phase, Pit, is_global};
+use commands::{Author, is_global};
+use pit::{PILE, Phase, Pit};
 use random::SplitMix;
 use umbra_physics::{
     BodyState, Command, Created, CustomForce, CustomForceError, Dependence, Error, ForceTorque, Snapshot, StepReport,
@@ -34,7 +34,7 @@ const BACK: u64 = 8;
 /// Between two looks at the memory.
 const WINDOW: u64 = 128;
 
-/// One of the three laws of the author's commands; it fails now and then.
+/// One of the three custom forces of the author's commands; the second one fails now and then.
 struct Swirl(u64);
 
 impl CustomForce for Swirl {
@@ -110,8 +110,8 @@ impl Soak {
     fn new() -> Self {
         let mut world = World::new(WorldDef { sleep_after: Some(8), ..WorldDef::default() }).expect("a fair world");
         let custom_forces = custom_forces();
-        for law in &custom_forces {
-            world.register_custom_force(law.clone()).expect("each once");
+        for force in &custom_forces {
+            world.register_custom_force(force.clone()).expect("each once");
         }
         let mut author = Author { random: SplitMix(1), unfair: 64 };
         while world.bodies().count() < BODIES {
@@ -131,7 +131,7 @@ impl Soak {
         }
     }
 
-    /// A command of any kind; one that keeps the world at its size, if it is not.
+    /// A command of any kind; one that brings the world back to its size, if it is too large or too small.
     fn command(&mut self, bodies: usize, fields: usize) -> Command {
         let kind = match self.author.any(&self.world) {
             Command::AddBody(_) if bodies > BODIES + PILE => 1,
@@ -200,7 +200,7 @@ impl Soak {
         assert!(are_equal, "after a rollback: {:#?}", self.world.first_difference(world));
     }
 
-    /// The twin becomes what its snapshot says: by turns from memory and from bytes, in a world that knew nothing of it.
+    /// Replaces the twin by a restored snapshot of it: in turns from memory, and from bytes as a new world.
     fn renew(&mut self) {
         let snapshot = self.twin.snapshot();
         if self.twin.tick() % 2 == 0 {
@@ -212,11 +212,10 @@ impl Soak {
     }
 }
 
-/// Goes on while `more` says so of the ticks that were made. Says what happened.
+/// Runs for as long as `more` returns true for the number of ticks made, and returns a summary.
 fn soak(mut more: impl FnMut(u64) -> bool) -> String {
     let mut soak = Soak::new();
-    // What is there after each window, in bytes. Of bodies and of what room is made for there is now more, now less; of what is
-    // forgotten somewhere there would be more and more.
+    // The heap after each window, in bytes. Bodies and spare capacity make it rise and fall; a leak would make it rise for ever.
     let mut heap = Vec::new();
     while more(soak.world.tick()) {
         let window = measure(|| (0..WINDOW).for_each(|_| soak.tick()));
@@ -228,7 +227,7 @@ fn soak(mut more: impl FnMut(u64) -> bool) -> String {
     let Soak { world, counts, .. } = &soak;
     let ticks = world.tick();
     let Counts { refused, faults, fell_asleep, woke, began, hits, entered, touching } = counts;
-    // What never happens is not tested.
+    // An event that never happens is not tested.
     for (what, count) in
         [("refused", refused), ("faults", faults), ("hits", hits), ("entered", entered), ("woke", woke)]
     {

@@ -583,7 +583,7 @@ typedef struct UmbraExplosion {
 // call functions that change the world.
 typedef uint32_t (*UmbraPredicate)(void *context, uint64_t collider, uint64_t user_data);
 
-// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
+// The colliders that a query finds; `umbra_query_filter_default` fills it in so that all are found. Null finds all, too.
 typedef struct UmbraQueryFilter {
     // The categories of the query, as bits; default all.
     uint32_t category;
@@ -681,13 +681,13 @@ typedef struct UmbraGround {
     struct UmbraVec2 point;
 } UmbraGround;
 
-// A movement that is asked for.
+// A request for a movement.
 typedef struct UmbraCharacterMove {
     // Where the centre of mass of the shape is, m.
     struct UmbraVec2 position;
-    // The way to go, m; each part within ±2^8.
+    // The translation, m; each component within ±2^8.
     struct UmbraVec2 translation;
-    // The ground that the last movement gave.
+    // The ground in the state of the last movement.
     struct UmbraGround ground;
 } UmbraCharacterMove;
 
@@ -770,7 +770,7 @@ typedef struct UmbraReplayLimits {
 // The call was carried out.
 #define UMBRA_OK 0
 
-// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 183.
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 197.
 #define UMBRA_ERROR_OUT_OF_RANGE 101
 
 // The handle names no body: it was removed, or never there.
@@ -1092,7 +1092,7 @@ uint8_t *umbra_bytes_data(struct UmbraBytes *bytes);
 // Number of bytes; 0 for null.
 size_t umbra_bytes_length(const struct UmbraBytes *bytes);
 
-// Frees them. Null is let be.
+// Frees bytes. Null is ignored.
 void umbra_bytes_free(struct UmbraBytes *bytes);
 
 // The number nearest to a decimal text of `length` bytes, such as `-9.81` or `1.5e-3`; ties to even, never through a float.
@@ -1166,7 +1166,7 @@ UmbraStatus umbra_shape_chain(const struct UmbraVec2 *points,
                               uint32_t closed,
                               struct UmbraShape **shape);
 
-// Frees a shape. Null is let be.
+// Frees a shape. Null is ignored.
 void umbra_shape_free(struct UmbraShape *shape);
 
 // Fills in a definition: 60 steps a second by velocity Verlet, no gravity, no damping, asleep after half a second at rest.
@@ -1195,14 +1195,14 @@ UmbraStatus umbra_world_body_name(const struct UmbraWorld *world,
                                   size_t capacity,
                                   size_t *length);
 
-// Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
+// Ends the scene of a world: the world stays as it is, and the caller may change it. Without a scene nothing happens.
 UmbraStatus umbra_world_leave_scene(struct UmbraWorld *world);
 
 // A world with the same state and future, which shares what no step changes, and with the same scene. It is not recorded.
 UmbraStatus umbra_world_clone(const struct UmbraWorld *world,
                               struct UmbraWorld **copy);
 
-// Frees a world. Null is let be.
+// Frees a world. Null is ignored.
 void umbra_world_free(struct UmbraWorld *world);
 
 // Definition of the world, with all changes since.
@@ -1249,7 +1249,7 @@ UmbraStatus umbra_inputs_replace(struct UmbraInputs *inputs,
 // Removes all, for those of another tick.
 UmbraStatus umbra_inputs_clear(struct UmbraInputs *inputs);
 
-// Frees inputs. Null is let be.
+// Frees inputs. Null is ignored.
 void umbra_inputs_free(struct UmbraInputs *inputs);
 
 // Summary of the last step.
@@ -1600,14 +1600,14 @@ UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
 // Takes back the forces and torques applied since the last step.
 UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
 
-// Sets off an explosion. It wakes whom it hits.
+// Sets off an explosion, which wakes the bodies that it hits.
 UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExplosion *explosion);
 
 // Fills in a filter that lets all colliders through.
 UmbraStatus umbra_query_filter_default(struct UmbraQueryFilter *filter);
 
-// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. Of a mistake in one
-// ray nothing is written.
+// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. If one ray
+// is invalid, nothing is written.
 UmbraStatus umbra_world_cast_rays(const struct UmbraWorld *world,
                                   const struct UmbraRay *rays,
                                   struct UmbraCastHit *hits,
@@ -1725,7 +1725,7 @@ UmbraStatus umbra_movement_pushes(const struct UmbraMovement *movement,
                                   size_t capacity,
                                   size_t *count);
 
-// Frees a movement. Null is let be.
+// Frees a movement. Null is ignored.
 void umbra_movement_free(struct UmbraMovement *movement);
 
 // Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
@@ -1815,7 +1815,7 @@ UmbraStatus umbra_snapshot_from_bytes(const uint8_t *bytes,
                                       size_t length,
                                       struct UmbraSnapshot **snapshot);
 
-// Frees a snapshot. Null is let be.
+// Frees a snapshot. Null is ignored.
 void umbra_snapshot_free(struct UmbraSnapshot *snapshot);
 
 // Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every

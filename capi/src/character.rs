@@ -58,15 +58,15 @@ pub struct UmbraGround {
     pub point: UmbraVec2,
 }
 
-/// A movement that is asked for.
+/// A request for a movement.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UmbraCharacterMove {
     /// Where the centre of mass of the shape is, m.
     pub position: UmbraVec2,
-    /// The way to go, m; each part within ±2^8.
+    /// The translation, m; each component within ±2^8.
     pub translation: UmbraVec2,
-    /// The ground that the last movement gave.
+    /// The ground in the state of the last movement.
     pub ground: UmbraGround,
 }
 
@@ -276,7 +276,7 @@ pub unsafe extern "C" fn umbra_movement_pushes(
     })
 }
 
-/// Frees a movement. Null is let be.
+/// Frees a movement. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_movement_free(movement: Option<Box<UmbraMovement>>) {
     drop(movement);

@@ -101,7 +101,7 @@ pub struct UmbraExplosion {
     pub reserved: u32,
 }
 
-/// Sets off an explosion. It wakes whom it hits.
+/// Sets off an explosion, which wakes the bodies that it hits.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_explode(
     world: Option<&mut UmbraWorld>,

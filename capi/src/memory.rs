@@ -151,7 +151,7 @@ pub extern "C" fn umbra_bytes_length(bytes: Option<&UmbraBytes>) -> usize {
     bytes.map_or(0, |bytes| bytes.bytes.len() - bytes.from)
 }
 
-/// Frees them. Null is let be.
+/// Frees bytes. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_bytes_free(bytes: Option<Box<UmbraBytes>>) {
     drop(bytes);

@@ -21,7 +21,7 @@ use crate::world::{UmbraWorld, body_id, word};
 /// not call functions that change the world.
 pub type UmbraPredicate = Option<unsafe extern "C" fn(context: *mut c_void, collider: u64, user_data: u64) -> u32>;
 
-/// The colliders that a query finds; `umbra_query_filter_default` fills it in with all. Null in its place means all, too.
+/// The colliders that a query finds; `umbra_query_filter_default` fills it in so that all are found. Null finds all, too.
 #[repr(C)]
 #[derive(Clone, Copy, Debug)]
 pub struct UmbraQueryFilter {
@@ -189,8 +189,8 @@ pub extern "C" fn umbra_query_filter_default(filter: Option<&mut MaybeUninit<Umb
     })
 }
 
-/// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. Of a mistake in one
-/// ray nothing is written.
+/// The first collider on each of `length` rays: of several at the same fraction that with the least key, then handle. If one ray
+/// is invalid, nothing is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_cast_rays(
     world: Option<&UmbraWorld>,

@@ -151,7 +151,7 @@ pub unsafe extern "C" fn umbra_shape_chain(
     })
 }
 
-/// Frees a shape. Null is let be.
+/// Frees a shape. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_free(shape: Option<Box<UmbraShape>>) {
     drop(shape);

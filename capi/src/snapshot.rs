@@ -94,7 +94,7 @@ pub unsafe extern "C" fn umbra_snapshot_from_bytes(
     })
 }
 
-/// Frees a snapshot. Null is let be.
+/// Frees a snapshot. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_snapshot_free(snapshot: Option<Box<UmbraSnapshot>>) {
     drop(snapshot);

@@ -485,7 +485,7 @@ pub unsafe extern "C" fn umbra_world_body_name(
     })
 }
 
-/// Ends the scene of a world, which stays as it is and is the caller's to change. A world without a scene is let be.
+/// Ends the scene of a world: the world stays as it is, and the caller may change it. Without a scene nothing happens.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_leave_scene(world: Option<&mut UmbraWorld>) -> UmbraStatus {
     guard(|| {
@@ -515,7 +515,7 @@ pub extern "C" fn umbra_world_clone(
     })
 }
 
-/// Frees a world. Null is let be.
+/// Frees a world. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_free(world: Option<Box<UmbraWorld>>) {
     drop(world);
@@ -633,7 +633,7 @@ pub extern "C" fn umbra_inputs_clear(inputs: Option<&mut UmbraInputs>) -> UmbraS
     })
 }
 
-/// Frees inputs. Null is let be.
+/// Frees inputs. Null is ignored.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_inputs_free(inputs: Option<Box<UmbraInputs>>) {
     drop(inputs);

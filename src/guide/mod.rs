@@ -8,7 +8,7 @@
 //! | [`bodies`] | moving platforms, locks, speed limits, disabling, local points, hits, keys, sprites, energy and momentum |
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
-//! | [`collisions`] | colliders, materials, filters, contacts, stacks, and what happens in which case |
+//! | [`collisions`] | colliders, materials, filters, sensors, events, stacks, fast bodies, explosions, fluids, and a table of cases |
 //! | [`queries`] | rays, shape casts, overlaps, closest points, and in which order they are found |
 //! | [`character`] | characters that walk, climb, ride and push |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |

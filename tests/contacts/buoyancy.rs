@@ -1,4 +1,4 @@
-//! Fluids: where bodies float, how they are slowed down, and that nothing of it depends on the side from which one looks.
+//! Fluids: floating heights, drag, sleep, mirror images, restored worlds, and definitions that are refused.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,4 +1,4 @@
-//! Characters: slopes, steps, seams, platforms, pushing, and that nothing ends in a wall, to the bit and mirrored.
+//! Characters: slopes, steps, seams, platforms, pushes, walls, and mirror images to the bit.
 
 use umbra_physics::{
     BodyDef, BodyId, Character, ColliderDef, Error, Fx, Ground, Mass, Movement, OneWay, Quantity, QueryFilter, Random,
@@ -198,7 +198,7 @@ fn a_capsule_climbs_steps_too() {
         for _ in 0..2_000 {
             walk.go(&world, vec2(speed, fx!(-0.001)));
         }
-        assert!(walk.position.x > fx!(12) || walk.position.y < fx!(-100), "{speed} {height}: {}", walk.position);
+        assert!(walk.position.x > fx!(12), "{speed} {height}: {}", walk.position);
     }
 }
 
@@ -319,12 +319,9 @@ fn a_one_way_platform_holds_from_above_alone() {
 
 #[test]
 fn it_rides_platforms_without_slipping_and_without_gaps() {
-    for (velocity, spin) in
-        [(vec2(3, 0), fx!(0)), (vec2(0, 2), fx!(0)), (vec2(0, -7), fx!(0)), (vec2(-2, fx!(1.3)), fx!(0))]
-    {
+    for velocity in [vec2(3, 0), vec2(0, 2), vec2(0, -7), vec2(-2, fx!(1.3))] {
         let mut world = world();
-        let def = BodyDef { velocity, angular_velocity: spin, ..BodyDef::kinematic() };
-        let lift = add(&mut world, def, vec2(0, 0), bar(fx!(4), fx!(1)));
+        let lift = add(&mut world, BodyDef { velocity, ..BodyDef::kinematic() }, vec2(0, 0), bar(fx!(4), fx!(1)));
         let mut walk = Walk::new(hero(), vec2(fx!(0.5), 2));
         walk.land(&world);
         let beside = walk.position - world.body(lift).unwrap().position();
@@ -342,7 +339,7 @@ fn it_rides_platforms_without_slipping_and_without_gaps() {
 }
 
 #[test]
-fn it_rides_a_one_way_platform_up_and_a_wheel_around() {
+fn it_rides_a_one_way_platform_up_and_one_that_tips_until_it_is_too_steep() {
     let (mut world, plank) = plank(BodyDef { velocity: vec2(1, 2), ..BodyDef::kinematic() });
     let mut walk = Walk::new(hero(), vec2(0, 2));
     walk.land(&world);
@@ -440,6 +437,7 @@ fn it_pushes_a_box_by_a_share_of_its_mass() {
         let def = BodyDef { mass: Mass::Kilograms(fx!(20)), ..BodyDef::dynamic() };
         let crate_ = add(&mut world, def, vec2(2, 0), bar(fx!(1), fx!(1)));
         let mut walk = Walk::new(Character { push_mass: share, ..hero() }, vec2(0, 0));
+        let mut met = false;
         for _ in 0..30 {
             let moved = walk.go(&world, vec2(fx!(0.0625), 0));
             let pushes = walk.hero.push(&world, &moved);
@@ -450,10 +448,10 @@ fn it_pushes_a_box_by_a_share_of_its_mass() {
             pushes.iter().for_each(|push| _ = world.execute(push).unwrap());
             assert_eq!(pushes.len(), usize::from(share > fx!(0)));
             assert_eq!(world.body(crate_).unwrap().velocity(), vec2(expected, 0), "4 m/s · M/(M + m)");
-            // It moves away or along: no more impulse.
-            world.step();
+            met = true;
             break;
         }
+        assert!(met, "it never reached the box");
     }
 }
 

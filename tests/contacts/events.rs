@@ -1,4 +1,4 @@
-//! Events of contacts: where they begin and end, and hits.
+//! Events of contacts: begins, ends and hits.
 
 use std::collections::BTreeSet;
 
@@ -87,7 +87,7 @@ pub(super) fn crowd(count: u64, seed: u64) -> Vec<BodyDef> {
     bodies
 }
 
-/// The pairs of colliders with a contact in a world, those with events alone, in the order of events.
+/// The pairs of colliders that touch in a world and of which one has contact events, each in the order that events have.
 fn pairs(world: &World) -> BTreeSet<Pair> {
     let flagged = |id: ColliderId| world.collider(id).expect("it is there").contact_events;
     let rank = |id: ColliderId| {
@@ -106,7 +106,7 @@ pub(super) fn shake(world: &mut World, random: &mut Random) {
     let other = bodies[random.below(bodies.len() as u64) as usize];
     let collider = world.colliders_of(body).expect("a body").next();
     let at = vec2(random.number(fx!(-4)..=fx!(4)), random.number(fx!(0)..=fx!(6)));
-    // What a call refuses changes nothing.
+    // A refused call changes nothing.
     match random.below(12) {
         0 => _ = world.remove_body(body),
         1 => _ = world.add_body(crowd(1, random.below(1 << 32)).pop().expect("a body")),
@@ -157,8 +157,8 @@ fn events_are_the_differences_of_contacts_whatever_calls_do() {
             // Bodies that bounced may be apart at the end of the step.
             assert!(there.is_subset(&observer.touching), "{there:?} {:?}", observer.touching);
             let is_apart = |[a, b]: &Pair| {
-                let is_of = |id: ColliderId| world.collider_body(id).expect("it touches");
-                world.contacts_of(is_of(*a)).expect("a body").all(|contact| !contact.bodies.contains(&is_of(*b)))
+                let body = |id: ColliderId| world.collider_body(id).expect("it touches");
+                world.contacts_of(body(*a)).expect("a body").all(|contact| !contact.bodies.contains(&body(*b)))
             };
             assert!(observer.touching.difference(&there).all(is_apart));
         }

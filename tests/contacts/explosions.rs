@@ -1,4 +1,4 @@
-//! Explosions: closed forms, falloff, symmetry, order of insertion, and all or nothing.
+//! Explosions: closed forms, falloff, symmetry, order of insertion, and refusal as a whole.
 
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Command, Error, Explosion, Filter, Fx, Mass, Part, Quantity, Random, Shape,
@@ -46,7 +46,7 @@ fn the_impulse_is_the_width_that_is_turned_to_the_centre_times_the_strength() {
 }
 
 #[test]
-fn who_is_hit_beside_its_centre_turns_and_momentum_is_along_the_way_out() {
+fn a_body_that_is_hit_beside_its_centre_turns_and_is_pushed_straight_out() {
     let mut world = world();
     let bar = add(&mut world, vec2(4, 2), Shape::rectangle(2, 6).unwrap());
     world.explode(&Explosion { radius: fx!(10), ..Explosion::new(vec2(0, 0), fx!(3)) }).unwrap();
@@ -58,7 +58,7 @@ fn who_is_hit_beside_its_centre_turns_and_momentum_is_along_the_way_out() {
 }
 
 #[test]
-fn a_collider_around_the_centre_is_thrown_along_its_own_way_and_none_if_there_is_none() {
+fn a_collider_around_the_centre_is_pushed_towards_its_own_centre_and_stays_if_both_are_one_point() {
     let blast = Explosion::new(vec2(0, 0), fx!(1));
     let mut world = world();
     let beside = add(&mut world, vec2(0, fx!(0.5)), Shape::rectangle(2, 2).unwrap());
@@ -110,7 +110,7 @@ fn it_acts_on_dynamic_bodies_with_colliders_of_its_categories_and_wakes_those_al
 }
 
 #[test]
-fn a_blast_that_would_throw_one_out_of_the_envelope_throws_none() {
+fn an_explosion_that_would_make_one_body_too_fast_is_refused_as_a_whole() {
     let mut world = world();
     let heavy = add(&mut world, vec2(2, 0), Shape::circle(1).unwrap());
     let light = BodyDef { position: vec2(-2, 0), mass: Mass::Kilograms(limits::MASS_MIN), ..BodyDef::dynamic() };

@@ -1,4 +1,4 @@
-//! Sensors: what overlaps them, against the queries of the library.
+//! Sensors: their overlaps, compared with those that queries find.
 
 use std::collections::BTreeSet;
 

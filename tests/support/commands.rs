@@ -9,6 +9,20 @@ use super::random::SplitMix;
 #[allow(dead_code, reason = "not every test that takes this file in counts them")]
 pub(crate) const KINDS: u64 = Command::KINDS as u64;
 
+/// Returns true if a command changes the motion of all bodies: it wakes all of them.
+#[allow(dead_code, reason = "not every test that takes this file in tells them apart")]
+pub(crate) fn is_global(command: &Command) -> bool {
+    matches!(
+        command,
+        Command::SetTimeStep(_)
+            | Command::SetGravity(_)
+            | Command::SetIntegrator(_)
+            | Command::SetDamping { .. }
+            | Command::SetSleepAfter(_)
+            | Command::SetContactSettings(_)
+    )
+}
+
 /// Writes commands.
 pub(crate) struct Author {
     pub(crate) random: SplitMix,

@@ -39,19 +39,6 @@ impl Phase {
     }
 }
 
-/// Returns true if a command changes the motion of all bodies.
-pub(crate) fn is_global(command: &Command) -> bool {
-    matches!(
-        command,
-        Command::SetTimeStep(_)
-            | Command::SetGravity(_)
-            | Command::SetIntegrator(_)
-            | Command::SetDamping { .. }
-            | Command::SetSleepAfter(_)
-            | Command::SetContactSettings(_)
-    )
-}
-
 /// The bodies of the pit.
 pub(crate) struct Pit {
     random: Random,
@@ -76,7 +63,7 @@ impl Pit {
         Self { random: Random::seeded(3), walls: Vec::new(), pile: Vec::new(), bullet: None, usual }
     }
 
-    /// Carries out the commands of a tick by `execute`, which says what a command made.
+    /// Makes the commands of a tick and carries them out by `execute`, which returns the handle that a command created.
     pub(crate) fn tick(
         &mut self,
         tick: u64,
@@ -175,7 +162,7 @@ fn made(created: Option<Created>) -> Option<BodyId> {
     created.and_then(|made| if let Created::Body(body) = made { Some(body) } else { None })
 }
 
-/// The walls, the floor, which is a chain, what is in between, and last the paddle.
+/// The walls, the floor (a chain), the platform, the sensor, and last the paddle.
 fn walls() -> Vec<BodyDef> {
     let fair = "a fair size";
     let slab = |x: i32, y: i32, width: i32, height: i32| {

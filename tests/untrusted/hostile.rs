@@ -1,4 +1,4 @@
-//! Scenes and replays that are made to take long: each is done in bounded time and memory, by the limits that the caller gives.
+//! Scenes and replays made to take long: each takes bounded time and memory, by the limits that the caller gives.
 //!
 //! The bounds of time are generous, as a machine may have much else to do: what they rule out is time that grows with the square of a
 //! number.
@@ -14,7 +14,7 @@ use umbra_scene::Scene;
 
 const MANY: usize = 100_000;
 
-/// Does something, and asserts that it takes no longer than this and no more memory than so many bytes.
+/// Calls `act`, and asserts that it takes at most this many seconds and bytes.
 fn within<T>(what: &str, seconds: u64, bytes: u64, act: impl FnOnce() -> T) -> T {
     let (mut result, start) = (None, Instant::now());
     let taken = measure(|| result = Some(act())).bytes_max;
@@ -28,7 +28,7 @@ fn within<T>(what: &str, seconds: u64, bytes: u64, act: impl FnOnce() -> T) -> T
     result.expect("it was done")
 }
 
-/// The memory that a step may take, in bytes: so many for each collider and for each pair that may be.
+/// The memory that a step may take, in bytes: a share for each collider and for each pair that may be.
 fn bound(colliders: usize, max_pairs: u32) -> u64 {
     1_600 * colliders as u64 + 1_600 * u64::from(max_pairs) + (1 << 20)
 }
@@ -53,7 +53,7 @@ fn one_point(contacts: ContactSettings) -> World {
     world
 }
 
-/// Asks for everything in a world with so many outlines, and does to all what can be done at once.
+/// Makes queries of all kinds over a world with this number of outlines, and an explosion among them.
 fn use_up(what: &str, world: &mut World, count: usize) {
     within(what, 20, 4_000 * count as u64 + (1 << 22), || {
         let (queries, all) = (world.queries(), QueryFilter::default());

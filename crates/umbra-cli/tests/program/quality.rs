@@ -1,4 +1,4 @@
-//! `umbra report --contacts`: what it measures, what it writes, and that a broken promise is an error.
+//! `umbra report --contacts`: its measures, its files, and its exit status for a broken promise.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::report::list;
 use crate::umbra;
 
-/// The scenes of the page, and how many measures each has.
+/// Scenes of the page, with the number of measures of each.
 const SCENES: [(&str, usize); 17] = [
     ("flat_drop", 3),
     ("pyramid40", 5),
@@ -43,7 +43,7 @@ struct Page {
     output: Output,
 }
 
-/// Runs the page with these options besides, to files of this name, which it takes.
+/// Runs the report with these further options, and returns its output and its files, which are deleted.
 fn page(name: &str, options: &[&str]) -> Page {
     let [html, json] = ["html", "json"].map(|end| scratch(&format!("{name}.{end}")));
     let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();

@@ -1,4 +1,4 @@
-//! `umbra report --contacts`: what stands, rests, slides and bounces, beside what is promised and what other engines do.
+//! `umbra report --contacts`: measures of stacks, slopes, bounces and shots, beside their promises and the figures of other engines.
 
 mod page;
 mod peers;
@@ -48,14 +48,14 @@ struct Results {
     measures: Vec<Judged>,
 }
 
-/// A measure beside the figures of other engines and what is promised.
+/// A measure with its promise and the figures of other engines.
 #[derive(Serialize)]
 struct Judged {
     name: &'static str,
     #[serde(skip)]
     about: &'static str,
     unit: &'static str,
-    /// None where what is waited for never happened.
+    /// `None` if the event whose time is measured never happened.
     value: Option<f64>,
     promise: Option<String>,
     verdict: Verdict,
@@ -164,7 +164,7 @@ impl Judged {
     }
 }
 
-/// A number in three digits, whole ones below a million in all of theirs. Zeros at its end are left out.
+/// Formats a number with three significant digits; a whole number below a million keeps all of its digits. Trailing zeros are left out.
 fn number(value: f64) -> String {
     let trimmed = |text: String| {
         let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

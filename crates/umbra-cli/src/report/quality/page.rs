@@ -28,8 +28,8 @@ fn head(report: &Report) -> String {
     };
     let [passed, failed, open] = [Verdict::Passed, Verdict::Failed, Verdict::Open].map(count);
     format!(
-        "<h1>Quality of contacts</h1>\n<p class=\"lead\">What stands, rests, slides and bounces: each scene runs in fixed point and is measured \
-         beside what is promised of it. <strong class=\"passed\">{passed} passed</strong>, <strong class=\"failed\">{failed} failed</strong>, \
+        "<h1>Quality of contacts</h1>\n<p class=\"lead\">Stacks, slopes, bounces and shots: each scene runs in fixed point, and \
+         its measures stand beside what is promised of them. <strong class=\"passed\">{passed} passed</strong>, <strong class=\"failed\">{failed} failed</strong>, \
          <strong class=\"open\">{open} open</strong>.</p>\n\
          <dl><dt>Program</dt><dd>umbra-physics {}, {} sub-steps, 60 steps a second where nothing else is said, no body sleeps</dd>\
          <dt>Made by</dt><dd><code>{}</code>; each run makes the same page</dd>\

@@ -13,7 +13,7 @@ pub(super) enum Promise {
     AtLeast(f64),
     /// A value, and how far from it.
     Within(f64, f64),
-    /// Not a bit.
+    /// Zero, to the bit.
     Zero,
     /// No more than Box2D, in the figures that are committed.
     NoMoreThanBox2d,
@@ -26,7 +26,7 @@ pub(super) struct Measure {
     pub(super) name: &'static str,
     pub(super) about: &'static str,
     pub(super) unit: &'static str,
-    /// Infinite where what is waited for never happened.
+    /// Infinite if the event whose time is measured never happened.
     pub(super) value: f64,
     pub(super) promise: Option<Promise>,
     /// True if the promise is a goal that is not reached yet.
@@ -34,12 +34,12 @@ pub(super) struct Measure {
 }
 
 /// A measure without a promise.
-fn measure(name: &'static str, about: &'static str, unit: &'static str, value: f64) -> Measure {
+pub(super) fn measure(name: &'static str, about: &'static str, unit: &'static str, value: f64) -> Measure {
     Measure { name, about, unit, value, promise: None, open: false }
 }
 
 impl Measure {
-    fn promised(self, promise: Promise) -> Self {
+    pub(super) fn promised(self, promise: Promise) -> Self {
         Self { promise: Some(promise), ..self }
     }
 

@@ -1,4 +1,4 @@
-//! A scene that is run: the states of its bodies, and what is seen of them on the way.
+//! Runs a scene and follows its bodies: their states, rest, overlaps and symmetry.
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, Error, World};
@@ -37,7 +37,7 @@ impl State {
     }
 }
 
-/// A length. Its bits are the same on all machines, which those of `hypot` need not be.
+/// Length of a vector. Its bits are the same on all machines; those of `hypot` need not be.
 fn length([x, y]: [f64; 2]) -> f64 {
     (x * x + y * y).sqrt()
 }
@@ -61,7 +61,7 @@ pub(super) struct Run {
     pub(super) path: Vec<State>,
     /// The first tick since when all bodies rest.
     pub(super) rest_after: Option<u64>,
-    /// The deepest overlap at the start of a tick so far, m; `None` if nobody wants to know.
+    /// The deepest overlap at the start of a tick so far, m; `None` if it is not measured.
     pub(super) overlap: Option<f64>,
     /// The largest difference of a coordinate or an angle from the mirror image, m or rad: 0 if and only if all bits are equal;
     /// infinite if the scene itself is not its own mirror image.

@@ -1,4 +1,4 @@
-//! The scenes of the quality page, to the bit those of `benches/peers`: its figures of other engines are of the same scenes.
+//! Scenes of the quality page, equal to those of `benches/peers` to the bit, so that its figures of other engines are of the same scenes.
 //!
 //! Coordinates, sizes and angles are multiples of 2^-20.
 
@@ -16,7 +16,7 @@ pub(super) enum Mirror {
     Y,
 }
 
-/// A world with nothing in it that sleeps, and the bodies to add. The last one is the one whose path is followed.
+/// A world in which nothing sleeps, and the bodies to add. The path of the last body is recorded.
 pub(super) struct Scene {
     pub(super) def: WorldDef,
     pub(super) bodies: Vec<BodyDef>,

@@ -6,7 +6,7 @@ use umbra_physics::{
     WorldDef, fx, vec2,
 };
 
-use super::rows::{Length, Measure, Played, Promise};
+use super::rows::{Length, Played, Promise, measure};
 
 /// Half of the inner side of the room, m.
 const HALF: Fx = fx!(5);
@@ -74,7 +74,7 @@ fn is_out(world: &World, room: BodyId, shot: BodyId) -> bool {
 
 pub(super) fn walls(length: Length) -> Result<Played, Error> {
     let rooms = if length.quick { 10 } else { 100 };
-    // Those that cross fixed walls, walls that move, and each of them in a twin without continuous collision.
+    // Shots that cross fixed walls and walls that move, with continuous collision and, in the second row, without.
     let mut crossed = [[0; 2]; 2];
     let mut last = None;
     for seed in 0..rooms {
@@ -90,14 +90,7 @@ pub(super) fn walls(length: Length) -> Result<Played, Error> {
     }
     let shots = rooms as usize * AT_ONCE;
     let least = shots as f64 * 0.9;
-    let count = |name, about, count: usize, promise| Measure {
-        name,
-        about,
-        unit: "shots",
-        value: count as f64,
-        promise: Some(promise),
-        open: false,
-    };
+    let count = |name, about, count: usize, promise| measure(name, about, "shots", count as f64).promised(promise);
     let measures = vec![
         count("crossed_fixed", "across fixed walls", crossed[0][0], Promise::Zero),
         count("crossed_moving", "across walls that move", crossed[0][1], Promise::Zero),
@@ -108,7 +101,7 @@ pub(super) fn walls(length: Length) -> Result<Played, Error> {
     Ok(Played { world, measures, length: format!("{shots} shots at each"), view: None })
 }
 
-/// A flat ground from 2,000 m on to the left, of so many segments of many lengths.
+/// A flat ground from x = 2,000 m to −2,000 m, made of this number of segments of different lengths.
 fn ground(segments: i64) -> Result<Shape, Error> {
     let mut random = Random::seeded(3);
     let mut points = vec![vec2(2_000, 0)];
@@ -119,6 +112,8 @@ fn ground(segments: i64) -> Result<Shape, Error> {
     points.push(vec2(-2_000, 0));
     Shape::chain(&points, false)
 }
+
+const BUMP: &str = "largest difference from the twin: position, velocity, spin";
 
 pub(super) fn seams(length: Length) -> Result<Played, Error> {
     let (steps, least) = if length.quick { (720, 1_000) } else { (7_200, 10_000) };
@@ -164,22 +159,9 @@ pub(super) fn seams(length: Length) -> Result<Played, Error> {
         }
     }
     let measures = vec![
-        Measure {
-            name: "bump",
-            about: "largest difference from the twin: position, velocity, spin",
-            unit: "m, m/s, rad/s",
-            value: most as f64 / 4_294_967_296.0,
-            promise: Some(Promise::Zero),
-            open: false,
-        },
-        Measure {
-            name: "seams",
-            about: "seams that it rolled over",
-            unit: "seams",
-            value: f64::from(seams),
-            promise: Some(Promise::AtLeast(f64::from(least))),
-            open: false,
-        },
+        measure("bump", BUMP, "m, m/s, rad/s", most as f64 / 4_294_967_296.0).promised(Promise::Zero),
+        measure("seams", "seams that it rolled over", "seams", f64::from(seams))
+            .promised(Promise::AtLeast(f64::from(least))),
     ];
     let x = here.body(ball).map_or(0.0, |ball| ball.position().x.to_f64());
     let view = Some([(x - 4.0, -0.5), (x + 4.0, 2.0)]);

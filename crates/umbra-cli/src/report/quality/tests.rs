@@ -1,4 +1,4 @@
-//! The promises as they are judged; the scenes.
+//! Promises are kept up to their bounds, and scenes have the symmetries that they claim.
 
 use super::rows::Length;
 use super::run::Run;
