@@ -353,7 +353,7 @@ fn colliders_and_contacts_have_their_bounds() {
 
     let limit = fx!(1024);
     let good = ContactSettings {
-        substeps: 8,
+        substeps: 16,
         push_speed: limit,
         restitution_speed: limit,
         sleep_speed: limit,

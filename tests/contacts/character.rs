@@ -540,7 +540,7 @@ fn it_never_ends_in_a_wall() {
 
 #[test]
 fn a_mirror_image_moves_to_the_mirror_image() {
-    let mirror = Symmetry::MIRROR;
+    let (mirror, mut moves, mut hits) = (Symmetry::MIRROR, 0, 0);
     for seed in 0..120 {
         let random = &mut Random::seeded(1_000 + seed);
         let world = clutter(random, seed % 4 > 0);
@@ -565,12 +565,16 @@ fn a_mirror_image_moves_to_the_mirror_image() {
                 hits.eq(there.hits.iter().map(|hit| (hit.collider, hit.point, hit.normal))),
                 "seed {seed}, move {i}"
             );
+            hits += moved.hits.len();
+            moves += 1;
         }
     }
+    assert!(moves >= 6_000 && hits > 1_500, "{moves} moves, {hits} hits");
 }
 
 #[test]
 fn the_order_in_which_a_world_was_built_makes_no_difference() {
+    let mut hits = 0;
     for seed in 0..20 {
         let random = &mut Random::seeded(seed);
         let world = clutter(random, true);
@@ -598,8 +602,10 @@ fn the_order_in_which_a_world_was_built_makes_no_difference() {
                 moved.hits.iter().map(|hit| world.collider(hit.collider).unwrap().key).collect()
             };
             assert_eq!(keys(&world, &a), keys(&other, &b));
+            hits += a.hits.len();
         }
     }
+    assert!(hits > 250, "{hits} hits");
 }
 
 #[test]

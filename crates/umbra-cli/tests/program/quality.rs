@@ -93,6 +93,18 @@ fn every_scene_is_measured_and_every_promise_is_kept() {
 }
 
 #[test]
+fn every_figure_of_other_engines_stands_beside_a_measure() {
+    let figures =
+        include_str!("../../src/report/quality/peers.csv").lines().filter(|line| !line.starts_with('#')).skip(1);
+    for line in figures {
+        let fields: Vec<&str> = line.split(',').collect();
+        if scenes().any(|(name, _)| name == fields[1]) {
+            measure(&PAGE.data, fields[1], fields[2]);
+        }
+    }
+}
+
+#[test]
 fn known_figures_hold() {
     let value = |scene, name| measure(&PAGE.data, scene, name)["value"].as_f64().expect("a number");
     let is = |scene, name, about: f64, by: f64| {

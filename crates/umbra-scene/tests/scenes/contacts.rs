@@ -99,15 +99,19 @@ fn fixed_point_and_doubles_agree_for_half_a_second() {
     for name in NAMES {
         let scene = scene(name);
         let (mut fixed, mut float) = (start(&scene), scene.start::<f64>().expect("it starts"));
-        advance(&mut fixed, 30);
-        advance(&mut float, 30);
+        // Not before the charge of the explosion.
+        let ticks = if name == "explosion" { 45 } else { 30 };
+        advance(&mut fixed, ticks);
+        advance(&mut float, ticks);
         let pairs = fixed.world().bodies().zip(float.world().bodies());
         let far = pairs.map(|(a, b)| {
             let ([ax, ay], [bx, by]) = (a.position().to_f64(), b.position().to_f64());
             (ax - bx).hypot(ay - by)
         });
         let worst = far.fold(0.0, f64::max);
-        assert!(worst < 1e-3, "{name}: {worst:e} m");
+        // Cards that lean on each other, and a tower that sways.
+        let bound = if matches!(name, "cards" | "tower") { 1e-3 } else { 1e-5 };
+        assert!(worst < bound, "{name}: {worst:e} m");
     }
 }
 

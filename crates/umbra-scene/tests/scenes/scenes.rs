@@ -137,22 +137,22 @@ fn in_doubles_nearly_no_node_of_the_net_is_still_an_image() {
 
 /// Everything the format has, in few bodies.
 pub(crate) const RICH: &str = r#"{
-  "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": [0, -9.81],
+  "title": "All of it", "about": "…", "ticks": 20, "time_step": {"num": 1, "den": 120}, "gravity": {"x": 0, "y": -9.81},
   "integrator": "velocity_verlet", "damping": {"linear": {"kept_per_second": 0.9}, "angular": {"kept_per_second": 0.5}}, "sleep_after": null,
-  "contacts": {"substeps": 4, "push_speed": 2, "restitution_speed": 0.5, "sleep_speed": 0.25, "max_pairs": 1000, "max_pairs_per_collider": 20},
+  "contacts": {"substeps": 4, "push_speed": 2, "restitution_speed": 0.5, "sleep_speed": 0.25, "hit_speed": 0.5, "max_pairs": 1000, "max_pairs_per_collider": 20},
   "material_pairs": [{"materials": [4294967295, 4294967295], "friction": 0.25, "restitution": 0.5, "rolling_resistance": 0.125}],
   "bodies": [
     {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
     {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}},
      "colliders": [{"name": "hull", "shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0.1], "angle": 0.5, "density": 2,
-       "friction": 0.3, "restitution": 0.5, "rolling_resistance": 0.25, "surface_speed": -1.5, "material_id": 4294967295, "friction_rule": "minimum", "restitution_rule": "mean", "category": [1, 31], "mask": [0, 2, 4], "group": -2147483648, "one_way": {"direction": [0.5, -1], "tolerance": 0.25}, "key": 3, "user_data": 18446744073709551615},
-      {"shape": {"segment": [[-1, 0], [1, 0]]}},
+       "friction": 0.3, "restitution": 0.5, "rolling_resistance": 0.25, "surface_speed": -1.5, "material_id": 4294967295, "friction_rule": "minimum", "restitution_rule": "mean", "category": [1, 31], "mask": [0, 2, 4], "group": -2147483648, "one_way": {"direction": [0.5, -1], "tolerance": 0.25}, "contact_events": true, "hit_events": true, "key": 3, "user_data": 18446744073709551615},
+      {"shape": {"segment": [[-1, 0], [1, 0]]}, "sensor": true},
       {"shape": {"rounded_polygon": {"corners": [[0, 0], [1, 0], [0, 1]], "radius": 0.125}}, "position": [-1, 0]},
       {"shape": {"chain": {"points": [[0, 0], [1, 0], [2, 1]]}}}, {"shape": {"chain": {"points": [[0, 0], [1, 0], [0, 1]], "closed": true}}}]},
     {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
-     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31],
+     "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "bullet": true, "max_speeds": {"linear": 50, "angular": 20}, "locks": ["rotation"], "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31],
      "colliders": [{"name": "disc-{n}", "shape": {"circle": {"radius": 0.5}}, "key": {"start": 2, "i": 1, "j": 1}, "mask": [30]}]},
-    {"name": "c", "angle": 1, "dominance": -5, "gravity_scale": -1, "damping": {"linear": {"kept_per_second": 0.1}}, "density": 3, "shape": {"compound": [
+    {"name": "c", "angle": 1, "dominance": -5, "gravity_scale": -1, "damping": {"linear": {"rate": 0.1}, "angular": "none"}, "density": 3, "shape": {"compound": [
       {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
       {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
   ],
@@ -185,7 +185,10 @@ pub(crate) const RICH: &str = r#"{
     {"at": 11, "set": {"material_pair": {"materials": [1, 3], "remove": true}}},
     {"at": 11, "body": "new-1", "set": {"mass": "from_colliders"}},
     {"at": 12, "body": "c", "exclude": "k", "exclude_until_apart": "s"},
-    {"at": 13, "body": "k", "allow": "c"},
+    {"at": 13, "body": "k", "allow": "c", "move_to": {"position": [0.1, 0], "angle": 0.5}},
+    {"at": 13, "explode": {"position": [0, 1], "impulse": 2, "radius": 5, "falloff": 3, "mask": [30]}},
+    {"at": 14, "body": "r-0-0-2", "do": "disable"},
+    {"at": 16, "body": "r-0-0-2", "do": "enable"},
     {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
     {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
@@ -232,6 +235,16 @@ fn the_rich_scene_is_one() {
     // 10 steps of 1/120 s and 10 of 1/60.
     let time = run.world().elapsed();
     assert_eq!((time.num, time.den), (1, 4));
+}
+
+/// The words that fuzzing puts into scenes are those that the format has.
+#[test]
+fn the_rich_scene_has_every_field() {
+    let words = include_str!("../../../../fuzz/dictionaries/scene.txt").lines().filter(|line| line.ends_with(":\""));
+    let fields: Vec<String> = words.map(|line| line[1..line.len() - 2].replace("\\\"", "\"")).collect();
+    assert!(fields.len() > 100, "{}", fields.len());
+    let missing: Vec<&String> = fields.iter().filter(|field| !RICH.contains(&***field)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
 }
 
 proptest! {

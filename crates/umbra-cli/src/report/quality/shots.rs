@@ -140,18 +140,17 @@ pub(super) fn seams(length: Length) -> Result<Played, Error> {
     for _ in 0..steps {
         here.step();
         there.step();
-        if let (Ok(own), Ok(other)) = (here.body(ball), there.body(twin)) {
-            let apart = |a: Fx, b: Fx| a.to_bits().abs_diff(b.to_bits());
-            let (own_at, other_at) = (own.position(), other.position());
-            let differences = [
-                apart(own_at.x, other_at.x),
-                apart(own_at.y, other_at.y),
-                apart(own.velocity().y, other.velocity().y),
-                apart(own.velocity().x, other.velocity().x),
-                apart(own.angular_velocity(), other.angular_velocity()),
-            ];
-            most = differences.into_iter().fold(most, u64::max);
-        }
+        let (own, other) = (here.body(ball)?, there.body(twin)?);
+        let apart = |a: Fx, b: Fx| a.to_bits().abs_diff(b.to_bits());
+        let (own_at, other_at) = (own.position(), other.position());
+        let differences = [
+            apart(own_at.x, other_at.x),
+            apart(own_at.y, other_at.y),
+            apart(own.velocity().y, other.velocity().y),
+            apart(own.velocity().x, other.velocity().x),
+            apart(own.angular_velocity(), other.angular_velocity()),
+        ];
+        most = differences.into_iter().fold(most, u64::max);
         if let Some(contact) = here.contacts().next() {
             let part = contact.parts[0];
             seams += last.map_or(0, |last: u32| part.abs_diff(last));
