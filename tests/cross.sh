@@ -22,15 +22,16 @@ outputs=$home/target
 unpacked=$home/r185
 jobs=${CROSS_JOBS:-$(nproc)}
 
-# Debian has the libraries of these; those of the others are built from its sources.
-prebuilt="i686-unknown-linux-gnu aarch64-unknown-linux-gnu armv7-unknown-linux-gnueabihf s390x-unknown-linux-gnu
-  powerpc64le-unknown-linux-gnu"
+# Debian has the libraries of these; those of the others are built from its sources. Checked: with overflow checks and debug
+# assertions, in the profile of that name.
+prebuilt="i686-unknown-linux-gnu i686-unknown-linux-gnu/checked aarch64-unknown-linux-gnu
+  armv7-unknown-linux-gnueabihf s390x-unknown-linux-gnu powerpc64le-unknown-linux-gnu"
 # WebAssembly has vectors where the build says so: a module cannot ask.
 from_source="riscv64gc-unknown-linux-gnu mips-unknown-linux-gnu wasm32-wasip1 wasm32-wasip1/simd128"
 # stable: rustup's; nightly: if it is there; msrv: Debian's.
 x86="x86_64/stable-o3 x86_64/stable-checked x86_64/stable-native x86_64/stable-parallel x86_64/nightly-o3 x86_64/msrv-o3"
 quick="x86_64/stable-o3 x86_64/stable-checked i686-unknown-linux-gnu s390x-unknown-linux-gnu"
-ci="i686-unknown-linux-gnu s390x-unknown-linux-gnu"
+ci="i686-unknown-linux-gnu/checked s390x-unknown-linux-gnu"
 
 say() { echo "$*" >&2; }
 usage() {
@@ -184,12 +185,13 @@ provide() {
 
 # Builds for a target; the program is then `program`, run by `runner`.
 build() {
-  local flags=(--release -p umbra-selftest --bin umbra-selftest -j "$jobs") features= directory=$outputs/${1//\//-}
+  local flags=(-p umbra-selftest --bin umbra-selftest -j "$jobs") features= directory=$outputs/${1//\//-} profile=release
   local variables=() name
   runner=()
   case $1 in
     *-checked) variables+=(CARGO_PROFILE_RELEASE_OPT_LEVEL=0 CARGO_PROFILE_RELEASE_DEBUG_ASSERTIONS=true
       CARGO_PROFILE_RELEASE_OVERFLOW_CHECKS=true) ;;
+    */checked) profile=checked ;;
     *-native) variables+=(RUSTFLAGS=-Ctarget-cpu=native) ;;
     *-parallel) features=parallel ;;
     */simd128) variables+=(RUSTFLAGS=-Ctarget-feature=+simd128) ;;
@@ -207,7 +209,7 @@ build() {
       flags+=(--target "$triple")
       variables+=("RUSTC=$home/rustc185")
       name=CARGO_TARGET_$(echo "$triple" | tr 'a-z-' 'A-Z_')_LINKER
-      program=$directory/$triple/release/umbra-selftest
+      program=$directory/$triple/$profile/umbra-selftest
       if [ "$triple" = wasm32-wasip1 ]; then
         variables+=("$name=$(rust_lld)")
         program+=.wasm
@@ -227,7 +229,7 @@ build() {
   esac
   compiler=$(env -u RUSTC -u RUSTFLAGS "${variables[@]}" sh -c '"${RUSTC:-rustc}" --version' | cut -d ' ' -f 2)
   env -u RUSTC -u RUSTFLAGS -u CARGO_BUILD_TARGET "${variables[@]}" \
-    cargo build "${flags[@]}" --locked --features "$features" --target-dir "$directory"
+    cargo build --profile $profile "${flags[@]}" --locked --features "$features" --target-dir "$directory"
 }
 
 may_skip='' only_setup='' targets=()

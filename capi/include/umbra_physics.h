@@ -405,7 +405,8 @@ typedef struct UmbraContactSettings {
     UmbraFx hit_speed;
     // The number of sub-steps in which contacts are solved, 1 to 16; default 5.
     uint32_t substeps;
-    // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default 2^20.
+    // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default
+    // 2^20.
     uint32_t max_pairs;
     // The number of pairs of one outline that may be close where there are more than `max_pairs` in all, 1 to 2^12; default 256.
     uint32_t max_pairs_per_collider;
@@ -579,8 +580,8 @@ typedef struct UmbraExplosion {
     uint32_t reserved;
 } UmbraExplosion;
 
-// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must not
-// call functions that change the world.
+// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must
+// not call functions that change the world.
 typedef uint32_t (*UmbraPredicate)(void *context, uint64_t collider, uint64_t user_data);
 
 // The colliders that a query finds; `umbra_query_filter_default` fills it in so that all are found. Null finds all, too.
@@ -1668,7 +1669,8 @@ UmbraStatus umbra_world_overlap_box(const struct UmbraWorld *world,
                                     size_t capacity,
                                     size_t *count);
 
-// The collider nearest to a point, up to a distance from 0 to 2^20 m: of several at the same distance that with the least key, then handle.
+// The collider nearest to a point, up to a distance from 0 to 2^20 m: of several at the same distance that with the least key, then
+// handle.
 UmbraStatus umbra_world_closest_point(const struct UmbraWorld *world,
                                       UmbraFx x,
                                       UmbraFx y,
@@ -1676,8 +1678,8 @@ UmbraStatus umbra_world_closest_point(const struct UmbraWorld *world,
                                       const struct UmbraQueryFilter *filter,
                                       struct UmbraClosestPoint *closest);
 
-// All colliders up to a distance from 0 to 2^20 m from a point, each with its nearest point, sorted by distance, then key, then handle; a list
-// as `umbra_world_outcomes` gives it.
+// All colliders up to a distance from 0 to 2^20 m from a point, each with its nearest point, sorted by distance, then key, then handle; a
+// list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_closest_points(const struct UmbraWorld *world,
                                        UmbraFx x,
                                        UmbraFx y,
@@ -1719,7 +1721,8 @@ UmbraStatus umbra_movement_hits(const struct UmbraMovement *movement,
                                 size_t capacity,
                                 size_t *count);
 
-// The impulses on the bodies that a character met, at most one a body; none without a `push_mass`. A list as `umbra_world_outcomes` gives it.
+// The impulses on the bodies that a character met, at most one a body; none without a `push_mass`. A list as `umbra_world_outcomes` gives
+// it.
 UmbraStatus umbra_movement_pushes(const struct UmbraMovement *movement,
                                   struct UmbraCharacterPush *pushes,
                                   size_t capacity,

@@ -19,11 +19,12 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         linear_damping: Damping::kept_per_second(fx!(0.9)),
         ..WorldDef::default()
     })?;
-    let corners = [vec2(0, 0), vec2(100, 0), vec2(100, 1), vec2(0, 1)];
-    let ground = Some(Shape::polygon(&corners)?);
-    world.add_body(BodyDef { shape: ground, position: vec2(0, -10), ..BodyDef::fixed() })?;
+    let corners = [vec2(0, 0), vec2(200, 0), vec2(200, 1), vec2(0, 1)];
+    let (slab, disc) = (Shape::polygon(&corners)?, Shape::circle(fx!(0.5))?);
+    let ground = world.add_body(BodyDef { shape: Some(slab.clone()), position: vec2(0, -6), ..BodyDef::fixed() })?;
+    world.add_collider(ground, slab)?;
     let ball = world.add_body(BodyDef {
-        shape: Some(Shape::circle(fx!(0.5))?),
+        shape: Some(disc.clone()),
         mass: Mass::Density(fx!(2.5)),
         velocity: vec2(3, 0),
         angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
@@ -31,6 +32,7 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
         user_data: 7,
         ..BodyDef::dynamic()
     })?;
+    world.add_collider(ball, disc)?;
     let plank = world.add_body(BodyDef {
         shape: Some(Shape::rectangle(fx!(4), fx!(0.25))?),
         mass: Mass::Kilograms(fx!(2)),

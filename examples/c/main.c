@@ -66,16 +66,17 @@ static uint64_t hash_of(const UmbraWorld *world)
     return hash;
 }
 
-/* Ground, a ball, a plank on two springs in the wind, a moon about a star, and a rocket. */
+/* Ground, a ball that comes down on it, a plank on two springs in the wind, a moon about a star, and a rocket. */
 static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
 {
     UmbraWorldDef def;
     UmbraBodyDef body;
+    UmbraColliderDef collider;
     UmbraFieldDef field;
     UmbraWorld *world = NULL;
     UmbraShape *shape = NULL;
     uint64_t ground = 0, plank = 0, star = 0, moon = 0, id = 0;
-    const UmbraVec2 corners[4] = {{0, 0}, {100 * UMBRA_ONE, 0}, {100 * UMBRA_ONE, UMBRA_ONE}, {0, UMBRA_ONE}};
+    const UmbraVec2 corners[4] = {{0, 0}, {200 * UMBRA_ONE, 0}, {200 * UMBRA_ONE, UMBRA_ONE}, {0, UMBRA_ONE}};
     const UmbraVec2 nose[3] = {{-UMBRA_ONE / 2, -UMBRA_ONE}, {UMBRA_ONE / 2, -UMBRA_ONE}, {0, UMBRA_ONE}};
 
     DO(umbra_world_def_default(&def));
@@ -87,8 +88,11 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_body_def_default(&body));
     body.kind = UMBRA_STATIC;
     body.shape = shape;
-    body.position.y = -10 * UMBRA_ONE;
+    body.position.y = -6 * UMBRA_ONE;
     DO(umbra_world_add_body(world, &body, &ground));
+    DO(umbra_collider_def_default(&collider));
+    collider.shape = shape;
+    DO(umbra_world_add_collider(world, ground, &collider, &id));
     umbra_shape_free(shape);
 
     DO(umbra_shape_circle(fx("0.5"), &shape));
@@ -101,6 +105,8 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     body.angular_velocity = UMBRA_ONE;
     body.user_data = 7;
     DO(umbra_world_add_body(world, &body, ball));
+    collider.shape = shape;
+    DO(umbra_world_add_collider(world, *ball, &collider, &id));
     umbra_shape_free(shape);
 
     DO(umbra_shape_rectangle(4 * UMBRA_ONE, fx("0.25"), &shape));
@@ -199,13 +205,18 @@ static void golden(void)
     UmbraPose *poses;
     UmbraInt128 energy;
     char text[128];
+    UmbraContact contact;
     size_t count = 0, i;
-    int tick;
+    int tick, touched = 0;
 
     for (tick = 0; tick < GOLDEN_TICKS; tick++) {
         play(world, ball, rocket, tick);
         DO(umbra_world_step(world));
+        DO(umbra_world_body_contacts(world, ball, &contact, 1, &count));
+        touched += count == 1;
     }
+    printf("the ball is on the ground in %d ticks\n", touched);
+    check(touched > 0 && touched < GOLDEN_TICKS, "it comes down and goes up again");
     DO(umbra_world_physics_hash(world, &physics));
     printf("hash %016" PRIx64 " after %d ticks\n", hash_of(world), GOLDEN_TICKS);
     check(hash_of(world) == GOLDEN_STATE_HASH, "the state hash is that of the world built in Rust");
