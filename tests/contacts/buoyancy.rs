@@ -18,6 +18,16 @@ const POOL: FieldKind = FieldKind::Buoyancy {
     flow: Vec2::ZERO,
 };
 
+/// One that nothing is in.
+const FAR_POOL: FieldKind = FieldKind::Buoyancy {
+    min: Vec2 { x: fx!(500), y: fx!(-10) },
+    max: Vec2 { x: fx!(520), y: fx!(0) },
+    density: fx!(4),
+    linear_drag: fx!(0),
+    angular_drag: fx!(0),
+    flow: Vec2::ZERO,
+};
+
 fn world(field: FieldKind) -> World {
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
     world.add_field(field).expect("a field");
@@ -278,7 +288,7 @@ fn what_floats_falls_asleep_and_a_change_of_the_fluid_wakes_it() {
 }
 
 /// A world without gravity with this field, and the tick in which a body at rest or at this speed falls asleep, if it does so within 90.
-fn asleep_after(field: FieldKind, def: BodyDef, each_tick: impl Fn(&mut World, BodyId)) -> Option<u32> {
+fn asleep_after(field: impl Into<ForceField>, def: BodyDef, each_tick: impl Fn(&mut World, BodyId)) -> Option<u32> {
     let mut world = World::new(WorldDef { sleep_after: Some(30), ..WorldDef::default() }).expect("a world");
     world.add_field(field).expect("a field");
     let body = world.add_body(def).expect("a body");
@@ -300,8 +310,11 @@ fn only_what_floats_at_rest_counts_as_at_rest_while_it_moves_slowly() {
     let push = |world: &mut World, body| world.apply_force(body, vec2(fx!(0.01), 0)).expect("a body");
     assert_eq!(asleep_after(still.clone(), deep.clone(), push), None);
     assert_eq!(asleep_after(still.clone(), BodyDef { velocity: vec2(1, 0), ..deep.clone() }, |_, _| ()), None);
-    // One that feels no field; above the surface; and beside a corner of the fluid.
-    assert_eq!(asleep_after(still.clone(), BodyDef { force_groups: 0, ..deep }, |_, _| ()), None);
+    // One that feels another fluid alone; above the surface; and beside a corner of the fluid.
+    let add_far = |world: &mut World, _| _ = world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 });
+    let ours = ForceField { kind: still.clone(), force_groups: 1 };
+    assert_eq!(asleep_after(ours.clone(), deep.clone(), add_far), Some(29));
+    assert_eq!(asleep_after(ours, BodyDef { force_groups: 2, ..deep }, add_far), None);
     let above = BodyDef { position: vec2(0, fx!(0.5)), ..slow(square()) };
     assert_eq!(asleep_after(still.clone(), above, |_, _| ()), None);
     let disc = Shape::circle(fx!(0.5)).expect("a shape");
@@ -330,9 +343,10 @@ fn drag_is_for_bodies_that_feel_the_fluid_and_along_axes_that_are_free() {
     let square = || floating(Shape::rectangle(1, 1).expect("a shape"), fx!(2));
     for integrator in [Integrator::VelocityVerlet, Integrator::Yoshida4] {
         let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
-        world.add_field(fluid(POOL, stiff, flow)).expect("a field");
+        world.add_field(ForceField { kind: fluid(POOL, stiff, flow), force_groups: 1 }).expect("a field");
+        world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 }).expect("a field");
         let at = |x: i32| BodyDef { position: vec2(x, -5), velocity: vec2(1, 0), angular_velocity: fx!(1), ..square() };
-        let other = world.add_body(BodyDef { force_groups: 0, ..at(-8) }).expect("a body");
+        let other = world.add_body(BodyDef { force_groups: 2, ..at(-8) }).expect("a body");
         assert_eq!(world.step().drag_outside, 0);
         let locks = Locks { x: true, ..Locks::NONE };
         let guided = world.add_body(BodyDef { locks, velocity: vec2(0, 0), ..at(8) }).expect("a body");

@@ -94,7 +94,7 @@ fn it_acts_on_dynamic_bodies_with_colliders_of_its_categories_and_wakes_those_al
     let filter = Filter { category: 4, ..Filter::default() };
     let other = add(&mut world, vec2(-2, 0), ColliderDef { filter, ..ColliderDef::new(disc.clone()) });
     let bare = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).unwrap();
-    let moved = BodyDef { position: vec2(0, 3), ..BodyDef::kinematic().with_collider(disc.clone()) };
+    let moved = BodyDef { position: vec2(0, 2), ..BodyDef::kinematic().with_collider(disc.clone()) };
     let moved = world.add_body(moved).unwrap();
     let off = add(&mut world, vec2(0, -2), disc);
     world.disable(off).unwrap();

@@ -402,3 +402,16 @@ fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
         }
     }
 }
+
+#[test]
+fn one_body_in_more_sensors_than_there_may_be_pairs_is_in_none() {
+    for (max_pairs, expected) in [(3, 3), (2, 0)] {
+        let contacts = ContactSettings { max_pairs, ..ContactSettings::default() };
+        let square = || Shape::rectangle(fx!(1), fx!(1)).expect("a square");
+        let mut bodies = vec![BodyDef::dynamic().with_collider(square())];
+        bodies.extend((0..3).map(|key| BodyDef { key, ..BodyDef::fixed().with_collider(sensor(square(), key)) }));
+        let def = WorldDef { gravity: Vec2::ZERO, contacts, ..def() };
+        let (mut world, _) = world(def, bodies).expect("a scene");
+        assert_eq!(world.step().sensors_entered.len(), expected);
+    }
+}
