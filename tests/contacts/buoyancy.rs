@@ -304,19 +304,19 @@ fn only_what_floats_at_rest_counts_as_at_rest_while_it_moves_slowly() {
     let square = || Shape::rectangle(1, 1).expect("a shape");
     let deep = BodyDef { position: vec2(0, -5), ..slow(square()) };
     let still = fluid(POOL, fx!(0), vec2(0, 0));
-    assert_eq!(asleep_after(still.clone(), deep.clone(), |_, _| ()), Some(29));
+    assert_eq!(asleep_after(still, deep.clone(), |_, _| ()), Some(29));
     // In a fluid that flows as slowly, pushed all the time, or too fast.
     assert_eq!(asleep_after(fluid(POOL, fx!(6), vec2(fx!(0.03), 0)), deep.clone(), |_, _| ()), None);
     let push = |world: &mut World, body| world.apply_force(body, vec2(fx!(0.01), 0)).expect("a body");
-    assert_eq!(asleep_after(still.clone(), deep.clone(), push), None);
-    assert_eq!(asleep_after(still.clone(), BodyDef { velocity: vec2(1, 0), ..deep.clone() }, |_, _| ()), None);
+    assert_eq!(asleep_after(still, deep.clone(), push), None);
+    assert_eq!(asleep_after(still, BodyDef { velocity: vec2(1, 0), ..deep.clone() }, |_, _| ()), None);
     // One that feels another fluid alone; above the surface; and beside a corner of the fluid.
     let add_far = |world: &mut World, _| _ = world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 });
-    let ours = ForceField { kind: still.clone(), force_groups: 1 };
-    assert_eq!(asleep_after(ours.clone(), deep.clone(), add_far), Some(29));
+    let ours = ForceField { kind: still, force_groups: 1 };
+    assert_eq!(asleep_after(ours, deep.clone(), add_far), Some(29));
     assert_eq!(asleep_after(ours, BodyDef { force_groups: 2, ..deep }, add_far), None);
     let above = BodyDef { position: vec2(0, fx!(0.5)), ..slow(square()) };
-    assert_eq!(asleep_after(still.clone(), above, |_, _| ()), None);
+    assert_eq!(asleep_after(still, above, |_, _| ()), None);
     let disc = Shape::circle(fx!(0.5)).expect("a shape");
     let corner = BodyDef { position: vec2(fx!(20.4), fx!(0.4)), ..slow(disc) };
     assert_eq!(asleep_after(still, corner, |_, _| ()), None);

@@ -1,5 +1,7 @@
 //! Characters: slopes, steps, seams, platforms, pushing, and that nothing ends in a wall, to the bit and mirrored.
 
+use std::collections::BTreeSet;
+
 use umbra_physics::{
     BodyDef, BodyId, Character, ColliderDef, Command, Error, ForceOrImpulse, Fx, Ground, Locks, Mass, Movement, OneWay,
     Quantity, QueryFilter, Random, Shape, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
@@ -558,7 +560,8 @@ fn dynamic_bodies_are_neither_steps_nor_on_them() {
         add(world, def, Vec2::new(x, height / 2), bar(fx!(0.5), height));
     };
     // A crate alone; one before a step; one on the far side of a sill; and a step that stays climbable.
-    let cases: [(&[(bool, Fx, Fx)], bool); 4] = [
+    type Bars<'a> = &'a [(bool, Fx, Fx)];
+    let cases: [(Bars<'_>, bool); 4] = [
         (&[(true, fx!(1), fx!(0.2))], false),
         (&[(true, fx!(1), fx!(0.1)), (false, fx!(1.05), fx!(0.2))], false),
         (&[(false, fx!(1), fx!(0.1)), (true, fx!(1.05), fx!(0.2))], false),
@@ -699,7 +702,7 @@ fn it_stands_on_what_is_the_most_level_and_then_on_the_least_key() {
     let mut walk = Walk::new(Character { max_rest_slope: fx!(0), ..hero() }, vec2(0, 4));
     (0..40).for_each(|_| _ = walk.go(&world, vec2(0, fx!(-0.5))));
     let moved = walk.go(&world, vec2(0, fx!(-0.5)));
-    let colliders: std::collections::BTreeSet<_> = moved.hits.iter().map(|hit| hit.collider).collect();
+    let colliders: BTreeSet<_> = moved.hits.iter().map(|hit| hit.collider).collect();
     assert_eq!((moved.hits.len(), colliders.len()), (2, 2));
     assert!((moved.ground_normal.x - fx!(0.3).sin()).abs() < fx!(0.00001), "{}", moved.ground_normal);
 }
@@ -820,6 +823,8 @@ fn it_never_ends_in_a_wall() {
             let inside = queries.overlap_shape(&walk.hero.shape, (moved.position, fx!(0)), &ALL).unwrap();
             assert_eq!(inside, [], "seed {seed}, move {i}: {walk:?} by {by} to {moved:?}");
             assert!(!moved.is_overlapping);
+            let parts: BTreeSet<_> = moved.hits.iter().map(|hit| (hit.collider, hit.part)).collect();
+            assert_eq!(parts.len(), moved.hits.len(), "each once");
             hits += moved.hits.len();
             moves += 1;
             (walk.position, walk.ground) = (moved.position, moved.ground);
