@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use umbra_physics::scalar::ToF64 as _;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, ColliderDef, Error, FieldKind, ForceField, Fx, Integrator, Mass, Quantity, Shape,
+    Activity, BodyDef, BodyId, ColliderDef, Error, FieldKind, ForceField, Fx, Integrator, Locks, Mass, Quantity, Shape,
     Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -15,6 +15,16 @@ const POOL: FieldKind = FieldKind::Buoyancy {
     density: fx!(4),
     linear_drag: fx!(6),
     angular_drag: fx!(3),
+    flow: Vec2::ZERO,
+};
+
+/// One that nothing is in.
+const FAR_POOL: FieldKind = FieldKind::Buoyancy {
+    min: Vec2 { x: fx!(500), y: fx!(-10) },
+    max: Vec2 { x: fx!(520), y: fx!(0) },
+    density: fx!(4),
+    linear_drag: fx!(0),
+    angular_drag: fx!(0),
     flow: Vec2::ZERO,
 };
 
@@ -275,6 +285,78 @@ fn what_floats_falls_asleep_and_a_change_of_the_fluid_wakes_it() {
     world.add_field(ForceField { kind: POOL, force_groups: 2 }).expect("a field");
     steps(&mut world, 2);
     assert_eq!(world.body(body).expect("it is there").activity(), Activity::Asleep);
+}
+
+/// A world without gravity with this field, and the tick in which a body at rest or at this speed falls asleep, if it does so within 90.
+fn asleep_after(field: impl Into<ForceField>, def: BodyDef, each_tick: impl Fn(&mut World, BodyId)) -> Option<u32> {
+    let mut world = World::new(WorldDef { sleep_after: Some(30), ..WorldDef::default() }).expect("a world");
+    world.add_field(field).expect("a field");
+    let body = world.add_body(def).expect("a body");
+    (0..90).find(|_| {
+        each_tick(&mut world, body);
+        world.step().fell_asleep == [body]
+    })
+}
+
+#[test]
+fn only_what_floats_at_rest_counts_as_at_rest_while_it_moves_slowly() {
+    let slow = |shape: Shape| BodyDef { velocity: vec2(fx!(0.03), 0), ..floating(shape, fx!(2)) };
+    let square = || Shape::rectangle(1, 1).expect("a shape");
+    let deep = BodyDef { position: vec2(0, -5), ..slow(square()) };
+    let still = fluid(POOL, fx!(0), vec2(0, 0));
+    assert_eq!(asleep_after(still, deep.clone(), |_, _| ()), Some(29));
+    // In a fluid that flows as slowly, pushed all the time, or too fast.
+    assert_eq!(asleep_after(fluid(POOL, fx!(6), vec2(fx!(0.03), 0)), deep.clone(), |_, _| ()), None);
+    let push = |world: &mut World, body| world.apply_force(body, vec2(fx!(0.01), 0)).expect("a body");
+    assert_eq!(asleep_after(still, deep.clone(), push), None);
+    assert_eq!(asleep_after(still, BodyDef { velocity: vec2(1, 0), ..deep.clone() }, |_, _| ()), None);
+    // One that feels another fluid alone; above the surface; and beside a corner of the fluid.
+    let add_far = |world: &mut World, _| _ = world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 });
+    let ours = ForceField { kind: still, force_groups: 1 };
+    assert_eq!(asleep_after(ours, deep.clone(), add_far), Some(29));
+    assert_eq!(asleep_after(ours, BodyDef { force_groups: 2, ..deep }, add_far), None);
+    let above = BodyDef { position: vec2(0, fx!(0.5)), ..slow(square()) };
+    assert_eq!(asleep_after(still, above, |_, _| ()), None);
+    let disc = Shape::circle(fx!(0.5)).expect("a shape");
+    let corner = BodyDef { position: vec2(fx!(20.4), fx!(0.4)), ..slow(disc) };
+    assert_eq!(asleep_after(still, corner, |_, _| ()), None);
+}
+
+#[test]
+fn either_drag_may_be_too_stiff_for_the_stages_that_run_backwards() {
+    let FieldKind::Buoyancy { min, max, density, flow, .. } = POOL else { unreachable!() };
+    for (linear_drag, angular_drag, outside) in
+        [(fx!(0.1), fx!(0.1), 0), (fx!(1000), fx!(0.1), 1), (fx!(0.1), fx!(1000), 1)]
+    {
+        let def = WorldDef { integrator: Integrator::Yoshida4, ..WorldDef::default() };
+        let mut world = World::new(def).expect("a world");
+        world.add_field(FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow }).expect("a field");
+        let def = floating(Shape::rectangle(1, 1).expect("a shape"), fx!(2));
+        world.add_body(BodyDef { position: vec2(0, -5), ..def }).expect("a body");
+        assert_eq!(world.step().drag_outside, outside, "{linear_drag} {angular_drag}");
+    }
+}
+
+#[test]
+fn drag_is_for_bodies_that_feel_the_fluid_and_along_axes_that_are_free() {
+    let (stiff, flow) = (fx!(1000), vec2(2, 1));
+    let square = || floating(Shape::rectangle(1, 1).expect("a shape"), fx!(2));
+    for integrator in [Integrator::VelocityVerlet, Integrator::Yoshida4] {
+        let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
+        world.add_field(ForceField { kind: fluid(POOL, stiff, flow), force_groups: 1 }).expect("a field");
+        world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 }).expect("a field");
+        let at = |x: i32| BodyDef { position: vec2(x, -5), velocity: vec2(1, 0), angular_velocity: fx!(1), ..square() };
+        let other = world.add_body(BodyDef { force_groups: 2, ..at(-8) }).expect("a body");
+        assert_eq!(world.step().drag_outside, 0);
+        let locks = Locks { x: true, ..Locks::NONE };
+        let guided = world.add_body(BodyDef { locks, velocity: vec2(0, 0), ..at(8) }).expect("a body");
+        steps(&mut world, 60);
+        let other = world.body(other).expect("it is there");
+        assert_eq!((other.velocity(), other.angular_velocity()), (vec2(1, 0), fx!(1)));
+        let guided = world.body(guided).expect("it is there");
+        assert_eq!((guided.position().x, guided.velocity().x), (fx!(8), fx!(0)));
+        assert!((guided.velocity().y - fx!(1)).abs() < fx!(0.001), "{}", guided.velocity());
+    }
 }
 
 #[test]

@@ -2,8 +2,8 @@
 
 use super::scenes::{def, ground, square, world};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, ColliderDef, Fx, Geometry, Scalar, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx,
-    vec2,
+    BodyDef, BodyId, BodyKind, ColliderDef, Fx, Geometry, Locks, Scalar, Shape, Snapshot, Symmetry, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 /// The position and the velocities of a body, with all their bits.
@@ -93,6 +93,34 @@ fn a_stack_of_unlike_ones_stands() {
         assert_eq!(top.x, fx!(0));
         let expected = if sign < 0 { fx!(4.45)..fx!(4.51) } else { fx!(-1)..fx!(4) };
         assert!(expected.contains(&top.y), "{sign}: {top:?}");
+    }
+}
+
+#[test]
+fn one_that_others_press_turns_them_and_does_not_sleep() {
+    // A disc of dominance 1 turns in front of a smooth wall, and another one is pressed against it.
+    let disc = |x: i32, key, friction| {
+        let mut body = square(vec2(x, 0), key).expect("a square");
+        body.colliders = vec![ColliderDef::new(Shape::circle(fx!(0.5)).expect("a disc"))];
+        body.colliders[0].material.friction = friction;
+        body
+    };
+    let wall = BodyDef { kind: BodyKind::Static, ..disc(-1, 3, fx!(0)) };
+    let pressed = BodyDef { locks: Locks { y: true, ..Locks::NONE }, ..disc(1, 2, fx!(1)) };
+    for spin in [6, 0] {
+        let turning = BodyDef { angular_velocity: spin.into(), ..with(disc(0, 1, fx!(1)), 1) };
+        let space = WorldDef { gravity: vec2(0, 0), sleep_after: Some(5), ..def() };
+        let (mut world, ids) = world(space, [wall.clone(), turning, pressed.clone()]).expect("a scene");
+        for _ in 0..60 {
+            // With its own contact while it turns, and without one.
+            if spin != 0 {
+                world.apply_force(ids[1], vec2(-10, 0)).expect("a body");
+            }
+            world.apply_force(ids[2], vec2(-10, 0)).expect("a body");
+            assert!(world.step().fell_asleep.is_empty());
+        }
+        let [turning, pressed] = [1, 2].map(|i| world.body(ids[i]).expect("it").angular_velocity());
+        assert!(turning == fx!(1) * spin && (pressed + fx!(1) * spin).abs() < fx!(0.1), "{turning} {pressed}");
     }
 }
 

@@ -44,6 +44,23 @@ fn an_excluded_body_flies_as_if_the_other_was_not_there() {
 }
 
 #[test]
+fn an_excluded_bullet_flies_on() {
+    for kind in [umbra_physics::BodyKind::Static, umbra_physics::BodyKind::Dynamic] {
+        let wall = BodyDef { kind, ..BodyDef::dynamic().with_collider(Shape::rectangle(fx!(0.1), 4).expect("a wall")) };
+        let bullet = BodyDef { bullet: true, velocity: vec2(600, 0), ..disc(vec2(-5, 0), fx!(0.1), 1) };
+        let (mut world, ids) = world(space(), [wall, bullet]).expect("a scene");
+        let mut free = world.clone();
+        free.remove_body(ids[0]).expect("a body");
+        world.exclude_pair(ids[0], ids[1], Exclusion::Always).expect("a pair");
+        for _ in 0..3 {
+            world.step();
+            free.step();
+            assert_eq!(flight(&world, ids[1]), flight(&free, ids[1]));
+        }
+    }
+}
+
+#[test]
 fn a_pair_touches_again_once_it_was_apart() {
     // From the very same centre, where no direction is better than another; from a little off it; beside each other.
     for offset in [fx!(0), fx!(0.001), fx!(0.25), fx!(0.5)] {
@@ -85,6 +102,35 @@ fn a_body_drops_through_a_one_way_platform() {
     world.set_velocity(ids[1], vec2(0, 15)).expect("a velocity");
     (0..240).for_each(|_| _ = world.step());
     assert!((world.body(ids[1]).expect("it").position().y - fx!(0.625)).abs() < fx!(0.01));
+}
+
+#[test]
+fn one_collider_that_is_near_keeps_the_pair() {
+    // The boxes of both colliders overlap that of the other body.
+    let part = |x: Fx, y: Fx| umbra_physics::ColliderDef {
+        position: Vec2::new(x, y),
+        ..umbra_physics::ColliderDef::new(Shape::circle(fx!(0.4)).expect("a disc"))
+    };
+    let [near, far] = [part(fx!(0.1), fx!(0)), part(fx!(0.65), fx!(0.65))];
+    for colliders in [vec![near.clone(), far.clone()], vec![far, near]] {
+        let double = BodyDef { colliders, key: 2, ..BodyDef::dynamic() };
+        let (mut world, ids) = world(space(), [disc(vec2(0, 0), fx!(0.4), 1), double]).expect("a scene");
+        world.exclude_pair(ids[0], ids[1], Exclusion::UntilApart).expect("a pair");
+        (0..3).for_each(|_| _ = world.step());
+        assert_eq!(world.excluded_pairs().count(), 1);
+    }
+}
+
+#[test]
+fn a_step_that_ends_an_exclusion_cannot_be_undone() {
+    let bodies = [disc(vec2(0, 0), fx!(0.5), 1), disc(vec2(5, 0), fx!(0.5), 2)];
+    let (mut world, ids) = world(WorldDef { sleep_after: None, ..space() }, bodies).expect("a scene");
+    world.step();
+    assert!(world.clone().step_back(&[]).is_ok());
+    world.exclude_pair(ids[0], ids[1], Exclusion::UntilApart).expect("a pair");
+    world.step();
+    assert_eq!(world.excluded_pairs().count(), 0);
+    assert!(world.step_back(&[]).is_err());
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn it_acts_on_dynamic_bodies_with_colliders_of_its_categories_and_wakes_those_al
     let filter = Filter { category: 4, ..Filter::default() };
     let other = add(&mut world, vec2(-2, 0), ColliderDef { filter, ..ColliderDef::new(disc.clone()) });
     let bare = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).unwrap();
-    let moved = BodyDef { position: vec2(0, 3), ..BodyDef::kinematic().with_collider(disc.clone()) };
+    let moved = BodyDef { position: vec2(0, 2), ..BodyDef::kinematic().with_collider(disc.clone()) };
     let moved = world.add_body(moved).unwrap();
     let off = add(&mut world, vec2(0, -2), disc);
     world.disable(off).unwrap();
@@ -103,10 +103,35 @@ fn it_acts_on_dynamic_bodies_with_colliders_of_its_categories_and_wakes_those_al
     world.explode(&Explosion { mask: 1, ..Explosion::new(vec2(0, 0), fx!(1)) }).unwrap();
     assert_eq!(velocity(&world, near), vec2(1, 0));
     assert_eq!(world.body(near).unwrap().activity(), Activity::Awake);
-    for body in [far, other, bare] {
+    for body in [far, other, bare, moved] {
         assert_eq!((velocity(&world, body), world.body(body).unwrap().activity()), (vec2(0, 0), Activity::Asleep));
     }
     assert_eq!((velocity(&world, moved), velocity(&world, off)), (vec2(0, 0), vec2(0, 0)));
+}
+
+#[test]
+fn without_falloff_its_strength_ends_at_the_radius() {
+    let blast = Explosion { radius: fx!(2), falloff: fx!(0), ..Explosion::new(vec2(0, 0), fx!(1)) };
+    for (x, expected) in [(fx!(3), fx!(1)), (fx!(3) + Fx::DELTA, fx!(0))] {
+        let mut world = world();
+        let body = add(&mut world, Vec2::new(x, fx!(0)), Shape::circle(1).unwrap());
+        world.explode(&blast).unwrap();
+        assert_eq!(velocity(&world, body), Vec2::new(expected, fx!(0)));
+    }
+}
+
+#[test]
+fn of_a_body_only_the_colliders_of_its_categories_are_hit() {
+    let mut world = world();
+    let at = |y: i32, category| ColliderDef {
+        position: vec2(0, y),
+        filter: Filter { category, ..Filter::default() },
+        ..ColliderDef::new(Shape::rectangle(1, 2).unwrap())
+    };
+    let def = BodyDef { position: vec2(3, 0), mass: Mass::Kilograms(fx!(2)), ..BodyDef::dynamic() };
+    let body = world.add_body(def.with_collider(at(0, 1)).with_collider(at(5, 2))).unwrap();
+    world.explode(&Explosion { radius: fx!(10), mask: 1, ..Explosion::new(vec2(0, 0), fx!(3)) }).unwrap();
+    assert_eq!(velocity(&world, body).y, fx!(0));
 }
 
 #[test]

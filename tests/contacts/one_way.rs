@@ -343,6 +343,24 @@ fn sleepers_in_a_platform_sleep_on_and_pass_when_they_wake() {
 }
 
 #[test]
+fn what_does_not_get_out_of_a_platform_falls_back_through_it() {
+    let foot =
+        |y: Fx| ColliderDef { position: vec2(0, y), ..ColliderDef::new(Shape::circle(fx!(0.25)).expect("a disc")) };
+    let pair = |low, high| BodyDef {
+        position: vec2(0, -4),
+        velocity: vec2(0, fx!(8.5)),
+        ..BodyDef::dynamic().with_collider(foot(low)).with_collider(foot(high))
+    };
+    // At the top the disc is 1 cm deep in it; of two colliders one is above it, and the other one below.
+    for body in [disc(vec2(0, -3), vec2(0, fx!(8.5))), pair(fx!(-0.6), fx!(0.6)), pair(fx!(0.6), fx!(-0.6))] {
+        let (mut here, mut free) = (over(plank(up()), body.clone()), over(plank(None), body));
+        let platform = free.0.bodies().next().expect("the plank").id();
+        free.0.remove_body(platform).expect("the plank");
+        assert_eq!(parting(&mut here, &mut free, 150), None);
+    }
+}
+
+#[test]
 fn a_step_near_a_platform_cannot_be_undone() {
     let def = WorldDef { sleep_after: None, ..def() };
     let (mut world, _) = world(def, [plank(up()), disc(vec2(0, -3), vec2(0, 9))]).expect("a scene");

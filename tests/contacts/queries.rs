@@ -361,6 +361,81 @@ fn a_predicate_is_asked_in_the_order_of_the_results_and_no_further_than_needed()
 }
 
 #[test]
+fn a_predicate_leaves_colliders_out_of_ties_overlaps_and_closest_points() {
+    // Two pairs of tiles: a ray into the seam of a pair meets both tiles at once.
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    for (key, y) in [(0, 1), (1, -1), (2, 1), (3, -1)] {
+        let tile = ColliderDef { key, ..Shape::rectangle(2, 2).expect("a tile").into() };
+        let x = if key < 2 { 4 } else { 9 };
+        world.add_body(BodyDef { position: vec2(x, y), ..BodyDef::fixed().with_collider(tile) }).expect("a tile");
+    }
+    let queries = world.queries();
+    let keys = |ids: Vec<ColliderId>| ids.into_iter().map(|id| key(&world, id)).collect::<Vec<_>>();
+    let ball = Shape::circle(fx!(0.5)).expect("a ball");
+    let first: &dyn Fn(ColliderId, &ColliderDef) -> bool = &|_, def| def.key != 0;
+    let second: &dyn Fn(ColliderId, &ColliderDef) -> bool = &|_, def| def.key > 1;
+    for (predicate, ties) in [(None, vec![0, 1]), (Some(first), vec![1]), (Some(second), vec![2, 3])] {
+        let filter = QueryFilter { predicate, ..ALL };
+        let colliders = |hits: Vec<CastHit>| keys(hits.into_iter().map(|hit| hit.collider).collect());
+        let hits = queries.cast_ray_ties(vec2(0, 0), vec2(20, 0), &filter).expect("in range");
+        assert_eq!(colliders(hits), ties);
+        let hits = queries.cast_shape_ties(&ball, (vec2(0, 0), fx!(0)), vec2(20, 0), &filter).expect("in range");
+        assert_eq!(colliders(hits), ties);
+        let near = queries.closest_points(vec2(4, 0), fx!(1), &filter).expect("in range");
+        let near = keys(near.into_iter().map(|near| near.collider).collect());
+        assert_eq!(near, ties.iter().copied().filter(|key| *key < 2).collect::<Vec<_>>());
+        assert_eq!(keys(queries.overlap_point(vec2(4, 0), &filter).expect("in range")), near);
+    }
+    let named = keys(queries.overlap_point(vec2(4, 0), &ALL).expect("in range"));
+    let without = queries.overlap_point(vec2(4, 0), &ALL).expect("in range");
+    let filter = QueryFilter { without_colliders: &without[..1], ..ALL };
+    assert_eq!((named, keys(queries.overlap_point(vec2(4, 0), &filter).expect("in range"))), (vec![0, 1], vec![1]));
+}
+
+#[test]
+fn a_compound_that_is_cast_stops_where_its_first_part_does() {
+    let part = |y: i32, x: Fx| Part {
+        shape: Shape::circle(fx!(0.5)).expect("a disc"),
+        position: Vec2::new(x, y.into()),
+        angle: fx!(0),
+        density: fx!(1),
+    };
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let wall = BodyDef { position: vec2(10, 0), ..BodyDef::fixed() };
+    world.add_body(wall.with_collider(Shape::rectangle(2, 20).expect("a wall"))).expect("a body");
+    // The centre of mass is in the middle: parts that are 1 m before or behind it. Of two that arrive at once the first one counts.
+    for (offsets, fraction, y) in
+        [([fx!(1), fx!(-1)], fx!(0.75), 3), ([fx!(-1), fx!(1)], fx!(0.75), -3), ([fx!(0), fx!(0)], fx!(0.85), 3)]
+    {
+        let shape = Shape::compound(&[part(3, offsets[0]), part(-3, offsets[1])]).expect("two discs");
+        let hit = world.queries().cast_shape(&shape, (vec2(0, 0), fx!(0)), vec2(10, 0), &ALL).expect("in range");
+        let hit = hit.expect("the wall");
+        assert!((hit.fraction - fraction).abs() <= Fx::from_bits(2), "{}", hit.fraction);
+        assert_eq!(hit.point, vec2(9, y));
+    }
+}
+
+#[test]
+fn contacts_of_a_body_are_those_on_either_side_and_no_others() {
+    let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
+    let mut world = World::new(def).expect("a world");
+    let square = || Shape::rectangle(1, 1).expect("a square");
+    let ground = BodyDef { position: vec2(0, -1), ..BodyDef::fixed() };
+    let ground = world.add_body(ground.with_collider(Shape::rectangle(20, 2).expect("a ground"))).expect("a body");
+    let at = |x: i32, y: Fx| BodyDef { position: Vec2::new(x.into(), y), ..BodyDef::dynamic().with_collider(square()) };
+    let [low, high, alone] =
+        [at(0, fx!(0.5)), at(0, fx!(1.5)), at(4, fx!(0.5))].map(|def| world.add_body(def).expect("a body"));
+    (0..30).for_each(|_| _ = world.step());
+    let others = |body: BodyId| -> Vec<BodyId> {
+        let contacts = world.contacts_of(body).expect("a body");
+        let mut all: Vec<_> = contacts.flat_map(|contact| contact.bodies).filter(|other| *other != body).collect();
+        all.sort_unstable();
+        all
+    };
+    assert_eq!([low, high, alone, ground].map(others), [vec![ground, high], vec![low], vec![ground], vec![low, alone]]);
+}
+
+#[test]
 fn arguments_out_of_range_are_refused() {
     let (world, _) = three_discs();
     let queries = world.queries();
@@ -374,8 +449,12 @@ fn arguments_out_of_range_are_refused() {
     assert_eq!(queries.closest_point(vec2(0, 0), most, &ALL).map(|near| near.is_some()), Ok(true));
     assert_eq!(queries.closest_point(vec2(0, 0), most + Fx::DELTA, &ALL).err(), out(Quantity::Query));
     assert_eq!(queries.closest_point(vec2(0, 0), -Fx::DELTA, &ALL).err(), out(Quantity::Query));
-    let backwards = Aabb { min: vec2(1, 0), max: vec2(0, 1) };
-    assert_eq!(queries.overlap_box(backwards, &ALL).err(), out(Quantity::Query));
+    // A disc that is as far away as it may be.
+    assert_eq!(queries.closest_point(vec2(3, 5), fx!(4), &ALL).map(|near| near.is_some()), Ok(true));
+    assert_eq!(queries.closest_point(vec2(3, 5), fx!(4) - Fx::DELTA, &ALL), Ok(None));
+    for backwards in [Aabb { min: vec2(1, 0), max: vec2(0, 1) }, Aabb { min: vec2(0, 1), max: vec2(1, 0) }] {
+        assert_eq!(queries.overlap_box(backwards, &ALL).err(), out(Quantity::Query));
+    }
     let chain = Shape::chain(&[vec2(1, 0), vec2(0, 0)], false).expect("a chain");
     assert_eq!(queries.overlap_shape(&chain, (vec2(0, 0), fx!(0)), &ALL), Err(Error::DynamicChain));
     assert_eq!(queries.cast_shape(&chain, (vec2(0, 0), fx!(0)), vec2(1, 0), &ALL), Err(Error::DynamicChain));

@@ -275,3 +275,22 @@ fn floats_roll_as_fixed_point_does() {
         assert!((0..2).all(|i| (float[i] - fixed[i]).abs() < bound), "{float:?} {fixed:?}");
     }
 }
+
+#[test]
+fn what_bounces_and_rolls_can_be_saved_after_every_step() {
+    let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
+    let mut world = World::new(def).expect("a world");
+    world.add_body(floor()).expect("a floor");
+    for i in 0..8 {
+        let mut body = disc(fx!(1));
+        body.colliders[0].material.restitution = fx!(1) * i / 8;
+        let (position, angular_velocity) = (Vec2::new(Fx::from(3 * i), fx!(0.5) + fx!(0.3) * i), fx!(40));
+        world.add_body(BodyDef { position, angular_velocity, ..body }).expect("a disc");
+    }
+    for _ in 0..240 {
+        world.step();
+        let bytes = world.snapshot().to_bytes();
+        let restored = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        assert_eq!(restored.state_hash(), world.state_hash());
+    }
+}

@@ -328,7 +328,7 @@ fn row(contacts: ContactSettings, order: &[u64], steps: usize) -> World {
         let def = match key {
             // A sensor with as many bodies as its number, and more far to its right.
             0..12 => {
-                let shape = Shape::rectangle(Fx::from(key as i32) + fx!(0.25), fx!(1)).expect("a rectangle");
+                let shape = Shape::rectangle(Fx::from(key as i32) + fx!(0.49), fx!(1)).expect("a rectangle");
                 let reach = Fx::from(key as i32) / 2 - fx!(0.5);
                 let at = ColliderDef { position: Vec2::new(reach, fx!(0)), ..sensor(shape, key) };
                 let kind = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][key as usize % 3];
@@ -393,4 +393,25 @@ fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
         assert_eq!(found_by_keys(&image), found_by_keys(&world));
     }
     assert!(cuts.len() >= 4, "{cuts:?}");
+    // All of them fit, as many as a sensor has; one less, and no sensor with more than one has any.
+    for (max_pairs, expected) in [(all.len(), all.len()), (all.len() - 1, 1)] {
+        let contacts =
+            ContactSettings { max_pairs: max_pairs as u32, max_pairs_per_collider: 1, ..ContactSettings::default() };
+        for order in [&up, &down, &mixed] {
+            assert_eq!(found_by_keys(&row(contacts, order, 1)).len(), expected);
+        }
+    }
+}
+
+#[test]
+fn one_body_in_more_sensors_than_there_may_be_pairs_is_in_none() {
+    for (max_pairs, expected) in [(3, 3), (2, 0)] {
+        let contacts = ContactSettings { max_pairs, ..ContactSettings::default() };
+        let square = || Shape::rectangle(fx!(1), fx!(1)).expect("a square");
+        let mut bodies = vec![BodyDef::dynamic().with_collider(square())];
+        bodies.extend((0..3).map(|key| BodyDef { key, ..BodyDef::fixed().with_collider(sensor(square(), key)) }));
+        let def = WorldDef { gravity: Vec2::ZERO, contacts, ..def() };
+        let (mut world, _) = world(def, bodies).expect("a scene");
+        assert_eq!(world.step().sensors_entered.len(), expected);
+    }
 }

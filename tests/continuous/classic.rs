@@ -1,7 +1,8 @@
 //! Scenes in which engines tunnel.
 
 use umbra_physics::{
-    BodyDef, BodyId, ColliderDef, Fx, Mass, Material, Random, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, BodyKind, ColliderDef, Fx, Locks, Mass, Material, Random, Shape, TimeStep, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 fn world(rate: u32, gravity: Vec2) -> World {
@@ -45,12 +46,15 @@ fn a_thin_floor_holds_at_grazing_angles() {
 /// A bar of 2 m turns on the spot, 0.9 m from a wall of 1 cm: its ends stay on this side.
 #[test]
 fn a_spinning_bar_stays_beside_a_wall() {
-    for spin in [20, 100, 1_000, 30_000, 1_000_000] {
+    for (spin, is_discrete) in
+        [20, 100, 1_000, 30_000, 1_000_000].into_iter().flat_map(|spin| [(spin, false), (spin, true)])
+    {
         for wall in [Shape::rectangle(fx!(0.01), 8), Shape::segment(vec2(0, -4), vec2(0, 4))] {
             let mut world = world(60, vec2(0, 0));
             add(&mut world, BodyDef { position: vec2(fx!(0.905), 0), ..BodyDef::fixed() }, wall);
             let def = BodyDef { angle: fx!(1.5), angular_velocity: spin.into(), ..BodyDef::dynamic() };
             let bar = add(&mut world, def, Shape::capsule(fx!(1.9), fx!(0.05)));
+            world.do_without_continuous_collision(false, is_discrete);
             for tick in 0..60 {
                 world.step();
                 let bar = world.body(bar).expect("it");
@@ -78,6 +82,34 @@ fn what_is_pushed_at_a_wall_does_not_cross_it() {
             world.step();
             let at = world.body(disc).expect("it").position();
             assert!(at.x < fx!(0) && at.x > fx!(-0.3), "from {from} m, tick {tick}: {at:?}");
+        }
+    }
+}
+
+/// A disc that another one strikes flies on within the step, to where it would not have flown: what is there stops it, also where it sleeps.
+#[test]
+fn what_is_struck_in_a_step_is_stopped_in_it() {
+    for (wall, sleeps) in [
+        (BodyDef::fixed(), false),
+        (BodyDef::kinematic(), false),
+        (BodyDef::fixed(), true),
+        (BodyDef::kinematic(), true),
+    ] {
+        let mut world = world(60, vec2(0, 0));
+        let disc = || Shape::circle(fx!(0.1));
+        add(&mut world, BodyDef { position: vec2(0, fx!(1.5)), ..wall }, Shape::rectangle(400, fx!(0.01)));
+        let struck = add(&mut world, BodyDef::dynamic(), disc());
+        if sleeps {
+            world.set_sleep_after(Some(1)).expect("it may be");
+            (0..3).for_each(|_| _ = world.step());
+            assert_eq!(world.moving_count(), 0);
+        }
+        let def = BodyDef { position: vec2(-1, fx!(-0.15)), velocity: vec2(3_000, 0), ..BodyDef::dynamic() };
+        add(&mut world, def, disc());
+        for tick in 0..10 {
+            world.step();
+            let at = world.body(struck).expect("it").position();
+            assert!(at.x > fx!(0) && at.y < fx!(1.5), "{sleeps}, tick {tick}: {at}");
         }
     }
 }
@@ -124,6 +156,117 @@ fn bullets_in_a_crowd_stay_in_their_room() {
             let at = world.body(bullet).expect("it").position();
             assert!(at.x.abs() < fx!(5) && at.y.abs() < fx!(5), "{bullet} at tick {tick}: {at:?}");
         }
+    }
+}
+
+/// Pairs in which one moves 10 m in the tick, without contacts that are found ahead of time: what is in the way of whom.
+#[test]
+fn bullets_meet_all_and_others_what_is_not_dynamic() {
+    let bullet = |is| BodyDef { bullet: is, ..BodyDef::dynamic() };
+    let (fixed, driven) = (BodyDef::fixed(), BodyDef::kinematic());
+    for (fast, slow, stops) in [
+        (bullet(false), fixed.clone(), true),
+        (bullet(false), driven.clone(), true),
+        (bullet(false), bullet(false), false),
+        (bullet(true), bullet(false), true),
+        (bullet(false), bullet(true), true),
+        (driven.clone(), bullet(false), true),
+        (driven.clone(), fixed, false),
+        (driven.clone(), driven, false),
+    ] {
+        // In either order, beside many others, and asleep.
+        for (is_first, crowd, sleeps) in [(true, 0, false), (false, 0, false), (true, 80, false), (false, 0, true)] {
+            if sleeps && fast.kind == BodyKind::Kinematic {
+                continue;
+            }
+            let mut world = world(60, vec2(0, 0));
+            let add_fast = |world: &mut World| {
+                let def = BodyDef { velocity: vec2(600, 0), position: vec2(-5, 0), ..fast.clone() };
+                add(world, def, Shape::circle(fx!(0.1)))
+            };
+            let before = is_first.then(|| add_fast(&mut world));
+            let slow = add(&mut world, slow.clone(), Shape::rectangle(fx!(0.1), 4));
+            for i in 0..crowd {
+                let def =
+                    BodyDef { position: vec2(0, 10 + i), velocity: vec2(0, 1), bullet: true, ..BodyDef::dynamic() };
+                add(&mut world, def, Shape::circle(fx!(0.1)));
+            }
+            if sleeps {
+                world.set_sleep_after(Some(1)).expect("it may be");
+                (0..3).for_each(|_| _ = world.step());
+            }
+            let fast = before.unwrap_or_else(|| add_fast(&mut world));
+            world.do_without_continuous_collision(false, true);
+            world.step();
+            let [fast, slow] = [fast, slow].map(|id| world.body(id).expect("it"));
+            let is_behind = fast.position().x < slow.position().x;
+            assert_eq!(is_behind, stops, "{:?} {:?} {sleeps}: {}", fast.kind(), slow.kind(), fast.position());
+        }
+    }
+}
+
+#[test]
+fn what_is_stopped_without_an_impulse_cannot_be_undone() {
+    let mut world = world(60, vec2(0, 0));
+    add(&mut world, BodyDef::fixed(), Shape::rectangle(fx!(0.1), 4));
+    let fast = BodyDef { velocity: vec2(600, 0), position: vec2(-5, 0), ..BodyDef::dynamic() };
+    add(&mut world, fast, Shape::circle(fx!(0.1)));
+    world.do_without_continuous_collision(false, true);
+    world.step();
+    assert!(world.step_back(&[]).is_err());
+}
+
+/// A ram of 10 m a tick carries along what it meets: not along an axis that is locked, and nothing that another one holds against it.
+#[test]
+fn what_is_locked_or_squeezed_is_not_carried() {
+    for (locks, y) in [(Locks::NONE, fx!(1)), (Locks { y: true, ..Locks::NONE }, fx!(0))] {
+        for rams in [&[1][..], &[-1, 1], &[1, -1]] {
+            let mut world = world(60, vec2(0, 0));
+            let disc = add(&mut world, BodyDef { locks, ..BodyDef::dynamic() }, Shape::circle(fx!(0.5)));
+            for &way in rams {
+                let velocity = vec2(600 * way, if rams.len() == 1 { 240 } else { 0 });
+                let def = BodyDef { velocity, position: vec2(-6 * way, 0), ..BodyDef::kinematic() };
+                add(&mut world, def, Shape::rectangle(1, 40));
+            }
+            world.do_without_continuous_collision(false, true);
+            world.step();
+            let at = world.body(disc).expect("it").position();
+            match rams {
+                [_] => assert!((at.y > fx!(0.5)) == (y > fx!(0)), "{at}"),
+                _ => assert_eq!(at, vec2(0, 0)),
+            }
+        }
+    }
+}
+
+/// What slides or rolls over a floor at speed ends where it ends without ends of paths, to the bit; and from behind a chain is not there.
+#[test]
+fn what_slides_at_speed_is_not_held_up() {
+    let run = |without: bool| {
+        let mut world = world(60, vec2(0, -10));
+        add(&mut world, BodyDef { position: vec2(0, -1), ..BodyDef::fixed() }, Shape::rectangle(4000, 2));
+        for (i, shape) in [Shape::rectangle(1, fx!(0.2)), Shape::circle(fx!(0.1)), Shape::capsule(1, fx!(0.1))]
+            .into_iter()
+            .enumerate()
+        {
+            let position = Vec2::new(Fx::from(-20 * i as i32), fx!(0.1));
+            add(&mut world, BodyDef { position, velocity: vec2(40, 0), ..BodyDef::dynamic() }, shape);
+        }
+        world.do_without_continuous_collision(without, false);
+        (0..90).for_each(|_| _ = world.step());
+        world.state_hash()
+    };
+    assert_eq!(run(false), run(true));
+    for (from, way) in [(-4, 1), (4, -1)] {
+        let mut world = world(60, vec2(0, 0));
+        // Its outer side is on the right of the way.
+        add(&mut world, BodyDef::fixed(), Shape::chain(&[vec2(0, -9), vec2(0, 0), vec2(0, 9)], false));
+        let def = BodyDef { position: vec2(from, 2), velocity: vec2(300 * way, 0), ..BodyDef::dynamic() };
+        let disc = add(&mut world, def, Shape::circle(fx!(0.1)));
+        (0..4).for_each(|_| _ = world.step());
+        let at = world.body(disc).expect("it").position();
+        assert!(at.x > fx!(0), "{from}: {at}");
+        assert!(way < 0 || at == vec2(from + 20, 2), "{at}");
     }
 }
 

@@ -290,12 +290,9 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let colliders = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let [Some(first), Some(second)] = colliders else { return };
         let forms = [form::<S, N>(first, outlines[0].part), form::<S, N>(second, outlines[1].part)];
-        let is_dynamic = |kind| matches!(kind, FlightOf::Dynamic | FlightOf::Asleep);
-        let sweep = Sweep {
-            forms: [&forms[0], &forms[1]],
-            paths: [&courses[0].path, &courses[1].path],
-            is_mutual: is_dynamic(b.1.kind),
-        };
+        let gives_way = matches!(b.1.kind, FlightOf::Dynamic | FlightOf::Asleep) && !paths.is_kinematic(b.1.slot);
+        let sweep =
+            Sweep { forms: [&forms[0], &forms[1]], paths: [&courses[0].path, &courses[1].path], is_mutual: gives_way };
         let Some(at) = sweep.impact(from) else { return };
         let (own, other) = (own as u32, other as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
@@ -372,7 +369,9 @@ fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool 
         (FlightOf::Dynamic, FlightOf::Static | FlightOf::Kinematic)
         | (FlightOf::Static | FlightOf::Kinematic, FlightOf::Dynamic) => true,
         (FlightOf::Dynamic, FlightOf::Dynamic | FlightOf::Asleep) | (FlightOf::Asleep, FlightOf::Dynamic) => {
-            paths.is_bullet(a.slot) || paths.is_bullet(b.slot)
+            // A kinematic body that sleeps is in the way as a static one is.
+            let sleeps = |end: &&Place<P>| end.kind == FlightOf::Asleep && paths.is_kinematic(end.slot);
+            paths.is_bullet(a.slot) || paths.is_bullet(b.slot) || [a, b].iter().any(sleeps)
         }
         _ => false,
     }

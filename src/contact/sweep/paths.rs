@@ -4,7 +4,7 @@ use super::super::flights::Place;
 use super::super::numerics::Numerics;
 use super::super::{Correction, Scene, Stop};
 use super::Course;
-use crate::body::Locks;
+use crate::body::{BodyKind, Locks};
 use crate::collide::sweep::{END, Path};
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -58,6 +58,11 @@ impl<S: Scalar> Paths<'_, S> {
     pub(super) fn is_bullet(&self, slot: u32) -> bool {
         let bodies = self.scene.bodies;
         bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).is_bullet)
+    }
+
+    pub(super) fn is_kinematic(&self, slot: u32) -> bool {
+        let bodies = self.scene.bodies;
+        bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Kinematic)
     }
 
     pub(super) fn is_locked(&self, slot: u32) -> bool {
