@@ -25,7 +25,7 @@ use super::number::{shifted, shifted_word};
 use super::pass::Pass;
 use super::prepare::{clear_shares, count_share};
 use super::unit::FINEST;
-use super::{Contact, Flight, Place, Solver};
+use super::{Contact, Flight, Place, STILL, Solver};
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
 
@@ -180,6 +180,7 @@ impl Solver {
             let phase = usize::from(phase_of[contact as usize]);
             count_share(shares, touched, row_of, phase, contacts[contact as usize].bodies);
         }
+        touched.iter_mut().for_each(Vec::clear);
         for place in resisting() {
             let (contact, phase) = (&contacts[place.contact as usize], phase_of[place.contact as usize]);
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
@@ -214,6 +215,13 @@ impl Solver {
                 applied: 0,
                 weighted: 0,
             });
+            // Only those that have a row: gains are rounded each time that they are applied, whether they grew or not.
+            let can_move = contact.bodies.into_iter().map(|body| row_of[body as usize]).filter(|&row| row != STILL);
+            touched[usize::from(phase)].extend(can_move);
+        }
+        for touched in touched {
+            touched.sort_unstable();
+            touched.dedup();
         }
     }
 }
