@@ -35,7 +35,7 @@ pub struct ContactSettings<S = Fx> {
     pub restitution_speed: S,
     /// The speed below which a body that contacts push counts as at rest, m/s, up to 2^10: that of its fastest point. An island of bodies
     /// that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops and falls asleep. With 0 a body sleeps
-    /// only where a step would change nothing at all, which is rare where gravity presses it on another one.
+    /// only where a step would change nothing at all: never while contacts push it or it floats.
     pub sleep_speed: S,
     /// The approach speed from which on a contact is a hit, m/s, up to 2^10: [`Event::ContactHit`](crate::Event::ContactHit) reports it
     /// where one of the colliders has [`hit_events`](crate::ColliderDef::hit_events).

@@ -350,10 +350,12 @@ impl<S: Scalar> Step<'_, S> {
             if self.workspace.found.faults.len() > first {
                 start.restore(bodies);
             } else if bodies.info(i).kind == BodyKind::Dynamic {
-                // Impulses change it in each step: it counts as at rest while it is slow and nothing else is applied to it.
+                // Impulses change it in each step, its place too where they push bodies apart that overlap: it counts as at rest while it
+                // is slow and nothing else is applied to it.
                 let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
                 let rests = constants.sleep_after.is_some()
                     && is_left_alone
+                    && constants.sleep_speed > S::ZERO
                     && is_slow(bodies, colliders, constants.sleep_speed, i);
                 let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
                 *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
@@ -400,6 +402,14 @@ impl<S: Scalar> Step<'_, S> {
             motion.position.set(stop.dense, stop.position);
             motion.angle[stop.dense] = stop.angle;
             motion.ticks_at_rest[stop.dense] = 0;
+            // What a fast kinematic body carries along may leave the allowed range.
+            let first = self.workspace.found.faults.len();
+            let block = self.bodies.block(stop.dense..stop.dense + 1);
+            bounds::find_out_of_bounds(&block, &mut self.workspace.found.faults);
+            if self.workspace.found.faults.len() > first {
+                let start = starts.iter().find(|start| start.dense == stop.dense);
+                start.expect("what is stopped has a start").restore(self.bodies);
+            }
             self.note_pushed(stop.dense);
         }
     }

@@ -224,6 +224,22 @@ fn what_is_pushed_in_each_tick_does_not_sleep_and_without_a_speed_nothing_presse
     assert!(!are_asleep(&world, &ids[1..2]));
 }
 
+/// Bodies that are pushed apart have no velocity after a step.
+#[test]
+fn without_a_speed_bodies_that_are_pushed_apart_do_not_sleep() {
+    let contacts = umbra_physics::ContactSettings { sleep_speed: Fx::ZERO, ..Default::default() };
+    let places = [Some(1), None].map(|sleep_after| {
+        let squares =
+            [vec2(0, 5), vec2(fx!(0.5), 5)].map(|at| square(at, 1 + at.x.to_bits() as u64).expect("a square"));
+        let def = WorldDef { sleep_after, contacts, gravity: vec2(0, 0), ..def() };
+        let (mut world, ids) = world(def, squares).expect("a scene");
+        (0..40).for_each(|_| _ = world.step());
+        ids.into_iter().map(|id| world.body(id).expect("it is there").position()).collect::<Vec<_>>()
+    });
+    assert_eq!(places[0], places[1]);
+    assert!(places[0][1].x - places[0][0].x > fx!(0.99), "{places:?}");
+}
+
 #[test]
 fn boxes_on_a_floor_fall_asleep_after_thirty_steps_at_rest() {
     // As soon as those of Box2D and Rapier: the first step finds the contacts.
