@@ -14,7 +14,10 @@ mod fuzz;
 use fuzz::tally::Tally;
 use std::collections::BTreeSet;
 use std::fs;
+use std::panic::{catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Instant;
 
 use umbra_physics::{BodyDef, Command, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, vec2};
@@ -127,6 +130,60 @@ fn inputs_have_ticks_and_contacts() {
             println!("{} {} {} {}", tally.ticks, tally.mean(), tally.most, path.display());
         }
     }
+}
+
+/// A committed input with some of its bytes changed, or with a part of another one.
+fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
+    let below = |random: &mut Random, end: usize| random.below(end.max(1) as u64) as usize;
+    let (_, input) = &inputs[below(random, inputs.len())];
+    let mut input = input.clone();
+    for _ in 0..1 + below(random, 8) {
+        let at = below(random, input.len());
+        match random.below(4) {
+            0 if at < input.len() => input[at] ^= 1 << random.below(8),
+            1 if at < input.len() => input[at] = random.bits() as u8,
+            2 => input.insert(at, random.bits() as u8),
+            _ => {
+                let (_, other) = &inputs[below(random, inputs.len())];
+                let from = below(random, other.len());
+                let part = &other[from..(from + below(random, 32)).min(other.len())];
+                let end = (at + below(random, 32)).min(input.len());
+                input.splice(at..end, part.iter().copied());
+            }
+        }
+    }
+    input.truncate(2048);
+    input
+}
+
+/// Each target for five seconds, two at once, from `UMBRA_SEED` (1) on the same inputs each time. No fuzzer looks which of them lead anywhere: `.ci/fuzz` does.
+#[test]
+#[ignore = "takes half a minute: `cargo test --release --all-features --test corpus -- --ignored seconds`"]
+fn seconds_of_mutated_inputs() {
+    let seed = std::env::var("UMBRA_SEED").map_or(1, |seed| seed.parse().expect("a number"));
+    let next = AtomicUsize::new(0);
+    let work = || {
+        while let Some((target, run)) = fuzz::TARGETS.get(next.fetch_add(1, Ordering::Relaxed)) {
+            let (inputs, mut random, start) = (inputs(target), Random::seeded(seed), Instant::now());
+            let mut count = 0;
+            while start.elapsed().as_secs() < 5 {
+                let input = mutated(&mut random, &inputs);
+                if let Err(panic) = catch_unwind(|| run(&input)) {
+                    let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target}-{count}"));
+                    fs::write(&file, &input).expect("a file");
+                    eprintln!("{target}: input {count} fails: {}", file.display());
+                    resume_unwind(panic);
+                }
+                count += 1;
+            }
+            println!("{target}: {count} inputs");
+            assert!(count >= 10, "{target}: {count} inputs");
+        }
+    };
+    thread::scope(|scope| {
+        scope.spawn(work);
+        scope.spawn(work);
+    });
 }
 
 /// The dictionary has the fields that the reader of scenes knows.

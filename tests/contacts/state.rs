@@ -257,7 +257,7 @@ fn what_cannot_be_is_refused_and_the_world_unchanged() {
     let slow = ContactSettings { push_speed: fx!(-1), ..ContactSettings::default() };
     assert_eq!(world.set_contact_settings(slow), Err(of(Quantity::ContactSpeed)));
     for (substeps, max_pairs, quantity) in
-        [(0, 9, Quantity::Substeps), (9, 9, Quantity::Substeps), (5, 0, Quantity::Pairs)]
+        [(0, 9, Quantity::Substeps), (17, 9, Quantity::Substeps), (5, 0, Quantity::Pairs)]
     {
         let settings = ContactSettings { substeps, max_pairs, ..ContactSettings::default() };
         assert_eq!(world.set_contact_settings(settings), Err(of(quantity)));

@@ -86,7 +86,7 @@ fn every_figure_of_other_engines_is_of_a_scene_and_a_number() {
         );
         count += 1;
     }
-    assert_eq!(count, 124);
+    assert_eq!(count, 77);
 }
 
 #[test]

@@ -1,0 +1,142 @@
+//! Walks among obstacles at random: never into a wall, alike in a mirror and in worlds built in another order.
+
+use super::*;
+
+/// Boxes, discs, turned bars, rounded polygons and a chain at random.
+fn clutter(random: &mut Random, turned: bool) -> World {
+    let mut world = world();
+    for key in 0..24 {
+        let size = |random: &mut Random| random.number(fx!(0.25)..=fx!(2));
+        let shape = match random.below(5) {
+            0 => Shape::circle(size(random)),
+            1 => Shape::rounded_polygon(&[vec2(0, 0), vec2(2, 0), vec2(1, 2)], fx!(0.2)),
+            2 => Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(2, 2), vec2(0, 1)]),
+            _ => Shape::rectangle(size(random), size(random)),
+        };
+        let mut number = |most: i32| random.number(-Fx::from(most)..=Fx::from(most));
+        let (position, angle) = (Vec2::new(number(6), number(6)), if turned { number(3) } else { fx!(0) });
+        let collider = ColliderDef { key, ..ColliderDef::new(shape.expect("a shape")) };
+        let def = BodyDef { position, angle, ..BodyDef::fixed().with_collider(collider) };
+        world.add_body(def).expect("a body");
+    }
+    world
+}
+
+fn any_hero(random: &mut Random) -> Character {
+    let shape = match random.below(4) {
+        0 => bar(fx!(0.5), fx!(1)),
+        1 => Shape::circle(fx!(0.4)).unwrap(),
+        2 => Shape::capsule(fx!(0.5), fx!(0.3)).unwrap(),
+        _ => Shape::polygon(&[vec2(0, 0), vec2(1, 0), vec2(fx!(0.6), 1), vec2(0, 1)]).unwrap(),
+    };
+    Character::new(shape)
+}
+
+/// A place for it, if there is one.
+fn free_place(random: &mut Random, world: &World, hero: &Character) -> Option<Vec2> {
+    let queries = world.queries();
+    (0..50).find_map(|_| {
+        let place = Vec2::new(random.number(fx!(-7)..=fx!(7)), random.number(fx!(-7)..=fx!(7)));
+        queries.overlap_shape(&hero.shape, (place, fx!(0)), &ALL).unwrap().is_empty().then_some(place)
+    })
+}
+
+#[test]
+fn it_never_ends_in_a_wall() {
+    let (mut moves, mut hits) = (0, 0);
+    for seed in 0..200 {
+        let random = &mut Random::seeded(seed);
+        let world = clutter(random, seed % 4 > 0);
+        let hero = any_hero(random);
+        let Some(place) = free_place(random, &world, &hero) else { continue };
+        let (queries, mut walk) = (world.queries(), Walk::new(hero, place));
+        let mut goal = vec2(0, 0);
+        for i in 0..60 {
+            // To places among the obstacles, at a jump now and then.
+            if i % 10 == 0 {
+                goal = Vec2::new(random.number(fx!(-6)..=fx!(6)), random.number(fx!(-6)..=fx!(6)));
+            }
+            let by = (goal - walk.position) * if i % 10 == 0 { fx!(0.9) } else { fx!(0.15) };
+            let moved = walk.hero.translate(&queries, walk.position, walk.ground, by, &ALL).unwrap();
+            let inside = queries.overlap_shape(&walk.hero.shape, (moved.position, fx!(0)), &ALL).unwrap();
+            assert_eq!(inside, [], "seed {seed}, move {i}: {walk:?} by {by} to {moved:?}");
+            assert!(!moved.is_overlapping);
+            let parts: BTreeSet<_> = moved.hits.iter().map(|hit| (hit.collider, hit.part)).collect();
+            assert_eq!(parts.len(), moved.hits.len(), "each once");
+            hits += moved.hits.len();
+            moves += 1;
+            (walk.position, walk.ground) = (moved.position, moved.ground);
+        }
+    }
+    assert!(moves >= 10_000 && hits > 5_000, "{moves} moves, {hits} hits");
+}
+
+#[test]
+fn a_mirror_image_moves_to_the_mirror_image() {
+    let (mirror, mut moves, mut met) = (Symmetry::MIRROR, 0, 0);
+    for seed in 0..120 {
+        let random = &mut Random::seeded(1_000 + seed);
+        let world = clutter(random, seed % 4 > 0);
+        let image = mirror.world(&world).expect("an image");
+        let hero = any_hero(random);
+        let Some(place) = free_place(random, &world, &hero) else { continue };
+        let mirrored = Character { shape: mirror.shape(&hero.shape).unwrap(), ..hero.clone() };
+        let at = mirror.point(place).unwrap();
+        let (mut own, mut other) = (Walk::new(hero, place), Walk::new(mirrored, at));
+        for i in 0..60 {
+            let by = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
+            let moved = own.go(&world, by);
+            let there = other.go(&image, mirror.vector(by).unwrap());
+            assert_eq!(mirror.point(moved.position), Some(there.position), "seed {seed}, move {i}: {by}");
+            assert_eq!(moved.ground_collider, there.ground_collider);
+            assert_eq!(mirror.vector(moved.ground_normal), Some(there.ground_normal));
+            let hits = moved
+                .hits
+                .iter()
+                .map(|hit| (hit.collider, mirror.point(hit.point).unwrap(), mirror.vector(hit.normal).unwrap()));
+            assert!(
+                hits.eq(there.hits.iter().map(|hit| (hit.collider, hit.point, hit.normal))),
+                "seed {seed}, move {i}"
+            );
+            met += moved.hits.len();
+            moves += 1;
+        }
+    }
+    assert!(moves >= 6_000 && met > 700, "{moves} moves, {met} hits");
+}
+
+#[test]
+fn the_order_in_which_a_world_was_built_makes_no_difference() {
+    let mut hits = 0;
+    for seed in 0..20 {
+        let random = &mut Random::seeded(seed);
+        let world = clutter(random, true);
+        let mut other = self::world();
+        let bodies: Vec<_> = world.bodies().map(|body| body.id()).collect();
+        for id in bodies.into_iter().rev() {
+            let collider = world.colliders_of(id).unwrap().next().unwrap();
+            let body = world.body(id).unwrap();
+            let def = BodyDef { angle: body.angle(), ..BodyDef::fixed() };
+            let def = BodyDef {
+                colliders: vec![world.collider(collider).unwrap().clone()],
+                position: body.position(),
+                ..def
+            };
+            other.add_body(def).unwrap();
+        }
+        let hero = any_hero(random);
+        let Some(place) = free_place(random, &world, &hero) else { continue };
+        let (mut a, mut b) = (Walk::new(hero.clone(), place), Walk::new(hero, place));
+        for _ in 0..60 {
+            let by = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
+            let [a, b] = [a.go(&world, by), b.go(&other, by)];
+            assert_eq!(a.position, b.position);
+            let keys = |world: &World, moved: &Movement| -> Vec<u64> {
+                moved.hits.iter().map(|hit| world.collider(hit.collider).unwrap().key).collect()
+            };
+            assert_eq!(keys(&world, &a), keys(&other, &b));
+            hits += a.hits.len();
+        }
+    }
+    assert!(hits > 200, "{hits} hits");
+}
