@@ -1,7 +1,7 @@
 //! The fuzz targets by their committed inputs, on stable: what was found once is not found again.
 //!
-//! `fuzz/README.md` says what each target asserts. `UMBRA_BLESS=1 cargo test --release --all-features --test corpus -- --ignored`
-//! writes inputs to begin with.
+//! `fuzz/README.md` says what each target asserts. `UMBRA_BLESS=1 cargo test --release --all-features --test corpus -- --ignored
+//! write_seeds` writes inputs to begin with.
 
 #[path = "../fuzz/src/lib.rs"]
 #[allow(
