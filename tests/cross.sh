@@ -24,14 +24,14 @@ jobs=${CROSS_JOBS:-$(nproc)}
 
 # Debian has the libraries of these; those of the others are built from its sources. Checked: with overflow checks and debug
 # assertions, in the profile of that name.
-prebuilt="i686-unknown-linux-gnu i686-unknown-linux-gnu/checked aarch64-unknown-linux-gnu
-  armv7-unknown-linux-gnueabihf s390x-unknown-linux-gnu powerpc64le-unknown-linux-gnu"
+prebuilt="i686-unknown-linux-gnu aarch64-unknown-linux-gnu armv7-unknown-linux-gnueabihf s390x-unknown-linux-gnu
+  s390x-unknown-linux-gnu/checked powerpc64le-unknown-linux-gnu"
 # WebAssembly has vectors where the build says so: a module cannot ask.
 from_source="riscv64gc-unknown-linux-gnu mips-unknown-linux-gnu wasm32-wasip1 wasm32-wasip1/simd128"
 # stable: rustup's; nightly: if it is there; msrv: Debian's.
 x86="x86_64/stable-o3 x86_64/stable-checked x86_64/stable-native x86_64/stable-parallel x86_64/nightly-o3 x86_64/msrv-o3"
 quick="x86_64/stable-o3 x86_64/stable-checked i686-unknown-linux-gnu s390x-unknown-linux-gnu"
-ci="i686-unknown-linux-gnu/checked s390x-unknown-linux-gnu"
+ci="s390x-unknown-linux-gnu/checked"
 
 say() { echo "$*" >&2; }
 usage() {
