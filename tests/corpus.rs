@@ -156,7 +156,8 @@ fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
     input
 }
 
-/// Each target for five seconds, two at once, from `UMBRA_SEED` (1) on the same inputs each time. No fuzzer looks which of them lead anywhere: `.ci/fuzz` does.
+/// Runs each target for five seconds, two at once, from `UMBRA_SEED` (1) on the same inputs each time. Coverage does not guide the changes:
+/// `.ci/fuzz` does that.
 #[test]
 #[ignore = "takes half a minute: `cargo test --release --all-features --test corpus -- --ignored seconds`"]
 fn seconds_of_mutated_inputs() {

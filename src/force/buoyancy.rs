@@ -19,23 +19,26 @@ pub(crate) struct Fluids<'a, S: Scalar> {
     pub(crate) parts: &'a mut Parts<S>,
 }
 
-/// The part of a body's colliders in the box of a fluid, if there is one.
-pub(super) fn submerged_of<S: Scalar>(
-    bodies: &Bodies<S>,
-    (colliders, parts): (&ColliderSet<S>, &mut Parts<S>),
-    i: usize,
-    (fluid, min, max): (FieldId, Vec2<S>, Vec2<S>),
-) -> Option<Submerged<S>> {
-    let compute = || {
-        let motion = &bodies.columns.motion;
-        let own = colliders.solid_of_slot(bodies.columns.slot[i]);
-        submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], (min, max))
-    };
-    let (_, (of, part)) = parts.get_or_insert(i, || (i, (fluid, compute())));
-    if *of != fluid {
-        (*of, *part) = (fluid, compute());
+impl<S: Scalar> Parts<S> {
+    /// The part of body `i` in the box of a fluid, if there is one.
+    pub(super) fn of(
+        &mut self,
+        bodies: &Bodies<S>,
+        colliders: &ColliderSet<S>,
+        i: usize,
+        (fluid, min, max): (FieldId, Vec2<S>, Vec2<S>),
+    ) -> Option<Submerged<S>> {
+        let compute = || {
+            let motion = &bodies.columns.motion;
+            let own = colliders.solid_of_slot(bodies.columns.slot[i]);
+            submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], (min, max))
+        };
+        let (_, (of, part)) = self.get_or_insert(i, || (i, (fluid, compute())));
+        if *of != fluid {
+            (*of, *part) = (fluid, compute());
+        }
+        *part
     }
-    *part
 }
 
 /// At least the area of the colliders of a body that displace a fluid, m²: that of the boxes around them.
@@ -69,8 +72,10 @@ pub(crate) fn floats<S: Scalar>(fluids: &mut Fluids<'_, S>, bodies: &Bodies<S>, 
     let mut floats = false;
     for (id, field) in fluids.fields.iter() {
         let FieldKind::Buoyancy { min, max, flow, .. } = &field.kind else { continue };
-        let shapes = (fluids.colliders, &mut *fluids.parts);
-        if info.feels(field.force_groups) && submerged_of(bodies, shapes, i, (id, *min, *max)).is_some() {
+        if !info.feels(field.force_groups) {
+            continue;
+        }
+        if fluids.parts.of(bodies, fluids.colliders, i, (id, *min, *max)).is_some() {
             if *flow != Vec2::ZERO {
                 return false;
             }

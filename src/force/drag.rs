@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::buoyancy::{Fluids, submerged_of, whole_area};
+use super::buoyancy::{Fluids, whole_area};
 use super::{FieldKind, FieldSet, ForceField};
 use crate::body::Bodies;
 use crate::collider::ColliderSet;
@@ -35,7 +35,7 @@ fn resistance<S: Scalar>(
             Some(Some(Resistance { linear, quadratic, angular: S::Factor::ZERO, medium: *wind }))
         }
         FieldKind::Buoyancy { min, max, linear_drag, angular_drag, flow, .. } if kind.has_drag() => {
-            let part = submerged_of(bodies, (fluids.colliders, fluids.parts), i, (id, *min, *max))?;
+            let part = fluids.parts.of(bodies, fluids.colliders, i, (id, *min, *max))?;
             let of_area = |area: S::Wide| {
                 let [linear, angular] =
                     [*linear_drag, *angular_drag].map(|drag| factor(drag).times(S::Factor::from_wide(area)));

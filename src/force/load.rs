@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::buoyancy::{Parts, lift, submerged_of};
+use super::buoyancy::{Parts, lift};
 use super::{
     Attachment, BodyState, CustomForces, Dependence, End, FieldKind, FieldSet, ForceField, ForceTorque, Region,
 };
@@ -282,8 +282,8 @@ impl<S: Scalar> Evaluation<'_, S> {
             }
             FieldKind::Buoyancy { min, max, density, .. } if pass == Dependence::Position => {
                 self.each_in(field.force_groups, |one, i| {
-                    let shapes = (scene.colliders, &mut *one.parts);
-                    let Some(part) = submerged_of(scene.bodies, shapes, i, (id, *min, *max)) else { return };
+                    let part = one.parts.of(scene.bodies, scene.colliders, i, (id, *min, *max));
+                    let Some(part) = part else { return };
                     match lift(&part, *density, scene.gravity) {
                         Some((force, torque)) => {
                             let turns = !scene.bodies.mass(i).locks.rotation;

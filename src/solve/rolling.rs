@@ -25,7 +25,7 @@ use super::number::{shifted, shifted_word};
 use super::pass::Pass;
 use super::prepare::{clear_shares, count_share};
 use super::unit::FINEST;
-use super::{Contact, Flight, Place, STILL, Solver};
+use super::{Contact, Flight, Place, Solver};
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
 
@@ -180,7 +180,6 @@ impl Solver {
             let phase = usize::from(phase_of[contact as usize]);
             count_share(shares, touched, row_of, phase, contacts[contact as usize].bodies);
         }
-        touched.iter_mut().for_each(Vec::clear);
         for place in resisting() {
             let (contact, phase) = (&contacts[place.contact as usize], phase_of[place.contact as usize]);
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
@@ -195,12 +194,14 @@ impl Solver {
             let shares = contact.bodies.map(|body| i64::from(shares[body as usize][usize::from(phase)]));
             let of = |side: usize| i128::from(shares[side]) * i128::from(arms[side]) * i128::from(factors[side]);
             let sum = shifted(of(0) + of(1), 30);
-            if sum == 0 {
-                continue;
-            }
             let bits = 128 - sum.leading_zeros() as i32;
-            // A quotient of 2^(bits + 30): at most 2^31.
-            let reciprocal = if bits < 97 { (1 << (bits + 30)) / sum } else { (1 << 126) / (sum >> (bits - 96)) };
+            // A quotient of 2^(bits + 30): at most 2^31. Where no body can be turned there is a row as well: gains are rounded each time
+            // that they are applied, so all bodies of such contacts get theirs as often, whoever else has a row.
+            let reciprocal = match bits {
+                0 => 0,
+                ..97 => (1 << (bits + 30)) / sum,
+                _ => (1 << 126) / (sum >> (bits - 96)),
+            };
             phases[usize::from(phase)].push(Roll {
                 place: *place,
                 bodies: contact.bodies,
@@ -215,13 +216,6 @@ impl Solver {
                 applied: 0,
                 weighted: 0,
             });
-            // Only those that have a row: gains are rounded each time that they are applied, whether they grew or not.
-            let can_move = contact.bodies.into_iter().map(|body| row_of[body as usize]).filter(|&row| row != STILL);
-            touched[usize::from(phase)].extend(can_move);
-        }
-        for touched in touched {
-            touched.sort_unstable();
-            touched.dedup();
         }
     }
 }

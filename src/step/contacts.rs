@@ -12,7 +12,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::sleep::is_slow;
-use super::{Constants, Step, bounds, show};
+use super::{Constants, Found, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{ColliderSet, ContactSettings};
@@ -72,6 +72,13 @@ fn is_motion<S: Scalar>(bodies: &Bodies<S>, &(slot, change): &(u32, Change)) -> 
 /// Returns true if more than the colliders of a body changed.
 fn is_of_body(&(_, change): &(u32, Change)) -> bool {
     change.is_any_of(Change::VELOCITY.or(Change::POSE).or(Change::FORCES))
+}
+
+/// Finds whether a body left the allowed range; then it is at fault.
+fn leaves_range<S: Scalar>(bodies: &mut Bodies<S>, dense: usize, found: &mut Found) -> bool {
+    let first = found.faults.len();
+    bounds::find_out_of_bounds(&bodies.block(dense..dense + 1), &mut found.faults);
+    found.faults.len() > first
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -345,17 +352,13 @@ impl<S: Scalar> Step<'_, S> {
             if constants.any_capped {
                 cap(&mut block, BlockFactors::Each(constants.rows));
             }
-            let first = self.workspace.found.faults.len();
-            bounds::find_out_of_bounds(&block, &mut self.workspace.found.faults);
-            if self.workspace.found.faults.len() > first {
+            if leaves_range(bodies, i, &mut self.workspace.found) {
                 start.restore(bodies);
             } else if bodies.info(i).kind == BodyKind::Dynamic {
-                // Impulses change it in each step, its place too where they push bodies apart that overlap: it counts as at rest while it
-                // is slow and nothing else is applied to it.
+                // Impulses change it in each step: it counts as at rest while it is slow and nothing else is applied to it.
                 let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
                 let rests = constants.sleep_after.is_some()
                     && is_left_alone
-                    && constants.sleep_speed > S::ZERO
                     && is_slow(bodies, colliders, constants.sleep_speed, i);
                 let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
                 *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
@@ -403,10 +406,7 @@ impl<S: Scalar> Step<'_, S> {
             motion.angle[stop.dense] = stop.angle;
             motion.ticks_at_rest[stop.dense] = 0;
             // What a fast kinematic body carries along may leave the allowed range.
-            let first = self.workspace.found.faults.len();
-            let block = self.bodies.block(stop.dense..stop.dense + 1);
-            bounds::find_out_of_bounds(&block, &mut self.workspace.found.faults);
-            if self.workspace.found.faults.len() > first {
+            if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
                 let start = starts.iter().find(|start| start.dense == stop.dense);
                 start.expect("what is stopped has a start").restore(self.bodies);
             }

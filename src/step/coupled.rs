@@ -166,7 +166,7 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
     let StepWorkspace { coupled: Workspace { backup, floating }, fields, found, .. } = workspace;
     let constants = pass.constants;
     floating.clear();
-    if pass.kinds.fluid && constants.sleep_after.is_some() && constants.sleep_speed > S::ZERO {
+    if pass.kinds.fluid && constants.sleep_after.is_some() {
         let (bodies, mut fluids) = (&*pass.bodies, fields.fluids(pass.forces));
         let is_slow = |i: &usize| is_slow(bodies, pass.forces.colliders, constants.sleep_speed, *i);
         let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(&mut fluids, bodies, i));

@@ -70,8 +70,12 @@ fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields
     }
 }
 
-/// Returns true if no point of a body's colliders is faster than this.
+/// Returns true if no point of a body's colliders is faster than this. With a speed of 0 no body is slow: what has no velocity after a step
+/// may still be pushed out of another one in it.
 pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
+    if speed == S::ZERO {
+        return false;
+    }
     let size = |value: S| if value < S::ZERO { -value } else { value };
     let motion = &bodies.columns.motion;
     let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));

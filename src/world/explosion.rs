@@ -138,8 +138,8 @@ impl<S: Scalar> Explosion<S> {
 }
 
 impl<S: Scalar> World<S> {
-    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all from the state before. It wakes the bodies that it hits.
-    /// Bodies without colliders are not hit, nor are disabled and quarantined ones.
+    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all from the state before. It wakes the bodies that
+    /// it hits. Bodies without colliders are not hit, nor are disabled and quarantined ones.
     ///
     /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* each collider of a dynamic body is looked at.
     ///

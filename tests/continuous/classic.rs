@@ -86,7 +86,7 @@ fn what_is_pushed_at_a_wall_does_not_cross_it() {
     }
 }
 
-/// A disc that another one strikes flies on within the step, to where it would not have flown: what is there stops it, also where it sleeps.
+/// A disc that another one strikes leaves its free path within the step: a wall beside that path stops it, also one that sleeps.
 #[test]
 fn what_is_struck_in_a_step_is_stopped_in_it() {
     for (wall, sleeps) in [
@@ -239,7 +239,8 @@ fn what_is_locked_or_squeezed_is_not_carried() {
     }
 }
 
-/// What slides or rolls over a floor at speed ends where it ends without ends of paths, to the bit; and from behind a chain is not there.
+/// Bodies that slide or roll over a floor at speed end where they end without continuous collision, to the bit; a chain lets them through
+/// from behind.
 #[test]
 fn what_slides_at_speed_is_not_held_up() {
     let run = |without: bool| {

@@ -290,9 +290,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let colliders = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let [Some(first), Some(second)] = colliders else { return };
         let forms = [form::<S, N>(first, outlines[0].part), form::<S, N>(second, outlines[1].part)];
-        let gives_way = matches!(b.1.kind, FlightOf::Dynamic | FlightOf::Asleep) && !paths.is_kinematic(b.1.slot);
-        let sweep =
-            Sweep { forms: [&forms[0], &forms[1]], paths: [&courses[0].path, &courses[1].path], is_mutual: gives_way };
+        let sweep = Sweep {
+            forms: [&forms[0], &forms[1]],
+            paths: [&courses[0].path, &courses[1].path],
+            is_mutual: is_dynamic(&b.1, paths),
+        };
         let Some(at) = sweep.impact(from) else { return };
         let (own, other) = (own as u32, other as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
@@ -363,18 +365,16 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 }
 
+/// Returns true if a body is dynamic, awake or asleep. A kinematic one that sleeps is in the way as a static one is.
+fn is_dynamic<S: Scalar, P>(of: &Place<P>, paths: &Paths<'_, S>) -> bool {
+    of.kind == FlightOf::Dynamic || of.kind == FlightOf::Asleep && !paths.is_kinematic(of.slot)
+}
+
 /// Returns true if the paths of two bodies are looked at where one of them is fast.
 fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool {
-    match (a.kind, b.kind) {
-        (FlightOf::Dynamic, FlightOf::Static | FlightOf::Kinematic)
-        | (FlightOf::Static | FlightOf::Kinematic, FlightOf::Dynamic) => true,
-        (FlightOf::Dynamic, FlightOf::Dynamic | FlightOf::Asleep) | (FlightOf::Asleep, FlightOf::Dynamic) => {
-            // A kinematic body that sleeps is in the way as a static one is.
-            let sleeps = |end: &&Place<P>| end.kind == FlightOf::Asleep && paths.is_kinematic(end.slot);
-            paths.is_bullet(a.slot) || paths.is_bullet(b.slot) || [a, b].iter().any(sleeps)
-        }
-        _ => false,
-    }
+    let is_awake = a.kind == FlightOf::Dynamic || b.kind == FlightOf::Dynamic;
+    let are_dynamic = is_dynamic(a, paths) && is_dynamic(b, paths);
+    is_awake && (!are_dynamic || paths.is_bullet(a.slot) || paths.is_bullet(b.slot))
 }
 
 /// An outline for the time of impact.

@@ -6,6 +6,7 @@ use super::scene::{Scene, body, by_exponent, contact, fixed, fx, signed, unit};
 use super::twin::real;
 use crate::fx::Fx;
 use crate::math::{Random, TimeStep};
+use crate::scalar::FxFactor;
 use crate::solve::{Contact, Flight, Impulses};
 
 /// The ranges of what is made up.
@@ -99,6 +100,7 @@ impl Ranges {
             let kind = random.below(12) + if index == 0 { 12 } else { 0 };
             flights.push(match kind {
                 0 => fixed(4.0),
+                2 => Flight { inverse_inertia: FxFactor::ZERO, ..flight },
                 // A fixed body that moves.
                 1 => Flight { radius: fx(4.0), ..fixed(4.0).flying([signed(random), signed(random), 0.25], seconds) },
                 _ => flight,

@@ -61,6 +61,15 @@ impl Walk {
         moved
     }
 
+    /// Goes on for some steps, standing on a body.
+    fn ride(&mut self, world: &mut World, on: BodyId, ticks: u32) {
+        for tick in 0..ticks {
+            world.step();
+            self.go(world, vec2(0, fx!(-0.01)));
+            assert_eq!(self.ground.map(|ground| ground.body), Some(on), "tick {tick}: {}", self.position);
+        }
+    }
+
     /// Lets it fall onto what is below.
     fn land(&mut self, world: &World) {
         for _ in 0..200 {

@@ -75,11 +75,7 @@ fn it_rides_a_one_way_platform_up_and_one_that_tips_until_it_is_too_steep() {
     let (mut world, plank) = plank(BodyDef { velocity: vec2(1, 2), ..BodyDef::kinematic() });
     let mut walk = Walk::new(hero(), vec2(0, 2));
     walk.land(&world);
-    for _ in 0..640 {
-        world.step();
-        walk.go(&world, vec2(0, fx!(-0.01)));
-        assert_eq!(walk.ground.map(|ground| ground.body), Some(plank));
-    }
+    walk.ride(&mut world, plank, 640);
     // A platform that tips: it stays on until the slope is too steep.
     let mut world = self::world();
     let tip = add(
@@ -90,11 +86,7 @@ fn it_rides_a_one_way_platform_up_and_one_that_tips_until_it_is_too_steep() {
     );
     let mut walk = Walk::new(hero(), vec2(1, 2));
     walk.land(&world);
-    for tick in 0..192 {
-        world.step();
-        walk.go(&world, vec2(0, fx!(-0.01)));
-        assert_eq!(walk.ground.map(|ground| ground.body), Some(tip), "tick {tick}: {}", walk.position);
-    }
+    walk.ride(&mut world, tip, 192);
     for _ in 0..64 {
         world.step();
         walk.go(&world, vec2(0, fx!(-0.01)));
@@ -159,11 +151,7 @@ fn a_one_way_platform_that_tips_holds_who_stands_on_it() {
     let (mut world, plank) = plank(BodyDef { angular_velocity: fx!(0.25), ..BodyDef::kinematic() });
     let mut walk = Walk::new(hero(), vec2(1, 2));
     walk.land(&world);
-    for tick in 0..150 {
-        world.step();
-        walk.go(&world, vec2(0, fx!(-0.01)));
-        assert_eq!(walk.ground.map(|ground| ground.body), Some(plank), "tick {tick}: {}", walk.position);
-    }
+    walk.ride(&mut world, plank, 150);
 }
 
 #[test]
@@ -178,11 +166,8 @@ fn it_rides_a_platform_that_turns_and_one_that_is_moved_by_forces() {
             walk.land(&world);
             let start = walk.ground.unwrap().local;
             for tick in 0..180 {
-                world.step();
-                walk.go(&world, vec2(0, fx!(-0.01)));
-                let ground = walk.ground.expect("it stands");
-                assert_eq!(ground.body, platform);
-                let way = ground.local - start;
+                walk.ride(&mut world, platform, 1);
+                let way = walk.ground.unwrap().local - start;
                 assert!(way.length() <= bound, "tick {tick}: {way}");
             }
         }
