@@ -10,6 +10,7 @@
 //! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
 //! - `tiles`: static polygons beside each other, as one surface.
 //! - `flights`: the bodies of a step.
+//! - `split`: islands under heavy loads, in finer sub-steps.
 //! - `sweep`: the paths of fast bodies.
 //! - `integer`: the computations in [`Fx`](crate::Fx).
 //! - `float`: the same in floats.
@@ -35,6 +36,7 @@ mod records;
 mod seams;
 mod sensors;
 mod set;
+mod split;
 mod stamped;
 mod still;
 mod sweep;

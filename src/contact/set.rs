@@ -10,6 +10,7 @@ use crate::codec::{self, StateHasher, Write as _};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::scalar::Scalar;
 use crate::slots::ColliderId;
+use crate::solve::Impulses;
 
 /// The state of the contacts of a world.
 #[derive(Debug, Default)]
@@ -152,19 +153,11 @@ impl ContactSet {
         self.asleep.touching(slot).filter(|(_, is_slack)| !is_slack).map(|(slot, _)| slot)
     }
 
-    /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same. Rounded to nearest, halves away
-    /// from zero; an impulse beyond 2^62 units becomes that.
+    /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same.
     pub(crate) fn rescale(&mut self, num: u64, den: u64) {
-        let scaled = |impulse: i64| {
-            // Below 2^62 · 2^64: it fits.
-            let product = i128::from(impulse) * i128::from(num);
-            let half = i128::from(den / 2);
-            let rounded = (product.abs() + half) / i128::from(den);
-            let size = rounded.min(1 << 62) as i64;
-            if impulse < 0 { -size } else { size }
-        };
         self.change_all(|record| {
-            record.impulses = record.impulses.map(scaled);
+            let impulses = Impulses { values: record.impulses, exponent: record.exponent() };
+            record.impulses = impulses.rescaled(num, den).values;
             true
         });
     }

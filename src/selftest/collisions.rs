@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::trial::{Numbers, Played, Trial, add_all, happened, near, near_fx, refused, same, same_body};
 use crate::body::{BodyDef, BodyKind, Mass};
 use crate::collider::{ColliderDef, ContactSettings, Filter, Material, MixRule};
+use crate::contact::Contact;
 use crate::error::{Cause, Error, Quantity};
 use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
@@ -72,6 +73,41 @@ pub(super) fn piles(trial: &mut Trial) -> Played {
     let lowest = world.bodies().filter(|body| body.kind() == BodyKind::Dynamic).map(|body| body.position().y).min();
     // A segment has no thickness.
     happened("nobody is deep in the ground", lowest.is_some_and(|y| y > fx!(-0.015625)))
+}
+
+/// Towers of light boxes under boxes of 10 to 1,000 times their mass, and a heavy one that is thrown from one to the next; beside its mirror
+/// image.
+pub(super) fn loads(trial: &mut Trial) -> Played {
+    let mut world = World::new(def())?;
+    let square = |mass: i32, position: Vec2, key: u64| -> Result<BodyDef, Error> {
+        let shape = Shape::rectangle(fx!(1), fx!(1))?;
+        let collider = ColliderDef { density: mass.into(), key, ..ColliderDef::new(shape) };
+        Ok(BodyDef { position, key, ..BodyDef::dynamic().with_collider(collider) })
+    };
+    let mut bodies = [ground()?].to_vec();
+    for (tower, load) in [10, 100, 1000].into_iter().enumerate() {
+        let x = 6 * tower as i32 - 6;
+        for (row, mass) in [1, 2, 1, load].into_iter().enumerate() {
+            let height = fx!(0.5) + Fx::from(row as i32);
+            bodies.push(square(mass, Vec2::new(x.into(), height), (10 * tower + row) as u64)?);
+        }
+    }
+    bodies.push(BodyDef { velocity: vec2(5, 2), ..square(300, vec2(-12, 6), 99)? });
+    let ids = add_all(&mut world, bodies)?;
+    let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
+    let mut image = mirror(&world)?;
+    let mut deepest = Fx::ZERO;
+    for _ in 0..240 {
+        trial.step(&mut world);
+        image.step();
+        same("loads and their mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
+        let of_last = |contact: &Contact| contact.bodies.iter().all(|body| ids[9..13].contains(body));
+        let points = world.contacts().filter(of_last).flat_map(|contact| contact.points().to_vec());
+        deepest = points.fold(deepest, |deepest, point| deepest.max(-point.separation));
+    }
+    happened("the heaviest one presses, and sinks in by less than 5 cm", deepest > fx!(0.01) && deepest < fx!(0.05))?;
+    happened("it is still on top", world.body(ids[12])?.position().y > fx!(3.375))?;
+    happened("the thrown one hits the first tower", world.body(ids[4])?.position().y < fx!(1))
 }
 
 /// Crosses, angles and dumbbells, by number.

@@ -202,6 +202,7 @@ scenes! {
     wide_blocks: crowds::wide_blocks, "300 bodies alike, by every integrator: each as if it were alone";
     mixed_blocks: crowds::mixed_blocks, "400 of all kinds, some in fields: each as if its neighbours were not there";
     nine_thousand: crowds::nine_thousand, "enough for all cores; some leave, some sleep, none disturbs another";
+    loads: collisions::loads, "towers of light boxes under heavy ones, in finer sub-steps, beside their mirror image";
     piles: collisions::piles, "bodies of all shapes and materials in a pile, beside its mirror image";
     impacts: collisions::impacts, "bounces and impacts as their closed forms say, by every integrator; misses change no bit";
     cloud: collisions::cloud, "bodies of all shapes fall together in free flight: momentum stays";

@@ -28,8 +28,8 @@ pub(crate) struct Graph {
     /// Bodies of islands, island by island, and the end of each island's part.
     members: Vec<u32>,
     ends: Vec<u32>,
-    /// The bodies to look at next.
-    queue: Vec<u32>,
+    /// The bodies that have a level: from those that cannot be moved on, level by level; then island by island.
+    order: Vec<u32>,
 }
 
 impl Graph {
@@ -103,42 +103,58 @@ impl Graph {
     fn find_levels(&mut self, bodies: usize, start: &mut impl FnMut(&[u32], &mut Vec<u32>)) {
         self.level.clear();
         self.level.resize(bodies, NONE);
-        self.queue.clear();
-        for body in (0..bodies as u32).filter(|&body| self.is_fixed[body as usize]) {
-            self.level[body as usize] = 0;
-            self.queue.push(body);
-        }
-        self.spread();
+        self.order.clear();
+        self.order.extend((0..bodies as u32).filter(|&body| self.is_fixed[body as usize]));
+        self.spread(0);
         let mut begin = 0;
         for island in 0..self.ends.len() {
             let end = self.ends[island] as usize;
             let members = &self.members[begin..end];
             begin = end;
             // A fixed body gives levels to all bodies of the islands that it touches.
-            if self.level[members[0] as usize] != NONE {
-                continue;
+            if self.level[members[0] as usize] == NONE {
+                let first = self.order.len();
+                start(members, &mut self.order);
+                self.spread(first);
             }
-            self.queue.clear();
-            start(members, &mut self.queue);
-            for &body in &self.queue {
-                self.level[body as usize] = 0;
-            }
-            self.spread();
         }
     }
 
-    /// Goes on from the bodies in the queue, level by level.
-    fn spread(&mut self) {
-        let mut next = 0;
-        while let Some(&body) = self.queue.get(next) {
+    /// Gives the bodies of the order from `first` on level 0, and goes on from there, level by level.
+    fn spread(&mut self, first: usize) {
+        for &body in &self.order[first..] {
+            self.level[body as usize] = 0;
+        }
+        let mut next = first;
+        while let Some(&body) = self.order.get(next) {
             next += 1;
             for i in self.neighbours_of(body) {
                 let other = self.neighbours[i];
                 if self.level[other as usize] == NONE {
                     self.level[other as usize] = self.level[body as usize] + 1;
-                    self.queue.push(other);
+                    self.order.push(other);
                 }
             }
+        }
+    }
+
+    /// Writes for each body the largest mass of those that lie on it: which it, or one that lies on it, touches, each at a higher level than
+    /// the one below.
+    pub(crate) fn largest_above<M: Copy + Default + PartialOrd>(&self, mass: impl Fn(u32) -> M, largest: &mut Vec<M>) {
+        largest.clear();
+        largest.resize(self.level.len(), M::default());
+        // Those above come first. The levels of two bodies that touch differ by one at most.
+        for &body in self.order.iter().rev() {
+            let mut most = M::default();
+            for i in self.neighbours_of(body) {
+                let other = self.neighbours[i];
+                if self.level[other as usize] > self.level[body as usize] {
+                    for on_top in [mass(other), largest[other as usize]] {
+                        most = if on_top > most { on_top } else { most };
+                    }
+                }
+            }
+            largest[body as usize] = most;
         }
     }
 

@@ -133,7 +133,8 @@ pub struct Flight {
 }
 
 impl Flight {
-    fn is_fixed(&self) -> bool {
+    /// Returns true for a body that no impulse changes.
+    pub(crate) fn is_fixed(&self) -> bool {
         let zero = |factor: FxFactor| factor.parts().0 == 0;
         zero(self.inverse_mass.x) && zero(self.inverse_mass.y) && zero(self.inverse_inertia)
     }
@@ -189,6 +190,24 @@ pub struct Impulses {
     pub values: [i64; 3],
     /// log2 of their unit.
     pub exponent: i32,
+}
+
+impl Impulses {
+    /// The impulses of the same forces over a sub-step of num/den of the length. Rounded to nearest, halves away from zero; an impulse
+    /// beyond 2^62 units becomes that.
+    pub(crate) fn rescaled(self, num: u64, den: u64) -> Self {
+        if num == den {
+            return self;
+        }
+        let scaled = |impulse: i64| {
+            // Below 2^62 · 2^64: it fits.
+            let product = i128::from(impulse) * i128::from(num);
+            let rounded = (product.abs() + i128::from(den / 2)) / i128::from(den);
+            let size = rounded.min(1 << 62) as i64;
+            if impulse < 0 { -size } else { size }
+        };
+        Self { values: self.values.map(scaled), ..self }
+    }
 }
 
 /// A contact of two bodies, at the start of the step.

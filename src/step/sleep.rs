@@ -4,16 +4,17 @@
 //!
 //! A body without contacts is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
 //! below them either, no force was applied, and no body that might still move acts on it. Skipping it changes nothing. One that contacts
-//! push, or that floats, is at rest while it is slow; when it falls asleep, it stops.
+//! push, or that floats, is at rest while it is slow, by its velocity and by the way that it moves; when it falls asleep, it stops.
 
 use super::coupled::{FieldKinds, may_move};
 use super::{Contacts, Workspace};
 use crate::body::Bodies;
 use crate::collider::{Collider, ColliderSet};
+use crate::contact::Start;
 use crate::force::{End, FieldKind, FieldSet};
 use crate::island;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Scalar, Wide as _};
+use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide};
 use crate::slots::BodyId;
 
 /// Reports the bodies that fall asleep, in the order of the handles.
@@ -70,20 +71,46 @@ fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields
     }
 }
 
-/// Returns true if no point of a body's colliders is faster than this. With a speed of 0 no body is slow: what has no velocity after a step
-/// may still be pushed out of another one in it.
+/// Returns true if no point of a body's colliders is faster than this.
 pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
-    if speed == S::ZERO {
-        return false;
-    }
-    let size = |value: S| if value < S::ZERO { -value } else { value };
     let motion = &bodies.columns.motion;
-    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]].map(|v| size(v.value()));
+    let velocity = [motion.velocity.x[i], motion.velocity.y[i], motion.angular_velocity[i]];
+    is_within(velocity.map(|component| component.value()), radius(bodies, colliders, i), speed)
+}
+
+/// Returns true if no point of a body's colliders was faster than this on the way from the start of the step, at this number of steps a
+/// second. A body that is pushed out of another one moves without a velocity.
+pub(super) fn was_slow<S: Scalar>(
+    bodies: &Bodies<S>,
+    colliders: &ColliderSet<S>,
+    (speed, rate): (S, S::Factor),
+    start: &Start<S>,
+) -> bool {
+    let (motion, i) = (&bodies.columns.motion, start.dense);
+    let (from, to) = (start.position, motion.position.get(i));
+    let way = [(from.x, to.x), (from.y, to.y)].map(|(from, to)| to.plus(from.negated()).scaled(rate));
+    let turned = start.angle.way_to(motion.angle[i]).times(rate).and_then(S::Wide::to_scalar);
+    let ([Some(x), Some(y)], Some(turned)) = (way, turned) else { return false };
+    is_within([x.value(), y.value(), turned], radius(bodies, colliders, i), speed)
+}
+
+/// The largest distance of a point of a body's colliders from its centre of mass.
+fn radius<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, i: usize) -> S {
     let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
-    let radius = colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger);
+    colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger)
+}
+
+/// Returns true if no point within a radius is faster than `speed`, for a velocity along x and y and around the centre. With a speed of 0 no
+/// body is slow.
+fn is_within<S: Scalar>([x, y, angular]: [S; 3], radius: S, speed: S) -> bool {
+    let size = |value: S| if value < S::ZERO { -value } else { value };
+    let (x, y) = (size(x), size(y));
     // The speed that the turning leaves to the body.
-    let left = size(motion.angular_velocity[i].value()).times(radius).map(|rim| speed - rim);
+    let left = size(angular).times(radius).map(|rim| speed - rim);
     let square = |v: S| v.product(v);
     // Below 2^10 m/s, no sum is too large.
-    left.is_some_and(|left| x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left)))
+    speed > S::ZERO
+        && left.is_some_and(|left| {
+            x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left))
+        })
 }

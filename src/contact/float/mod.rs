@@ -3,7 +3,7 @@
 //! - `number`: what contacts ask of a float.
 //! - `body`: bodies through the sub-steps.
 //! - `cores`, `frame`, `points`: the narrow phase.
-//! - `solver`, `rows`, `rolling`, `bounce`: the solver.
+//! - `solvers`, `solver`, `rows`, `rolling`, `bounce`: the solver.
 
 mod body;
 mod bounce;
@@ -15,6 +15,7 @@ mod points;
 mod rolling;
 mod rows;
 mod solver;
+mod solvers;
 #[cfg(test)]
 mod tests;
 
@@ -25,7 +26,7 @@ use self::cores::{Cores, Pose};
 use self::number::{Float, Pair, dot, length, minus, plus, times};
 use self::points::{Manifold, ManifoldPoint, collide};
 use self::rows::Contact;
-use self::solver::{Clock, Solver};
+use self::solvers::Solvers;
 use super::engine::Engine;
 use super::numerics::{Approach, MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
@@ -49,7 +50,7 @@ pub type FloatContacts<F> = Engine<F, Floats<F>>;
 pub struct Floats<F: Float> {
     cores: Cores<F>,
     contacts: Vec<Contact<F>>,
-    solver: Solver<F>,
+    solvers: Solvers<F>,
 }
 
 /// Impulses in N·s as multiples of a power of two of which the largest has 62 bits. What is not finite counts as zero.
@@ -192,16 +193,13 @@ impl<F: Float> Numerics<F> for Floats<F> {
     }
 
     fn solve(&mut self, scene: &Scene<'_, F>, flights: &[Flight<F>], corrections: &mut Vec<Correction<F>>) {
-        let clock = Clock::new(scene.time_step, scene.settings.substeps);
-        self.solver.solve(clock, scene.settings, flights, &mut self.contacts);
-        let moving = self.solver.bodies.iter().zip(flights).take(scene.starts.len());
-        corrections.extend(moving.map(|(body, flight)| body.correction(flight, clock.substep, clock.substeps)));
+        self.solvers.solve(scene, (flights, &mut self.contacts), corrections);
     }
 
     fn totals(&self) -> impl Iterator<Item = (usize, Impulses)> + '_ {
         let one =
             |(contact, [first, second]): (u32, Pair<F>)| (contact as usize, impulses_of([first, second, F::of(0.0)]));
-        self.solver.totals().map(one)
+        self.solvers.totals().map(one)
     }
 
     fn approach(manifold: &Manifold<F>, flights: [&Flight<F>; 2], time_step: TimeStep) -> Approach<F> {

@@ -8,6 +8,7 @@ use super::number::{Float, Pair, dot, minus, plus, times};
 use super::rolling::Roll;
 use super::rows::{Contact, Pass, Rows, Softness};
 use crate::collider::ContactSettings;
+use crate::contact::Correction;
 use crate::math::TimeStep;
 use crate::solve::{Graph, PHASES};
 
@@ -15,7 +16,7 @@ use crate::solve::{Graph, PHASES};
 #[derive(Debug, Default)]
 pub(super) struct Solver<F> {
     pub(super) graph: Graph,
-    pub(super) bodies: Vec<Body<F>>,
+    bodies: Vec<Body<F>>,
     phases: [Vec<Rows<F>>; PHASES],
     rolls: [Vec<Roll<F>>; PHASES],
     /// The bodies with contacts, and the number of these, by phase.
@@ -65,6 +66,12 @@ impl<F: Float> Solver<F> {
         let passed = Passed { flights, bodies: &self.bodies, contacts };
         self.bounces.run((clock, settings.restitution_speed), &self.graph, passed, &mut self.phases);
         self.apply(contacts);
+    }
+
+    /// The changes of bodies after [`solve`](Self::solve).
+    pub(super) fn corrections(&self, clock: Clock<F>, flights: &[Flight<F>]) -> impl Iterator<Item = Correction<F>> {
+        let bodies = self.bodies.iter().zip(flights);
+        bodies.map(move |(body, flight)| body.correction(flight, clock.substep, clock.substeps))
     }
 
     /// The number of each contact, and its impulses along the normal over the step, by point.

@@ -4,6 +4,7 @@ mod approach;
 mod flights;
 mod pairs;
 mod paths;
+mod solvers;
 
 use alloc::vec::Vec;
 
@@ -19,9 +20,10 @@ use crate::kernel::round::shr_round;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::shape::{Aabb, Outline};
-use crate::solve::{self, Contact, Flight, Impulses, Solver, SolverOptions};
+use crate::solve::{self, Contact, Flight, Impulses, SolverOptions};
 
 use pairs::{closing, grown, mixed, way};
+use solvers::Solvers;
 
 /// The contacts of a world in [`Fx`].
 #[doc(hidden)]
@@ -33,7 +35,7 @@ pub type FxContacts = Engine<Fx, Fixed>;
 pub struct Fixed {
     cores: Cores,
     contacts: Vec<Contact>,
-    solver: Solver,
+    solvers: Solvers,
     corrections: Vec<solve::Correction>,
     /// No contact is found ahead of time.
     #[cfg(feature = "selftest")]
@@ -171,7 +173,7 @@ impl Numerics<Fx> for Fixed {
 
     fn solve(&mut self, scene: &Scene<'_, Fx>, flights: &[Flight], corrections: &mut Vec<Correction<Fx>>) {
         let options = SolverOptions::from(scene.settings);
-        self.solver.solve(scene.time_step, &options, flights, &mut [], &mut self.contacts, &mut self.corrections);
+        self.solvers.solve(scene.time_step, &options, (flights, &mut self.contacts), &mut self.corrections);
         corrections.extend(self.corrections.iter().take(scene.starts.len()).map(|from| Correction {
             is_pushed: *from != solve::Correction::default(),
             velocity: from.velocity,
@@ -182,7 +184,7 @@ impl Numerics<Fx> for Fixed {
     }
 
     fn totals(&self) -> impl Iterator<Item = (usize, Impulses)> + '_ {
-        self.solver.totals().map(|(contact, [first, second], exponent)| {
+        self.solvers.totals().map(|(contact, [first, second], exponent)| {
             let contact = contact as usize;
             let second = if self.contacts[contact].count == 2 { second } else { 0 };
             (contact, Impulses { values: [first, second, 0], exponent })

@@ -16,10 +16,10 @@ const SCENES: [(&str, usize); 17] = [
     ("pyramid40", 5),
     ("tower20", 3),
     ("tower_100x", 4),
-    ("tower_1000x", 6),
-    ("cards", 3),
-    ("arch", 3),
-    ("thin_arch", 3),
+    ("tower_1000x", 5),
+    ("cards", 4),
+    ("arch", 4),
+    ("thin_arch", 4),
     ("belt", 1),
     ("mixed", 1),
     ("break", 3),
@@ -87,9 +87,7 @@ fn every_scene_is_measured_and_every_promise_is_kept() {
         assert!(["passed ", "open ", "measured "].iter().any(|verdict| line.starts_with(verdict)), "{line}");
     }
     let open: Vec<&str> = text.lines().filter(|line| line.starts_with("open")).collect();
-    let creeps = open.iter().filter(|line| line.contains("creep_after_60s")).count();
-    let heavy = open.iter().filter(|line| line.contains("tower_1000x")).count();
-    assert_eq!((heavy, heavy + creeps), (4, open.len()), "{open:?}");
+    assert!(open.iter().all(|line| line.contains("creep_after_60s")), "{open:?}");
 }
 
 #[test]
@@ -111,8 +109,9 @@ fn known_figures_hold() {
         let found = value(scene, name);
         assert!((found - about).abs() <= by, "{scene} {name}: {found}");
     };
-    is("tower_100x", "top_sink", 0.259, 0.001);
-    is("tower_1000x", "overlap_16", 0.028, 0.001);
+    is("tower_100x", "top_sink", 0.0253, 0.001);
+    is("tower_1000x", "overlap_worst", 0.0453, 0.001);
+    is("tower_1000x", "top_sink", 0.102, 0.001);
     is("break", "energy_left", 0.716, 0.001);
     is("break", "overlap_worst", 0.0008, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);
@@ -132,7 +131,7 @@ fn known_figures_hold() {
         is("thin_arch", "largest_shift", 0.0648, 0.001);
     }
     let heavy = measure(&PAGE.data, "tower_1000x", "top_sink");
-    assert_eq!((&heavy["verdict"], &heavy["unit"]), (&"open".into(), &"m".into()));
+    assert_eq!((&heavy["verdict"], &heavy["unit"]), (&"passed".into(), &"m".into()));
     let peers: Vec<&str> = list(&heavy["peers"]).iter().filter_map(|peer| peer["engine"].as_str()).collect();
     assert_eq!(peers, ["box2d", "rapier"]);
 }
@@ -160,17 +159,17 @@ fn the_page_needs_nothing_else_and_is_the_same_each_time() {
 
 #[test]
 fn a_broken_promise_is_status_one() {
-    let options = ["--scene", "tower_100x", "flat_drop", "--substeps", "2"];
+    let options = ["--scene", "break", "flat_drop", "--substeps", "2"];
     let Page { html, data, output } = page("broken", &options);
     assert_eq!(output.status.code(), Some(1));
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(error.starts_with("1 of 7 promises are not kept:\ntower_100x top_sink: "), "{error}");
-    assert!(error.trim_end().ends_with("promised: at most 0.45 m"), "{error}");
+    assert!(error.starts_with("1 of 6 promises are not kept:\nbreak overlap_worst: "), "{error}");
+    assert!(error.trim_end().ends_with("promised: at most 0.005 m"), "{error}");
     // What was found is written all the same.
-    assert_eq!(measure(&data, "tower_100x", "top_sink")["verdict"], "failed");
+    assert_eq!(measure(&data, "break", "overlap_worst")["verdict"], "failed");
     assert!(html.contains("1 failed"));
     let command = data["command"].as_str().expect("text");
-    assert!(command.ends_with("--quick --contacts --scene tower_100x --scene flat_drop --substeps 2"), "{command}");
+    assert!(command.ends_with("--quick --contacts --scene break --scene flat_drop --substeps 2"), "{command}");
 }
 
 #[test]

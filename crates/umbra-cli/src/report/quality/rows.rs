@@ -134,7 +134,7 @@ pub(super) static ROWS: [Row; 17] = [
     Row {
         name: "tower_100x",
         title: "Ten boxes, the top one 100 times as heavy",
-        about: "A load that soft contacts hardly carry: boxes sink into each other, and the tower leans where it is solved unevenly.",
+        about: "A load that soft contacts hardly carry: boxes sink into each other, and the tower leans where it is solved unevenly. Here its island takes 16 sub-steps.",
         view: Some([(-4.0, -0.5), (4.0, 11.0)]),
         play: |length| {
             let mut run = Run::new(&scenes::tower(10, fx!(100))?, length.substeps)?;
@@ -142,7 +142,7 @@ pub(super) static ROWS: [Row; 17] = [
             let measures = vec![
                 shift(&run).promised(Promise::Zero),
                 tilt(&run).promised(Promise::Zero),
-                sink(&run).promised(Promise::AtMost(0.45)),
+                sink(&run).promised(Promise::AtMost(0.05)),
                 asymmetry(&run),
             ];
             Ok(played(run, measures))
@@ -151,23 +151,18 @@ pub(super) static ROWS: [Row; 17] = [
     Row {
         name: "tower_1000x",
         title: "Five boxes, the top one 1,000 times as heavy",
-        about: "Open: the top box sinks through the others, here as in other engines. The goal is an overlap of 5 cm. With 16 sub-steps it stands.",
+        about: "In other engines the top box sinks through the others. Here its island takes 16 sub-steps, in which soft contacts give way less.",
         view: Some([(-4.0, -0.5), (4.0, 6.0)]),
         play: |length| {
             let mut run = Run::new(&scenes::tower(5, fx!(1000))?, length.substeps)?;
             run.overlap = Some(0.0);
             run.step(600);
             let overlap = run.overlap.unwrap_or(f64::INFINITY);
-            // Soft contacts yield in proportion to the square of a sub-step.
-            let mut finer = Run::new(&scenes::tower(5, fx!(1000))?, 16)?;
-            finer.step(600);
             let measures = vec![
-                measure("overlap_worst", "deepest overlap", "m", overlap).open(Promise::AtMost(0.05)),
-                measure("overlap_16", "overlap at the end with 16 sub-steps", "m", finer.deepest())
-                    .promised(Promise::AtMost(0.05)),
-                sink(&run).open(Promise::AtMost(0.05)),
-                shift(&run).open(Promise::Zero),
-                tilt(&run).open(Promise::Zero),
+                measure("overlap_worst", "deepest overlap", "m", overlap).promised(Promise::AtMost(0.05)),
+                sink(&run).promised(Promise::AtMost(0.15)),
+                shift(&run).promised(Promise::Zero),
+                tilt(&run).promised(Promise::Zero),
                 asymmetry(&run),
             ];
             Ok(played(run, measures))
@@ -351,15 +346,22 @@ fn asymmetry(run: &Run) -> Measure {
 /// Structures that stand for ten minutes, or a minute.
 fn stones(scene: &Scene, length: Length) -> Result<Played, Error> {
     let ticks = if length.quick { 3_600 } else { 36_000 };
+    let creep = |run: &mut Run| {
+        run.step(ticks / 10);
+        let settled = run.now.clone();
+        run.step(ticks - ticks / 10);
+        run.most(&settled, State::distance)
+    };
     let mut run = Run::new(scene, length.substeps)?;
-    run.step(ticks / 10);
-    let settled = run.now.clone();
-    run.step(ticks - ticks / 10);
+    let awake = creep(&mut run);
+    let sleeping = creep(&mut Run::new(&scene.sleeping(), length.substeps)?);
     let measures = vec![
         measure("largest_shift", "largest shift", "m", run.most(&run.start, State::distance))
             .promised(Promise::NoMoreThanBox2d),
-        measure("creep_after_60s", "creep after a tenth of the time", "m", run.most(&settled, State::distance))
+        measure("creep_after_60s", "creep after a tenth of the time, if nothing may sleep", "m", awake)
             .open(Promise::Zero),
+        measure("creep_sleeping", "the same in a world with the default settings of sleep", "m", sleeping)
+            .promised(Promise::Zero),
         asymmetry(&run),
     ];
     Ok(played(run, measures))

@@ -93,6 +93,17 @@ impl Scene {
         Ok(self.fixed(fx!(0), fx!(-1), rectangle(half_width, fx!(1))?))
     }
 
+    /// The scene in a world in which what is at rest falls asleep.
+    pub(super) fn sleeping(&self) -> Self {
+        let sleep_after = WorldDef::<Fx>::default().sleep_after;
+        Self {
+            def: WorldDef { sleep_after, ..self.def },
+            bodies: self.bodies.clone(),
+            springs: self.springs.clone(),
+            ..*self
+        }
+    }
+
     /// The world with its bodies.
     pub(super) fn build(&self, substeps: u32) -> Result<World, Error> {
         let mut def = self.def;

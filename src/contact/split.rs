@@ -1,0 +1,216 @@
+//! Islands in which light bodies carry heavy ones: they are solved in finer sub-steps than the others.
+//!
+//! A soft contact is a spring: under the impulse P of a sub-step h it gives way by P·K·h/(hω)², where K is the sum of both inverse masses and
+//! hω is the same for all contacts. A light body under a heavy one sinks in by that much: with 5 sub-steps of a step of 1/60 s four boxes
+//! collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an island takes [`FINE`]
+//! sub-steps.
+//!
+//! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts, from the bodies that
+//! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
+//! out what makes the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever their island takes.
+//!
+//! A body that dominates others must not depend on them. So an island under such bodies takes the sub-steps of their islands.
+
+use alloc::vec::Vec;
+use core::fmt::Debug;
+
+use crate::slots::NONE;
+use crate::solve::Graph;
+
+/// The sub-steps of islands under heavy loads: the most that a world may have.
+pub(super) const FINE: u32 = 16;
+
+/// A load is heavy if a body on top has more than this times the mass of the one that carries it.
+pub(super) const HEAVY: i32 = 64;
+
+/// A flight of the solver of one scalar.
+pub(super) trait Flying: Copy {
+    /// kg
+    type Mass: Copy + Debug + Default + PartialOrd;
+
+    /// Returns true for one that no impulse changes.
+    fn is_fixed(&self) -> bool;
+    /// The mass; 0 for a fixed one.
+    fn mass(&self) -> Self::Mass;
+    /// Returns true for a mass that is a heavy load on another one.
+    fn is_heavy(load: Self::Mass, mass: Self::Mass) -> bool;
+    /// The flight that this one follows.
+    fn leader(&self) -> Option<u32>;
+    fn set_leader(&mut self, leader: Option<u32>);
+}
+
+/// A contact of the solver of one scalar.
+pub(super) trait Linking: Copy {
+    /// The numbers of its flights.
+    fn bodies(&self) -> [u32; 2];
+    fn set_bodies(&mut self, bodies: [u32; 2]);
+    /// Makes its impulses those of the same forces over a sub-step of num/den of the length.
+    fn rescale(&mut self, num: u32, den: u32);
+}
+
+/// Contacts that take the same sub-steps, and their flights.
+#[derive(Debug)]
+pub(super) struct Part<F, C> {
+    pub(super) flights: Vec<F>,
+    /// The numbers of the flights among all.
+    pub(super) flight_numbers: Vec<u32>,
+    pub(super) contacts: Vec<C>,
+    /// The numbers of the contacts among all.
+    pub(super) contact_numbers: Vec<u32>,
+}
+
+impl<F, C> Default for Part<F, C> {
+    fn default() -> Self {
+        Self { flights: Vec::new(), flight_numbers: Vec::new(), contacts: Vec::new(), contact_numbers: Vec::new() }
+    }
+}
+
+/// The contacts of a step, split by the sub-steps that their islands take.
+#[derive(Debug)]
+pub(super) struct Split<F: Flying, C> {
+    graph: Graph,
+    /// The largest mass on top of each body.
+    loads: Vec<F::Mass>,
+    /// By island.
+    is_heavy: Vec<bool>,
+    /// By flight its number among those of a part, or [`NONE`].
+    place: Vec<u32>,
+    parts: [Part<F, C>; 2],
+}
+
+impl<F: Flying, C> Default for Split<F, C> {
+    fn default() -> Self {
+        Self {
+            graph: Graph::default(),
+            loads: Vec::new(),
+            is_heavy: Vec::new(),
+            place: Vec::new(),
+            parts: Default::default(),
+        }
+    }
+}
+
+impl<F: Flying, C: Linking> Split<F, C> {
+    /// Finds the islands under heavy loads. Returns true if there is one, and they take other sub-steps than `substeps`.
+    pub(super) fn find(&mut self, substeps: u32, flights: &[F], contacts: &[C]) -> bool {
+        substeps < FINE && may_be_heavy(flights, contacts) && {
+            self.find_heavy(flights, contacts);
+            self.follow_leaders(flights);
+            self.is_heavy.contains(&true)
+        }
+    }
+
+    fn find_heavy(&mut self, flights: &[F], contacts: &[C]) {
+        let Self { graph, loads, is_heavy, .. } = self;
+        let (links, is_fixed) = (contacts.iter().map(C::bodies), |body: u32| flights[body as usize].is_fixed());
+        // Islands that no fixed body holds carry nothing: they get no levels.
+        graph.build(is_fixed, flights.len(), links, |_, _| {});
+        graph.largest_above(|body| flights[body as usize].mass(), loads);
+        is_heavy.clear();
+        is_heavy.resize(graph.islands(), false);
+        for ((body, flight), &load) in (0..).zip(flights).zip(&*loads) {
+            if let Some(island) = graph.island_of(body).filter(|_| F::is_heavy(load, flight.mass())) {
+                is_heavy[island as usize] = true;
+            }
+        }
+    }
+
+    /// Gives islands below bodies that dominate them the sub-steps of these.
+    fn follow_leaders(&mut self, flights: &[F]) {
+        let Self { graph, is_heavy, .. } = self;
+        let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader()?)));
+        let below = |follower| graph.touched_by(follower).filter_map(|body| graph.island_of(body));
+        for island in followers().flat_map(|(follower, _)| below(follower)) {
+            is_heavy[island as usize] = false;
+        }
+        // Leaders may be below others in turn: at most one round for each number of dominance.
+        let mut has_changed = followers().next().is_some();
+        while has_changed {
+            has_changed = false;
+            for (follower, leader) in followers() {
+                if !graph.island_of(leader).is_some_and(|island| is_heavy[island as usize]) {
+                    continue;
+                }
+                for island in below(follower) {
+                    has_changed |= !is_heavy[island as usize];
+                    is_heavy[island as usize] = true;
+                }
+            }
+        }
+    }
+
+    /// Solves the islands that were [found](Self::find), and the others, each part in its sub-steps: `solve` is given the number of the part,
+    /// its sub-steps, flights and contacts. Then contacts have their impulses.
+    pub(super) fn solve(
+        &mut self,
+        substeps: u32,
+        (flights, contacts): (&[F], &mut [C]),
+        mut solve: impl FnMut(usize, u32, &mut Part<F, C>),
+    ) {
+        for (index, own) in [substeps, FINE].into_iter().enumerate() {
+            self.take(index, flights, contacts);
+            let part = &mut self.parts[index];
+            part.contacts.iter_mut().for_each(|contact| contact.rescale(substeps, own));
+            solve(index, own, part);
+            for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
+                let all = &mut contacts[number as usize];
+                let bodies = all.bodies();
+                *all = *contact;
+                all.set_bodies(bodies);
+                all.rescale(own, substeps);
+            }
+        }
+    }
+
+    /// Copies the contacts of a part, and the flights that they join.
+    fn take(&mut self, index: usize, flights: &[F], contacts: &[C]) {
+        let Self { graph, is_heavy, place, parts, .. } = self;
+        let part = &mut parts[index];
+        place.clear();
+        place.resize(flights.len(), NONE);
+        part.flights.clear();
+        part.flight_numbers.clear();
+        part.contacts.clear();
+        part.contact_numbers.clear();
+        for (number, contact) in (0..).zip(contacts) {
+            let island = graph.mover(contact.bodies()).and_then(|body| graph.island_of(body));
+            if island.is_some_and(|island| is_heavy[island as usize]) != (index == 1) {
+                continue;
+            }
+            let own = contact.bodies().map(|body| {
+                let own = &mut place[body as usize];
+                if *own == NONE {
+                    *own = part.flights.len() as u32;
+                    part.flights.push(flights[body as usize]);
+                    part.flight_numbers.push(body);
+                }
+                *own
+            });
+            let mut contact = *contact;
+            contact.set_bodies(own);
+            part.contacts.push(contact);
+            part.contact_numbers.push(number);
+        }
+        // One whose leader is solved in other sub-steps goes along the free flight of it.
+        for flight in &mut part.flights {
+            flight.set_leader(flight.leader().map(|body| place[body as usize]).filter(|&body| body != NONE));
+        }
+    }
+
+    /// The parts of the last step that was split.
+    pub(super) fn parts(&self) -> &[Part<F, C>; 2] {
+        &self.parts
+    }
+}
+
+/// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.
+fn may_be_heavy<F: Flying>(flights: &[F], contacts: &[impl Linking]) -> bool {
+    let masses = contacts.iter().flat_map(Linking::bodies).map(|body| flights[body as usize].mass());
+    let none = F::Mass::default();
+    let mut range = None;
+    for mass in masses.filter(|&mass| mass > none) {
+        let (least, most) = range.unwrap_or((mass, mass));
+        range = Some((if mass < least { mass } else { least }, if mass > most { mass } else { most }));
+    }
+    range.is_some_and(|(least, most)| F::is_heavy(most, least))
+}
