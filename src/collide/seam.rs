@@ -31,7 +31,7 @@ pub(crate) struct Face {
     /// The number of its first corner, and the number of all corners.
     pub(crate) edge: usize,
     pub(crate) corners: usize,
-    /// Its unit normal in units of 2^-30.
+    /// The unit normal of the edge in units of 2^-30.
     pub(crate) normal: [i32; 2],
     /// The edges by which the surface goes on at its first and at its second corner, by their normals.
     pub(crate) ends: [Neighbour<[i32; 2]>; 2],

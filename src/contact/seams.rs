@@ -1,7 +1,7 @@
 //! Impulses of points that go over a seam: from one segment of a chain to the next.
 //!
 //! A corner of a body, or the middle of a ball, that was on a segment in the step before and is on the next one now is the same point: it
-//! starts from the impulse that it had there. What rolls over a chain is held as over one long segment.
+//! starts from the impulse that it had there. So a body rolls over a chain as over one long segment.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -197,7 +197,7 @@ mod tests {
         let ball = feature([0, 1], [0, 0]);
         let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None);
         assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
-        // One that is there still keeps it.
+        // A ball that still touches the first segment keeps its impulse there: the next one takes nothing over.
         let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)));
         assert_eq!(start, Impulses::default());
         // A box: corner 1 goes over, and corner 0 stays.
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_touches_with_an_arc_rolls() {
+    fn outlines_that_touch_with_an_arc_roll() {
         let of = |feature, radii: [i32; 2]| rolling_radius(feature, radii.map(crate::fx::Fx::from)).to_bits() >> 32;
         // A disc on an edge, on a corner, and two discs.
         assert_eq!(of(feature([0, 1], [0, 0]), [0, 3]), 3);

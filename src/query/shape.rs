@@ -110,8 +110,8 @@ impl<S: Scalar> Shape<S> {
         least.ok_or(Error::OutOfRange { quantity: Quantity::Count })
     }
 
-    /// The point of the shape that is nearest to a point, m: that point itself if it is in the shape. Of several parts at the same distance
-    /// that of the first. *Error* ½ ulp and 2^-7 in each component. *Cost* in proportion to the corners.
+    /// The point of the shape that is nearest to a point, m: that point itself if it is in the shape. Where several parts are at
+    /// the same distance, the point of the first one. *Error* ½ ulp and 2^-7 in each component. *Cost* in proportion to the corners.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for a point about 2^20 m away.

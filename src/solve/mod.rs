@@ -183,9 +183,9 @@ pub struct Point {
 /// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Impulses {
-    /// Along the normal, by point; then along the tangent (n.y, −n.x). Those along the normal are not negative. With one point
-    /// the second one is that of rolling resistance, which turns the second body counter-clockwise: at the lever
-    /// [`Contact::rolling_radius`]. For joints see [`Joint::impulses`].
+    /// Impulses along the normal by point, which are not negative; then the one along the tangent (n.y, −n.x). With one point the
+    /// second value is rolling resistance: an impulse at the lever [`Contact::rolling_radius`] that turns the second body
+    /// counter-clockwise. For joints see [`Joint::impulses`].
     pub values: [i64; 3],
     /// log2 of their unit.
     pub exponent: i32,

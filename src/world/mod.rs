@@ -364,7 +364,7 @@ impl<S: Scalar> World<S> {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
             let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
-            // Whoever sleeps has moved with these factors, or they were stale when it came.
+            // A sleeping body has moved with these factors, or they were stale when it was added: no need to update them.
             let indices = if self.bodies.any_asleep() { &factors[..] } else { moving };
             Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }

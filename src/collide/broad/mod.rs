@@ -42,13 +42,13 @@ use tree::{NONE, Tree};
 pub struct Proxy {
     /// The number of the collider, below 2^32 - 1. Memory grows with the largest one.
     pub collider: u32,
-    /// The number of its body: colliders of one body are no pair. Those of a static body are all static.
+    /// The number of its body: colliders of one body are no pair. All colliders of a static body are static.
     pub body: u32,
     /// The box that holds the collider during the step, and the margin around it. *Domain* `min` is not above `max`.
     pub bounds: Aabb<Fx>,
     /// The filter, which says what it may meet.
     pub filter: Filter,
-    /// A hash of its outline and its place: a static collider whose digest changes has changed. One that moves needs none.
+    /// A hash of its outline and its place: a static collider whose digest changes has changed. A moving collider needs none.
     pub digest: u64,
 }
 
@@ -365,7 +365,7 @@ impl BroadPhase {
             let entry = &self.entries[collider as usize];
             self.tree.search(0, &entry.extent(), |other| {
                 let with = &self.entries[other as usize];
-                // Of two that are stale, the lower one finds the pair.
+                // Where both are stale, the lower one finds the pair.
                 let is_first = !with.is_stale || collider < other;
                 if is_first && entry.may_meet(with) {
                     found.push(key(collider, other));
