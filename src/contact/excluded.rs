@@ -13,7 +13,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::slots::{BodyId, NONE};
 
-/// For how long two bodies do not touch each other.
+/// The time for which [`World::exclude_pair`](crate::World::exclude_pair) keeps two bodies from touching each other.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Exclusion, Shape, World, WorldDef, fx, vec2};
@@ -36,9 +36,9 @@ use crate::slots::{BodyId, NONE};
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Exclusion {
-    /// Until a call allows the pair again.
+    /// Until [`World::allow_pair`](crate::World::allow_pair) is called.
     Always,
-    /// Until the first step in which they are too far apart to touch.
+    /// Until the first step in which the bodies are too far apart to touch.
     UntilApart,
 }
 
