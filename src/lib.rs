@@ -22,10 +22,11 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
-//! [collisions](guide::collisions), [queries](guide::queries), [characters](guide::character), [determinism](guide::determinism) of your
-//! own code, [lockstep](guide::lockstep), [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing,
-//! [engines](guide::engines), [other languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
+//! The [guide] begins with the first tasks of some kinds of [games](guide::games), and has chapters on [numbers](guide::numbers),
+//! [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions), [queries](guide::queries),
+//! [characters](guide::character), [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep),
+//! [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other
+//! languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
 #![cfg_attr(
     not(any(
