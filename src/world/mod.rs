@@ -415,6 +415,10 @@ impl<S: Scalar> World<S> {
     }
 
     /// The report of the last step. After [`step_back`](Self::step_back) it is empty.
+    ///
+    /// Copies in memory have it too: clones, snapshots, the worlds of a [`Rollback`]. A snapshot as bytes does not, and no hash covers it:
+    /// a world that was read from bytes has an empty report until its next step. Rules of a game whose peers may join from bytes must read
+    /// state instead, such as [`contacts`](Self::contacts) and [`sensor_overlaps`](Self::sensor_overlaps).
     #[must_use]
     pub fn last_report(&self) -> StepReport<'_, S> {
         StepReport {
