@@ -153,7 +153,7 @@ pub struct ContactHit<S = Fx> {
     /// which the surfaces slide past each other in the step.
     pub point: Vec2<S>,
     /// The impulse along the normal over the step, N·s, restitution included. A body without restitution that arrives in the last sub-step
-    /// is stopped in part: the next step gives the rest of the impulse.
+    /// is stopped in part: the next step gives the rest of the impulse, and reports no second hit.
     pub normal_impulse: S,
 }
 
@@ -203,7 +203,7 @@ pub(crate) fn list_pairs<S: Scalar>(records: &[ContactRecord], colliders: &Colli
     list.dedup();
 }
 
-/// Calls `only_first` and `only_second` with what is in one of two sorted lists.
+/// Calls `only_first` and `only_second` with the items that are in only one of two sorted lists.
 pub(crate) fn compare<T: Copy + Ord>(
     [first, second]: [&[T]; 2],
     mut only_first: impl FnMut(T),

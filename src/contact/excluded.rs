@@ -178,8 +178,9 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         )
     }
 
-    /// Returns true if two outlines have a manifold. They have none where all directions out of each other tie, which those that
-    /// are there after a little shift tell from outlines that are apart. A mirror image has the image of the shifts.
+    /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all
+    /// directions out tie, such as two discs with one centre: the shift tells these from outlines that are apart. The four shifts are their
+    /// own mirror image.
     fn is_near(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
         /// 2^-10 m
         const SHIFT: Fx = Fx::from_bits(1 << 22);

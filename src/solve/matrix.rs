@@ -112,7 +112,8 @@ impl Matrices {
         }
     }
 
-    /// Two points close together make the matrix nearly singular: it gets a larger diagonal.
+    /// Two points close together make the matrix nearly singular. Its diagonal is raised by 2^-13, so that impulses of the two points stay
+    /// bounded instead of cancelling each other with large values of opposite sign.
     #[inline(always)]
     fn stiffen(&mut self, batch: &Batch) {
         for lane in 0..GROUP {

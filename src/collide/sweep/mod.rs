@@ -244,7 +244,7 @@ struct Depths {
 const SMALL: i64 = (5 << 32) / 1000;
 
 impl Depths {
-    /// For what is as wide as this: an eighth of it, so that most of it never crosses.
+    /// The depths for outlines of this width: an eighth of it, so that most of an outline never crosses.
     fn new(width: i64) -> Self {
         let eighth = width >> 3;
         let small = eighth.min(SMALL);
@@ -379,7 +379,7 @@ impl Sweep<'_> {
         are_alike
     }
 
-    /// The moment from `from` on at which the paths end where one of the two would else cross the other one; `None` if they need not.
+    /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.
     ///
     /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path may lead to a deeper overlap, up to
     /// that eighth, if the overlap is still there at the end of the tick: then there is a contact, which the next step solves. Outlines
