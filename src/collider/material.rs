@@ -126,7 +126,7 @@ codec_struct!(Material {
     id
 });
 
-/// The coefficients of a contact of two materials, in place of those that follow from both: see
+/// The coefficients of contacts of two materials, which replace the ones mixed from both: see
 /// [`World::set_material_pair`](crate::World::set_material_pair).
 ///
 /// ```

@@ -129,10 +129,10 @@ impl<S: Scalar> Shape<S> {
         Ok(in_metres(self.nearest(ulps(point))?.0))
     }
 
-    /// The first point of the shape on a ray, from an origin relative to the centre of mass over a translation in m; of several parts
-    /// at the same point that of the first. Shapes are closed: a graze counts, and a ray that starts in the shape hits at fraction 0
-    /// with a normal of zero. A segment of a chain is hit from the side alone on which it [touches others](Self::chain). *Cost* in
-    /// proportion to the corners.
+    /// The first point of the shape on a ray from `origin`, relative to the centre of mass, to `origin + translation`, m. Where several
+    /// parts are hit at the same point, the first one is reported. Shapes are closed: a graze counts, and a ray that starts in the shape
+    /// hits at fraction 0 with a normal of zero. A segment of a chain is hit only from the side on which it [touches others](Self::chain).
+    /// *Cost* in proportion to the corners.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for the translation, with [`Quantity::Position`] for the origin.

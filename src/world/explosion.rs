@@ -142,14 +142,14 @@ impl<S: Scalar> Explosion<S> {
 }
 
 impl<S: Scalar> World<S> {
-    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all from the state before. It wakes the bodies that
-    /// it hits. Bodies without colliders are not hit, nor are disabled and quarantined ones.
+    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all computed from the state before the call. It
+    /// wakes the bodies that it hits. It hits neither bodies without colliders nor disabled and quarantined bodies.
     ///
     /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* each collider of a dynamic body is looked at.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity: also [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body would leave the
-    /// envelope. Then none is hit.
+    /// The errors of [`Explosion::check`]; [`Error::OutOfRange`] with [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body
+    /// would leave the allowed range: then no body is hit.
     pub fn explode(&mut self, explosion: &Explosion<S>) -> Result<(), Error> {
         let effects = self.blast(explosion)?;
         self.journal.note(|| Command::Explode(*explosion));

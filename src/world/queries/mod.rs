@@ -39,10 +39,10 @@ pub use overlap::ClosestPoint;
 /// other way round there, and where several segments tie the one with the least number is reported.
 ///
 /// # Precision
-/// Queries compute in integers. Corners of colliders are turned by the angle of their body and rounded to 2^-32 m; all that follows is
+/// Queries compute in integers. Corners of colliders are turned by the angle of their body and rounded to 2^-32 m; all further steps are
 /// exact for shapes without a radius, and for others as if the radius were at most 2^-46 m smaller. Fractions are compared as multiples of
-/// 2^-62 and distances as multiples of 2^-48 m: what is closer together than that ties. A world of floats has its corners,
-/// its poses and the arguments of queries converted to fixed point first.
+/// 2^-62 and distances as multiples of 2^-48 m: results that are closer together than that tie. A world of floats has its corners, its
+/// poses and the arguments of queries converted to fixed point first.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Queries, QueryFilter, Shape, World, WorldDef, fx, vec2};
