@@ -22,10 +22,11 @@
 //!
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
-//! The [guide] has chapters on [numbers](guide::numbers), [accuracy](guide::accuracy), [bodies](guide::bodies),
-//! [collisions](guide::collisions), [queries](guide::queries), [characters](guide::character), [determinism](guide::determinism) of your
-//! own code, [lockstep](guide::lockstep), [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing,
-//! [engines](guide::engines), [other languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
+//! The [guide] begins with the first tasks of some kinds of [games](guide::games), and has chapters on [numbers](guide::numbers),
+//! [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions), [queries](guide::queries),
+//! [characters](guide::character), [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep),
+//! [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other
+//! languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
 #![no_std]
 #![cfg_attr(
     not(any(
@@ -157,10 +158,11 @@ pub use world::{
 /// use umbra_physics::prelude::*;
 ///
 /// let mut world = World::new(WorldDef { gravity: vec2(0, fx!(-9.81)), ..WorldDef::default() })?;
-/// let shape = Some(Shape::rectangle(fx!(1), fx!(0.5))?);
-/// let crate_ = world.add_body(BodyDef { shape, position: vec2(0, 5), ..BodyDef::dynamic() })?;
-/// world.step();
-/// assert!(world.body(crate_)?.position().y < fx!(5));
+/// world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(50, 1)?))?;
+/// let crate_ = BodyDef::dynamic().with_collider(Shape::rectangle(1, fx!(0.5))?);
+/// let crate_ = world.add_body(BodyDef { position: vec2(0, 5), ..crate_ })?;
+/// (0..120).for_each(|_| _ = world.step());
+/// assert_eq!(format!("{:.2}", world.body(crate_)?.position().y), "0.75");
 /// # Ok::<(), Error>(())
 /// ```
 pub mod prelude {

@@ -78,7 +78,7 @@ handle!(
     "collider"
 );
 
-/// A slot. One without an occupant takes as little memory as in a file, however many there are.
+/// A slot. A slot without an occupant takes as little memory as in a file, however many there are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {
     /// Generation of the slot: the number of times it was taken before.
@@ -102,7 +102,7 @@ impl Slot {
     }
 }
 
-/// The slots of one kind of handle. Which slot is taken next is part of the state of a world: handles are the same in every
+/// The slots of one kind of handle. The choice of the next slot is part of the state of a world: handles are the same in every
 /// copy of it.
 #[derive(Debug)]
 pub(crate) struct Slots<H> {

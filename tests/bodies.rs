@@ -413,7 +413,7 @@ fn a_body_removed_with_forces_on_it_leaves_the_others_theirs() {
 }
 
 #[test]
-fn what_is_set_is_what_is_read() {
+fn values_that_are_set_are_read_back() {
     let mut world = world(WorldDef::default());
     let corners = [vec2(1, 1), vec2(3, 1), vec2(3, 2), vec2(1, 2)];
     let def = BodyDef {

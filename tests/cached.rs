@@ -184,7 +184,7 @@ fn forgetful(world: &World) -> World {
 }
 
 #[test]
-fn what_a_step_keeps_for_the_next_one_changes_nothing() {
+fn values_cached_between_steps_change_no_result() {
     let (mut slept, mut moved, mut undone) = (0, 0, 0);
     for (integrator, is_reversible) in Integrator::ALL.into_iter().flat_map(|it| [(it, false), (it, true)]) {
         let mut random = Random(3);

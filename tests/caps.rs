@@ -188,7 +188,7 @@ fn a_world_with_a_cap_has_no_way_back() {
 /// Along an axis the rounded factor would leave one in two of these above the limit, by less than an ulp; a push of less than
 /// an ulp takes those there that are at the limit in public.
 #[test]
-fn what_is_capped_at_the_limit_of_speeds_is_never_beyond_it() {
+fn a_velocity_capped_at_the_largest_speed_limit_never_exceeds_it() {
     for integrator in Integrator::ALL {
         for (gravity, push) in [(6_000, Fx::ZERO), (0, Fx::DELTA)] {
             let mut world = world(integrator, vec2(gravity, 0));

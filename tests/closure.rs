@@ -703,7 +703,7 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
 }
 
 #[test]
-fn what_strangers_hang_on_an_anchor_wakes_nobody_else_who_hangs_there() {
+fn a_spring_added_to_a_shared_anchor_wakes_no_other_body_that_hangs_there() {
     let mut world = World::new(WorldDef { sleep_after: Some(3), ..WorldDef::default() }).expect("a world");
     let anchor = world.add_body(BodyDef::fixed()).expect("a body");
     let hang = |world: &mut World, x: i32| {

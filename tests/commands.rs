@@ -212,7 +212,7 @@ fn an_input_that_is_there_already_is_refused_by_name_and_the_first_one_stays() {
 }
 
 #[test]
-fn what_is_refused_is_named_and_stops_no_other() {
+fn a_refused_command_is_named_and_stops_no_other() {
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let gone = BodyId::from_parts(5, 0);
     let mut inputs = Inputs::new();

@@ -243,7 +243,7 @@ fn a_body_costs_the_same_in_worlds_of_all_sizes() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
-fn one_spring_costs_the_bodies_that_it_does_not_join_nothing() {
+fn a_spring_costs_bodies_that_it_does_not_join_nothing() {
     let Some(counts) = counts() else { return };
     let (without, with) = (counts.instructions("fx/free_100k"), counts.instructions("fx/free_100k_one_spring"));
     assert!((with - without) * 100 <= without, "{with} with a spring among 100,000 bodies, {without} without");

@@ -73,7 +73,7 @@ impl Twins for umbra_physics::BodyRef<'_> {
 }
 
 #[test]
-fn what_is_attached_to_it_is_inert() {
+fn fields_attached_to_a_disabled_body_are_inert() {
     let mu = FxFactor::from_scalar(fx!(50));
     for integrator in Integrator::ALL {
         let run = |is_there: bool| {
@@ -141,7 +141,7 @@ fn strangers_notice_nothing() {
 }
 
 #[test]
-fn what_it_was_joined_to_wakes_when_it_goes_and_when_it_comes() {
+fn bodies_joined_to_a_body_wake_when_it_is_disabled_and_enabled() {
     let mut world = World::new(WorldDef { sleep_after: Some(4), ..WorldDef::default() }).expect("a world");
     let [left, middle, right, bystander] =
         [-1, 0, 1, 9].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
@@ -186,7 +186,7 @@ fn an_inert_attractor_lets_sleep() {
 }
 
 #[test]
-fn what_it_cannot_do_is_refused_and_the_rest_is_not() {
+fn a_disabled_body_refuses_forces_and_takes_other_changes() {
     let mut world = world(Integrator::VelocityVerlet);
     let body = world.add_body(BodyDef::dynamic()).expect("a body");
     assert_eq!(world.enable(body), Err(Error::NotDisabled { body }));
@@ -246,7 +246,7 @@ fn a_step_in_which_it_was_out_is_undone() {
 }
 
 #[test]
-fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
+fn forces_on_a_body_that_was_disabled_since_are_not_undone() {
     let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
     let bodies = [(); 2].map(|()| world.add_body(BodyDef::dynamic()).expect("a body"));
     world.apply_force(bodies[1], vec2(1, 0)).expect("it is dynamic");
@@ -261,7 +261,7 @@ fn what_was_applied_to_a_body_that_is_disabled_by_now_is_not_undone() {
 
 /// A body woken by a call before a step that is undone is woken before the next one, unless it is out by then.
 #[test]
-fn one_that_woke_before_an_undone_step_and_is_disabled_since_did_not_wake() {
+fn a_body_woken_before_an_undone_step_and_disabled_since_is_not_reported_as_woken() {
     let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
     let [body, other] =
         [1, 2].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));

@@ -308,7 +308,7 @@ fn worlds_of_floats_are_shown_alike() {
 }
 
 #[test]
-fn what_is_left_over_in_a_pause_is_shown_as_it_was_when_the_time_step_changes() {
+fn the_rest_of_a_frame_in_a_pause_is_shown_unchanged_when_the_time_step_changes() {
     let (mut world, body, mut interpolation) = watched();
     let mut step_clock = StepClock::new(world.def().time_step).expect("that of a world");
     step_clock.frame(12_000_000);
@@ -657,7 +657,7 @@ fn colliders_are_drawn_at_their_places_beside_the_shape() {
 }
 
 #[test]
-fn what_is_round_is_a_polygon_to_those_who_have_no_discs() {
+fn round_shapes_are_drawn_as_polygons_where_a_renderer_has_no_discs() {
     let draw = |shape: Result<Shape, _>| {
         let mut plain = Plain::default();
         let role = Role::Body(BodyId::from_parts(0, 0), BodyClass::Dynamic);

@@ -457,7 +457,7 @@ fn a_world_is_full_at_its_bounds() {
 }
 
 #[test]
-fn what_a_body_cannot_take_is_refused_by_its_kind() {
+fn calls_that_a_kind_of_body_cannot_take_are_refused() {
     let (mut world, [ball, rail, wall], _) = stage();
     let force = |body| Command::Apply {
         body,
@@ -1169,7 +1169,7 @@ mod floats {
     use umbra_physics::Geometry;
 
     #[test]
-    fn what_is_no_number_is_refused_wherever_it_enters() {
+    fn nan_and_infinity_are_refused_wherever_they_enter() {
         let mut world = World::<f64>::with_scalar(WorldDef::default()).unwrap();
         let shape = Some(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
         let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();

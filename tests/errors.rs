@@ -289,7 +289,7 @@ fn the_document_has_each() {
 }
 
 #[test]
-fn what_an_error_passes_on_is_its_source() {
+fn an_error_that_wraps_another_has_it_as_its_source() {
     let sourced = |error: &dyn std::error::Error| error.source().map(ToString::to_string);
     let mass = Error::OutOfRange { quantity: Quantity::Mass };
     assert_eq!((mass.code(), sourced(&mass)), (101, Some(Quantity::Mass.to_string())));

@@ -42,7 +42,7 @@ fn motion(world: &World, body: BodyId) -> (Vec2, Fx) {
 const STILL: (Vec2, Fx) = (Vec2::ZERO, Fx::ZERO);
 
 #[test]
-fn it_arrives_to_the_bit_and_then_stands_still() {
+fn a_body_arrives_at_its_target_to_the_bit_and_then_stands_still() {
     let mut random = SplitMix(0x90a1_0000_0000_0001);
     for integrator in Integrator::ALL {
         for is_coupled in [false, true] {
@@ -112,7 +112,7 @@ fn exact_ways_have_exact_velocities() {
 }
 
 #[test]
-fn it_turns_the_short_way_round() {
+fn a_body_turns_to_its_target_the_short_way_round() {
     for (from, to, sign) in
         [(0.1, 6.2, -1), (6.2, 0.1, 1), (3.0, 3.2, 1), (0.0, 3.1, 1), (0.0, 3.2, -1), (2.0, -2.0, 1)]
     {
@@ -162,7 +162,7 @@ fn dampers_feel_how_it_moves() {
 }
 
 #[test]
-fn what_forgets_the_goal() {
+fn calls_that_drop_a_target() {
     type Call = fn(&mut World, BodyId) -> Result<(), Error>;
     // The call, and what is left of the velocity of the way before.
     let calls: [(&str, Call, bool); 6] = [
@@ -198,7 +198,7 @@ fn what_forgets_the_goal() {
 }
 
 #[test]
-fn one_that_is_out_arrives_nowhere_and_stops_when_it_is_back() {
+fn a_disabled_body_reaches_no_target_and_stops_when_enabled() {
     let mut world = world(Integrator::VelocityVerlet);
     let body = lift(&mut world);
     world.move_to(body, vec2(2, 2), fx!(0.5)).expect("near enough");

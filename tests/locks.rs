@@ -222,7 +222,7 @@ fn a_lock_stops_and_its_release_lets_go() {
 
 /// A force that is too large for its body is no fault along a locked axis.
 #[test]
-fn what_has_no_effect_is_never_too_large() {
+fn a_force_along_a_locked_axis_is_never_too_large() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let light = BodyDef {
         mass: Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },

@@ -207,7 +207,7 @@ impl Watched {
 }
 
 #[test]
-fn whoever_follows_events_and_changes_knows_all_bodies() {
+fn an_observer_of_events_and_changes_knows_all_bodies() {
     let mut still = [0; 2];
     for seed in 0..40 {
         let mut author = Author { random: SplitMix(seed), unfair: 64 };
@@ -271,7 +271,7 @@ fn a_match_after_another_in_the_same_memory_sees_changes_from_its_start() {
 }
 
 #[test]
-fn whatever_puts_a_world_back_counts_and_a_clone_counts_on() {
+fn each_call_that_sets_a_world_back_counts_and_a_clone_counts_on() {
     let mut world = world(None);
     let wall = add(&mut world, BodyDef::fixed());
     let mut rollback = Rollback::new(&world, [0], 8).with_prediction(|_| false);

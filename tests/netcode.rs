@@ -299,7 +299,7 @@ fn peers_of_different_matches_do_not_start() {
 }
 
 #[test]
-fn what_peers_send_comes_back_whole_or_not_at_all() {
+fn packets_are_decoded_whole_or_not_at_all() {
     let hello = Hello { magic: MAGIC, physics_version: 7, seed: 1 << 40, ticks: 600, start: u64::MAX };
     let turn = Turn { tick: 300, hash: 0x0123_4567_89ab_cdef, controls: Controls(9) };
     let (mut greeting, mut word) = (Vec::new(), Vec::new());
@@ -322,7 +322,7 @@ fn what_peers_send_comes_back_whole_or_not_at_all() {
 }
 
 #[test]
-fn what_a_stranger_sends_ends_a_match_with_an_error() {
+fn invalid_packets_end_a_match_with_an_error() {
     let program = example("lockstep");
     let length = |length: u16| length.to_le_bytes().to_vec();
     let untrusted = [

@@ -203,7 +203,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_left_over_stays_exact_when_step_and_speed_change(
+    fn the_rest_of_a_frame_stays_exact_when_step_and_speed_change(
         step in time_step(),
         acts in prop::collection::vec(act(), 1..80),
     ) {
@@ -337,7 +337,7 @@ fn a_pause_takes_in_nothing_and_keeps_what_is_left_over() {
 }
 
 #[test]
-fn what_cannot_be_exact_is_refused_and_settling_makes_room() {
+fn inexact_clock_changes_are_refused_and_settling_makes_room() {
     assert_eq!(StepClock::new(TimeStep::hz(10_001)), Err(Error::TimeStep));
     let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
     assert_eq!(step_clock.set_time_step(TimeStep::hz(0)), Err(Error::TimeStep));

@@ -10,7 +10,7 @@ fn published(seed: u64) -> Xoshiro256StarStar {
 }
 
 #[test]
-fn it_draws_what_the_published_one_draws_and_jumps_where_it_jumps() {
+fn draws_and_jumps_are_those_of_the_published_generator() {
     for seed in [0, 1, 42, u64::MAX] {
         let (mut ours, mut theirs) = (Random::seeded(seed), published(seed));
         for leap in 0..3 {
@@ -88,7 +88,7 @@ fn every_result_of_a_range_is_as_likely_as_the_others() {
 }
 
 #[test]
-fn what_is_drawn_stays_in_its_range() {
+fn draws_stay_in_their_range() {
     let mut random = Random::seeded(6);
     assert_eq!((random.below(0), random.below(1)), (0, 0));
     #[allow(clippy::reversed_empty_ranges, reason = "that is what is tried")]

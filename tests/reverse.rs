@@ -582,7 +582,7 @@ fn a_way_back_out_of_the_envelope_is_not_taken() {
 }
 
 #[test]
-fn of_many_faults_on_the_way_back_the_first_by_handle_is_told_and_of_a_body_the_first() {
+fn undoing_a_step_names_the_fault_of_the_lowest_handle_and_the_first_fault_of_a_body() {
     let edge = fx!(1_073_741_824);
     let away = BodyDef { position: Vec2::new(edge, fx!(0)), velocity: vec2(-90, 0), ..BodyDef::dynamic() };
     let (mut world, ids) = world(def(Integrator::VelocityVerlet), [BodyDef::fixed(), BodyDef::dynamic()]);
@@ -619,7 +619,7 @@ fn a_law_without_an_answer_on_the_way_back_is_not_passed() {
 }
 
 #[test]
-fn what_calls_woke_before_a_step_is_reported_by_the_step_after_it_was_undone() {
+fn bodies_woken_before_an_undone_step_are_reported_by_the_next_step() {
     let still = WorldDef { gravity: Vec2::ZERO, sleep_after: Some(1), ..def(Integrator::VelocityVerlet) };
     let (mut world, ids) = world(still, [BodyDef::dynamic(), BodyDef::dynamic()]);
     world.step();

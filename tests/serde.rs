@@ -368,7 +368,7 @@ fn every_plain_struct_comes_back() {
 }
 
 #[test]
-fn what_was_applied_over_a_tick_comes_back() {
+fn forces_applied_over_a_tick_are_read_back() {
     let mut world = World::new(WorldDef::default()).expect("fair");
     let ids = [0, 1].map(|_| world.add_body(BodyDef::dynamic()).expect("fair"));
     for _ in 0..5 {
@@ -471,7 +471,7 @@ fn refused<T: DeserializeOwned + Debug>(json: &str, why: &str) {
 }
 
 #[test]
-fn what_could_not_be_made_is_not_read() {
+fn invalid_values_are_not_read() {
     // A factor in any other form would not be equal to the same one.
     for (mantissa, shift) in
         [(1u64, 0), (0, 1), (1 << 62, 62), (1 << 63, 16_385), (1 << 63, -16_385), (1 << 63, i32::MIN)]

@@ -282,7 +282,7 @@ fn an_idle_tick_takes_18_bytes_of_a_replay() {
 }
 
 #[test]
-fn what_is_no_snapshot_is_refused_with_its_reason() {
+fn bytes_that_are_no_snapshot_are_refused_with_a_reason() {
     let world = lived(Integrator::default(), 3, 60);
     let bytes = world.snapshot().to_bytes();
     let read = |bytes: &[u8]| Snapshot::from_bytes(bytes, &custom_forces()).map(|_| ());

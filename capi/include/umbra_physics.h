@@ -236,7 +236,7 @@ typedef struct UmbraBodyDef {
     uint32_t force_groups;
     // Components of the velocity that are held at zero; default none.
     UmbraLocks locks;
-    // Where two dynamic bodies touch, the one with the higher number is not moved by it; default 0.
+    // The dominance: in a contact of two dynamic bodies, the body with the higher number is not moved; default 0.
     int32_t dominance;
     // 1 for a bullet, which never crosses dynamic bodies either; default 0.
     uint32_t is_bullet;
@@ -301,7 +301,7 @@ typedef struct UmbraBodyState {
     uint32_t force_groups;
     // Components of the velocity that are held at zero.
     UmbraLocks locks;
-    // Where two dynamic bodies touch, the one with the higher number is not moved by it.
+    // The dominance: in a contact of two dynamic bodies, the body with the higher number is not moved.
     int32_t dominance;
     // 1 for a bullet, else 0.
     uint32_t is_bullet;
@@ -451,7 +451,7 @@ typedef struct UmbraContactPoint {
 typedef struct UmbraContact {
     // The colliders.
     uint64_t colliders[2];
-    // Their bodies.
+    // The bodies of the colliders.
     uint64_t bodies[2];
     // Unit vector from the first collider to the second one; each component within 2^-29.
     struct UmbraVec2 normal;
@@ -610,9 +610,9 @@ typedef struct UmbraQueryFilter {
 
 // A ray.
 typedef struct UmbraRay {
-    // Where it starts, m.
+    // The start of the ray, m.
     struct UmbraVec2 origin;
-    // From there to its end, m; each part within ±2^20.
+    // The translation from the start to the end, m; each component within ±2^20.
     struct UmbraVec2 translation;
 } UmbraRay;
 
@@ -620,7 +620,7 @@ typedef struct UmbraRay {
 typedef struct UmbraCastHit {
     // The collider; 0 for a shape without a world.
     uint64_t collider;
-    // Its body; 0 for a shape without a world.
+    // The body of the collider; 0 for a shape without a world.
     uint64_t body;
     // The fraction of the translation, from 0 to 1, rounded down.
     UmbraFx fraction;
@@ -638,7 +638,7 @@ typedef struct UmbraCastHit {
 typedef struct UmbraClosestPoint {
     // The collider.
     uint64_t collider;
-    // Its body.
+    // The body of the collider.
     uint64_t body;
     // The distance, m; 0 in the collider.
     UmbraFx distance;
@@ -684,7 +684,7 @@ typedef struct UmbraGround {
 
 // A request for a movement.
 typedef struct UmbraCharacterMove {
-    // Where the centre of mass of the shape is, m.
+    // The position of the shape's centre of mass, m.
     struct UmbraVec2 position;
     // The translation, m; each component within ±2^8.
     struct UmbraVec2 translation;
@@ -716,7 +716,7 @@ typedef struct UmbraMovementState {
 typedef struct UmbraCharacterHit {
     // The collider.
     uint64_t collider;
-    // Its body.
+    // The body of the collider.
     uint64_t body;
     // The point where they meet, m.
     struct UmbraVec2 point;

@@ -100,7 +100,7 @@ pub struct UmbraBodyDef {
     pub force_groups: u32,
     /// Components of the velocity that are held at zero; default none.
     pub locks: UmbraLocks,
-    /// Where two dynamic bodies touch, the one with the higher number is not moved by it; default 0.
+    /// The dominance: in a contact of two dynamic bodies, the body with the higher number is not moved; default 0.
     pub dominance: i32,
     /// 1 for a bullet, which never crosses dynamic bodies either; default 0.
     pub is_bullet: u32,
@@ -164,7 +164,7 @@ pub struct UmbraBodyState {
     pub force_groups: u32,
     /// Components of the velocity that are held at zero.
     pub locks: UmbraLocks,
-    /// Where two dynamic bodies touch, the one with the higher number is not moved by it.
+    /// The dominance: in a contact of two dynamic bodies, the body with the higher number is not moved.
     pub dominance: i32,
     /// 1 for a bullet, else 0.
     pub is_bullet: u32,

@@ -62,7 +62,7 @@ pub struct UmbraGround {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct UmbraCharacterMove {
-    /// Where the centre of mass of the shape is, m.
+    /// The position of the shape's centre of mass, m.
     pub position: UmbraVec2,
     /// The translation, m; each component within ±2^8.
     pub translation: UmbraVec2,
@@ -98,7 +98,7 @@ pub struct UmbraMovementState {
 pub struct UmbraCharacterHit {
     /// The collider.
     pub collider: u64,
-    /// Its body.
+    /// The body of the collider.
     pub body: u64,
     /// The point where they meet, m.
     pub point: UmbraVec2,

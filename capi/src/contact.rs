@@ -27,7 +27,7 @@ pub struct UmbraContactPoint {
 pub struct UmbraContact {
     /// The colliders.
     pub colliders: [u64; 2],
-    /// Their bodies.
+    /// The bodies of the colliders.
     pub bodies: [u64; 2],
     /// Unit vector from the first collider to the second one; each component within 2^-29.
     pub normal: UmbraVec2,

@@ -51,9 +51,9 @@ pub struct UmbraQueryFilter {
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraRay {
-    /// Where it starts, m.
+    /// The start of the ray, m.
     pub origin: UmbraVec2,
-    /// From there to its end, m; each part within ±2^20.
+    /// The translation from the start to the end, m; each component within ±2^20.
     pub translation: UmbraVec2,
 }
 
@@ -63,7 +63,7 @@ pub struct UmbraRay {
 pub struct UmbraCastHit {
     /// The collider; 0 for a shape without a world.
     pub collider: u64,
-    /// Its body; 0 for a shape without a world.
+    /// The body of the collider; 0 for a shape without a world.
     pub body: u64,
     /// The fraction of the translation, from 0 to 1, rounded down.
     pub fraction: UmbraFx,
@@ -83,7 +83,7 @@ pub struct UmbraCastHit {
 pub struct UmbraClosestPoint {
     /// The collider.
     pub collider: u64,
-    /// Its body.
+    /// The body of the collider.
     pub body: u64,
     /// The distance, m; 0 in the collider.
     pub distance: UmbraFx,

@@ -424,7 +424,7 @@ unsafe extern "C" fn is_other(context: *mut std::ffi::c_void, _: u64, user_data:
     u32::from(user_data != 7)
 }
 
-/// It falls onto a floor, walks along it, rides on it and pushes a crate; and each value out of range is refused.
+/// A character falls onto a floor, walks along it, rides on it and pushes a crate; and each value out of range is refused.
 #[test]
 fn a_character_moves_as_in_the_library() {
     let mut world = world();

@@ -16,7 +16,7 @@ const HASHES: usize = 64;
 pub(crate) struct GgrsWorld {
     /// The world at the present frame, to draw. Frames within GGRS's window may still be corrected.
     pub(crate) world: World,
-    /// How often a state was loaded, the number of frames that all of these loads undid, and the most that one undid.
+    /// The number of loads of a state, of the frames that all of them undid, and the most frames that one load undid.
     pub(crate) loads: u32,
     pub(crate) undone: u32,
     pub(crate) deepest: u32,

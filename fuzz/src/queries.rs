@@ -154,7 +154,7 @@ fn ask(world: &World, queries: &Queries<'_>, query: &Query, filter: &QueryFilter
     }
 }
 
-/// What the shape of a body that is not turned says by itself, where there is such a call.
+/// The answer of the shape alone for a body that is not turned, where there is such a call.
 fn of_shape(body: &BodyDef, query: &Query) -> Option<Option<Row>> {
     let ColliderDef { shape, key, .. } = &body.colliders[0];
     let at = body.position;

@@ -47,9 +47,9 @@ pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 pub enum BodyKind {
     /// The body never moves.
     Static,
-    /// The body moves at the velocity you set. Forces and damping have no effect.
+    /// The body moves at the velocity you set. Forces, damping and contacts have no effect on it; it pushes dynamic bodies.
     Kinematic,
-    /// The body responds to forces, gravity and damping.
+    /// The body responds to forces, gravity, damping and contacts.
     #[default]
     Dynamic,
 }
@@ -120,8 +120,9 @@ impl Activity {
     }
 }
 
-/// The locked axes of a body. The velocity along a locked axis is zero and stays zero, whatever acts on the body, and not a
-/// bit of the position along it changes. The other components move as if the locked ones happened to be zero.
+/// The locked axes of a body. The velocity along a locked axis is zero and stays zero, whatever acts on the body, and the position along it
+/// does not change by a bit. Along the other axes the body moves as without locks. Lock the rotation of a character that is to stay
+/// upright.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Locks {
@@ -157,22 +158,27 @@ codec_plain!(Locks { x, y, rotation });
 /// change what differs.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, BodyKind, Error, Mass, Shape, fx, vec2};
+/// use umbra_physics::{BodyDef, BodyKind, Error, Locks, Mass, Quantity, Shape, World, WorldDef, fx, vec2};
 ///
-/// let wheel = BodyDef {
-///     shape: Some(Shape::circle(fx!(0.5))?),
-///     mass: Mass::Density(fx!(2)),
+/// let ground = BodyDef::fixed().with_collider(Shape::rectangle(20, 1)?);
+/// let lift = BodyDef { velocity: vec2(0, 1), ..BodyDef::kinematic().with_collider(Shape::rectangle(2, fx!(0.25))?) };
+/// let hero = BodyDef {
 ///     position: vec2(0, 3),
-///     ..BodyDef::dynamic()
+///     mass: Mass::Kilograms(fx!(70)), // in place of area · density
+///     locks: Locks { rotation: true, ..Locks::NONE },
+///     ..BodyDef::dynamic().with_collider(Shape::capsule(1, fx!(0.25))?)
 /// };
-/// let lift = BodyDef { velocity: vec2(0, 1), ..BodyDef::kinematic() };
-/// let ground = BodyDef { shape: Some(Shape::segment(vec2(-10, 0), vec2(10, 0))?), ..BodyDef::fixed() };
-/// let kinds = [wheel.kind, lift.kind, ground.kind];
-/// assert_eq!(kinds, [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static]);
+/// let kinds = [ground.kind, lift.kind, hero.kind];
+/// assert_eq!(kinds, [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic]);
 ///
 /// // A definition can be checked without a world:
-/// assert_eq!(wheel.check(), Ok(()));
-/// assert_eq!(BodyDef { shape: None, ..wheel }.check(), Err(Error::NoShape));
+/// assert_eq!(hero.check(), Ok(()));
+/// let fast = BodyDef { velocity: vec2(2_000_000, 0), ..hero.clone() };
+/// assert_eq!(fast.check(), Err(Error::OutOfRange { quantity: Quantity::Velocity }));
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let hero = world.add_body(hero)?;
+/// assert_eq!(world.body(hero)?.mass(), Some(fx!(70)));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -180,13 +186,13 @@ codec_plain!(Locks { x, y, rotation });
 pub struct BodyDef<S: Scalar = Fx> {
     /// How the body moves.
     pub kind: BodyKind,
-    /// The position of the centre of mass, m.
+    /// The position of the centre of mass, m, each component within ±2^30. (Not the origin of the shapes, as in Box2D and Rapier.)
     pub position: Vec2<S>,
-    /// The angle, rad.
+    /// The angle, rad, counter-clockwise; of any size.
     pub angle: S,
-    /// The velocity, m/s. Zero for a static body.
+    /// The velocity, m/s, each component within ±2^20. Zero for a static body.
     pub velocity: Vec2<S>,
-    /// The angular velocity, rad/s. Zero for a static body.
+    /// The angular velocity, rad/s, within ±2^20. Zero for a static body.
     pub angular_velocity: S,
     /// A shape that gives the body its inertia and an outline to draw. It touches nothing: give the body `colliders` for that.
     pub shape: Option<Shape<S>>,
@@ -195,28 +201,30 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub colliders: Vec<ColliderDef<S>>,
     /// The mass, used while the body is dynamic.
     pub mass: Mass<S>,
-    /// The factor on the world's gravity: 1 for all of it, 0 for none, −1 for the opposite direction.
+    /// The factor on the world's gravity, within ±16: 1 for all of it, 0 for none, −1 for the opposite direction.
     pub gravity_scale: S,
     /// The damping of the velocity; `None` for the world's.
     pub linear_damping: Option<Damping<S>>,
     /// The damping of the angular velocity; `None` for the world's.
     pub angular_damping: Option<Damping<S>>,
-    /// The largest speed after a step, m/s, if the body is dynamic. A faster body is slowed down to it and keeps its direction.
+    /// The largest speed after a step, m/s, 0 to 2^20, if the body is dynamic; `None` for no limit. A faster body is slowed down to it and
+    /// keeps its direction.
     pub max_speed: Option<S>,
-    /// The largest angular speed after a step, rad/s, if the body is dynamic.
+    /// The largest angular speed after a step, rad/s, 0 to 2^20, if the body is dynamic; `None` for no limit.
     pub max_angular_speed: Option<S>,
     /// The axes along which the body cannot move.
     pub locks: Locks,
-    /// The dominance: where two dynamic bodies touch, the one with the higher number pushes the other as if it were kinematic, and gets
-    /// no impulse from it. 0 for most; any whole number. Static and kinematic bodies are above all.
+    /// The dominance, any whole number; 0 by default. Where two dynamic bodies of unequal dominance touch, the one with the higher number
+    /// pushes the other as a kinematic body would, and gets no impulse from it. Static and kinematic bodies are above all dynamic ones.
     pub dominance: i32,
-    /// True for a *bullet*: a body whose colliders never cross those of dynamic bodies either, at any speed. Colliders of all bodies never
-    /// cross those of static and kinematic ones. A bullet costs time in ticks in which it, or what it meets, moves more than a quarter of
-    /// its width.
+    /// True for a *bullet*: a body whose colliders do not cross those of dynamic bodies, at any speed. Without it they do not cross those
+    /// of static and kinematic bodies, which needs no flag. A bullet costs more time in ticks in which it, or a body near it, moves more
+    /// than a quarter of its width.
     pub bullet: bool,
-    /// The groups of the body: a force field with one of these bits acts on it.
+    /// The groups of the body, one bit each; 1 by default. A force field that has one of these bits acts on it.
     pub force_groups: u32,
-    /// A name of your choice for the body. Worlds that were built in different orders are compared by it.
+    /// A name of your choice for the body; 0 for none. [`World::body_with_key`](crate::World::body_with_key) finds it, and worlds that were
+    /// built in different orders are compared by it.
     pub key: u64,
     /// Data of your choice. The engine does not read it.
     pub user_data: u64,
@@ -316,7 +324,7 @@ impl<S: Scalar> BodyDef<S> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape; [`Error::Locked`] for a
-    /// velocity along a locked axis.
+    /// velocity along a locked axis; [`Error::DynamicChain`] for a chain on a dynamic body.
     pub fn check(&self) -> Result<(), Error> {
         self.checked().map(drop)
     }

@@ -172,8 +172,8 @@ impl<S: Scalar> Bodies<S> {
         bodies
     }
 
-    /// Adds a slot as a snapshot has it, with a body or without; gives the index of the body. What the world's own
-    /// parameters forbid is for the world to refuse.
+    /// Adds a slot as a snapshot has it, with a body or without; gives the index of the body. The world
+    /// refuses combinations that its own parameters forbid.
     pub(crate) fn rebuild(
         &mut self,
         generation: u32,

@@ -19,8 +19,8 @@ pub(super) fn mix(hash: u64, word: u64) -> u64 {
     (hash.rotate_left(29) ^ word).wrapping_mul(0x9e37_79b9_7f4a_7c15)
 }
 
-/// The most places that a search looks at. Whoever chooses keys with equal hashes gets a row for each body, and no long search.
-/// At most half of the places are taken: keys that nobody chose for it are not that far apart.
+/// The most places that a search looks at. An attacker who chooses keys with equal hashes gets a row for each body, but no long
+/// search. At most half of the places are taken: the places of other keys are hardly ever that far apart.
 const PROBES: usize = 64;
 
 /// The rows in use, and how many bodies have each. The number of a row is no state: it changes no bit of a result.

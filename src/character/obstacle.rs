@@ -147,7 +147,7 @@ impl Obstacles<'_> {
             contacts.skipped.push(index);
             let mut add = |direction: Point, depth: i64, feature: Feature| {
                 let unit = unit(direction);
-                // One that the character came through lets it pass until it has left the skin.
+                // A one-way collider that the character came through lets it pass until it has left the skin.
                 let is_held = neighbour.side.is_none() || depth <= DEEP || self.stood_on == Some(neighbour.body);
                 if is_held && Self::holds(neighbour, unit) {
                     let cosine = along(unit, up);

@@ -12,10 +12,10 @@ use crate::world::{ApplyOptions, Command, ForceOrImpulse, World};
 impl<S: Scalar> Character<S> {
     /// The impulses with which a movement pushes the dynamic bodies that it met, as commands to execute and to record.
     ///
-    /// The character is a body of [`push_mass`](Self::push_mass) M that moves with its desired translation a step of the world. Where it
-    /// approaches a body with the speed v along the normal, at a point at the distance r × n from the line through its centre, it gives it
-    /// the impulse v / (1/M + 1/m + (r × n)²/I), as in an impact without bounce. It gives one impulse a body: the
-    /// greatest, and of equal ones that of the first hit. With a push mass of 0 there are none.
+    /// The character counts as a body with the mass M = [`push_mass`](Self::push_mass) that moves by its desired translation in a step of
+    /// the world. If it approaches a body of mass m and inertia I with the speed v along the normal n, at a point r from the body's centre
+    /// of mass, the impulse is v / (1/M + 1/m + (r × n)²/I), as in an impact without bounce. Each body gets one impulse: the greatest, or
+    /// of equal ones that of the first hit. With a push mass of 0 there are none.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Character, Mass, QueryFilter, Shape, TimeStep, World, WorldDef, fx, vec2};

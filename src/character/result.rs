@@ -29,9 +29,10 @@ pub struct CharacterHit<S = Fx> {
     pub collider: ColliderId,
     /// The body of the collider.
     pub body: BodyId,
-    /// The number of the part of a compound or of the segment of a chain; 0 of all others.
+    /// The number of the part of a compound or of the segment of a chain; 0 for all other shapes.
     pub part: u32,
-    /// The point where they meet, m, within the skin of the surface of the collider; in the middle of what touches where two edges do.
+    /// The point where they meet, m, within the skin of the surface of the collider; where two edges touch, the middle of the part that
+    /// touches.
     pub point: Vec2<S>,
     /// The unit normal of the collider there. *Error* 1 ulp in each component.
     pub normal: Vec2<S>,
@@ -71,13 +72,13 @@ pub struct Movement<S = Fx> {
     pub position: Vec2<S>,
     /// The ground that it stands on now; `None` in the air and on slopes that are too steep.
     pub ground: Option<Ground<S>>,
-    /// The collider of the ground: of several that are as level the first by key, then by handle.
+    /// The collider of the ground; where several are equally level, the first by key, then by handle.
     pub ground_collider: Option<ColliderId>,
     /// The unit normal of the ground, towards the character; zero in the air. *Error* 1 ulp in each component.
     pub ground_normal: Vec2<S>,
-    /// The velocity of the ground at the centre of the character, m/s, for one who jumps off; zero in the air.
+    /// The velocity of the ground at the centre of the character, m/s: add it when the character jumps off. Zero in the air.
     pub ground_velocity: Vec2<S>,
-    /// The colliders that it moved against, in the order in which it met them, those that it met at once by key, then by handle.
+    /// The colliders that it moved against, in the order in which it met them; those that it met at the same time by key, then by handle.
     pub hits: Vec<CharacterHit<S>>,
     /// True if it overlaps a collider that it could not get out of: it is being crushed, or was put there.
     pub is_overlapping: bool,

@@ -34,22 +34,24 @@ use crate::shape::Shape;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Character<S: Scalar = Fx> {
-    /// The shape, upright: it is never turned. Not a chain. A rectangle walks over edges, a capsule rolls over them.
+    /// The shape, upright: it is never turned. Not a chain. A rectangle stands on an edge until its last corner has left it, a round shape
+    /// slides off around the edge.
     pub shape: Shape<S>,
-    /// The direction that is up: of any length from 2^-10 on, within ±2^10 a component.
+    /// The direction that is up. Its length does not matter: each component is within ±2^10, and one of them is at least 2^-10 in size.
     pub up: Vec2<S>,
-    /// The distance from colliders that the character keeps, m, 2^-12 to 1: it comes as near as that, within 6 ulps.
+    /// The distance from colliders that the character keeps, m, 2^-12 to 1, within 6 ulps: make the drawn figure larger by it, or it
+    /// floats.
     pub skin: S,
-    /// The angle of the steepest slope that it climbs and stands on, rad, 0 to π/2. A steeper one is a wall for one who walks, and who
-    /// falls on it slides down. *Error* 2^-29 rad and, near 0, 2^-14 rad.
+    /// The angle of the steepest slope that it climbs and stands on, rad, 0 to π/2. A steeper slope is a wall for a walking character, and
+    /// a falling one slides down on it. *Error* 2^-29 rad and, near 0, 2^-14 rad.
     pub max_slope: S,
     /// The angle of the steepest slope on which a downward translation moves it nowhere, rad, 0 to π/2. On a steeper one it slides, also
     /// where it can climb.
     pub max_rest_slope: S,
     /// The height of the highest step that it climbs, m, 0 to 2^4; 0 climbs none. Colliders of dynamic bodies are no steps.
     pub step_height: S,
-    /// The depth of the top of a step that it needs to climb it, m, 0 to 2^4; of a shape with a radius R and the skin more, as those need
-    /// to stand on the edge of the step: (R + skin)·(1 − sin [max_slope](Self::max_slope)).
+    /// The smallest depth of the top of a step that it climbs, m, 0 to 2^4. A shape with a radius R needs more, to stand on the edge of the
+    /// step: (R + skin)·(1 − sin [max_slope](Self::max_slope)) in addition.
     pub step_width: S,
     /// The distance by which it is moved down to stay on the ground on its way down a slope or steps, m, 0 to 2^4; 0 never moves it.
     pub snap: S,
@@ -90,7 +92,7 @@ impl<S: Scalar> Character<S> {
     /// Checks the settings as [`translate`](Self::translate) does.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity; [`Error::DynamicChain`] for a chain.
+    /// [`Error::OutOfRange`] naming the quantity, such as [`Quantity::CharacterSkin`]; [`Error::DynamicChain`] for a chain.
     pub fn check(&self) -> Result<(), Error> {
         self.terms().map(drop)
     }

@@ -7,7 +7,7 @@ use crate::kernel::wide::{div_256, mul_128};
 use crate::query::{FULL, Feature, Point, at as point_at, dot, from_to};
 use crate::slots::BodyId;
 
-/// A way is cut by this many obstacles at most; what is left of it then is dropped.
+/// At most this many obstacles cut a way; the rest of the way is then dropped.
 const ROUNDS: usize = 16;
 
 /// The number of places below an edge that are searched for ground.
@@ -97,7 +97,7 @@ impl<'a> Walker<'a> {
         grounds.copied().min_by_key(|plane| (-plane.cosine, plane.index))
     }
 
-    /// Goes a way and slides along all that it meets, but for a body. For riding: slopes and steps make no difference.
+    /// Goes a way and slides along everything except the body `without`. This is for riding: slopes and steps make no difference.
     pub(super) fn carry(&mut self, mut way: Point, without: BodyId) {
         for _ in 0..ROUNDS {
             let mut contacts = self.obstacles.contacts(self.at, Some(without));
@@ -112,7 +112,7 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Moves out of the skins that the point is in, as far as all else lets it.
+    /// Moves out of the skins that the point is in, as far as other obstacles allow.
     pub(super) fn push_out(&mut self) {
         let mut left = MOST_PUSH;
         for _ in 0..PUSHES {

@@ -21,18 +21,24 @@ const MOST: Fx = Fx::from_bits(1 << 40);
 impl<S: Scalar> Character<S> {
     /// Moves the character from a position by a translation, both in m, and returns where it gets and what it meets.
     ///
-    /// In this order: it rides with `ground`, which the last call returned; it is pushed out of colliders that came into its skin, by up to
-    /// 1 m; it goes the translation, slides along what it meets and climbs a step; it is moved down to the ground, if it stood on one and
-    /// the translation does not lead up. It ends in no collider that it did not overlap at the start, but for one that moved into it and
-    /// has it caught against others ([`Movement::is_overlapping`]).
+    /// Call it once a tick. In this order the character
+    /// 1. rides with `ground`, which the last call returned;
+    /// 2. is pushed out of colliders that came into its skin, by up to 1 m;
+    /// 3. moves by the translation, slides along colliders and climbs a step;
+    /// 4. is moved down to the ground, if it stood on one and the translation does not lead up.
     ///
-    /// Leave out the body of the character itself by the filter. A [one-way](crate::OneWay) collider lets it through until it has left
-    /// the skin of it; to drop it through a platform that it stands on, leave that out for one call with a translation downwards.
+    /// It never ends in a collider that it did not overlap at the start, unless that one moved into it and presses it against others
+    /// ([`Movement::is_overlapping`]).
     ///
-    /// *Cost* that of finding the colliders within reach of the translation, steps and snapping.
+    /// Leave out the body of the character itself by the filter. A [one-way](crate::OneWay) collider that the character comes through lets
+    /// it pass until it has left the skin around it. To drop through a platform that the character stands on, leave the platform out for
+    /// one call with a translation downwards.
+    ///
+    /// *Cost* in proportion to the colliders within reach of the translation, steps and snapping.
     ///
     /// # Errors
-    /// Those of [`check`](Self::check); [`Error::OutOfRange`] with [`Quantity::CharacterTranslation`], or with [`Quantity::Position`].
+    /// The errors of [`check`](Self::check); [`Error::OutOfRange`] with [`Quantity::CharacterTranslation`] for a component beyond ±2^8 m,
+    /// or with [`Quantity::Position`] for the position.
     pub fn translate(
         &self,
         queries: &Queries<'_, S>,

@@ -203,8 +203,8 @@ impl<P: Product, const N: usize> Core<P, N> {
         other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height)) - self.own(i)
     }
 
-    /// Separations of another core along the normals: its least component less its own largest one. Of a core with many corners those more
-    /// than `slack` below the largest may be left out, as the least product.
+    /// Separations of another core along the normals: the least component of the other core less the largest one of this core. For
+    /// cores with many corners, separations more than `slack` below the largest may be left out, as the least product.
     #[inline(always)]
     pub(super) fn separations(&self, other: &Self, slack: P) -> [P; N] {
         if N > 8 {
@@ -242,8 +242,8 @@ impl<P: Product, const N: usize> Core<P, N> {
 
     /// The separations that are within `slack` of the largest, and perhaps others.
     ///
-    /// The component of any one corner bounds a separation from above, so that most normals take no second look. Which of them do depends
-    /// on the order of corners; which are within `slack` does not.
+    /// The component of any one corner bounds a separation from above, so that most normals need no second look. The order of corners
+    /// decides which normals get one, but not which are within `slack`.
     fn largest_separations(&self, other: &Self, slack: P) -> [P; N] {
         let mut separations = [P::LEAST; N];
         let count = self.faces.min(N);

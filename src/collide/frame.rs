@@ -13,7 +13,7 @@ pub(super) struct Pair<P: Product, const N: usize> {
     pub(super) b: Core<P, N>,
     /// A unit is 2^k ulps.
     pub(super) k: u32,
-    /// One of them has a radius.
+    /// True if one of the two cores has a radius.
     pub(super) is_rounded: bool,
 }
 

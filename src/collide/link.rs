@@ -1,11 +1,12 @@
-//! Segments of chains, and polygons among others: they touch along the directions that are theirs alone, and a segment on one side.
+//! Manifolds of segments of chains, and of polygons beside others: they touch only along directions that are not their neighbours', and a
+//! segment only on one side.
 //!
 //! The *outer* side of a segment is on its right. At an outward corner of the chain the directions between the normals of the two
 //! segments that join there belong to both; at one that is straight or turns inwards there are none beside the normals; at an end of the
 //! chain those up to the way along the segment. Only these count for the largest separation: a box that slides over a
 //! seam is never pushed back by the end of the next segment. Where the normal of a neighbour separates more than any of a segment's own
-//! directions, the neighbour has the contact, and the segment has none. So a ball has one contact with a smooth chain, of the segment it
-//! is above, but for the place where both are as near. Where the chain goes on straight, an edge that lies over the seam has no point
+//! directions, the neighbour has the contact, and the segment has none. So a ball has one contact with a smooth chain, with the
+//! segment that it is above, or two exactly over a seam. Where the chain goes on straight, an edge that lies over the seam has no point
 //! there: it has points at its own ends, as on one long segment.
 //!
 //! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose
@@ -25,7 +26,8 @@ use super::{MARGIN_MAX, Manifold, ManifoldPoint, collide_placed, swapped_feature
 use crate::fx::Fx;
 use crate::limits::CORNERS;
 
-/// A body whose middle is farther behind a segment than this is not pushed by it, in ulps: 2 cm, more than what a thin body sinks in.
+/// A body whose middle is farther behind a segment than this is not pushed by it, in ulps: 2 cm, which is more than a thin body sinks in at
+/// rest.
 const BEHIND: i64 = (1 << 32) / 50;
 
 /// The sine of the angle by which a direction may be off, in units of 2^-60: 2^-20. Normals err by 2^-30, directions between corners

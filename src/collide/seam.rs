@@ -31,7 +31,7 @@ pub(crate) struct Face {
     /// The number of its first corner, and the number of all corners.
     pub(crate) edge: usize,
     pub(crate) corners: usize,
-    /// Its unit normal in units of 2^-30.
+    /// The unit normal of the edge in units of 2^-30.
     pub(crate) normal: [i32; 2],
     /// The edges by which the surface goes on at its first and at its second corner, by their normals.
     pub(crate) ends: [Neighbour<[i32; 2]>; 2],
@@ -66,8 +66,8 @@ impl Polygons {
         &self.corners[if i == 0 { 0 } else { self.ends[i - 1] }..self.ends[i]]
     }
 
-    /// Lists the edges of the first polygon that are on the surface of the union of all. Returns false if that makes no
-    /// difference: no other polygon touches it.
+    /// Lists the edges of the first polygon that are on the surface of the union of all. Returns false if no other polygon
+    /// touches it, so that it pushes as one that stands alone.
     pub(crate) fn faces(&self, faces: &mut Vec<Face>) -> bool {
         let own = self.get(0);
         let others: Vec<&[[i64; 2]]> =

@@ -1,7 +1,7 @@
 //! Filters: which colliders may meet.
 
-/// The kinds of colliders that one may meet. Two colliders meet if each has a category in the other's mask; a group that both are in
-/// decides before that.
+/// The filter of a collider: which others it may meet. Two colliders meet if each has a category in the other's mask. If both are in the
+/// same group, the sign of the group decides instead.
 ///
 /// ```
 /// use umbra_physics::Filter;
@@ -18,14 +18,14 @@
 pub struct Filter {
     /// The categories that the collider is in, one bit each.
     pub category: u32,
-    /// The categories that it meets.
+    /// The categories that the collider meets, one bit each.
     pub mask: u32,
     /// The group. Two colliders of one positive group always meet, two of one negative group never. Group 0 is no group.
     pub group: i32,
 }
 
 impl Default for Filter {
-    /// The first category, which meets all, and no group.
+    /// Category 1, a mask of all categories, and no group: the collider meets all others with this filter.
     fn default() -> Self {
         Self { category: 1, mask: !0, group: 0 }
     }

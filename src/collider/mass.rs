@@ -30,8 +30,7 @@ impl<S: Scalar> ColliderMass<S> {
     /// Σ w and Σ w·(k² + d²) / Σ w with w the mass of a collider, k its radius of gyration and d the distance of its centre of mass
     /// from that of the body.
     ///
-    /// It does not depend on the order in which colliders were added.
-    /// *Error* 2^-58 relative.
+    /// The result does not depend on the order in which colliders were added. *Error* 2^-58 relative.
     pub(crate) fn of<'a>(colliders: impl Iterator<Item = &'a ColliderDef<S>>) -> Self
     where
         S: 'a,

@@ -8,7 +8,7 @@ use crate::scalar::Scalar;
 
 /// The rule by which the coefficients of two surfaces that touch become one.
 ///
-/// Where the two surfaces have different rules, the later one of this list counts.
+/// Where the two surfaces have different rules, the later one in the list of variants below counts: `Maximum` before all others.
 ///
 /// ```
 /// use umbra_physics::{Material, MixRule, fx};
@@ -95,22 +95,21 @@ impl MixRule {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Material<S = Fx> {
-    /// The coefficient of friction μ, 0 to [`limits::FRICTION`]: a contact that is pressed with the force N holds against a force of
-    /// up to μ·N along the surface.
+    /// The coefficient of friction μ, 0 to [`limits::FRICTION`] = 32: a contact with the normal force F resists sliding with up to μ·F.
     pub friction: S,
-    /// The coefficient of restitution, 0 to 1: the share of the approach speed at which bodies part after an impact. 0 for no bounce.
+    /// The coefficient of restitution, 0 to 1: bodies part after an impact at this share of their approach speed. 0 for no bounce. Slow
+    /// impacts, below [`ContactSettings::restitution_speed`](crate::ContactSettings::restitution_speed), do not bounce.
     pub restitution: S,
-    /// The coefficient of rolling resistance c, 0 to 1: a contact with one point that is pressed with the force N holds against a torque of
-    /// up to c·R·N that rolls the bodies on each other. R is the radius with which a disc, the end of a capsule or a rounded corner
-    /// touches; where both surfaces are round, the smaller one. Two surfaces have the larger coefficient. Contacts with two points do not
-    /// roll.
+    /// The coefficient of rolling resistance c, 0 to 1: a contact with one point and the normal force F resists rolling with a torque of up
+    /// to c·R·F. R is the radius of the disc, of the end of the capsule or of the rounded corner that touches; where both surfaces are
+    /// round, the smaller one. Of the coefficients of two surfaces the larger one counts. A contact with two points does not roll.
     pub rolling_resistance: S,
     /// The speed at which the surface moves around the shape, counter-clockwise, within ±2^10 m/s: a conveyor belt. It pulls by friction,
     /// and moves no body by itself. The top of a belt moves to the left if the speed is positive.
     pub surface_speed: S,
-    /// The rule that mixes coefficients of friction.
+    /// The rule by which the friction of two surfaces is mixed.
     pub friction_rule: MixRule,
-    /// The rule that mixes coefficients of restitution.
+    /// The rule by which the restitution of two surfaces is mixed.
     pub restitution_rule: MixRule,
     /// The number of the material, by which [`World::set_material_pair`](crate::World::set_material_pair) gives coefficients to two
     /// materials together. 0 for a material without a number.
@@ -127,7 +126,7 @@ codec_struct!(Material {
     id
 });
 
-/// The coefficients of a contact of two materials, in place of those that follow from both: see
+/// The coefficients of contacts of two materials, which replace the ones mixed from both: see
 /// [`World::set_material_pair`](crate::World::set_material_pair).
 ///
 /// ```

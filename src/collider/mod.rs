@@ -56,23 +56,23 @@ pub use settings::ContactSettings;
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColliderDef<S: Scalar = Fx> {
     /// The shape. Each part of a compound and each segment of a chain touches others with its own outline; all of them have the material
-    /// and the filter of the collider. A chain is for bodies that are not dynamic.
+    /// and the filter of the collider. A chain is for static and kinematic bodies only.
     pub shape: Shape<S>,
     /// The position of the shape's centre of mass (of a chain, of the origin of its points) relative to the centre of mass of the body, in
-    /// the body's axes, m.
+    /// the body's axes, m, each component within ±2^12 ([`limits::SIZE_MAX`]).
     pub position: Vec2<S>,
     /// The angle by which the shape is turned against the body, rad.
     pub angle: S,
-    /// The density, kg/m² (kg/m for a segment): used by bodies whose mass is [`Mass::FromColliders`](crate::Mass::FromColliders), and
-    /// relative to the densities of the body's other colliders by [`Mass::Kilograms`](crate::Mass::Kilograms). 0 for a collider that
-    /// adds no mass; a chain never does.
+    /// The density, kg/m² (kg/m for a segment), from 0; with 0 the collider adds no mass, and a chain never does. With
+    /// [`Mass::FromColliders`](crate::Mass::FromColliders) it gives the body its mass; with [`Mass::Kilograms`](crate::Mass::Kilograms)
+    /// the colliders share the given mass in proportion to their areas and densities.
     pub density: S,
-    /// The surface. Where two colliders touch, the friction is the geometric mean of theirs and the restitution the larger one, unless a
-    /// [rule](MixRule) says something else.
+    /// The surface: friction, restitution, rolling resistance, conveyor speed. Where two colliders touch, friction is the geometric mean
+    /// of both coefficients and restitution the larger one, unless a [rule](MixRule) of one of them differs.
     pub material: Material<S>,
     /// The filter: which colliders this one touches.
     pub filter: Filter,
-    /// The side from which alone the collider holds others, for a platform; `None` to hold on all sides.
+    /// The only side from which the collider holds others, for a platform to jump through; `None` to hold from all sides.
     pub one_way: Option<OneWay<S>>,
     /// True for a sensor: it touches nothing, and the step reports which colliders [enter](crate::Event::SensorEntered) and
     /// [leave](crate::Event::SensorLeft) it. It adds its mass to the body, unless its density is 0.
@@ -83,7 +83,8 @@ pub struct ColliderDef<S: Scalar = Fx> {
     /// True to report [hits](crate::Event::ContactHit): contacts that close at [`ContactSettings::hit_speed`] or faster. One of the
     /// two colliders is enough.
     pub hit_events: bool,
-    /// A name of your choice for the collider. Worlds that were built in different orders are compared by it.
+    /// A name of your choice for the collider. Results that tie are sorted by it, so that worlds that were built in different orders
+    /// report the same: give colliders distinct keys in that case.
     pub key: u64,
     /// Data of your choice. The engine does not read it.
     pub user_data: u64,
@@ -130,7 +131,8 @@ impl<S: Scalar> ColliderDef<S> {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, rolling resistance, surface speed, the
-    /// direction or the tolerance of a one-way collider, or a filter that has no category or no mask and no group.
+    /// direction or the tolerance of a one-way collider, or a filter that meets nothing: without a category or without a mask, and
+    /// without a positive group.
     ///
     /// ```
     /// use umbra_physics::{ColliderDef, Error, Material, Quantity, Shape, fx};

@@ -10,13 +10,14 @@ use crate::shape::turned_unit;
 
 /// The side from which a one-way collider holds others: a platform that bodies jump through from below and land on.
 ///
-/// A body that comes to the collider is *held* if the contact normal, from the collider to the body, is within `tolerance` of `direction`,
-/// and else it *passes*. One that passes goes on passing until it overlaps the collider no more; then its side decides anew. One that is
-/// held stays held while it is within 2 cm of the collider, so it may tilt and slide over an edge. A body that is put into the collider
-/// passes if it overlaps by more than 2 cm.
+/// A body that comes near the collider is *held* if the contact normal, from the collider to the body, is within `tolerance` of
+/// `direction`. Otherwise it *passes*, and goes on passing until it no longer overlaps the collider; then its side decides anew. A body
+/// that is held stays held while it is within 2 cm of the collider, so that it may tilt and slide over an edge. A body that is put into
+/// the collider passes if it overlaps by more than 2 cm. To let a body drop through, see
+/// [`Exclusion::UntilApart`](crate::Exclusion::UntilApart).
 ///
-/// The answer is one for the whole body, whatever its colliders are, and by outline of the one-way collider: each part of a compound is
-/// a platform of its own. Where both colliders are one-way, they touch only if both hold.
+/// A body is held or passes as a whole, with all of its colliders. Each part of a compound is a platform of its own: a body may be held by
+/// one and pass another. Where both colliders are one-way, they touch only if both hold.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, ColliderDef, OneWay, Shape, World, WorldDef, fx, vec2};
@@ -34,16 +35,17 @@ use crate::shape::turned_unit;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct OneWay<S = Fx> {
-    /// The direction out of the surface that holds, in the axes of the collider: of any length from 2^-10 on, within ±2^10 a component.
+    /// The direction out of the surface that holds, in the axes of the collider. Its length does not matter: each component is within
+    /// ±2^10, and one of them is at least 2^-10 in size.
     pub direction: Vec2<S>,
-    /// The largest angle between the direction and the normal of a contact that holds, 0 to π/2 rad. *Error* 2^-20 of its cosine.
+    /// The largest angle between the direction and the normal of a contact that holds, 0 to π/2 rad. *Error* of its cosine 2^-20.
     pub tolerance: S,
 }
 
 codec_struct!(OneWay { direction, tolerance });
 
 impl<S: Scalar> Default for OneWay<S> {
-    /// Upwards, with a tolerance of π/4.
+    /// Upwards in the axes of the collider, with a tolerance of π/4 (45°).
     fn default() -> Self {
         Self { direction: Vec2::new(S::ZERO, S::ONE), tolerance: S::from_fx(fx!(0.785398163)) }
     }
@@ -53,7 +55,7 @@ impl<S: Scalar> OneWay<S> {
     /// Checks the side as a world does that gets a collider with it.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity.
+    /// [`Error::OutOfRange`] with [`Quantity::OneWayDirection`] or [`Quantity::OneWayTolerance`].
     ///
     /// ```
     /// use umbra_physics::{Error, OneWay, Quantity, fx, vec2};

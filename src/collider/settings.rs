@@ -29,26 +29,31 @@ pub struct ContactSettings<S = Fx> {
     /// The number of sub-steps in which contacts are solved, 1 to 16. More make stacks stiffer. Bodies that touch where one bears another of more
     /// than 64 times its mass, directly or by others between them, are solved in 16 of them whatever the number is.
     pub substeps: u32,
-    /// The largest speed with which overlapping bodies are pushed apart, m/s, up to 2^10.
+    /// The largest speed with which overlapping bodies are pushed apart, m/s, 0 to 2^10; 3 by default. A lower one separates bodies that
+    /// were spawned inside each other more gently.
     pub push_speed: S,
-    /// The approach speed from which on bodies bounce, m/s, up to 2^10.
+    /// The smallest approach speed at which bodies bounce, m/s, 0 to 2^10; 1 by default. Slower impacts do not bounce, so that bodies come
+    /// to rest.
     pub restitution_speed: S,
-    /// The speed below which a body that contacts push counts as at rest, m/s, up to 2^10: that of its fastest point. An island of bodies
-    /// that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops and falls asleep. With 0 a body sleeps
-    /// only where a step would change nothing at all: never while contacts push it or it floats.
+    /// The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; 0.05 by default. The speed of a body is that of
+    /// its fastest point. An island of bodies that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops
+    /// and falls asleep. With 0 a body sleeps only where a step would change nothing at all: never while contacts push it or it floats.
     pub sleep_speed: S,
-    /// The approach speed from which on a contact is a hit, m/s, up to 2^10: [`Event::ContactHit`](crate::Event::ContactHit) reports it
-    /// where one of the colliders has [`hit_events`](crate::ColliderDef::hit_events).
+    /// The smallest approach speed at which a contact is a hit, m/s, 0 to 2^10; 1 by default.
+    /// [`Event::ContactHit`](crate::Event::ContactHit) reports a hit where one of the colliders has
+    /// [`hit_events`](crate::ColliderDef::hit_events).
     pub hit_speed: S,
-    /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28: a collider has one outline, that of a compound
-    /// one for each part, and those of one body are no pair. With more, the bodies of the outlines with the most pairs are quarantined.
+    /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28; 2^20 by default. It bounds the time and memory
+    /// of a step. A collider has one outline, a compound one for each part; two outlines of one body are no pair. With more pairs than
+    /// this, the bodies of the outlines with the most pairs are quarantined.
     ///
-    /// As many pairs again of an outline of a sensor with one of another body, where their boxes overlap at the end of the step. With more,
-    /// the sensors with the most pairs find nothing in that step: nobody is quarantined, and what was in them leaves.
+    /// Sensors have a limit of the same size of their own: it counts the pairs of a sensor's outline and another body's outline whose boxes
+    /// overlap at the end of the step. Beyond it, the sensors with the most pairs find nothing in that step, and the colliders that were in
+    /// them leave; no body is quarantined.
     pub max_pairs: u32,
-    /// The number of pairs of one outline of a moving body that may be close, where there are more than `max_pairs` in all; 1 to
-    /// 2^12. The bodies of outlines with more are quarantined, and sensors with more find nothing, each where the pairs of its own sort are
-    /// too many. If there are still too many, the number is lowered until the rest fits.
+    /// The number of pairs that one outline of a moving body may have in a step with more than `max_pairs`, 1 to 2^12; 256 by default. In
+    /// such a step the bodies of outlines with more are quarantined, or the sensors with more find nothing, whichever sort of pairs is
+    /// beyond its limit. If there are still too many pairs, the number is lowered until the rest fits.
     pub max_pairs_per_collider: u32,
 }
 
@@ -82,7 +87,7 @@ impl<S: Scalar> ContactSettings<S> {
     /// Checks the settings as a world does that is made with them.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity.
+    /// [`Error::OutOfRange`] with [`Quantity::Substeps`], [`Quantity::ContactSpeed`] or [`Quantity::Pairs`].
     pub fn check(&self) -> Result<(), Error> {
         let check = |ok: bool, quantity| if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) };
         let is_speed = |speed: S| speed >= S::ZERO && speed <= S::from_fx(fx!(1024));

@@ -34,7 +34,7 @@ impl AsleepContacts {
         self.records.is_empty()
     }
 
-    /// Adds records of which none is there.
+    /// Adds records that are not in the list yet.
     pub(super) fn extend(&mut self, more: impl Iterator<Item = ContactRecord>) {
         self.records.extend(more);
         self.sort();

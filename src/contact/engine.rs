@@ -235,8 +235,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let parts = pair.map(|outline| outline.part);
         let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
         if kinds.contains(&FlightOf::Asleep) {
-            // A body that overlaps a static one so far is pushed, and wakes: a call has placed one of the two. One that fell asleep on it
-            // sleeps on.
+            // A body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
+            // asleep in this contact sleeps on.
             if !is_asleep || manifold.is_pressed() && !contacts.are_asleep_on_each_other(pair) {
                 let asleep = [a, b].into_iter().zip(kinds).filter(|(_, kind)| *kind == FlightOf::Asleep);
                 out.touched.extend(asleep.map(|(collider, _)| collider.body));
@@ -294,7 +294,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         for collider in crowded {
             match scene.bodies.find(collider.body) {
                 Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),
-                // One that sleeps is at fault as if it were awake.
+                // A sleeping body is at fault as if it were awake: sleep must not decide who is quarantined.
                 Ok(_) => out.touched.push(collider.body),
                 Err(_) => {}
             }

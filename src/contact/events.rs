@@ -16,11 +16,11 @@ use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId};
 
-/// Two colliders that an event is about, with all that names them. Where a call has removed one of them since the step before, its handles
-/// are those that it had: they are no longer valid.
+/// The two colliders of an event, with their handles and keys. If a call has removed one of them since the step before, these are the
+/// handles that it had: they are no longer valid.
 ///
-/// Of a contact, the collider of the body with the lower [key](crate::BodyDef::key) comes first, of equal keys that with the lower
-/// key of its own, then that with the lower handle. Of a sensor, the sensor comes first.
+/// The sensor comes first in events of sensors. In events of contacts the two are sorted by the [key](crate::BodyDef::key) of the body,
+/// then by the key of the collider, then by handle, the lowest first. So a body with a lower key than all others is always first.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, ColliderDef, ColliderPair, Event, Shape, World, WorldDef, fx, vec2};
@@ -141,19 +141,19 @@ impl Read for ColliderPair {
 pub struct ContactHit<S = Fx> {
     /// The colliders.
     pub pair: ColliderPair,
-    /// The numbers of the outlines that touch, among those of each shape, as [`Contact::parts`](crate::Contact::parts) has them: a
-    /// compound reports a hit for each part.
+    /// The outlines that touch, by their number in each shape, as in [`Contact::parts`](crate::Contact::parts): a compound reports a hit
+    /// for each part.
     pub parts: [u32; 2],
-    /// The speed at which the two points closed along the normal at the start of the step, m/s. Where two points hit, that of the faster
-    /// one. *Error* 1 ulp, and 2^-30 of the velocities.
+    /// The speed at which the surfaces approached each other along the normal at the start of the step, m/s; where two points hit, the
+    /// larger of their speeds. *Error* 1 ulp, and 2^-30 of the velocities.
     pub approach_speed: S,
     /// The unit vector from the first collider to the second one. *Error* 2^-29 in each component.
     pub normal: Vec2<S>,
     /// The position at which the surfaces met, m: in the middle between two points that hit at the same speed. *Error* half of the way by
     /// which the surfaces slide past each other in the step.
     pub point: Vec2<S>,
-    /// The impulse along the normal over the step, N·s, restitution included. A body without restitution that arrives in the last fifth of
-    /// a step gets the rest in the next one.
+    /// The impulse along the normal over the step, N·s, restitution included. A body without restitution that arrives in the last sub-step
+    /// is stopped in part: the next step gives the rest of the impulse, and reports no second hit.
     pub normal_impulse: S,
 }
 
@@ -203,7 +203,7 @@ pub(crate) fn list_pairs<S: Scalar>(records: &[ContactRecord], colliders: &Colli
     list.dedup();
 }
 
-/// Calls `only_first` and `only_second` with what is in one of two sorted lists.
+/// Calls `only_first` and `only_second` with the items that are in only one of two sorted lists.
 pub(crate) fn compare<T: Copy + Ord>(
     [first, second]: [&[T]; 2],
     mut only_first: impl FnMut(T),

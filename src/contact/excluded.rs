@@ -13,7 +13,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::slots::{BodyId, NONE};
 
-/// For how long two bodies do not touch each other.
+/// The time for which [`World::exclude_pair`](crate::World::exclude_pair) keeps two bodies from touching each other.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Exclusion, Shape, World, WorldDef, fx, vec2};
@@ -36,9 +36,9 @@ use crate::slots::{BodyId, NONE};
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Exclusion {
-    /// Until a call allows the pair again.
+    /// Until [`World::allow_pair`](crate::World::allow_pair) is called.
     Always,
-    /// Until the first step in which they are too far apart to touch.
+    /// Until the first step in which the bodies are too far apart to touch.
     UntilApart,
 }
 
@@ -178,8 +178,9 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         )
     }
 
-    /// Returns true if two outlines have a manifold. They have none where all directions out of each other tie, which those that
-    /// are there after a little shift tell from outlines that are apart. A mirror image has the image of the shifts.
+    /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all
+    /// directions out tie, such as two discs with one centre: the shift tells these from outlines that are apart. The four shifts are their
+    /// own mirror image.
     fn is_near(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
         /// 2^-10 m
         const SHIFT: Fx = Fx::from_bits(1 << 22);

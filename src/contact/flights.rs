@@ -1,4 +1,4 @@
-//! The bodies of a step that contacts know, with their free flight.
+//! The bodies that take part in contacts in a step, each with its *flight*: its motion over the step without contacts.
 
 use alloc::vec::Vec;
 
@@ -14,7 +14,7 @@ use crate::slots::NONE;
 pub(super) enum FlightOf {
     /// A body that impulses move.
     Dynamic,
-    /// A body that moves, and that no impulse changes.
+    /// A body that moves as set, whatever touches it.
     Kinematic,
     Asleep,
     Static,
@@ -26,26 +26,27 @@ pub(super) struct Place<P> {
     pub(super) slot: u32,
     pub(super) pose: P,
     pub(super) kind: FlightOf,
-    /// Contacts of two dynamic bodies do not move the one with the higher number.
+    /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
     /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all
     /// angles.
     pub(super) reach: i64,
     /// The least width of its colliders, ulps.
     pub(super) width: i64,
-    /// False if the flight lacks what only contacts need.
+    /// False while the flight lacks the values that only contacts need: few bodies of a step touch something.
     is_complete: bool,
 }
 
-/// The flights of a step: those of moving bodies in the order of the starts, then those of bodies that stand still, as they are met.
+/// The flights of a step: moving bodies in the order of `Scene::starts`, then bodies that stand still, in the order in which pairs name
+/// them.
 #[derive(Debug)]
 pub(super) struct Flights<F, P> {
     flights: Vec<F>,
-    /// Beside each flight its body.
+    /// The body of each flight.
     places: Vec<Place<P>>,
-    /// By the slot of the body.
+    /// The number of the flight by the slot of the body.
     of: Stamped,
-    /// By flight its follower, and by follower its leader, or [`NONE`]; empty without any.
+    /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
 
@@ -120,7 +121,7 @@ impl<F, P> Flights<F, P> {
         }
     }
 
-    /// The flights of a contact, which are complete: of two dynamic bodies that of unlike dominance a follower of the higher one.
+    /// The flights of a contact, which are complete. For two dynamic bodies of unlike dominance, a follower stands for the higher one.
     pub(super) fn by_dominance<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, ends: [u32; 2]) -> [u32; 2]
     where
         P: Copy,
@@ -169,7 +170,7 @@ impl<F, P> Flights<F, P> {
         slot: u32,
     ) -> u32 {
         match self.of.get(slot) {
-            // A pair names colliders whose bodies are there.
+            // A pair names only colliders whose bodies exist.
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still::<S, N>(scene, slot, dense)),
             flight => flight,
         }

@@ -137,7 +137,7 @@ pub(crate) struct Stop<S: Scalar> {
 /// Changes of bodies and colliders; any may be there more than once.
 #[derive(Debug, Default)]
 pub(crate) struct Changed {
-    /// The slots of the bodies that fell asleep, woke, or that calls changed, but for changes of motion alone.
+    /// The slots of the bodies that fell asleep or woke, or that calls changed in more than their motion.
     pub(crate) bodies: Vec<u32>,
     /// The slots of colliders.
     pub(crate) colliders: Vec<u32>,
@@ -194,13 +194,13 @@ pub(crate) struct Scene<'a, S: Scalar> {
     pub(crate) time_step: TimeStep,
 }
 
-/// The contacts of worlds of one scalar: the arithmetic of finding and solving them, and its memory. No result depends on what it
-/// did before.
+/// The contacts of worlds of one scalar: the arithmetic of finding and solving them, and its memory. No result depends on
+/// earlier steps through it.
 #[doc(hidden)]
 pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
-    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs;
-    /// with either, the contacts are of no use.
+    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs.
+    /// If there are any, the contacts found are incomplete: the step wakes or quarantines the bodies and calls this again.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
@@ -248,7 +248,7 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     #[cfg(feature = "selftest")]
     fn set_discrete(&mut self, _is_discrete: bool) {}
 
-    /// Takes over what is cached of another one, whose world this one's is a copy of.
+    /// Takes over the caches of the contacts of another world, of which this world is a copy.
     fn clone_cached_from(&mut self, source: &Self);
 }
 

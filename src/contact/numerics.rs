@@ -13,7 +13,7 @@ use crate::scalar::{Scalar, Turn};
 use crate::shape::{Aabb, Outline};
 use crate::solve::Impulses;
 
-/// Shapes have a manifold from this distance on, and from what they close in the step, m.
+/// Shapes have a manifold if they are nearer than this plus the distance by which they approach in the step, m.
 pub(super) const MARGIN: Fx = crate::fx!(0.02);
 
 /// Smaller overlaps do not wake a sleeping body, 2^-20 m: the solver pushes from 2^-22 m/s on.
@@ -54,8 +54,8 @@ pub struct Approach<S> {
 }
 
 impl<S: Scalar> Approach<S> {
-    /// Leaves out the points that an impulse held at the end of the step before: what arrives in the last fifth of a step is slowed down
-    /// there already, and was reported.
+    /// Leaves out the points that had an impulse at the end of the step before. A body that arrives in the last sub-step is slowed down
+    /// there in part, and that step has reported the hit.
     pub(super) fn leave_out_pressed(&mut self, start: &Impulses) {
         for (speed, impulse) in self.speeds.iter_mut().zip(start.values) {
             if impulse > 0 {
@@ -64,8 +64,8 @@ impl<S: Scalar> Approach<S> {
         }
     }
 
-    /// The speed of the faster one of the points with an impulse, and where it meets the other surface, as seen from this body; in the
-    /// middle of two points of one speed. `None` if no point closed.
+    /// The speed of the faster one of the points with an impulse, and the place where it meets the other surface, as seen from this body;
+    /// the middle of two points that are equally fast. `None` if no point approached.
     pub(super) fn fastest<N: Numerics<S>>(&self, total: &Impulses, side: usize) -> Option<(S, Vec2<S>)> {
         let is_hit = |&k: &usize| total.values[k] > 0 && self.speeds[k] > S::ZERO;
         let mut points = (0..2).filter(is_hit);
@@ -97,11 +97,11 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     fn pose(position: Vec2<S::Accumulator>, angle: S::Angle) -> Self::Pose;
     /// The flight of a moving body from a pose.
     fn moving(scene: &Scene<'_, S>, start: &Start<S>, pose: &Self::Pose) -> Self::Flight;
-    /// Adds to the flight of a moving body what it needs with contacts alone.
+    /// Adds to the flight of a moving body the values that only contacts need.
     fn complete(_scene: &Scene<'_, S>, _start: &Start<S>, _flight: &mut Self::Flight) {}
     /// The flight of a body that stands still.
     fn still(position: Vec2<S::Accumulator>) -> Self::Flight;
-    /// The flight of a body that moves as this one does, and that no contact moves.
+    /// The flight of a follower: a body that moves as this one does, and that no contact moves.
     fn follower(flight: &Self::Flight, leader: u32) -> Self::Flight;
 
     /// Forgets all outlines and contacts, and keeps the memory.
@@ -112,8 +112,8 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     fn set_faces(&mut self, faces: &[Face]);
     /// The corners of an outline of a body at a pose, relative to the position of another one near it, ulps.
     fn corners(outline: &BodyOutline<S>, pose: &Self::Pose, from: &Self::Pose) -> impl Iterator<Item = [i64; 2]>;
-    /// A box around an outline over the step, grown by half the margin: the boxes of all that may come within the margin of each
-    /// other overlap.
+    /// A box around an outline over the step, grown by half the margin: two outlines that may come within the margin of each other have
+    /// boxes that overlap.
     fn swept(outline: &BodyOutline<S>, pose: &Self::Pose, flight: &Self::Flight) -> Aabb<Fx>;
     /// The box around an outline of a static body, grown by half the margin.
     fn resting(outline: &BodyOutline<S>, pose: &Self::Pose) -> Aabb<Fx>;

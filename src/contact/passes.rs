@@ -1,7 +1,8 @@
 //! One-way colliders: which bodies they hold, and which pass.
 //!
-//! The answer for an outline and a body follows from the answer of the step before and from their nearest manifold. It is a least value
-//! and a conjunction over manifolds: no order enters.
+//! Whether a one-way outline holds a body is an *answer*, kept from step to step. It follows from the answer of the step before and from
+//! the nearest manifold of the outline with the colliders of the body. Where several are nearest, all of them must face the side that
+//! holds: so the order of manifolds does not matter.
 
 use alloc::vec::Vec;
 
@@ -70,8 +71,9 @@ pub(super) struct Near<S> {
     is_facing: bool,
 }
 
-/// Returns true if a body passes whose nearest manifold has this separation, and faces the side that holds or does not. `before` is the
-/// answer of the step before. The same question once more has the same answer.
+/// Returns true if a body passes. `separation` is that of its nearest manifold, and `is_facing` is true if that faces the side that holds;
+/// `before` is the answer of the step before. Asked again with its own answer as `before`, it answers the same, so that a body at rest does
+/// not alternate.
 fn passes<S: Scalar>(before: Option<bool>, separation: S, is_facing: bool) -> bool {
     let margin = S::from_fx(MARGIN);
     match before {
@@ -137,7 +139,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if !sleeps && !kinds.contains(&FlightOf::Dynamic) {
             return;
         }
-        // These keep their records.
+        // Pairs that stand still keep their answers: see `is_still`.
         let are_both = kinds == [FlightOf::Asleep; 2];
         if !kinds.into_iter().any(moves) && (are_both || !scene.may_have_moved_statics) {
             return;

@@ -6,7 +6,7 @@ use crate::collider::OutlineId;
 use crate::limits::{CHAIN, COLLIDERS, PARTS};
 use crate::solve::Impulses;
 
-/// A contact that carried an impulse at the end of a step; of colliders with events, one that carried an impulse in the step.
+/// A contact that carried an impulse at the end of a step; for colliders with events also one that carried it earlier in the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ContactRecord {
     /// The slots of the two colliders, the lower one first, in the lower 24 bits; above them the lower 8 bits of the outline's number.
@@ -117,8 +117,8 @@ impl ContactRecord {
         start
     }
 
-    /// The record with the two colliders swapped: points come in the opposite order along the tangent, which keeps its impulse. That of
-    /// rolling resistance is on the second body, and has the opposite sign.
+    /// The record with the two colliders swapped: points come in the opposite order along the tangent, whose impulse stays. The impulse of
+    /// rolling resistance acts on the second body, and so changes its sign.
     pub(crate) fn swapped(&self) -> Self {
         let [first, second] = self.features().map(collide::swapped_feature);
         let [a, b, tangent] = self.impulses;
@@ -131,7 +131,7 @@ impl ContactRecord {
 
     /// The record in a mirror image, for these outlines: points come in the opposite order, and the impulses along the tangent and of
     /// rolling resistance have the opposite sign. `corner` gives the number that a corner of the first (0) or second (1) collider has in
-    /// the image; `None` if that does for one.
+    /// the image. The result is `None` if `corner` gives `None`.
     pub(crate) fn mirrored(
         &self,
         pair: [OutlineId; 2],

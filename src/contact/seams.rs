@@ -1,7 +1,7 @@
 //! Impulses of points that go over a seam: from one segment of a chain to the next.
 //!
 //! A corner of a body, or the middle of a ball, that was on a segment in the step before and is on the next one now is the same point: it
-//! starts from the impulse that it had there. What rolls over a chain is held as over one long segment.
+//! starts from the impulse that it had there. So a body rolls over a chain as over one long segment.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -83,8 +83,8 @@ fn corner(feature: u32, side: usize) -> Option<u32> {
     (half & 63 == half >> 6).then_some(half)
 }
 
-/// The radius with which a point of two outlines with these radii rolls: that of the one that touches with an arc, of two arcs the
-/// smaller one. Zero if neither does.
+/// The radius with which a point of two outlines rolls: the radius of the outline that touches with an arc, the smaller one if both do,
+/// zero if neither does.
 pub(super) fn rolling_radius<S: Scalar>(feature: u32, radii: [S; 2]) -> S {
     // An edge is flat, whatever the radius of its ends.
     let arc = |side: usize| Some(radii[side]).filter(|radius| corner(feature, side).is_some() && *radius > S::ZERO);
@@ -115,8 +115,8 @@ pub(super) struct Term {
 
 /// Lists the impulses that a contact with a segment takes over from points that were on another segment.
 ///
-/// `record` is that of the other segment, `there` are the features of its manifold now, `other` is the side of the body that is on the
-/// chain, whose corners go from one segment to the next.
+/// `record` is the contact with the other segment in the last step, `there` the features of its manifold now, `other` the side of the body
+/// that is on the chain: its corners go from one segment to the next.
 pub(super) fn take_over(
     terms: &mut Vec<Term>,
     (features, count): Features,
@@ -152,7 +152,7 @@ pub(super) fn take_over(
 
 /// Adds terms to the impulses that a contact starts from, all in the largest of their units.
 ///
-/// Records have an order that a mirror image turns round: each term is rounded once, and what is left are sums of integers.
+/// In a mirror image records have the opposite order. So each term is rounded by itself, and then integers are added, in any order.
 pub(super) fn add(to: &mut Impulses, terms: &[Term]) {
     let own = [0, 1, 2].map(|row| Term { row, impulse: to.values[row], exponent: to.exponent });
     let all = || own.iter().chain(terms).filter(|term| term.impulse != 0);
@@ -197,7 +197,7 @@ mod tests {
         let ball = feature([0, 1], [0, 0]);
         let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None);
         assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
-        // One that is there still keeps it.
+        // A ball that still touches the first segment keeps its impulse there: the next one takes nothing over.
         let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)));
         assert_eq!(start, Impulses::default());
         // A box: corner 1 goes over, and corner 0 stays.
@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn what_touches_with_an_arc_rolls() {
+    fn outlines_that_touch_with_an_arc_roll() {
         let of = |feature, radii: [i32; 2]| rolling_radius(feature, radii.map(crate::fx::Fx::from)).to_bits() >> 32;
         // A disc on an edge, on a corner, and two discs.
         assert_eq!(of(feature([0, 1], [0, 0]), [0, 3]), 3);

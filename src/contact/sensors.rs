@@ -6,7 +6,7 @@
 //! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap. If
 //! these are more than a world may have, the sensors with the most of them find nothing: a function of the boxes and the filters alone.
 //!
-//! How: moving colliders search the tree of sensors, and sensors the trees of what stands still.
+//! Moving colliders search the tree of sensors; sensors search the trees of colliders that stand still.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -61,21 +61,21 @@ struct Seen {
     activity: Activity,
 }
 
-/// Memory that sensors use again.
+/// Reused memory for sensors.
 #[derive(Debug, Default)]
 pub(crate) struct Sensors {
     /// The slots of the sensors, and the revision of the colliders that they are of.
     slots: Vec<u32>,
     revision: Option<u64>,
-    /// The outlines of sensors that take part, and those that are solid of bodies that a step moves.
+    /// The outlines of sensors that take part, and the outlines that are no sensors, of bodies that a step moves.
     sensors: Vec<Seen>,
     movers: Vec<Seen>,
-    /// One of the two lists in a tree, by the index there: that of sensors as long as there are few pairs.
+    /// One of the two lists in a tree, by index in the list: the sensors, as long as there are few pairs.
     tree: Statics,
     proxies: Vec<Proxy>,
     /// Sensors, by their index, with outlines whose boxes overlap theirs.
     pairs: Vec<(u32, OutlineId)>,
-    /// By sensor, the number of these; by that number, the pairs of the sensors that have as many.
+    /// The number of pairs of each sensor; and for each such number, the pairs of all sensors that have as many.
     degrees: Vec<u32>,
     sums: Vec<usize>,
     sum: Sum,
@@ -254,7 +254,7 @@ impl Sensors {
             total += pairs;
             total <= most
         });
-        // Sensors without pairs fit always.
+        // Sensors without pairs always fit.
         let cap = (fitting.count() as u32).saturating_sub(1);
         pairs.clear();
         for number in (0..sensors.len()).filter(|&number| degrees[number] <= cap) {

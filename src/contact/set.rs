@@ -15,8 +15,8 @@ use crate::solve::Impulses;
 /// The state of the contacts of a world.
 #[derive(Debug, Default)]
 pub(crate) struct ContactSet {
-    /// The contacts that carried an impulse at the end of the last step, or in it and have events, sorted by pair, of which no body is
-    /// asleep.
+    /// The contacts without a sleeping body that carried an impulse at the end of the last step, or, if they have events, at any time in
+    /// it; sorted by pair.
     pub(crate) records: Vec<ContactRecord>,
     /// The contacts with a body that is asleep.
     pub(super) asleep: AsleepContacts,
@@ -59,7 +59,7 @@ impl Clone for ContactSet {
 }
 
 impl ContactSet {
-    /// The contacts in a saved world, sorted by pair. `is_asleep` says of which colliders the bodies are asleep.
+    /// The contacts in a saved world, sorted by pair. `is_asleep` tells whether the body of a collider is asleep, by its slot.
     pub(crate) fn new(records: Vec<ContactRecord>, is_asleep: impl Fn(u32) -> bool) -> Self {
         let mut set = Self { records, ..Self::default() };
         set.fall_asleep(is_asleep);
@@ -120,7 +120,8 @@ impl ContactSet {
         self.passes.retain(|record| record.collider != collider.slot);
     }
 
-    /// Takes the contacts of bodies that fell asleep out of those that steps look at. `is_asleep` says of which colliders they are.
+    /// Moves the contacts of bodies that fell asleep to the list that steps do not look at. `is_asleep` tells whether the body of a
+    /// collider is asleep, by its slot.
     pub(crate) fn fall_asleep(&mut self, is_asleep: impl Fn(u32) -> bool) {
         let sleeps = |record: &ContactRecord| record.pair().iter().any(|outline| is_asleep(outline.slot));
         if self.records.iter().any(sleeps) {

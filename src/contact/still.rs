@@ -1,5 +1,5 @@
-//! Colliders that stand still: those of static bodies, and those of sleeping ones. They stand in trees that a step only changes where a
-//! call, or the last step, has changed a body, and which copies of a world share.
+//! Colliders that stand still: colliders of static bodies and of sleeping bodies. They are kept in trees that copies of a world share. A
+//! step changes the trees only where a call or the last step has changed a body, so that colliders at rest cost nothing.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
@@ -18,20 +18,20 @@ use crate::scalar::{Accumulator as _, Scalar};
 pub(super) struct Still {
     pub(super) statics: Arc<Statics>,
     pub(super) sleepers: Statics,
-    /// The number of changes of the sleeping ones, by this world or by one that it became a copy of.
+    /// The number of changes of `sleepers`, by this world or by the one that it was copied from.
     version: u64,
-    /// The number of pairs of which one sleeps and the other stands still; `usize::MAX` if there were more than a world may have.
+    /// The number of pairs of a sleeping collider and one that stands still; `usize::MAX` if there are more than a world may have.
     pairs: usize,
 }
 
-/// Memory that following changes uses again.
+/// Reused memory for following changes.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     /// All colliders of a kind.
     proxies: Vec<Proxy>,
-    /// By number, the static and the sleeping ones that came, left or changed.
+    /// The static and the sleeping colliders that came, left or changed, by number.
     changes: [Vec<(u32, Option<Proxy>)>; 2],
-    /// The numbers of these, sorted.
+    /// The numbers of the changed colliders, sorted.
     numbers: Vec<u32>,
 }
 
@@ -50,7 +50,7 @@ impl Still {
         Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
     }
 
-    /// Calls `found` with what makes a pair with a collider of these, and true if that sleeps, until it returns false.
+    /// Calls `found` with each collider that makes a pair with `own`, and true if that one sleeps, until `found` returns false.
     fn partners(&self, own: &Proxy, sleeps: bool, mut found: impl FnMut(&Proxy, bool) -> bool) {
         let mut goes_on = true;
         self.sleepers.meeting(own, |other| {
@@ -67,7 +67,7 @@ impl Still {
         let mut count = 0;
         for own in self.sleepers.iter() {
             self.partners(own, true, |other, sleeps| {
-                // Two that sleep find each other.
+                // Two sleeping colliders find each other: count the pair once.
                 count += usize::from(!sleeps || own.collider < other.collider);
                 count <= most
             });
@@ -214,7 +214,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 body: collider.body.slot,
                 bounds: match state {
                     State::Static => N::resting(&collider.outline(part), &pose),
-                    // As it would have where it were awake and did not move.
+                    // The box that it would have if it were awake and did not move.
                     State::Asleep => N::swept(&collider.outline(part), &pose, &N::still(position)),
                 },
                 filter: collider.def.filter,
@@ -240,15 +240,15 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Finds the pairs of the step: those of moving colliders. With too many pairs, those of sleeping ones counted, it takes these for
-    /// moving ones: whether a body sleeps makes no difference to who has too many.
+    /// Finds the pairs of the step, which are those of moving colliders. If there are too many pairs, sleeping ones included, sleeping
+    /// colliders are treated as moving ones: sleep must not decide which bodies have too many.
     pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
         let Some(still) = &self.still else { return };
         self.broad.update(&still.standing(), &self.movers, limits);
         let are_above = self.broad.pairs().len().saturating_add(still.pairs) > limits.pairs;
         if !still.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
             self.movers.extend(still.sleepers.iter());
-            // No version has this number.
+            // No real version has this number, so that the broad phase drops what it knows of sleepers.
             let standing = Standing { version: u64::MAX, ..Standing::of(&still.statics) };
             self.broad.update(&standing, &self.movers, limits);
         }

@@ -1,7 +1,7 @@
 //! Static polygons beside each other: the surface of their union, found for each of them when a body first comes near.
 //!
-//! A surface is a function of the static colliders alone. What is found is kept until one of them changes; a collider that nobody meets
-//! costs nothing.
+//! A surface is a function of the static colliders alone. It is kept until one of them changes; a collider that no
+//! body comes near costs nothing.
 //!
 //! Two polygons are neighbours if their filters are the same, and their `one_way`: whatever meets one of them meets the other too.
 

@@ -8,8 +8,11 @@ use crate::slots::{BodyId, ColliderId};
 use super::seams::rolling_radius;
 use super::{ContactRecord, TouchPoint};
 
-/// Two colliders that pushed each other at the end of the last step, at the present poses of their bodies; of compounds, two of their
-/// parts.
+/// A contact: two colliders, or a part of each, that pushed each other at the end of the last step, seen at the present poses of their
+/// bodies. [`World::contacts`](crate::World::contacts) lists them.
+///
+/// The first collider is the one with the lower slot, whichever body is the player or the ground: look for yours in `bodies`, and turn
+/// the normal round if it is the first. (Pairs of [events](crate::ColliderPair) are in the order of keys instead.)
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Contact, Shape, World, WorldDef, fx, vec2};
@@ -34,12 +37,11 @@ pub struct Contact<S: Scalar = Fx> {
     pub colliders: [ColliderId; 2],
     /// The bodies of the colliders.
     pub bodies: [BodyId; 2],
-    /// The numbers of the outlines that touch, among those of each shape: of a compound the number of the part, of a chain that of the
-    /// segment, of all others 0.
+    /// The outlines that touch, by their number in each shape: the part of a compound, the segment of a chain, 0 for all other shapes.
     pub parts: [u32; 2],
     /// The unit vector from the first collider to the second one. *Error* 2^-29 in each component.
     pub normal: Vec2<S>,
-    /// The impulse along the tangent (n.y, −n.x) over the last sub-step, N·s: by friction, on the second body.
+    /// The impulse of friction on the second body along the tangent (n.y, −n.x) over the last sub-step, N·s.
     pub tangent_impulse: S,
     /// The angular impulse of rolling resistance over the last sub-step, N·m·s, on the second body; 0 with two points.
     pub rolling_impulse: S,
@@ -50,9 +52,11 @@ pub struct Contact<S: Scalar = Fx> {
 /// A point of a [`Contact`].
 ///
 /// ```
-/// # use umbra_physics::{ContactPoint, Fx};
-/// fn is_overlapping(point: &ContactPoint) -> bool {
-///     point.separation < Fx::ZERO
+/// use umbra_physics::{Contact, ContactPoint, Fx};
+///
+/// /// The impulse along the normal at all points of a contact, N·s.
+/// fn normal_impulse(contact: &Contact) -> Fx {
+///     contact.points().iter().fold(Fx::ZERO, |sum, point: &ContactPoint| sum + point.normal_impulse)
 /// }
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,7 +66,8 @@ pub struct ContactPoint<S: Scalar = Fx> {
     pub position: Vec2<S>,
     /// The distance between the surfaces along the normal, m; negative where they overlap.
     pub separation: S,
-    /// The impulse along the normal over the last sub-step, N·s, on the second body. Zero for a point that was not there in the step.
+    /// The impulse on the second body along the normal over the last sub-step, N·s, from 0. Zero also for a point that is new since the
+    /// step.
     pub normal_impulse: S,
 }
 

@@ -9,7 +9,7 @@ use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum, Wide};
 use crate::slots::FieldId;
 
 /// Parts of bodies in fluids that were computed already, by the index of the body: at most once for a body as long as it does not move, if
-/// it is in one fluid. Of several it is the part in the last one.
+/// it is in one fluid. A body in several fluids has its part in the last one here.
 pub(crate) type Parts<S> = Sparse<(usize, (FieldId, Option<Submerged<S>>))>;
 
 /// The fields, and the colliders that fluids act on.

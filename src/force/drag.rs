@@ -121,8 +121,8 @@ fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<
 }
 
 /// Marks the bodies whose drag is too stiff to run backwards, those with (linear + quadratic·|u|)/m·dt > ½ for one of
-/// the fields, and counts them. |u| is the speed at the start and what `gain` says that the step may add. That of a fluid is judged as if
-/// all of the body were in it, as the step may take it there.
+/// the fields, and counts them. |u| is the speed at the start plus the `gain` that the step may add. The drag of a fluid is judged as
+/// if all of the body were in it, as the step may take it there.
 pub(crate) fn outer_drag<S: Scalar>(
     (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
     bodies: &Bodies<S>,

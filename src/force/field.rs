@@ -161,15 +161,16 @@ pub enum FieldKind<S: Scalar = Fx> {
     ///
     /// The part of a body's colliders in the box displaces the fluid: the body gets a lift of density·area against the gravity of the
     /// world, at the centroid of that part. Sensors, segments and a body without colliders displace nothing. The gravity scale of the body
-    /// does not matter, as it is the fluid that is heavy. Parts of a compound, or colliders of a body, that lie on each other count twice,
-    /// as they do for the mass.
+    /// does not change the lift, which is the weight of the displaced fluid. Where parts of a compound, or colliders of a body, overlap,
+    /// the area counts twice, as it does for the mass.
     ///
     /// The drags are in proportion to the area too: F = −`linear_drag`·area·(v − flow) through the centre of mass, and a torque of
     /// −`angular_drag`·area·ω. Their equations are solved exactly over each half of a step, so that no drag is too strong, with the area at
     /// the start and at the end. They act in turn with [`Drag`](Self::Drag)s, in the order in which the fields were added.
     ///
-    /// A body that has a part in fluids without flow falls asleep as one with contacts does: when it has been slower than
-    /// [`ContactSettings::sleep_speed`](crate::ContactSettings::sleep_speed) for some time.
+    /// A body in fluids without flow falls asleep by the rule for bodies with contacts: when it has been slower than
+    /// [`ContactSettings::sleep_speed`](crate::ContactSettings::sleep_speed) for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after)
+    /// ticks.
     ///
     /// *Error* of the area 2^-32 m times the length of the outline (2^-36 of its reach from the centre of mass, where that is more than 32
     /// m, times that length), and for a collider with a radius r 2^-10·r² more.
@@ -198,13 +199,13 @@ pub enum FieldKind<S: Scalar = Fx> {
         min: Vec2<S>,
         /// The upper right corner of the box, m: not left of the other one and not below it.
         max: Vec2<S>,
-        /// The density of the fluid, kg/m².
+        /// The density of the fluid, kg/m², from 0. A body of lower density floats.
         density: S,
-        /// The linear drag, N·s/m for each m² in the fluid.
+        /// The linear drag, N·s/m for each m² in the fluid, from 0. With 0 a floating body bobs for ever.
         linear_drag: S,
-        /// The angular drag, N·m·s for each m² in the fluid.
+        /// The angular drag, N·m·s for each m² in the fluid, from 0.
         angular_drag: S,
-        /// The velocity of the fluid, m/s.
+        /// The velocity of the fluid, m/s, each component within ±2^20.
         flow: Vec2<S>,
     },
     /// A [`CustomForce`](super::CustomForce) that the user defines.

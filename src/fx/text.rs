@@ -288,7 +288,7 @@ impl<'t> Decimal<'t> {
     }
 }
 
-/// The exponent from `at` on, and where it ends. One that no text is long enough to make up for is cut off.
+/// The exponent from `at` on, and where it ends. An exponent beyond ±2^60 is cut off: no text has enough digits to make up for it.
 const fn scan_exponent(text: &[u8], mut at: usize) -> Result<(i64, usize), ParseFxError> {
     const FAR: i64 = 1 << 60;
 

@@ -2,6 +2,7 @@
 //!
 //! | chapter | contents |
 //! |---|---|
+//! | [`games`] | first tasks in a platformer, a puzzle, a shooter and an RTS; symptoms, causes and remedies |
 //! | [`numbers`] | fixed point in five minutes: exactness, overflow, angles |
 //! | [`accuracy`] | choosing an integrator, a tick rate, damping and spring stiffness |
 //! | [`determinism`] | causes of desyncs in *your* code, and how to find them |
@@ -34,6 +35,8 @@ pub mod determinism {}
 pub mod engines {}
 #[doc = include_str!("frames.md")]
 pub mod frames {}
+#[doc = include_str!("games.md")]
+pub mod games {}
 #[doc = include_str!("languages.md")]
 pub mod languages {}
 #[doc = include_str!("lockstep.md")]

@@ -129,7 +129,7 @@ pub(crate) fn gravity_delta_v<S: Scalar>(
     }
 }
 
-/// v += a·h and ω += α·h for the body at this index of the columns. What is beyond the limit of a kick is left out.
+/// v += a·h and ω += α·h for the body at this index of the columns. A component beyond the limit of a kick is left out.
 pub(crate) fn kick_by<S: Scalar>(
     block: &mut Block<'_, S>,
     index: usize,

@@ -110,8 +110,8 @@ impl<S: Scalar> Shape<S> {
         least.ok_or(Error::OutOfRange { quantity: Quantity::Count })
     }
 
-    /// The point of the shape that is nearest to a point, m: that point itself if it is in the shape. Of several parts at the same distance
-    /// that of the first. *Error* ½ ulp and 2^-7 in each component. *Cost* in proportion to the corners.
+    /// The point of the shape that is nearest to a point, m: that point itself if it is in the shape. Where several parts are at
+    /// the same distance, the point of the first one. *Error* ½ ulp and 2^-7 in each component. *Cost* in proportion to the corners.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for a point about 2^20 m away.
@@ -129,10 +129,10 @@ impl<S: Scalar> Shape<S> {
         Ok(in_metres(self.nearest(ulps(point))?.0))
     }
 
-    /// The first point of the shape on a ray, from an origin relative to the centre of mass over a translation in m; of several parts
-    /// at the same point that of the first. Shapes are closed: a graze counts, and a ray that starts in the shape hits at fraction 0
-    /// with a normal of zero. A segment of a chain is hit from the side alone on which it [touches others](Self::chain). *Cost* in
-    /// proportion to the corners.
+    /// The first point of the shape on a ray from `origin`, relative to the centre of mass, to `origin + translation`, m. Where several
+    /// parts are hit at the same point, the first one is reported. Shapes are closed: a graze counts, and a ray that starts in the shape
+    /// hits at fraction 0 with a normal of zero. A segment of a chain is hit only from the side on which it [touches others](Self::chain).
+    /// *Cost* in proportion to the corners.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for the translation, with [`Quantity::Position`] for the origin.

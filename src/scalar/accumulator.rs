@@ -173,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_rounds_to_zero_is_still_and_nothing_else() {
+    fn only_velocities_that_round_to_zero_count_as_still() {
         let half = 1i128 << 63;
         for (bits, is_still) in
             [(0, true), (1, true), (half - 1, true), (half, true), (half + 1, false), (3 * half, false)]

@@ -180,7 +180,7 @@ impl FxFactor {
         if product == 0 {
             return Self::ZERO;
         }
-        // Of two mantissas with their top bits set, the product lacks one bit at most; which it is cannot be predicted.
+        // The product of two mantissas with their top bits set lacks at most one bit. Without a branch, as none would be predicted.
         let lacks = (product >> 127) as u32 ^ 1;
         let doubled = u128::from(lacks).wrapping_neg() & product;
         Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)

@@ -49,7 +49,7 @@ impl FxFactor {
             numerator.times_plus(10, digit);
             count += 1;
         }
-        // What is left can only tell a tie from what is above it.
+        // Further digits can only tell a tie from a number above it.
         if digits.any(|digit| digit != 0) {
             numerator.times_plus(10, 1);
             count += 1;

@@ -114,7 +114,7 @@ pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
     let power_q60 = ((u128::from(high(inverse, inverse)) * u128::from(inverse)) >> 59) as u64;
     // In units of 2^36, with 59 to 63 bits: rounded down within 2^-53.2.
     let first = high(mantissa, power_q60);
-    // What that leaves of mantissa · 2^160, in units of 2^100 and less than one too much: below 2^(124 − 53.2) = 2^70.8.
+    // The remainder of mantissa · 2^160 after that, in units of 2^100 and less than one too much: below 2^(124 − 53.2) = 2^70.8.
     let rest = (i128::from(mantissa) << 60) - mul_192(cube, first).0 as i128;
     // rest · 2^100 / cube, below 2^45.8. The power is 2^-7.5 of it off, the bits cut off make 2^-16, and rounding down one.
     let second = ((rest >> 8) * i128::from(power_q60)) >> 80;

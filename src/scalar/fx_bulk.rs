@@ -55,7 +55,7 @@ fn scaled_down(v: FxAccumulator, mantissa: u64, cut: u32) -> FxAccumulator {
     let low = u128::from(v.low) * u128::from(mantissa);
     let (rest, floor) = (low as u64, add_word(product(v.high as u64, mantissa), (low >> 64) as u64));
     let kept = (i128::from(floor.1 as i64) << 64 | i128::from(floor.0)) >> cut;
-    // What is cut off as a word, all below it gathered in its last bit: it is above, at or below the half.
+    // The part that is cut off, as a word, with all lower bits gathered in its last bit: to compare with the half.
     let below = (u128::from(floor.0) << 64 | u128::from(rest)) >> cut;
     let below = below as u64 | u64::from(rest & ((1 << cut) - 1) != 0);
     let rounded = add_word((kept as u64, (kept >> 64) as u64), u64::from(below > TIE - (kept as u64 & 1)));

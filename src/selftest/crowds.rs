@@ -96,7 +96,7 @@ pub(super) fn mixed_blocks(trial: &mut Trial) -> Played {
     step_beside(trial, &mut world, &mut few, 60)?;
     let asleep = world.bodies().filter(|body| body.activity() == crate::body::Activity::Asleep).count();
     happened("some asleep, some not", asleep >= 50 && world.moving_count() > 200)?;
-    // Those pushed are pushed alone as well.
+    // Bodies that are pushed move the same in a world of their own.
     let mut refusals = 0;
     for tick in 0..60u32 {
         for (id, own, own_id) in &mut few {

@@ -292,7 +292,7 @@ pub(super) fn groups(trial: &mut Trial) -> Played {
     for &id in &ids {
         same("velocity by groups", &world.body(id)?.velocity(), &vec2(15, 0))?;
     }
-    // Those in no group feel nothing, as if there were no fields.
+    // Bodies in no group feel nothing, as if there were no fields.
     let mut alone = World::new(exact())?;
     let free = alone.add_body(BodyDef { velocity: vec2(fx!(0.3), 1), ..BodyDef::dynamic() })?;
     let none = world.add_body(BodyDef { force_groups: 0, velocity: vec2(fx!(0.3), 1), ..BodyDef::dynamic() })?;

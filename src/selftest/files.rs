@@ -109,7 +109,7 @@ pub(super) fn snapshots(trial: &mut Trial) -> Played {
 pub(super) fn there_and_back(trial: &mut Trial) -> Played {
     for integrator in [Integrator::SymplecticEuler, Integrator::VelocityVerlet, Integrator::Yoshida4] {
         let (mut world, ids) = start(integrator)?;
-        // What damps has no way back, nor has sleep.
+        // Steps with damping or sleep cannot be undone.
         world.set_sleep_after(None)?;
         let dampers: Vec<_> = world.fields().map(|(id, field)| (id, *field)).collect();
         for (id, field) in dampers {

@@ -38,7 +38,7 @@ pub const fn golden() -> Golden<'static> {
 const ALL: &str = "all";
 
 impl<'t> Golden<'t> {
-    /// A list from its text, such as another machine sent. What is no line of a list is passed over.
+    /// A list from its text, such as another machine sent. Other lines are skipped.
     #[must_use]
     pub const fn parse(text: &'t str) -> Self {
         Self { text }

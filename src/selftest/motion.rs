@@ -63,7 +63,7 @@ pub(super) fn integrators_in_turn(trial: &mut Trial) -> Played {
     let pushed = world.add_body(BodyDef { velocity: vec2(0, 32), gravity_scale: fx!(0), ..BodyDef::dynamic() })?;
     world.add_field(FieldKind::Thrust { at: Attachment::centre(pushed), force: vec2(0, -8) })?;
     let mut expected = Flight::new(fx!(0), fx!(32));
-    // What a velocity gains in a step, and half of what a place does.
+    // The gain of a velocity in a step, and half of that of a position.
     let (gain, half) = (fx!(-8).to_bits() / 64, fx!(-8).to_bits() / (2 * 64 * 64));
     for integrator in Integrator::ALL {
         world.set_integrator(integrator)?;

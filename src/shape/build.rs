@@ -134,10 +134,10 @@ impl<S: Scalar> Shape<S> {
     /// A chain of segments through these points, and from the last one back to the first if it is closed: a surface for static and
     /// kinematic bodies. It has no mass, and is not re-centred: its points are relative to where the collider is.
     ///
-    /// Each segment touches what is on its *right* on the way through the points, and lets through what comes from its left: what has
-    /// the middle of its corners more than 2 cm behind a segment is not pushed by it. So a ground goes from right to left, an island
-    /// has its points counter-clockwise, the wall of a room clockwise. (This is the convention of Box2D.) Where segments join, bodies
-    /// slide and roll over the seam without a bump: no segment pushes in a direction that is its neighbours'.
+    /// Each segment touches only bodies on its *right*, seen from its first point to its second, and lets bodies from its left pass: it
+    /// does not push an outline if the middle of the outline's corners is more than 2 cm behind it. So a ground runs from right to left, an
+    /// island counter-clockwise, the wall of a room clockwise. (This is the convention of Box2D.) Where segments join, bodies slide and
+    /// roll over the seam without a bump: no segment pushes in a direction that belongs to its neighbours.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Error, Shape, World, WorldDef, fx, vec2};

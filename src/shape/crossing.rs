@@ -37,7 +37,7 @@ impl<S: Scalar> Ord for Span<S> {
             return other.cmp(self).reverse();
         }
         let side = |point| S::orientation(self.from, self.to, point);
-        // What is to the left of a segment is above it.
+        // A point to the left of a segment is above it.
         side(other.from).then_with(|| side(other.to)).reverse()
     }
 }
@@ -104,7 +104,7 @@ pub(super) fn crossing<S: Scalar>(points: &[Vec2<S>], is_closed: bool) -> Option
         let before = if point > 0 { Some(point - 1) } else { is_closed.then(|| count - 1) };
         let own = [before, (point < count).then_some(point)];
         let own = own.map(|number| number.map(span));
-        // Those that end here go, and their neighbours become neighbours; then come those that begin.
+        // Segments that end here are removed, so that their neighbours become neighbours; then segments that begin are added.
         for ending in own.iter().flatten().filter(|own| own.to == at) {
             open.remove(ending);
             let [below, above] = neighbours(&open, ending);

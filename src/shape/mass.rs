@@ -60,7 +60,7 @@ fn neighbours<S: Scalar>(corners: &[Vec2<S>]) -> impl Iterator<Item = [Vec2<S>; 
 /// The mass of the rim of a rounded polygon as weights of its corners, which have the same centre of mass.
 ///
 /// The strip along an edge of length L, L·r, counts half at either end, and the sector at a corner, πr² times its part of a turn, there.
-/// What strips and sectors lie outside of these points cancels all around: Σ L·n = 0, and the first moments of sectors are r³/3 times
+/// The moments of strips and sectors about these points cancel all around: Σ L·n = 0, and the first moments of sectors are r³/3 times
 /// differences of normals.
 pub(super) fn rounded_weights<S: Scalar>(corners: &[Vec2<S>], radius: S) -> Vec<S::Factor> {
     let (disc, _) = circle(radius);

@@ -66,7 +66,7 @@ pub struct Shape<S: Scalar = Fx> {
 }
 
 impl<S: Scalar> PartialEq for Shape<S> {
-    /// All else follows from the geometry and where it was given.
+    /// The other fields follow from the geometry and the coordinates in which it was given.
     fn eq(&self, other: &Self) -> bool {
         self.digest == other.digest && self.shift == other.shift && self.geometry == other.geometry
     }
@@ -121,7 +121,7 @@ pub enum Geometry<S: Scalar = Fx> {
         /// The radius around the polygon, m.
         radius: S,
     },
-    /// A chain of segments, each of which touches what is on its right: see [`Shape::chain`].
+    /// A chain of segments, each of which touches only bodies on its right: see [`Shape::chain`].
     Chain {
         /// The points, m.
         #[cfg_attr(feature = "serde", serde(serialize_with = "serial::all"))]
@@ -175,14 +175,14 @@ impl<S: Scalar> Shape<S> {
         self.outlines().iter().fold(first, |bounds, outline| bounds.union(outline.bounds()))
     }
 
-    /// The position of the centre of mass in the coordinates that were given, m; each component is rounded to nearest. *Error* ½ ulp; of a
-    /// rounded polygon 1.1 ulp.
+    /// The position of the centre of mass in the coordinates that were given, m; each component is rounded to nearest. *Error* ½ ulp; 1.1
+    /// ulp for a rounded polygon.
     #[must_use]
     pub fn shift(&self) -> Vec2<S> {
         self.shift
     }
 
-    /// The area in m²; of a segment the length in m; of a compound the sum of area times density over its parts.
+    /// The area in m²; for a segment the length in m; for a compound the sum of area times density over its parts.
     /// *Error* 2^-61 relative.
     #[must_use]
     pub fn measure(&self) -> S::Factor {
@@ -210,7 +210,7 @@ impl<S: Scalar> Shape<S> {
         shares_list && self.shift == other.shift
     }
 
-    /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative; of a rounded polygon 2 square ulps more.
+    /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative; 2 square ulps more for a rounded polygon.
     #[must_use]
     pub fn gyration(&self) -> S::Factor {
         self.gyration

@@ -1,4 +1,4 @@
-//! Contacts side by side, and what each of them begins a step with.
+//! Groups of contacts side by side in lanes, and the values with which each contact begins a step.
 
 use core::ops::Range;
 
@@ -9,13 +9,13 @@ use super::{Contact, Flight, Impulses, STILL};
 use crate::kernel::simd::{GROUP, Pairs};
 use crate::scalar::FxFactor;
 
-/// The largest separation, either way: more than bodies close in a step.
+/// The largest separation, positive or negative, 2^29.5 units: more than bodies approach in a step.
 pub(super) const SEPARATION: i64 = 759_250_124;
 /// The largest impulse at the start of a step.
 pub(super) const IMPULSE: i64 = 1 << 44;
 /// The largest gain of a body by all contacts of a phase: 2^31 units. Velocities change by less than 2^28 of them.
 pub(super) const GAIN: i64 = 1 << 61;
-/// The largest velocity of a surface.
+/// The largest velocity of a surface, which is that of bodies.
 const SURFACE: i64 = 1 << 27;
 /// Factors of masses have this many bits relative to the largest of a contact.
 const MASS_BITS: i32 = 31;

@@ -1,4 +1,5 @@
-//! Contacts of which something is too large for the loops of [`super::pass`], one at a time in wider integers.
+//! Contacts with a value that is too large for the loops of [`super::pass`], one at a time in wider integers. They are rare, and this way
+//! the loops need no wide products.
 
 use super::contact::Group;
 use super::motion::Rows;

@@ -112,7 +112,8 @@ impl Matrices {
         }
     }
 
-    /// Two points close together make the matrix nearly singular: it gets a larger diagonal.
+    /// Two points close together make the matrix nearly singular. Its diagonal is raised by 2^-13, so that impulses of the two points stay
+    /// bounded instead of cancelling each other with large values of opposite sign.
     #[inline(always)]
     fn stiffen(&mut self, batch: &Batch) {
         for lane in 0..GROUP {
@@ -141,7 +142,7 @@ impl Matrices {
         let (rigid_11, rigid_22) = (lanes.wide(&self.first[0], at), lanes.wide(&self.second[0], at));
         let (soft_11, soft_22) = (lanes.add(rigid_11, one), lanes.add(rigid_22, other));
         lanes.store(&mut self.first[1], at, soft_11);
-        // Of one point the second row does nothing: there the element is that of the first.
+        // With one point the second row does nothing: it gets the element of the first, so that the determinant is positive.
         let pairs = [(rigid_22, rigid_11), (rigid_22, soft_11), (soft_22, rigid_11), (soft_22, soft_11)];
         for (second, (k22, k11)) in self.second.iter_mut().zip(pairs) {
             lanes.store(second, at, lanes.if_negative(two, k22, k11));

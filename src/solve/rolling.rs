@@ -3,8 +3,8 @@
 //! The row of a contact has the velocity w = R·(ω_b − ω_a), with the radius R of the outline that rolls, and its impulse p acts at the
 //! lever R: it is a friction row without a linear part, with the limit c·λ for the coefficient c and the normal impulse λ.
 //!
-//! Rows are solved in the relax passes, those of a phase after its friction, as a part of their own: they see the velocities that friction
-//! left, and not each other. Where a disc rolls without slip each of the two rows undoes a part of what the other one did, two thirds of it
+//! Rows are solved in the relax passes, the rows of a phase after its friction: they see the velocities that friction left, but not each
+//! other. Where a disc rolls without slip each of the two rows undoes a part of what the other one did, two thirds of it
 //! for a disc of even density: what is left after the five sub-steps of a step is an eighth, and impulses are kept.
 //!
 //! There are no lanes: each row is computed in 64 and 128 bits, so all vector sets have the same bits. A scene without rolling resistance

@@ -122,7 +122,7 @@ impl<L: Lanes> Shift<L> {
     #[inline(always)]
     fn factor<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
         let cut = if UP {
-            // What is shifted up beyond 2^31 saturates.
+            // A value that is shifted up beyond 2^31 saturates.
             let is_up = lanes.sub(word(lanes, 0), self.up);
             lanes.if_negative(is_up, lanes.clamped(value, word(lanes, 1 << 31)), value)
         } else {

@@ -16,7 +16,7 @@ use crate::world::{Command, CommandMap};
 /// ulps. A world and its image, given images of the same inputs, stay each other's image to the bit.
 ///
 /// The axes of the bodies go along: by as many quarters as the symmetry turns, and where it mirrors, points and shapes of a
-/// body are mirrored in its axes. What has no exact image has none here: a number whose opposite does not fit, a point more
+/// body are mirrored in its axes. A value without an exact image has none here: a number whose opposite does not fit, a point more
 /// than 2^29 m out under a symmetry that shifts, an angle in radians that no other one is a quarter turn from.
 ///
 /// ```

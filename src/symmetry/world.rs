@@ -13,8 +13,8 @@ use crate::shape::{Geometry, Outline, Shape};
 use crate::world::{CommandMap as _, World};
 
 impl Symmetry {
-    /// The image of a world, with the same handles. What the game keeps in it, its generator, its blob and the bodies' data,
-    /// is as it was. None where a custom force acts, or a body is more than 2^29 m out and would be shifted.
+    /// The image of a world, with the same handles. The data of the game (generator, blob, user data of bodies) stays as it was.
+    /// `None` where a custom force acts, or a body is more than 2^29 m out and would be shifted.
     #[must_use]
     pub fn world(&self, world: &World) -> Option<World> {
         let mut image = world.clone();

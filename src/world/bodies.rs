@@ -215,8 +215,8 @@ impl<S: Scalar> World<S> {
     /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic, [`Error::NoShape`] or [`Error::OutOfRange`]
-    /// without a mass it can have, [`Error::DynamicChain`] with a chain among its colliders.
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic, [`Error::NoShape`] or
+    /// [`Error::OutOfRange`] without a mass it can have, [`Error::DynamicChain`] with a chain among its colliders.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         S::set_kind(self, body, kind)
     }
@@ -343,7 +343,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Makes a body a [bullet](BodyDef::bullet), or one no more; wakes the body.
+    /// Makes a body a [bullet](BodyDef::bullet), or no bullet any more; wakes the body.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].

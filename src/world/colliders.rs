@@ -110,9 +110,9 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Gives coefficients to the contacts of two materials, in either order, in place of those that follow from both; with `None` takes
-    /// them back; wakes all bodies. A collider's material has the number [`Material::id`](crate::Material::id). Both numbers may be the
-    /// same. The next step uses them.
+    /// Gives the contacts of two materials coefficients of their own, which replace the mixed ones from the next step on; `None` removes
+    /// them. Materials are named by [`Material::id`](crate::Material::id), in either order; both may be the same. The call wakes all
+    /// bodies.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity: a number that is 0, friction, restitution, rolling resistance. [`Error::Full`] beyond

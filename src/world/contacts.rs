@@ -9,19 +9,19 @@ use crate::shape::Geometry;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
-    /// The contacts that carried an impulse at the end of the last step, and with
-    /// [`contact_events`](crate::ColliderDef::contact_events) those that carried one earlier in it, at the present poses: those whose colliders are no longer
-    /// near each other are left out. Sorted by the slots of the colliders.
+    /// The contacts that carried an impulse at the end of the last step, at the present poses, sorted by the slots of the colliders.
+    /// Contacts of colliders with [`contact_events`](crate::ColliderDef::contact_events) are listed also if they carried an impulse only
+    /// earlier in the step. Contacts whose colliders have been moved apart since are left out.
     ///
-    /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 from the one that it was
-    /// on.
+    /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 segments farther.
     ///
-    /// They are a function of the state: a restored world has the same.
+    /// The list is a function of the state: a restored world has the same.
     pub fn contacts(&self) -> impl Iterator<Item = Contact<S>> {
         self.contacts.iter().filter_map(|record| self.contact(record))
     }
 
-    /// The [contacts](Self::contacts) of a body. The call looks at all contacts of the world.
+    /// The [contacts](Self::contacts) of a body. *Cost* in proportion to all contacts of the world: to ask for many bodies, go through
+    /// [`contacts`](Self::contacts) once.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].

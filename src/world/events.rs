@@ -21,7 +21,7 @@ pub enum Event<S = Fx> {
     Added(BodyId),
     /// A call placed the body elsewhere, turned it, or changed its kind: it did not get there by moving.
     Placed(BodyId),
-    /// A call woke the body.
+    /// A call woke the body, or a moving body touched it in the step.
     Woke(BodyId),
     /// The step quarantined the body.
     Quarantined(Fault),
@@ -63,11 +63,11 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
 
 impl<'a, S: Scalar> StepReport<'a, S> {
     /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
-    /// of the calls; changes of bodies by the step, each kind in the order of the handles; then contacts and sensors, each kind sorted by
-    /// the keys of the bodies and the colliders.
+    /// of the calls (`Woke` then has the bodies that were touched in the step); changes of bodies by the step, each kind in the order of
+    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders.
     ///
-    /// A body that calls both added and removed has no event, and a body that calls added has no `Placed` event: an observer who
-    /// follows the events has each body of the world once.
+    /// A body that was both added and removed since the step before has no event, and a body that was added has no `Placed` event: an
+    /// observer who follows the events has each body of the world once.
     ///
     /// The iterator borrows from the world and takes no memory. To change the world while you go through the events, write
     /// `for event in world.step()`: that list is your own.
@@ -82,7 +82,7 @@ impl<'a, S: Scalar> StepReport<'a, S> {
     /// world.remove_body(a)?;
     /// assert!(world.step().events().eq([Event::Removed(a), Event::Placed(b)]));
     ///
-    /// // A body that leaves the allowed range is removed.
+    /// // A body that leaves the allowed range is quarantined; this game removes it.
     /// world.set_position(b, vec2(fx!(1_073_741_824), 0))?;
     /// world.set_velocity(b, vec2(900, 0))?;
     /// for event in world.step() {

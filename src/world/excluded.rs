@@ -9,15 +9,15 @@ use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
-    /// Excludes two bodies from contacts with each other, whatever colliders they have; wakes both. The impulses of contacts between them
-    /// are dropped. A pair that is excluded already gets the new exclusion.
+    /// Excludes two bodies from contacts with each other, with all of their colliders, and wakes both. The impulses of contacts between
+    /// them are dropped. A pair that is excluded already gets the new exclusion. Removing one of the bodies removes the pair.
     ///
     /// [`Exclusion::UntilApart`] is for bodies that overlap: a grenade and its thrower, a character that drops through a platform. A step
-    /// allows the pair again when no outlines of theirs are within 2 cm and the distance that they close in the step; bodies that are
-    /// disabled or quarantined stay excluded meanwhile.
+    /// allows the pair again when the bodies are farther apart than 2 cm plus the distance by which they approach each other in the step.
+    /// While one of them is disabled or quarantined they stay excluded.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::Full`] with [`limits::EXCLUDED_PAIRS`].
+    /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::Full`] for more than [`limits::EXCLUDED_PAIRS`].
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Exclusion, Shape, World, WorldDef, fx, vec2};
@@ -57,7 +57,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Allows contacts between two bodies again; wakes both. Nothing but that if they were not excluded.
+    /// Allows contacts between two bodies again, and wakes both, also if they were not excluded.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::SameBody`].

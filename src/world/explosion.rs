@@ -20,10 +20,13 @@ use crate::slots::BodyId;
 
 /// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
 ///
-/// A collider whose nearest point is d away gets the impulse p·w·f at that point, in the direction from the centre to it. w is the width
-/// that it turns to the centre, m: the length of its shadow at right angles to that direction. f is 1 up to the radius, falls evenly to 0
-/// over the falloff, and is 0 beyond. Each part of a compound counts by itself. A collider that has the centre in it gets its impulse at
-/// the centre, in the direction of the centre of mass of its body, and none where the two are the same.
+/// A collider gets the impulse p·w·f at its nearest point, in the direction from the centre of the explosion to that point:
+/// - p is [`impulse`](Self::impulse);
+/// - w is the width of the collider as seen from the centre, m: its extent at right angles to that direction;
+/// - f is the strength at the distance of the nearest point: 1 up to the radius, falling linearly to 0 over the falloff, 0 beyond.
+///
+/// Each part of a compound counts by itself. A collider that contains the centre gets its impulse at the centre, towards the centre of mass
+/// of its body, or none where the two are the same. Bodies that are hit wake up. Walls do not shelter what is behind them.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Explosion, Mass, Shape, World, WorldDef, fx, vec2};
@@ -45,13 +48,13 @@ use crate::slots::BodyId;
 pub struct Explosion<S = Fx> {
     /// The centre, m.
     pub position: Vec2<S>,
-    /// The distance up to which it has its whole strength, m, 0 to 2^12.
+    /// The distance up to which the explosion has its whole strength, m, 0 to 2^12.
     pub radius: S,
-    /// The distance from there over which the strength falls to nothing, m, 0 to 2^12.
+    /// The distance beyond the radius over which the strength falls to 0, m, 0 to 2^12.
     pub falloff: S,
-    /// The impulse on each metre of width, N·s/m, within ±2^16; below 0 it pulls.
+    /// The impulse on each metre of width, N·s/m, within ±2^16; a negative one pulls.
     pub impulse: S,
-    /// The [categories](crate::Filter::category) of the colliders that it acts on.
+    /// The [categories](crate::Filter::category) of the colliders that the explosion acts on.
     pub mask: u32,
 }
 
@@ -63,7 +66,7 @@ const RADIUS: Fx = Fx::from_bits(1 << 44);
 const IMPULSE: Fx = Fx::from_bits(1 << 48);
 
 impl<S: Scalar> Explosion<S> {
-    /// An explosion at a point of 1 m radius and 1 m falloff, for all categories.
+    /// An explosion at a point, with a radius of 1 m and a falloff of 1 m, that acts on all categories.
     ///
     /// ```
     /// use umbra_physics::{Error, Explosion, Fx, Quantity, fx, vec2};
@@ -78,10 +81,11 @@ impl<S: Scalar> Explosion<S> {
         Self { position, radius: S::ONE, falloff: S::ONE, impulse, mask: !0 }
     }
 
-    /// Checks the values as a world does.
+    /// Checks the values as [`World::explode`] does.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity.
+    /// [`Error::OutOfRange`] with [`Quantity::Position`], [`Quantity::ExplosionRadius`] (radius and falloff) or
+    /// [`Quantity::ExplosionImpulse`].
     pub fn check(&self) -> Result<(), Error> {
         let within = |value: S, least: Fx, most: Fx, quantity| {
             let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
@@ -138,14 +142,14 @@ impl<S: Scalar> Explosion<S> {
 }
 
 impl<S: Scalar> World<S> {
-    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all from the state before. It wakes the bodies that
-    /// it hits. Bodies without colliders are not hit, nor are disabled and quarantined ones.
+    /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all computed from the state before the call. It
+    /// wakes the bodies that it hits. It hits neither bodies without colliders nor disabled and quarantined bodies.
     ///
     /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* each collider of a dynamic body is looked at.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity: also [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body would leave the envelope.
-    /// Then none is hit.
+    /// The errors of [`Explosion::check`]; [`Error::OutOfRange`] with [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body
+    /// would leave the allowed range: then no body is hit.
     pub fn explode(&mut self, explosion: &Explosion<S>) -> Result<(), Error> {
         let effects = self.blast(explosion)?;
         self.journal.note(|| Command::Explode(*explosion));

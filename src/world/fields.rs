@@ -12,7 +12,7 @@ impl<S: Scalar> World<S> {
     /// Adds a force field; wakes the bodies that it may act on.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for what it is attached to;
+    /// [`Error::NoSuchBody`], [`Error::NotDynamic`] or [`Error::SameBody`] for the bodies that it is attached to;
     /// [`Error::CustomForce`] for a custom force that is not registered; [`Error::OutOfRange`] naming the quantity; [`Error::Full`].
     ///
     /// ```

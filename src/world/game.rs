@@ -38,7 +38,7 @@ impl<S: Scalar> World<S> {
         self.journal.note(|| Command::SetRandom(random));
     }
 
-    /// The game's own data as bytes: all else that its next tick depends on.
+    /// The game's own data as bytes, for everything beside the bodies that the rules of the next tick depend on.
     #[must_use]
     pub fn blob(&self) -> &[u8] {
         &self.blob

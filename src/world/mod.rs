@@ -62,13 +62,27 @@ pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEve
 pub use stepper::Stepper;
 pub use trace::Trace;
 
-/// The definition of a world.
+/// The definition of a world: change what differs from the default, which has no gravity.
+///
+/// ```
+/// use umbra_physics::{ContactSettings, Damping, TimeStep, World, WorldDef, fx, vec2};
+///
+/// let world = World::new(WorldDef {
+///     time_step: TimeStep::hz(120),
+///     gravity: vec2(0, fx!(-9.81)),
+///     linear_damping: Damping::rate(fx!(0.1)),
+///     contacts: ContactSettings { restitution_speed: fx!(0.5), ..ContactSettings::default() },
+///     ..WorldDef::default()
+/// })?;
+/// assert_eq!(world.def().sleep_after, Some(30));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct WorldDef<S: Scalar = Fx> {
-    /// The length of a step.
+    /// The length of a step, 1 to 10,000 steps a second; 60 by default.
     pub time_step: TimeStep,
-    /// Gravity, m/s². The default is none.
+    /// Gravity, m/s², each component within ±2^16. The default is none.
     pub gravity: Vec2<S>,
     /// The integrator.
     pub integrator: Integrator,
@@ -76,8 +90,8 @@ pub struct WorldDef<S: Scalar = Fx> {
     pub linear_damping: Damping<S>,
     /// The damping of angular velocities, for bodies without their own.
     pub angular_damping: Damping<S>,
-    /// The number of ticks at rest after which a body falls asleep; `None` for never. A body that contacts push counts as at rest while it
-    /// is slower than [`ContactSettings::sleep_speed`].
+    /// The number of ticks at rest after which a body falls asleep, from 1; 30 by default, `None` for never. A body that contacts push
+    /// counts as at rest while it is slower than [`ContactSettings::sleep_speed`].
     pub sleep_after: Option<u32>,
     /// The settings of contacts.
     pub contacts: ContactSettings<S>,
@@ -249,8 +263,8 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub faults: &'a [Fault],
     /// Bodies that fell asleep, in the order of their handles.
     pub fell_asleep: &'a [BodyId],
-    /// Bodies woken by calls since the previous step, in the order of the calls; then those that a moving body touched in the step, in
-    /// the order of their handles.
+    /// Bodies woken by calls since the previous step, in the order of the calls; then the bodies that were woken in the step, because a
+    /// moving body touched them or one of their island, in the order of their handles.
     pub woke: &'a [BodyId],
     /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
     pub removed: &'a [BodyId],
@@ -270,10 +284,10 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub sensors_left: &'a [ColliderPair],
     /// Sensors and the colliders that entered them in the step, sorted likewise.
     pub sensors_entered: &'a [ColliderPair],
-    /// Forces and torques applied to bodies over the tick, in the order of their handles. Undoing the step needs them.
+    /// Forces and torques applied to bodies over the tick, in the order of their handles: [`World::step_back`] needs them.
     pub applied: &'a [AppliedForce<S>],
-    /// The number of bodies under `Yoshida4` with a drag too stiff for the backward sub-step: it acted around the whole step
-    /// instead.
+    /// The number of bodies under `Yoshida4` whose drag is too stiff for its backward sub-step, so that the drag acted around the whole
+    /// step instead.
     pub drag_outside: u32,
 }
 
@@ -364,7 +378,7 @@ impl<S: Scalar> World<S> {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
             let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
-            // Whoever sleeps has moved with these factors, or they were stale when it came.
+            // A sleeping body has moved with these factors, or they were stale when it was added: no need to update them.
             let indices = if self.bodies.any_asleep() { &factors[..] } else { moving };
             Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }
@@ -401,6 +415,10 @@ impl<S: Scalar> World<S> {
     }
 
     /// The report of the last step. After [`step_back`](Self::step_back) it is empty.
+    ///
+    /// Copies in memory have it too: clones, snapshots, the worlds of a [`Rollback`]. A snapshot as bytes does not, and no hash covers it:
+    /// a world that was read from bytes has an empty report until its next step. Rules of a game whose peers may join from bytes must read
+    /// state instead, such as [`contacts`](Self::contacts) and [`sensor_overlaps`](Self::sensor_overlaps).
     #[must_use]
     pub fn last_report(&self) -> StepReport<'_, S> {
         StepReport {

@@ -34,7 +34,7 @@ impl<S: Scalar> World<S> {
         self.touch(body, Change::VELOCITY).map(drop)
     }
 
-    /// Takes a quarantined body back into the simulation, at the state it has: its last good one, or what was set since.
+    /// Takes a quarantined body back into the simulation, with its last good state and the values that were set since.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotQuarantined`]; [`Error::OutOfRange`] in a world of a [`Trace`](super::Trace), for a
@@ -47,9 +47,9 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Takes a body out of the simulation as it is: no step moves it, what is attached to it is inert, and what was applied
-    /// to it this tick is forgotten. Wakes what springs and its attractors joined it to. It keeps its velocity for when it
-    /// is [enabled](Self::enable), and can be changed meanwhile.
+    /// Takes a body out of the simulation as it is: no step moves it, it touches nothing, fields attached to it are inert, and forces
+    /// applied to it in this tick are dropped. Wakes the bodies that contacts, springs and its attractors joined it to. It keeps its
+    /// velocity until it is [enabled](Self::enable), and can be changed meanwhile.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Disabled`] if it is so already; [`Error::Quarantined`].
@@ -79,7 +79,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Takes a disabled body back into the simulation, at the state it has; wakes it and what it is joined to.
+    /// Takes a disabled body back into the simulation, with the state it has; wakes it and the bodies that it is joined to.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotDisabled`].

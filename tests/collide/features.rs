@@ -172,7 +172,7 @@ fn bent_floor(sticks_out: i64) -> (Recipe, Vec2) {
     (floor, shift)
 }
 
-/// How far above the ends of the floor its surface is.
+/// Height of the floor's surface above its ends.
 fn surface(sticks_out: i64, x: Fx) -> Fx {
     let from_end = (2i128 << 32) - i128::from(x.to_bits().abs());
     Fx::from_bits(((i128::from(sticks_out) * from_end) >> 33) as i64)

@@ -18,7 +18,7 @@ const POOL: FieldKind = FieldKind::Buoyancy {
     flow: Vec2::ZERO,
 };
 
-/// One that nothing is in.
+/// A pool that no body is in.
 const FAR_POOL: FieldKind = FieldKind::Buoyancy {
     min: Vec2 { x: fx!(500), y: fx!(-10) },
     max: Vec2 { x: fx!(520), y: fx!(0) },
@@ -245,7 +245,7 @@ fn a_restored_world_goes_on_to_the_bit() {
 }
 
 #[test]
-fn what_floats_falls_asleep_and_a_change_of_the_fluid_wakes_it() {
+fn a_floating_body_falls_asleep_and_a_change_of_the_fluid_wakes_it() {
     let rest = || {
         let mut world = world(POOL);
         let body = world.add_body(floating(Shape::rectangle(2, 1).expect("a shape"), fx!(2))).expect("a body");
@@ -360,7 +360,7 @@ fn drag_is_for_bodies_that_feel_the_fluid_and_along_axes_that_are_free() {
 }
 
 #[test]
-fn what_has_no_area_gets_no_lift() {
+fn bodies_without_area_get_no_lift() {
     let line = Shape::segment(vec2(-1, 0), vec2(1, 0)).expect("a shape");
     let square = || ColliderDef::new(Shape::rectangle(1, 1).expect("a shape"));
     let mass = |def: BodyDef| BodyDef { mass: Mass::Kilograms(fx!(1)), position: vec2(0, -5), ..def };

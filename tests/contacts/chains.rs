@@ -212,7 +212,7 @@ fn a_kinematic_chain_carries_and_pushes() {
 }
 
 #[test]
-fn what_is_no_chain_is_refused_and_the_world_unchanged() {
+fn invalid_chains_are_refused_and_the_world_unchanged() {
     let of = |quantity| Err(Error::OutOfRange { quantity });
     let line = |count: i32| (0..count).map(|x| vec2(Fx::from_ratio(x.into(), 16), 0)).collect::<Vec<_>>();
     let far = umbra_physics::limits::SIZE_MAX + Fx::DELTA;

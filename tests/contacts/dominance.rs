@@ -35,7 +35,7 @@ fn thrown(others: bool) -> (World, BodyId, Vec<BodyId>) {
 }
 
 #[test]
-fn what_is_hit_by_others_has_the_bits_of_a_world_without_them() {
+fn a_dominant_body_has_the_bits_of_a_world_without_the_others() {
     let ((mut world, id, others), (mut alone, same, _)) = (thrown(true), thrown(false));
     let (mut touched, mut moved) = (0, 0);
     for step in 0..300 {
@@ -97,7 +97,7 @@ fn a_stack_of_unlike_ones_stands() {
 }
 
 #[test]
-fn one_that_others_press_turns_them_and_does_not_sleep() {
+fn a_dominant_body_that_others_press_turns_them_and_does_not_sleep() {
     // A disc of dominance 1 turns in front of a smooth wall, and another one is pressed against it.
     let disc = |x: i32, key, friction| {
         let mut body = square(vec2(x, 0), key).expect("a square");

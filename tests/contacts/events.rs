@@ -319,7 +319,7 @@ fn next(world: &mut World, observer: &mut Observer) -> [usize; 2] {
 }
 
 #[test]
-fn what_a_call_takes_away_ends_in_the_report_of_the_next_step() {
+fn contacts_ended_by_calls_are_reported_by_the_next_step() {
     type Call = fn(&mut World, [BodyId; 2]);
     let calls: [(&str, Call, [usize; 2]); 10] = [
         ("body", |world, [_, disc]| world.remove_body(disc).expect("a body"), [1, 0]),

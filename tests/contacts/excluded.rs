@@ -105,7 +105,7 @@ fn a_body_drops_through_a_one_way_platform() {
 }
 
 #[test]
-fn one_collider_that_is_near_keeps_the_pair() {
+fn a_pair_stays_excluded_while_one_collider_is_near() {
     // The boxes of both colliders overlap that of the other body.
     let part = |x: Fx, y: Fx| umbra_physics::ColliderDef {
         position: Vec2::new(x, y),
@@ -134,7 +134,7 @@ fn a_step_that_ends_an_exclusion_cannot_be_undone() {
 }
 
 #[test]
-fn what_takes_no_part_stays_excluded() {
+fn pairs_with_a_disabled_or_quarantined_body_stay_excluded() {
     let bodies = [disc(vec2(0, 0), fx!(0.5), 1), disc(vec2(5, 0), fx!(0.5), 2), disc(vec2(50, 0), fx!(0.5), 3)];
     let (mut world, ids) = world(space(), bodies).expect("a scene");
     world.disable(ids[1]).expect("a body");
@@ -190,7 +190,7 @@ fn a_call_wakes_both_bodies() {
 }
 
 #[test]
-fn what_cannot_be_excluded_changes_nothing() {
+fn invalid_exclusions_are_refused_and_change_nothing() {
     let (mut world, ids) = world(space(), [disc(vec2(0, 0), fx!(0.5), 1), BodyDef::fixed()]).expect("a scene");
     let none = BodyId::from_parts(9, 0);
     let before = world.state_hash();

@@ -86,7 +86,7 @@ fn parts_and_colliders_of_one_body_count_each_by_itself() {
 }
 
 #[test]
-fn it_acts_on_dynamic_bodies_with_colliders_of_its_categories_and_wakes_those_alone() {
+fn an_explosion_acts_on_dynamic_bodies_of_its_categories_and_wakes_only_those() {
     let mut world = world();
     let disc = Shape::circle(1).unwrap();
     let near = add(&mut world, vec2(2, 0), disc.clone());
@@ -121,7 +121,7 @@ fn without_falloff_its_strength_ends_at_the_radius() {
 }
 
 #[test]
-fn of_a_body_only_the_colliders_of_its_categories_are_hit() {
+fn an_explosion_hits_only_the_colliders_of_its_categories() {
     let mut world = world();
     let at = |y: i32, category| ColliderDef {
         position: vec2(0, y),

@@ -259,7 +259,7 @@ fn the_images_and_other_orders_have_the_same_bits() {
 }
 
 #[test]
-fn what_is_put_into_a_platform_passes_and_what_is_put_on_it_is_held() {
+fn a_body_put_into_a_platform_passes_and_one_put_on_it_is_held() {
     for (y, holds) in [(fx!(0.625), true), (fx!(0.61), true), (fx!(0.55), false), (fx!(0.1), false), (fx!(-0.5), false)]
     {
         let at = Vec2::new(fx!(0), y);
@@ -343,7 +343,7 @@ fn sleepers_in_a_platform_sleep_on_and_pass_when_they_wake() {
 }
 
 #[test]
-fn what_does_not_get_out_of_a_platform_falls_back_through_it() {
+fn a_body_that_does_not_leave_a_platform_falls_back_through_it() {
     let foot =
         |y: Fx| ColliderDef { position: vec2(0, y), ..ColliderDef::new(Shape::circle(fx!(0.25)).expect("a disc")) };
     let pair = |low, high| BodyDef {

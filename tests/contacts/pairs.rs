@@ -68,7 +68,7 @@ fn restitution_of_a_pair_counts_too() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_and_changes_nothing() {
+fn invalid_material_pairs_are_refused_and_change_nothing() {
     let (mut world, _) = slider();
     let out_of = |quantity| Err(Error::OutOfRange { quantity });
     let ulp = Fx::from_bits(1);

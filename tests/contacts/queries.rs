@@ -488,7 +488,7 @@ fn tiles() -> (World, Vec<ColliderId>) {
     (world, ids)
 }
 
-/// Where a ray from above beside the middle of the first tile ends.
+/// The height at which a ray from above, beside the middle of the first tile, ends.
 fn height(world: &World) -> Option<Fx> {
     let from = Vec2::new(fx!(0.75), fx!(9));
     world.queries().cast_ray(from, vec2(0, -10), &ALL).expect("in range").map(|hit| hit.point.y)

@@ -71,7 +71,7 @@ fn a_disc_slows_down_by_two_thirds_of_c_g_and_stops() {
 }
 
 #[test]
-fn what_has_stopped_stays() {
+fn a_ball_stopped_by_rolling_resistance_stays() {
     let (mut world, id) = on_the_floor::<Fx>(fx!(0.15), fx!(2));
     (0..180).for_each(|_| _ = world.step());
     let at = world.body(id).expect("it").position();
@@ -115,7 +115,7 @@ fn on_a_slope(c: Fx, tilt: Fx) -> (Fx, Fx) {
 }
 
 #[test]
-fn it_stands_below_the_angle_of_the_coefficient_and_rolls_above() {
+fn a_ball_stands_on_slopes_below_the_coefficient_and_rolls_on_steeper_ones() {
     let c = fx!(0.2);
     let limit = c.atan2(Fx::ONE);
     for below in [fx!(0.5) * limit, limit - fx!(0.002)] {
@@ -277,7 +277,7 @@ fn floats_roll_as_fixed_point_does() {
 }
 
 #[test]
-fn what_bounces_and_rolls_can_be_saved_after_every_step() {
+fn a_world_of_bouncing_and_rolling_bodies_can_be_saved_after_every_step() {
     let def = WorldDef { gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
     let mut world = World::new(def).expect("a world");
     world.add_body(floor()).expect("a floor");

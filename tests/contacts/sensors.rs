@@ -155,7 +155,7 @@ fn goal() -> (World, [BodyId; 2], Observer) {
 }
 
 #[test]
-fn what_a_call_takes_out_of_a_sensor_leaves_in_the_report_of_the_next_step() {
+fn overlaps_ended_by_calls_are_reported_by_the_next_step() {
     fn own(world: &World, body: BodyId) -> ColliderId {
         world.colliders_of(body).expect("a body").next().expect("a collider")
     }
@@ -404,7 +404,7 @@ fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
 }
 
 #[test]
-fn one_body_in_more_sensors_than_there_may_be_pairs_is_in_none() {
+fn a_body_in_more_sensors_than_the_limit_of_pairs_is_in_none() {
     for (max_pairs, expected) in [(3, 3), (2, 0)] {
         let contacts = ContactSettings { max_pairs, ..ContactSettings::default() };
         let square = || Shape::rectangle(fx!(1), fx!(1)).expect("a square");

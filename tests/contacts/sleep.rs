@@ -188,7 +188,7 @@ fn a_stack_wakes_as_a_whole_and_another_sleeps_on() {
 }
 
 #[test]
-fn what_moves_under_a_body_keeps_it_awake() {
+fn a_moving_support_keeps_a_body_awake() {
     let def = WorldDef { sleep_after: Some(10), ..def() };
     let plank = || ColliderDef::new(Shape::rectangle(fx!(20), fx!(1)).expect("a plank"));
     let belt = |surface_speed| {
@@ -211,7 +211,7 @@ fn what_moves_under_a_body_keeps_it_awake() {
 }
 
 #[test]
-fn what_is_pushed_in_each_tick_does_not_sleep_and_without_a_speed_nothing_pressed_does() {
+fn a_body_pushed_in_each_tick_stays_awake_and_with_sleep_speed_0_so_does_every_pressed_one() {
     let (mut world, ids) = asleep();
     for _ in 0..100 {
         world.apply_force(ids[5], vec2(fx!(0.5), 0)).expect("a body");

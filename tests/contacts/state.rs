@@ -218,7 +218,7 @@ fn sleeping_bodies_with_too_many_pairs_are_at_fault_as_if_awake() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_and_the_world_unchanged() {
+fn invalid_definitions_are_refused_and_the_world_unchanged() {
     let (mut world, ids) = world(def(), pyramid(3).expect("a pyramid")).expect("a scene");
     (0..30).for_each(|_| _ = world.step());
     let collider = world.colliders_of(ids[3]).expect("it").next().expect("a collider");

@@ -69,7 +69,7 @@ fn a_spinning_bar_stays_beside_a_wall() {
 
 /// A plate that comes within a step, and leaves 2 cm more than a disc between itself and a thin wall.
 #[test]
-fn what_is_pushed_at_a_wall_does_not_cross_it() {
+fn bodies_pushed_at_a_wall_do_not_cross_it() {
     for from in [-1, -9, -90, -4_000] {
         let mut world = world(60, vec2(0, 0));
         add(&mut world, BodyDef::fixed(), Shape::rectangle(fx!(0.01), 100));
@@ -88,7 +88,7 @@ fn what_is_pushed_at_a_wall_does_not_cross_it() {
 
 /// A disc that another one strikes leaves its free path within the step: a wall beside that path stops it, also one that sleeps.
 #[test]
-fn what_is_struck_in_a_step_is_stopped_in_it() {
+fn a_body_struck_in_a_step_is_stopped_in_the_same_step() {
     for (wall, sleeps) in [
         (BodyDef::fixed(), false),
         (BodyDef::kinematic(), false),
@@ -206,7 +206,7 @@ fn bullets_meet_all_and_others_what_is_not_dynamic() {
 }
 
 #[test]
-fn what_is_stopped_without_an_impulse_cannot_be_undone() {
+fn a_step_that_stops_a_body_without_an_impulse_cannot_be_undone() {
     let mut world = world(60, vec2(0, 0));
     add(&mut world, BodyDef::fixed(), Shape::rectangle(fx!(0.1), 4));
     let fast = BodyDef { velocity: vec2(600, 0), position: vec2(-5, 0), ..BodyDef::dynamic() };
@@ -218,7 +218,7 @@ fn what_is_stopped_without_an_impulse_cannot_be_undone() {
 
 /// A ram of 10 m a tick carries along what it meets: not along an axis that is locked, and nothing that another one holds against it.
 #[test]
-fn what_is_locked_or_squeezed_is_not_carried() {
+fn locked_and_squeezed_bodies_are_not_carried() {
     for (locks, y) in [(Locks::NONE, fx!(1)), (Locks { y: true, ..Locks::NONE }, fx!(0))] {
         for rams in [&[1][..], &[-1, 1], &[1, -1]] {
             let mut world = world(60, vec2(0, 0));
@@ -242,7 +242,7 @@ fn what_is_locked_or_squeezed_is_not_carried() {
 /// Bodies that slide or roll over a floor at speed end where they end without continuous collision, to the bit; a chain lets them through
 /// from behind.
 #[test]
-fn what_slides_at_speed_is_not_held_up() {
+fn a_body_that_slides_fast_is_not_held_up() {
     let run = |without: bool| {
         let mut world = world(60, vec2(0, -10));
         add(&mut world, BodyDef { position: vec2(0, -1), ..BodyDef::fixed() }, Shape::rectangle(4000, 2));

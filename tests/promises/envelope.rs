@@ -61,7 +61,7 @@ fn nothing_unfair_passes(script: &Script) -> Verdict {
 }
 
 #[test]
-fn what_is_unfair_is_refused_or_quarantined() {
+fn values_beyond_the_limits_are_refused_or_quarantined() {
     let tastes =
         [Taste { near: 8, unfair: 8, ..FAIR }, Taste { near: 30, unfair: 0, ..FAIR }, Taste { unfair: 2, ..FAIR }];
     for taste in tastes {

@@ -51,14 +51,14 @@ fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict) {
 }
 
 #[test]
-fn what_is_false_is_left_as_a_small_scene_that_breaks_it() {
+fn a_false_property_leaves_a_small_scene_that_breaks_it() {
     breaks_as_a_file("springs", FAIR, nobody_is_pulled);
     let near = Taste { near: 10, ..FAIR };
     breaks_as_a_file("quarantine", near, nobody_leaves);
 }
 
 #[test]
-fn what_is_false_once_and_then_holds_is_false() {
+fn a_property_that_fails_once_and_then_holds_is_false() {
     let is_first = Cell::new(true);
     let once = |_: &Script| if is_first.replace(false) { Err("once".to_owned()) } else { Ok(()) };
     let (_, why) = broken(until_found(), FAIR.plan(), once).expect("the first plan breaks it");

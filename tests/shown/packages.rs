@@ -71,7 +71,7 @@ fn junk_in_a_package_is_seen() {
 }
 
 #[test]
-fn what_is_not_published_says_so_and_the_rest_has_its_metadata() {
+fn unpublished_packages_say_so_and_the_others_have_their_metadata() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let manifest = |folder: &str| std::fs::read_to_string(root.join(folder).join("Cargo.toml")).expect("a manifest");
     for (package, _) in PACKAGES {

@@ -108,7 +108,7 @@ fn a_fall_ends_at_the_same_place_and_time_at_every_rate() {
 }
 
 #[test]
-fn it_does_not_in_f32_nor_the_time_with_a_rounded_step() {
+fn f32_is_inexact_and_so_is_a_rounded_time_step() {
     for &rate in &rates()[3..] {
         let place =
             fall::<f32>(rate, Integrator::VelocityVerlet).0.map(|x| Fx::from_f64_for_tools(x.into()).expect("it fits"));

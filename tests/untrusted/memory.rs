@@ -310,7 +310,7 @@ fn dumps_of_worlds_that_are_all_different() {
 
 /// 4 GiB, or more than there can be, announced in a hundred bytes.
 #[test]
-fn what_is_announced_is_not_made_room_for() {
+fn announced_lengths_do_not_make_room() {
     let snapshot = world().snapshot().to_bytes();
     let replay = Recorder::new(&world(), RecordOptions::default()).finish(&world());
     for most in [u32::MAX, u32::MAX / 2, 1 << 24] {

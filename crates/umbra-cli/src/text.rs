@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_a_terminal_obeys_is_escaped_and_nothing_else() {
+    fn only_characters_that_a_terminal_obeys_are_escaped() {
         let hostile = "\u{1b}[2J\r\u{7}\u{7f}\u{9b}31m\t\u{202e}\u{2066}\u{2028}";
         assert_eq!(quoted(hostile), r"\u001b[2J\u000d\u0007\u007f\u009b31m\u0009\u202e\u2066\u2028");
         assert_eq!(quoted("a\nb"), r"a\u000ab");

@@ -163,7 +163,7 @@ fn blame(object: &Object<'_>, error: Error) -> Refused {
 pub struct SceneMaterialPair {
     /// The numbers of the materials.
     pub materials: [u32; 2],
-    /// Their coefficients.
+    /// The coefficients of contacts of the two materials.
     pub pair: MaterialPair,
     /// The place in the text.
     pub place: Place,

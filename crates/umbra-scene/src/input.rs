@@ -66,7 +66,7 @@ pub enum SceneAction {
     },
 }
 
-/// Where the actions of an input are put, each with its place in the text.
+/// The actions of an input, each with its place in the text.
 type Actions = Vec<(Place, SceneAction)>;
 
 /// Reads an input, which may do several things in the order in which they stand here.

@@ -2,13 +2,13 @@
 //!
 //! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes have a point in common, their filters agree and
 //! one of them moves. Each outline is a collider of its own here, as the parts of a compound are. Boxes are exact, and the pairs come
-//! sorted: they are a function of boxes and filters alone. All the rest here is a cache, which no snapshot holds, and which may be of any
-//! age.
+//! sorted: they are a function of boxes and filters alone. Everything else here is a cache: no snapshot
+//! holds it, and its age changes no result.
 //!
-//! How: each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes
-//! are *candidates*; they change when somebody leaves a fat box, and only then a tree is searched. In a step in which nobody does, the
-//! cost is that of one comparison for each moving collider and one for each candidate. Static colliders stand in a tree of their own,
-//! and those of sleeping bodies in another one. Copies of a world share both, and a step does not look at who stands far away.
+//! Each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes that
+//! overlap are *candidates*; they change when a collider leaves its fat box, and only then a tree is searched. A step in which none does
+//! costs one comparison for each moving collider and one for each candidate. Static colliders are in a tree of their own, colliders of
+//! sleeping bodies in another one. Copies of a world share both, and a step does not look at colliders that stand far away.
 
 mod bounds;
 mod cached;
@@ -42,13 +42,13 @@ use tree::{NONE, Tree};
 pub struct Proxy {
     /// The number of the collider, below 2^32 - 1. Memory grows with the largest one.
     pub collider: u32,
-    /// The number of its body: colliders of one body are no pair. Those of a static body are all static.
+    /// The number of its body: colliders of one body are no pair. All colliders of a static body are static.
     pub body: u32,
     /// The box that holds the collider during the step, and the margin around it. *Domain* `min` is not above `max`.
     pub bounds: Aabb<Fx>,
     /// The filter, which says what it may meet.
     pub filter: Filter,
-    /// A hash of its outline and its place: a static collider whose digest changes has changed. One that moves needs none.
+    /// A hash of its outline and its place: a static collider whose digest changes has changed. A moving collider needs none.
     pub digest: u64,
 }
 
@@ -200,7 +200,7 @@ impl BroadPhase {
         self.pairs.reserve(self.candidates.capacity());
     }
 
-    /// Takes in the boxes of a step: finds who is gone, and who is new or has left its fat box.
+    /// Takes in the boxes of a step: finds the colliders that are gone, are new, or have left their fat boxes.
     fn place(&mut self, movers: &[Proxy]) {
         self.step = self.step.wrapping_add(1);
         let mut is_same = movers.len() == self.movers.len();
@@ -253,7 +253,7 @@ impl BroadPhase {
         self.boxes.resize(len, Bounds::EMPTY);
     }
 
-    /// Gives those that are stale new fat boxes, or all, and puts these into the tree. Builds it again where it has changed much.
+    /// Gives new fat boxes to the stale colliders, or to all, and puts them into the tree. Builds the tree again if it has changed much.
     fn refit(&mut self, all: bool) {
         let count = self.movers.len();
         // The tree stays below `sparse` nodes, and then each mover may add one.
@@ -287,7 +287,7 @@ impl BroadPhase {
         }
     }
 
-    /// Takes note that the candidates of the stale ones are found.
+    /// Marks the stale colliders as searched.
     fn settle(&mut self) {
         for &collider in self.stale.iter().chain(&self.gone) {
             self.entries[collider as usize].is_stale = false;
@@ -365,7 +365,7 @@ impl BroadPhase {
             let entry = &self.entries[collider as usize];
             self.tree.search(0, &entry.extent(), |other| {
                 let with = &self.entries[other as usize];
-                // Of two that are stale, the lower one finds the pair.
+                // Where both are stale, the lower one finds the pair.
                 let is_first = !with.is_stale || collider < other;
                 if is_first && entry.may_meet(with) {
                     found.push(key(collider, other));

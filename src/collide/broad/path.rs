@@ -38,7 +38,7 @@ impl Path {
 /// in each component, and so is, relative to the start, what of a box is beside the path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
-    /// As in [`Path`], from the corner of the tree: rounded up and down.
+    /// The start of the [`Path`] seen from the corner of the tree: rounded up and down.
     start: [[i64; 2]; 2],
     low: [i64; 2],
     high: [i64; 2],

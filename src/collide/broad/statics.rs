@@ -232,7 +232,7 @@ impl Statics {
             part.cores.get(|| {
                 CoreTree::new(&part.tree, |item| {
                     let proxy = &part.proxies[item as usize];
-                    // One that is gone here may stand elsewhere: it is found without a place.
+                    // A collider that is gone here may stand elsewhere now: it is listed without a place.
                     let is_here = core::ptr::eq(part, &self.added) || !self.is_gone(proxy.collider);
                     (proxy.collider, proxy.filter, if is_here { place(proxy.collider) } else { None })
                 })

@@ -26,7 +26,7 @@ pub(super) fn length([x, y]: [i64; 2]) -> i64 {
 pub(crate) struct Form {
     count: usize,
     corners: [[i64; 2]; CORNERS],
-    /// Of the edges from each corner to the next one, in units of 2^-32; none for a disc.
+    /// The normals of the edges from each corner to the next one, in units of 2^-32; none for a disc.
     normals: [[i64; 2]; CORNERS],
     pub(super) radius: i64,
     /// The largest distance of a corner from the centre of mass.

@@ -172,7 +172,7 @@ impl Moment {
     }
 
     /// Returns true if a distance along a direction stays below `free` for some time, as far as the speeds of corners and the bound of
-    /// their acceleration say. What they say is convex in the time, and zero at first: it holds all the time if it does at its end.
+    /// their acceleration say. This bound is convex in the time and zero at first, so that it holds all the time if it holds at the end.
     fn stays_apart(&self, gap: &Gap, free: i128, closing: i128, time: u64) -> bool {
         let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
         let farther = |side: usize, turn: i64| {
@@ -244,7 +244,7 @@ struct Depths {
 const SMALL: i64 = (5 << 32) / 1000;
 
 impl Depths {
-    /// For what is as wide as this: an eighth of it, so that most of it never crosses.
+    /// The depths for outlines of this width: an eighth of it, so that most of an outline never crosses.
     fn new(width: i64) -> Self {
         let eighth = width >> 3;
         let small = eighth.min(SMALL);
@@ -379,18 +379,18 @@ impl Sweep<'_> {
         are_alike
     }
 
-    /// The moment from `from` on at which the paths end where one of the two would else cross the other one; `None` if they need not.
+    /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.
     ///
-    /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path goes on that overlaps more, up
-    /// to that eighth, if it still does at the end of the tick: then there is a contact, which the next step solves. What overlaps deeper
-    /// at `from`, or is behind a segment of a chain, is not looked at.
+    /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path may lead to a deeper overlap, up to
+    /// that eighth, if the overlap is still there at the end of the tick: then there is a contact, which the next step solves. Outlines
+    /// that overlap deeper at `from`, or are behind a segment of a chain, are not looked at.
     pub(crate) fn impact(&self, from: u64) -> Option<u64> {
         let depths = Depths::new(self.width());
         let before = self.distance(from);
         if before < -i128::from(depths.touch) || self.is_behind(&self.at(from).0) {
             return None;
         }
-        // What overlaps already may do so as deep as a tick may end, and then hardly deeper.
+        // Outlines that overlap already may do so as deep as a tick may end, or else hardly deeper than now.
         let depth = if depths.small == 0 {
             -((before >> 1).min(i128::from(LEFT)) as i64)
         } else if before < -i128::from(depths.small >> 1) {

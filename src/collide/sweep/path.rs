@@ -19,7 +19,7 @@ pub(crate) struct Leg {
     pub(super) from: u64,
     /// The centre of the rotation at `from`, ulps.
     centre: [i64; 2],
-    /// Its displacement in a tick, ulps: below 2^64.
+    /// The displacement of the centre in a tick, ulps: below 2^64.
     pub(super) way: [i128; 2],
     angle: Turn,
     /// The rotation in a tick, 2^-64 turns: below 2^82.

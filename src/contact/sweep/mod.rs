@@ -78,7 +78,7 @@ type Ends<P> = ([OutlineId; 2], [(u32, Place<P>); 2]);
 struct Hit {
     course: u32,
     at: u64,
-    /// The course of what it meets.
+    /// The course of the body that it meets.
     by: u32,
     /// Both give way.
     is_mutual: bool,
@@ -304,7 +304,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Ends the paths that meet something, or, after the last round, does so at the start. Returns true if a path changed.
+    /// Ends the paths that meet something at their times of impact, or after the last round at the start. Returns true if a path changed.
     fn end_paths(&mut self, paths: &Paths<'_, S>, is_last: bool) -> bool {
         let mut hits = core::mem::take(&mut self.sweep.hits);
         hits.sort_unstable();

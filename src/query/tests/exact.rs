@@ -78,7 +78,7 @@ fn square_from(p: &Vector, corners: &[Vector]) -> Ratio {
     edges(corners).map(|(a, b)| square_from_segment(p, a, b)).min_by(Ratio::cmp).expect("a corner")
 }
 
-/// Where a ray from the origin enters a core without a radius, from 0 to 1, by clipping.
+/// The fraction at which a ray from the origin enters a core without a radius, from 0 to 1, by clipping.
 fn entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
     let zero = Ratio(IBig::ZERO, IBig::ONE);
     let (mut first, mut last) = (zero.clone(), Ratio(IBig::ONE, IBig::ONE));

@@ -84,7 +84,7 @@ fn a_segment_of_a_chain_is_hit_from_its_right_alone() {
     [[4, -3], [-4, -3]].into_iter().for_each(|corner| core.push(corner));
     let end = ray_hit(&core, true, [0, -6]).expect("from above");
     assert_eq!((end.fraction, normal(&core, [0, -6], end)), (1 << 61, crate::math::vec2(0, 1)));
-    // One that starts on it, onwards and away; along it.
+    // A ray that starts on the segment: through it, away from it, and along it.
     let mut core = Core::default();
     [[4, 0], [-4, 0]].into_iter().for_each(|corner| core.push(corner));
     assert_eq!(ray_hit(&core, true, [0, -1]).map(|end| end.fraction), Some(0));

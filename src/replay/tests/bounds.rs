@@ -154,7 +154,7 @@ fn at_the_last_tick_all_but_the_clock_goes_on() {
         assert_eq!((world.tick(), world.elapsed()), (limits::TICK, sixtieth));
         assert_eq!(world.body(bodies[0]).expect("it is there").position(), vec2(steps, 0));
         assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::End }));
-        // Whoever looked before the last step has to look again.
+        // A reader that looked before the last step is told of all changes.
         assert!(world.changed_since(limits::TICK).map(|body| body.id()).eq(bodies.iter().copied()));
         assert_eq!(world.step().tick, limits::TICK);
     }
@@ -330,7 +330,7 @@ fn time_goes_on_where_no_other_time_step_fits() {
 }
 
 #[test]
-fn what_a_game_keeps_may_be_as_large_as_can_be() {
+fn user_data_and_blob_may_have_their_largest_values() {
     let mut world = with(WorldDef::default(), [BodyDef::dynamic()]);
     let most = Command::<Fx>::SetBlob(vec![7; limits::BLOB]);
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 1 });

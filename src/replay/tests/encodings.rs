@@ -179,7 +179,7 @@ fn a_body_is_woken_once_in_a_tick() {
     bodies[0].write(&mut first);
     let again = replaced(&whole, "woken[1]", 0, &first);
     assert_eq!(expected(Snapshot::from_bytes(&again, &[])), "a body that is not in the list before");
-    // Nor twice where a step is undone that it fell asleep in.
+    // A body is not listed twice either, where a step is undone in which it fell asleep.
     world.step();
     world.set_sleep_after(None).expect("never is a fair answer");
     world.step_back(&[]).expect("it has an inverse");
@@ -203,7 +203,7 @@ pub(super) fn instead(error: &ReplayError) -> (u32, &'static str) {
 }
 
 #[test]
-fn what_is_over_and_what_can_be_reduced_is_not_there() {
+fn empty_targets_and_unreduced_times_are_refused() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let lift = world.add_body(BodyDef::kinematic()).expect("a body");
     world.move_to(lift, vec2(1, 0), fx!(0)).expect("it is near");

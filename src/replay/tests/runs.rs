@@ -31,7 +31,7 @@ fn ticks_are_recorded_in_chunks_of_a_size() {
 /// A generator and a blob that calls set are recorded as these calls alone; set without a command, or once more after a command,
 /// as one call more each.
 #[test]
-fn what_a_call_sets_is_recorded_once() {
+fn each_value_that_a_call_sets_is_recorded_once() {
     let calls = |execute: bool, set: bool| {
         let mut world = World::new(WorldDef::default()).expect("a fair definition");
         let mut recorder = Recorder::new(&world, RecordOptions::default());
@@ -119,7 +119,7 @@ fn seeking_goes_on_from_where_it_is_or_from_a_nearer_snapshot() {
 }
 
 #[test]
-fn what_a_game_does_to_its_world_after_the_last_step_is_of_no_tick_recorded() {
+fn changes_after_the_last_step_belong_to_no_recorded_tick() {
     for snapshot_every in [0, 3] {
         let mut world = World::new(WorldDef::default()).expect("a world");
         let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 2, snapshot_every });

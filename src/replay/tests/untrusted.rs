@@ -38,7 +38,7 @@ fn a_word_before_a_chunk_is_named_with_what_it_was_and_what_it_is() {
 }
 
 #[test]
-fn of_a_chunk_that_was_changed_twice_no_value_is_named() {
+fn a_chunk_with_two_changes_is_refused_without_naming_a_value() {
     let world = World::new(WorldDef::default()).expect("a fair definition");
     let mut bytes = Recorder::new(&world, RecordOptions::default()).finish(&world);
     let at = bytes.windows(8).position(|letters| letters == b"UMBRASNP").expect("it begins with a snapshot");
@@ -138,7 +138,7 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
 }
 
 #[test]
-fn what_is_more_than_it_may_be_is_refused_before_it_is_stepped() {
+fn replays_beyond_the_limits_are_refused_before_they_are_stepped() {
     let most = ReplayLimits { ticks: 3, bodies: 5, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
     let mut world = World::new(WorldDef::default()).expect("a world");
     (0..2).for_each(|_| _ = world.add_body(BodyDef::dynamic()).expect("a body"));
@@ -147,7 +147,7 @@ fn what_is_more_than_it_may_be_is_refused_before_it_is_stepped() {
         recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
         recorder.step(&mut world, &Inputs::new());
     }
-    // One that is gone by the end of its tick was there.
+    // A body that is added and removed in the same tick.
     recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic())).expect("there is room");
     recorder.execute(&mut world, &Command::RemoveBody(BodyId::from_parts(5, 0))).expect("it is there");
     recorder.step(&mut world, &Inputs::new());
@@ -235,7 +235,7 @@ fn a_quarantined_body_is_no_farther_off_than_a_step_can_take_one() {
 }
 
 #[test]
-fn what_sleeps_or_is_quarantined_could_have_come_to_it() {
+fn impossible_sleeping_and_quarantined_bodies_are_refused() {
     let forge = |activity: u8, def: WorldDef, body: BodyDef| {
         let mut world = World::new(def).expect("a world");
         world.add_body(body).expect("a body");

@@ -129,7 +129,7 @@ proptest! {
     }
 
     #[test]
-    fn what_is_said_to_be_within_is(values in accumulators(), log2 in 0u32..31) {
+    fn values_reported_as_within_bounds_are(values in accumulators(), log2 in 0u32..31) {
         let limit = Fx::from_bits(1 << (32 + log2));
         if Fx::are_within(&values, log2) {
             prop_assert!(values.iter().all(|v| v.is_within(limit)));

@@ -47,7 +47,7 @@ fn a_narrow_base_pushes_as_one_point_does() {
             let both = change(&scene, 1);
             scene.contacts[0].count = 1;
             let one = change(&scene, 1);
-            // What the diagonal is raised by, 2^-13, of the velocities.
+            // The diagonal is raised by 2^-13, so that velocities differ by as much.
             let within = speed * 2f64.powi(-12);
             let differs = (0..3).any(|i| (both[i] - one[i]).abs() > within);
             assert!(!differs, "{substeps} sub-steps, {speed} m/s, {half} m: {both:?} instead of {one:?}");

@@ -39,16 +39,17 @@ pub struct CastHit<S = Fx> {
     pub collider: ColliderId,
     /// The body of the collider.
     pub body: BodyId,
-    /// The fraction of the translation at which they meet, from 0 to 1, rounded down to units of 2^-32.
+    /// The fraction of the translation at which they meet, from 0 to 1, rounded down to units of 2^-32. The distance to the hit is this
+    /// fraction of the length of the translation.
     pub fraction: S,
-    /// The point where they meet, on the surface of the collider, m; in the middle of what touches where two edges do. If they overlap
-    /// at the start, it is the point where the ray or the centre of mass of the shape starts. *Error* of a ray ½ ulp and 2^-9, of a
+    /// The point where they meet, on the surface of the collider, m; where two edges touch, the middle of the part that touches. If they
+    /// overlap at the start, the point where the ray or the centre of mass of the shape starts. *Error* for a ray ½ ulp and 2^-9, for a
     /// shape 3 ulps and 2^-31 of its radius; 2^-14 ulp more with a radius.
     pub point: Vec2<S>,
     /// The outward unit normal of the collider there; zero if they overlap at the start. At a sharp corner the mean of the normals of the
     /// edges that are met from outside, also where a ray meets the seam of a chain. *Error* 1 ulp in each component.
     pub normal: Vec2<S>,
-    /// The number of the part of a compound or of the segment of a chain; 0 of all others.
+    /// The number of the part of a compound or of the segment of a chain; 0 for all other shapes.
     pub part: u32,
 }
 
@@ -208,12 +209,12 @@ impl<S: Scalar> Queries<'_, S> {
         self.world.colliders.get(id).is_ok_and(|collider| filter.accepts(id, &collider.def))
     }
 
-    /// The first collider on a ray from an origin over a translation, both in m: of several at the same fraction that with the least
-    /// key, then handle. [`cast_ray_ties`](Self::cast_ray_ties) gives all of them.
+    /// The first collider on a ray from `origin` to `origin + translation`, both in m. Where several are at the same fraction, the one with
+    /// the least key, then handle; [`cast_ray_ties`](Self::cast_ray_ties) gives all of them.
     ///
-    /// Shapes are closed sets: a graze counts. A ray that starts in a collider hits it at fraction 0 with a normal of zero. A segment
-    /// of a chain is hit from the side alone on which it [touches others](Shape::chain): one that starts on it hits it if it goes to
-    /// the other side.
+    /// Shapes are closed sets: a graze counts. A ray that starts in a collider hits it at fraction 0 with a normal of zero. A segment of a
+    /// chain is hit only from the side on which it [touches others](Shape::chain): a ray that starts on it hits it if it goes to the other
+    /// side.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for the translation, whose components are within ±2^20 m, and with
@@ -294,11 +295,11 @@ impl<S: Scalar> Queries<'_, S> {
     }
 
     /// The first collider that a shape meets on its way from a pose (the position of its centre of mass in m, and the angle in rad) over a
-    /// translation in m, without turning. Of several at the same fraction that with the least key, then handle.
+    /// translation in m, without turning. Where several are at the same fraction, the one with the least key, then handle.
     ///
-    /// One that overlaps a collider at the start, or touches it, meets it at fraction 0 with a normal of zero. A segment of a chain is met
-    /// by what moves towards its outer side and has the middle of its corners not behind the segment at the start.
-    /// *Cost* in proportion to the parts of the shape as well.
+    /// A shape that overlaps a collider at the start, or touches it, meets it at fraction 0 with a normal of zero. A segment of a chain is
+    /// met by shapes that come from its outer side: those that move towards it and do not have the middle of their corners behind it at
+    /// the start. *Cost* in proportion to the parts of the shape as well.
     ///
     /// # Errors
     /// As [`cast_ray`](Self::cast_ray); [`Error::OutOfRange`] with [`Quantity::Angle`]; [`Error::DynamicChain`] for a chain.

@@ -35,16 +35,17 @@ type Predicate<'a, S> = &'a dyn Fn(ColliderId, &ColliderDef<S>) -> bool;
 /// ```
 #[derive(Clone, Copy)]
 pub struct QueryFilter<'a, S: Scalar = Fx> {
-    /// The filter of the query: colliders are found whose own filter [agrees](Filter::agrees) with it. `None` for all.
+    /// The filter of the query: colliders are found whose own filter [agrees](Filter::agrees) with it. It counts both ways: a collider is
+    /// found only if its mask has a category of the query, which is 1 by default. `None` for all colliders.
     pub filter: Option<Filter>,
-    /// Bodies to leave out: that of the player who shoots, say. *Cost* each collider that is met is compared with all of them.
+    /// Bodies to leave out, such as the player who shoots. *Cost* each collider that is met is compared with all of them.
     pub without_bodies: &'a [BodyId],
     /// Colliders to leave out, at the same cost.
     pub without_colliders: &'a [ColliderId],
-    /// A condition: a collider for which it returns false is left out. It is called for colliders that the query meets and the rest of
-    /// the filter lets through, in the order of the results, and no further than needed: not behind the first hit where that is asked
-    /// for. [`closest_point`](super::Queries::closest_point) may ask again for the same collider. It is no part of the state or of a
-    /// recording: it has to be a function of the world.
+    /// A condition: a collider for which it returns false is left out. It is called for the colliders that the query meets and that pass
+    /// the rest of the filter, in the order of the results, and not for colliders behind the first hit if only that is asked for.
+    /// [`closest_point`](super::Queries::closest_point) may call it again for the same collider. It is not recorded, and is called again in
+    /// a rollback or a replay: it must depend on the world and its arguments only.
     pub predicate: Option<Predicate<'a, S>>,
 }
 

@@ -24,22 +24,25 @@ pub use cast::CastHit;
 pub use filter::QueryFilter;
 pub use overlap::ClosestPoint;
 
-/// The colliders of a world, ready for queries. [`World::queries`] makes it; make it once for all queries between two changes.
+/// The colliders of a world, ready for queries. [`World::queries`] makes it: call that once for all queries between two changes of the
+/// world, as it takes longer than a query.
 ///
-/// Found are the colliders of all bodies but those that are disabled or quarantined: sleeping ones too. Sensors are not found. Results
-/// depend on the poses of bodies and on the definitions of colliders alone: a world that was just restored, and one that was built in
-/// another order, give the same. They are sorted: by the fraction of a ray or by the distance, then by the [key](crate::ColliderDef::key)
-/// of the collider, then by its handle. Of a collider with several parts the part that comes first is reported, and of parts that tie the
-/// one with the least number. So with distinct keys the order does not depend on the order in which the world was built.
+/// Queries find the colliders of all bodies that take part, sleeping ones too. They do not find sensors, nor colliders of disabled or
+/// quarantined bodies.
 ///
-/// A mirror image of a world has the mirror images of all results, to the bit, but for the numbers of the segments of a chain, which run
-/// the other way there: where a ray meets a seam or a shape meets several segments at once, the one with the least number is reported.
+/// Results are sorted by the fraction of the cast or by distance, then by the [key](crate::ColliderDef::key) of the collider, then by its
+/// handle. They depend on the poses of bodies and on the definitions of colliders alone: a restored world gives the same results, and
+/// with distinct keys so does a world that was built in another order. A collider with several parts is reported once, with the part that
+/// comes first; where parts tie, the one with the least number.
+///
+/// A mirror image of a world has the mirror images of all results, to the bit. One number differs: the segments of a chain are counted the
+/// other way round there, and where several segments tie the one with the least number is reported.
 ///
 /// # Precision
-/// Queries compute in integers. Corners of colliders are turned by the angle of their body and rounded to 2^-32 m; all that follows is
+/// Queries compute in integers. Corners of colliders are turned by the angle of their body and rounded to 2^-32 m; all further steps are
 /// exact for shapes without a radius, and for others as if the radius were at most 2^-46 m smaller. Fractions are compared as multiples of
-/// 2^-62 and distances as multiples of 2^-48 m: what is closer together than that ties. A world of floats has its corners,
-/// its poses and the arguments of queries converted to fixed point first.
+/// 2^-62 and distances as multiples of 2^-48 m: results that are closer together than that tie. A world of floats has its corners, its
+/// poses and the arguments of queries converted to fixed point first.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, Queries, QueryFilter, Shape, World, WorldDef, fx, vec2};
@@ -76,12 +79,11 @@ pub struct Queries<'a, S: Scalar = Fx> {
 impl<S: Scalar> World<S> {
     /// The colliders of the world, ready for [queries](Queries).
     ///
-    /// *Cost* The static colliders stand in a tree that is made by the first call and kept, also for copies of the world, so that they cost
-    /// nothing in later calls. Changes of static bodies and colliders stand beside the tree until there are 512. If a static body or
-    /// a collider has changed since the last step, or the world was just made, cloned or restored, or without the feature `std`, their tree
-    /// is made for this call alone, which takes about 0.5 µs for each. A tree of the colliders of all other bodies is always
-    /// made, at the same price; while a body is asleep, this looks at all colliders. A query then takes time in proportion to what it meets
-    /// and to the logarithm of the number of colliders.
+    /// *Cost* The call builds a tree of the colliders of bodies that are not static, about 0.5 µs for each; while a body is asleep, it
+    /// looks at all colliders. The tree of static colliders is built by the first call and kept, also for copies of the world, so that they
+    /// cost nothing in later calls; up to 512 changes of static colliders are kept beside it. It is built for this call alone, at the same
+    /// price, if a static body or a collider has changed since the last step, if the world was just made, cloned or restored, and without
+    /// the feature `std`. A query then takes time in proportion to the colliders that it meets and to the logarithm of the number of all.
     #[must_use]
     pub fn queries(&self) -> Queries<'_, S> {
         let mut queries = Queries {

@@ -35,11 +35,11 @@ pub struct ClosestPoint<S = Fx> {
     pub collider: ColliderId,
     /// The body of the collider.
     pub body: BodyId,
-    /// The distance, m; 0 in the collider. *Error* ½ ulp and 2^-16.
+    /// The distance, m; 0 if the point is in the collider. *Error* ½ ulp and 2^-16.
     pub distance: S,
-    /// The nearest point of the collider, m: the point itself in the collider. *Error* ½ ulp and 2^-7 in each component.
+    /// The nearest point of the collider, m: the queried point itself if it is in the collider. *Error* ½ ulp and 2^-7 in each component.
     pub point: Vec2<S>,
-    /// The number of the part of a compound or of the segment of a chain; 0 of all others.
+    /// The number of the part of a compound or of the segment of a chain; 0 for all other shapes.
     pub part: u32,
 }
 
@@ -120,8 +120,8 @@ impl<S: Scalar> Queries<'_, S> {
         found.into_iter().map(|((_, _, id, _), ())| id).filter(|&id| self.accepts(id, filter)).collect()
     }
 
-    /// The collider nearest to a point, up to a distance in m: of several at the same distance that with the least key, then handle. In
-    /// a chain no point is inside.
+    /// The collider nearest to a point, up to a distance in m. Where several are at the same distance, the one with the least key, then
+    /// handle. No point is inside of a chain, closed or not: the distance to the nearest segment counts.
     ///
     /// *Cost* in proportion to the colliders whose boxes are within twice the distance of the nearest one.
     ///

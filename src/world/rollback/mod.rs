@@ -98,7 +98,7 @@ pub struct Rollback<I, S: Scalar = Fx> {
     handed_out: usize,
     /// The tick of the first row.
     first: u64,
-    /// How often the world had been set back when the last call ended; `None` before the first tick.
+    /// The count of [`World::rewinds`] when the last call ended; `None` before the first tick.
     rewinds: Option<u64>,
     events: Vec<TickEvent<S>>,
 }

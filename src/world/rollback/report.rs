@@ -13,7 +13,7 @@ use crate::world::{Command, Event, World};
 /// Says whether an event was reported before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum EventStatus {
-    /// It is reported for the first time.
+    /// The event is reported for the first time.
     New,
     /// The tick was made before, and had the event then as well; a hit perhaps at another speed.
     SeenBefore,

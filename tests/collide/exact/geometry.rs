@@ -50,7 +50,7 @@ impl Direction {
         Self { normal, square, mean_of: None }
     }
 
-    /// As a unit vector.
+    /// The normal as a unit vector.
     pub(crate) fn unit(&self) -> [f64; 2] {
         let length = float(&self.square).sqrt();
         [float(&self.normal[0]) / length, float(&self.normal[1]) / length]

@@ -29,13 +29,13 @@ struct Seen {
     tied: usize,
     /// Pairs with a choice within rounding.
     unsure: usize,
-    /// Of a component of a normal, in units of 2^-30, and in units of its bound.
+    /// The largest error of a component of a normal, in units of 2^-30, and in units of its bound.
     normal: [f64; 2],
-    /// Of a separation, in ulps of pairs below 1 m and in units of its bound.
+    /// The largest error of a separation, in ulps of pairs below 1 m and in units of its bound.
     separation: [f64; 2],
-    /// Of a point, likewise.
+    /// The largest error of a point, likewise.
     point: [f64; 2],
-    /// Of the least separation of cores that are apart, against their distance, in units of the bound.
+    /// The largest error of the least separation of cores that are apart, against their distance, in units of the bound.
     distance: f64,
 }
 

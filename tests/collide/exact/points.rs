@@ -13,7 +13,7 @@ use super::numbers::{FRACTION, Vector, across, dot, float, over_root, sub, sum, 
 pub(crate) struct Point {
     /// Relative to the centre of A.
     pub(crate) at: Vector,
-    /// Of the surfaces.
+    /// The separation of the surfaces.
     pub(crate) separation: IBig,
     /// `None` for an edge whose corners are at one place but for rounding: either one may be the first.
     pub(crate) feature: Option<u32>,
@@ -53,7 +53,7 @@ impl At {
 pub(crate) struct Height {
     num: IBig,
     den: IBig,
-    /// How much it changes with the place, and by how much in all, ulps.
+    /// The slope of the separation over the place, and its change in all, ulps.
     slope: f64,
     change: f64,
 }

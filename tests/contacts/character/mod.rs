@@ -92,7 +92,7 @@ fn stairs(height: Fx, count: i32) -> World {
 }
 
 #[test]
-fn it_stops_in_corners_without_a_jitter() {
+fn a_character_stops_in_corners_without_a_jitter() {
     for angle in [fx!(0), fx!(0.2), fx!(0.5)] {
         let mut world = world();
         add(&mut world, BodyDef { angle, ..BodyDef::fixed() }, vec2(0, -5), bar(fx!(40), fx!(10)));
@@ -133,7 +133,7 @@ fn on_floor(hero: Character, x: i32, more: impl FnOnce(&mut World)) -> (World, W
 }
 
 #[test]
-fn it_is_pushed_out_by_a_metre_at_most_and_upwards_where_all_ways_are_as_long() {
+fn a_character_is_pushed_out_by_a_metre_at_most_and_upwards_where_ways_tie() {
     let place = |size: Fx, at: Vec2| {
         let mut world = world();
         add(&mut world, BodyDef::fixed(), vec2(0, 0), bar(size, size));

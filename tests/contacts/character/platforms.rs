@@ -50,7 +50,7 @@ fn a_one_way_platform_holds_from_above_alone() {
 }
 
 #[test]
-fn it_rides_platforms_without_slipping_and_without_gaps() {
+fn a_character_rides_platforms_without_slipping_and_without_gaps() {
     for velocity in [vec2(3, 0), vec2(0, 2), vec2(0, -7), vec2(-2, fx!(1.3))] {
         let mut world = world();
         let lift = add(&mut world, BodyDef { velocity, ..BodyDef::kinematic() }, vec2(0, 0), bar(fx!(4), fx!(1)));
@@ -71,7 +71,7 @@ fn it_rides_platforms_without_slipping_and_without_gaps() {
 }
 
 #[test]
-fn it_rides_a_one_way_platform_up_and_one_that_tips_until_it_is_too_steep() {
+fn a_character_rides_a_one_way_platform_up_and_a_tipping_one_until_it_is_too_steep() {
     let (mut world, plank) = plank(BodyDef { velocity: vec2(1, 2), ..BodyDef::kinematic() });
     let mut walk = Walk::new(hero(), vec2(0, 2));
     walk.land(&world);
@@ -124,7 +124,7 @@ fn a_platform_that_rises_against_a_ceiling_crushes_it_and_a_wall_that_comes_push
 }
 
 #[test]
-fn it_rides_in_a_fast_cabin_and_not_with_one_that_is_disabled_or_teleported() {
+fn a_character_rides_in_a_fast_cabin_and_not_with_a_disabled_or_teleported_one() {
     let mut world = world();
     let wall = |x: i32| ColliderDef { position: vec2(x, 1), ..ColliderDef::new(bar(fx!(0.25), fx!(2))) };
     let cabin = BodyDef { velocity: vec2(128, 0), ..BodyDef::kinematic().with_collider(bar(fx!(4), fx!(0.5))) };

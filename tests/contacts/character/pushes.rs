@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn it_pushes_a_box_by_a_share_of_its_mass() {
+fn a_character_pushes_a_box_by_a_share_of_its_mass() {
     for (share, expected) in [(fx!(60), fx!(3)), (fx!(20), fx!(2)), (fx!(0), fx!(0))] {
         let mut world = World::new(WorldDef { time_step: TimeStep::hz(64), ..WorldDef::default() }).unwrap();
         let def = BodyDef { mass: Mass::Kilograms(fx!(20)), ..BodyDef::dynamic() };

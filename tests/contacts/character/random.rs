@@ -42,7 +42,7 @@ fn free_place(random: &mut Random, world: &World, hero: &Character) -> Option<Ve
 }
 
 #[test]
-fn it_never_ends_in_a_wall() {
+fn a_character_never_ends_in_a_wall() {
     let (mut moves, mut hits) = (0, 0);
     for seed in 0..200 {
         let random = &mut Random::seeded(seed);

@@ -15,7 +15,7 @@ fn slope(degrees: i32) -> (World, Vec2) {
 }
 
 #[test]
-fn it_stands_on_a_slope_up_to_the_limit_and_slides_on_a_steeper_one() {
+fn a_character_stands_on_slopes_up_to_the_limit_and_slides_on_steeper_ones() {
     for degrees in [0, 10, 30, 44, 45, 46, 60, 80] {
         let (world, along) = slope(degrees);
         for shape in
@@ -44,7 +44,7 @@ fn it_stands_on_a_slope_up_to_the_limit_and_slides_on_a_steeper_one() {
 }
 
 #[test]
-fn it_slides_on_a_slope_that_it_climbs_but_does_not_rest_on() {
+fn a_character_slides_on_a_slope_that_it_climbs_but_does_not_rest_on() {
     let (world, along) = slope(30);
     let mut walk = Walk::new(Character { max_rest_slope: fx!(0.35), ..hero() }, vec2(0, 2));
     walk.go(&world, vec2(0, -3));
@@ -59,7 +59,7 @@ fn it_slides_on_a_slope_that_it_climbs_but_does_not_rest_on() {
 }
 
 #[test]
-fn it_climbs_no_slope_that_is_too_steep_and_jumps_up_along_it() {
+fn a_character_climbs_no_slope_that_is_too_steep_and_jumps_up_along_it() {
     for degrees in [50, 70, 89] {
         let (world, _) = slope(degrees);
         let mut walk = Walk::new(Character { step_height: fx!(0.5), ..hero() }, vec2(-6, 0));
@@ -78,7 +78,7 @@ fn it_climbs_no_slope_that_is_too_steep_and_jumps_up_along_it() {
 }
 
 #[test]
-fn it_walks_over_a_thousand_seams_at_one_height_and_to_the_exact_distance() {
+fn a_character_walks_over_a_thousand_seams_at_one_height_and_to_the_exact_distance() {
     let mut world = world();
     for x in 0..1_000 {
         add(&mut world, BodyDef::fixed(), vec2(x, fx!(-0.5)), bar(fx!(1), fx!(1)));
@@ -119,7 +119,7 @@ fn tiles_that_are_off_by_an_ulp_are_one_floor() {
 }
 
 #[test]
-fn it_follows_a_slope_down_by_snapping_and_without_it_does_not() {
+fn a_character_follows_a_slope_down_only_if_it_snaps() {
     for (snap, follows) in [(fx!(0.25), true), (fx!(0), false)] {
         let (world, along) = slope(-30);
         let mut walk = Walk::new(Character { snap, ..hero() }, vec2(0, 2));
@@ -139,7 +139,7 @@ fn it_follows_a_slope_down_by_snapping_and_without_it_does_not() {
 }
 
 #[test]
-fn it_does_not_snap_when_it_jumps() {
+fn a_character_does_not_snap_when_it_jumps() {
     let world = stairs(fx!(0.25), 1);
     let mut walk = Walk::new(hero(), vec2(-1, 1));
     walk.land(&world);
@@ -160,7 +160,7 @@ fn a_slope_that_is_a_little_too_steep_is_no_ground() {
 }
 
 #[test]
-fn it_leaves_a_chain_to_its_outer_side_and_passes_from_behind() {
+fn a_character_leaves_a_chain_to_its_outer_side_and_passes_from_behind() {
     let chain = || {
         let mut world = world();
         let floor = Shape::chain(&[vec2(2, 0), vec2(-2, 0)], false).unwrap();
@@ -181,7 +181,7 @@ fn it_leaves_a_chain_to_its_outer_side_and_passes_from_behind() {
 }
 
 #[test]
-fn it_stands_on_what_is_the_most_level_and_then_on_the_least_key() {
+fn a_character_stands_on_the_most_level_ground_and_then_on_the_least_key() {
     for order in [[1, 2], [2, 1]] {
         let (mut world, key) = (world(), |world: &World, id| world.collider(id).unwrap().key);
         for key in order {
@@ -213,7 +213,7 @@ fn it_stands_on_what_is_the_most_level_and_then_on_the_least_key() {
 }
 
 #[test]
-fn it_walks_over_the_joints_of_a_chain_and_with_any_side_up() {
+fn a_character_walks_over_the_joints_of_a_chain_and_with_any_side_up() {
     let mut world = world();
     let points: Vec<Vec2> = (0..=60).rev().map(|i| vec2(i - 30, 0)).collect();
     world.add_body(BodyDef::fixed().with_collider(Shape::chain(&points, false).unwrap())).unwrap();

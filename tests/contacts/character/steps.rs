@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn it_climbs_steps_up_to_its_height_and_none_that_is_higher() {
+fn a_character_climbs_steps_up_to_its_step_height_and_no_higher_ones() {
     let heights = [fx!(0.01), fx!(0.02), fx!(0.1), fx!(0.24), fx!(0.25)];
     let more = Fx::from_bits(16);
     for speed in [fx!(0.003), fx!(0.02), fx!(0.1), fx!(0.4)] {
@@ -73,7 +73,7 @@ fn a_step_that_is_too_narrow_is_a_wall() {
 }
 
 #[test]
-fn it_climbs_steps_from_the_ground_alone() {
+fn a_character_climbs_steps_only_from_the_ground() {
     let step = |world: &mut World| _ = add(world, BodyDef::fixed(), vec2(2, 0), bar(fx!(2), fx!(0.4)));
     // A jump leads up the step's side, and not onto it.
     let (world, mut walk) = on_floor(hero(), 0, step);
@@ -97,7 +97,7 @@ fn it_climbs_steps_from_the_ground_alone() {
 }
 
 #[test]
-fn it_climbs_no_step_under_a_low_ceiling() {
+fn a_character_climbs_no_step_under_a_low_ceiling() {
     let (world, mut walk) = on_floor(hero(), 0, |world| {
         add(world, BodyDef::fixed(), vec2(2, 0), bar(fx!(2), fx!(0.4)));
         add(world, BodyDef::fixed(), vec2(0, fx!(1) + SKIN * 2 + fx!(0.5)), bar(fx!(2), fx!(1)));
@@ -138,7 +138,7 @@ fn dynamic_bodies_are_neither_steps_nor_on_them() {
 }
 
 #[test]
-fn it_steps_and_snaps_as_far_as_it_is_told() {
+fn a_character_steps_and_snaps_as_far_as_its_settings_say() {
     let far = Character { step_height: fx!(3), snap: fx!(3), ..hero() };
     let (world, mut walk) = on_floor(far, 0, |world| _ = add(world, BodyDef::fixed(), vec2(2, 0), bar(fx!(2), fx!(5))));
     let height = walk.position.y;

@@ -236,7 +236,7 @@ type Spare<S> = Rc<RefCell<Vec<Umbra<S>>>>;
 struct Built<S: Number> {
     world: Umbra<S>,
     ids: Vec<BodyId>,
-    /// Where the position of each body in the scene lies in its axes, from the centre of mass.
+    /// The position of each body in the scene, in the body's axes, from the centre of mass.
     origins: Vec<[f64; 2]>,
     spare: Spare<S>,
     widest: VectorSet,

@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_among_the_equations_is_refused() {
+    fn scenes_beyond_the_equations_are_refused() {
         for field in [
             r#"{"thrust": {"at": "a", "force": [1, 0]}}"#,
             r#"{"zone": {"disc": {"centre": [0, 0], "radius": 1}, "acceleration": [1, 0]}}"#,

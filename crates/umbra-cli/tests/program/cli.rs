@@ -332,7 +332,7 @@ fn inputs_are_tried_before_the_run() {
 }
 
 #[test]
-fn what_goes_wrong_on_the_way_names_the_input() {
+fn an_input_that_fails_during_the_run_is_named() {
     let scene = "{\"bodies\": [{\"name\": \"a\"}], \"ticks\": 9, \"inputs\": [\n{\"from\": 0, \"to\": 8, \"body\": \"a\", \"impulse\": [3e5, 0]}]}";
     let expected = ":2: inputs[0].impulse: at tick 3: out of range: expected a velocity within ±2^20 m/s a component";
     assert_eq!(refused("way.json", scene), expected);

@@ -64,7 +64,7 @@ fn inputs_act_alike_in_finer_steps() {
 }
 
 #[test]
-fn what_a_scene_refuses_is_said() {
+fn refusals_of_a_scene_are_reported() {
     let output = umbra(&["compare", "scenes/damping.json", "--ticks", "20"]);
     assert_eq!(output.status.code(), Some(0));
     let table = String::from_utf8(output.stdout).expect("UTF-8");

@@ -168,7 +168,7 @@ fn two_outputs_never_go_to_one_file() {
 }
 
 #[test]
-fn what_cannot_be_written_is_said_before_the_work() {
+fn unwritable_outputs_are_reported_before_the_work() {
     let folder = Folder::new("cannot");
     folder.write("s.json", SCENE);
     fs::create_dir(folder.path("below")).expect("a folder");
@@ -186,7 +186,7 @@ fn what_cannot_be_written_is_said_before_the_work() {
 
 #[cfg(unix)]
 #[test]
-fn what_is_protected_stays() {
+fn protected_files_stay() {
     use std::os::unix::fs::PermissionsExt;
     let folder = Folder::new("protected");
     folder.write("s.json", SCENE);
@@ -323,7 +323,7 @@ fn a_recording_that_is_killed_leaves_the_old_file_and_what_there_is() {
 }
 
 #[test]
-fn of_two_runs_at_once_one_is_there_whole() {
+fn two_runs_at_once_leave_one_whole_file() {
     let folder = Folder::new("at-once");
     let names = ["one", "two"];
     for (i, name) in names.into_iter().enumerate() {
@@ -392,7 +392,7 @@ fn pipes_and_devices_are_written_to_as_they_are() {
 
 #[cfg(unix)]
 #[test]
-fn what_does_not_get_its_place_is_left_beside_it() {
+fn a_file_that_cannot_be_moved_into_place_is_left_beside_it() {
     let folder = Folder::new("no-place");
     folder.write("s.json", SCENE);
     let fifo = folder.path("fifo");
@@ -459,7 +459,7 @@ fn full() -> fs::File {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn what_finds_no_room_is_an_error() {
+fn a_full_disk_is_an_error() {
     let folder = with_replays("full");
     for (arguments, _) in printing() {
         let output = folder.command(&arguments).stdout(full()).output().expect("the program starts");

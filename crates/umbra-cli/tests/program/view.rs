@@ -122,7 +122,7 @@ fn a_page_needs_nothing_else_and_is_the_same_each_time() {
 }
 
 #[test]
-fn what_cannot_be_read_or_written_is_named() {
+fn unreadable_and_unwritable_files_are_named() {
     let output = umbra(&["view", "scenes/no-such-scene.json", "--out", "x.html"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).starts_with("scenes/no-such-scene.json: cannot read: "));
@@ -133,7 +133,7 @@ fn what_cannot_be_read_or_written_is_named() {
 }
 
 #[test]
-fn it_plays_pauses_steps_and_scrubs() {
+fn the_page_plays_pauses_steps_and_scrubs() {
     let Some(mut browser) = Browser::start() else { return };
     let (page, _) = Page::of("scenes/kepler.json", Some(600));
     let (hashes, end) = (hashes("scenes/kepler.json", 600), ran("scenes/kepler.json", 600));
@@ -166,7 +166,7 @@ fn it_plays_pauses_steps_and_scrubs() {
 }
 
 #[test]
-fn it_listens_to_the_keyboard() {
+fn the_page_listens_to_the_keyboard() {
     let Some(mut browser) = Browser::start() else { return };
     let (page, _) = Page::of("scenes/kepler.json", Some(300));
     let hashes = hashes("scenes/kepler.json", 300);
@@ -555,7 +555,7 @@ fn luminance(colour: &str) -> f64 {
 }
 
 #[test]
-fn it_is_legible_wide_narrow_and_dark() {
+fn the_page_is_legible_wide_narrow_and_dark() {
     let Some(mut browser) = Browser::start() else { return };
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("view");
     fs::create_dir_all(&folder).expect("a folder for pictures");

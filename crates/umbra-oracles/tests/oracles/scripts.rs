@@ -214,7 +214,7 @@ fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
 
 /// Once the first body stands at zero, the second command is needed no more.
 #[test]
-fn what_simpler_values_make_superfluous_is_left_out_as_well() {
+fn calls_that_simpler_values_make_superfluous_are_left_out() {
     let add = |x| Command::AddBody(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() });
     let commands = vec![(0, add(fx!(3.3))), (0, Command::ClearForces)];
     let script = Script { world: WorldDef::default(), commands, ticks: 1 };

@@ -31,7 +31,7 @@ fn the_example_finds_what_was_left_in_its_game_and_nothing_in_the_mended_one() {
 }
 
 #[test]
-fn what_is_found_is_small_named_by_its_seed_and_the_same_again() {
+fn a_failure_is_shrunk_named_by_its_seed_and_repeatable() {
     let options = Fuzz::default();
     let campaign = fuzz(&Tow::new(false), &options, |random, _| bots(random));
     let (Some(seed), Some(found)) = (campaign.seed, campaign.found.clone()) else { panic!("nothing was found") };

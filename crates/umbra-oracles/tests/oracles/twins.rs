@@ -296,7 +296,7 @@ fn a_game_without_a_fault_is_found_fault_with_by_nobody() {
 }
 
 #[test]
-fn what_matches_share_is_found() {
+fn state_shared_between_matches_is_found() {
     // It shows wherever two matches are compared.
     assert_found(Fault::Shared, &[Oracle::Repeat, Oracle::Restore], &Oracle::ALL);
 }
@@ -384,7 +384,7 @@ fn a_law_that_depends_on_threads_is_found() {
 }
 
 #[test]
-fn what_is_found_says_where_and_in_what() {
+fn a_difference_is_reported_with_its_place_and_value() {
     let violations = objecting(Fault::Left);
     let found = violations.iter().find(|violation| violation.oracle == Oracle::Mirror).expect("it is found");
     let difference = found.difference.as_ref().expect("a body moves in another way");
@@ -420,7 +420,7 @@ impl Game for Hiccup {
 }
 
 #[test]
-fn what_is_wrong_once_and_never_again_is_kept_as_it_was_played() {
+fn a_failure_that_does_not_repeat_is_kept_as_played() {
     let options = Fuzz { runs: 3, ticks: 5, oracles: &[Oracle::Repeat], ..Fuzz::default() };
     let campaign = fuzz(&Hiccup::default(), &options, |_, tick| vec![(); (tick % 2) as usize]);
     let found = campaign.found.expect("the second match is pushed");
@@ -433,7 +433,7 @@ fn what_is_wrong_once_and_never_again_is_kept_as_it_was_played() {
 }
 
 #[test]
-fn what_is_found_is_made_small_whatever_it_is() {
+fn every_kind_of_failure_is_shrunk() {
     for (fault, oracle, inputs, ticks) in [
         (Fault::Beside, Oracle::Restore, 2, 2),
         (Fault::Past, Oracle::Record, 1, 1),

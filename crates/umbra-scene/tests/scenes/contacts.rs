@@ -140,7 +140,7 @@ fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
 }
 
 #[test]
-fn of_the_towers_two_stand_and_one_falls() {
+fn two_towers_stand_and_one_falls() {
     let scene = scene("tower");
     let mut run = start(&scene);
     let before = places(&run);

@@ -28,7 +28,7 @@ fn a_damping_is_what_it_says() {
 }
 
 #[test]
-fn what_is_no_damping_is_refused_with_words_that_say_what_is() {
+fn an_invalid_damping_is_refused_with_the_valid_forms() {
     for (text, says) in [
         ("0", r#"expected a damping: {"rate": 0.1}"#),
         ("0.9", r#"{"kept_per_second": 0.9} for the share of a velocity that is left after a second"#),

@@ -291,7 +291,7 @@ fn inputs_to_a_collider_that_is_gone_are_reported() {
 }
 
 #[test]
-fn what_follows_from_another_error_is_not_reported() {
+fn errors_that_follow_from_another_are_not_reported() {
     // Both bodies are refused; what refers to them is right. So are the thousand that would be refused alike.
     let text = r#"{"bodies": [{"name": "a", "mass": -1}, {"name": 7}, {"name": "{i}", "angel": 0, "repeat": {"i": 1000}}],
 "fields": [{"thrust": {"at": "a", "force": [1, 0]}}, {"thrust": {"at": "seven", "force": [1, 0]}}],

@@ -347,7 +347,7 @@ fn a_vector_of_the_greatest_length_fits_or_is_refused() {
 }
 
 #[test]
-fn what_is_added_is_added_once() {
+fn a_body_that_an_input_adds_is_added_once() {
     for what in [r#""add": {"name": "b"}"#, r#""add_field": {"drag": {}}"#] {
         let error =
             Scene::parse(&format!(r#"{{"inputs": [{{"from": 0, "to": 9, {what}}}]}}"#)).expect_err("ten of them");
@@ -357,7 +357,7 @@ fn what_is_added_is_added_once() {
 }
 
 #[test]
-fn what_belongs_to_a_force_is_refused_without_one() {
+fn options_of_a_force_are_refused_without_a_force() {
     let parse = |with: &str| {
         let text = format!(r#"{{"bodies": [{{"name": "a"}}], "inputs": [{{"at": 0, "body": "a", {with}}}]}}"#);
         Scene::parse(&text)

@@ -201,7 +201,7 @@ fn attractor(mu: &str) -> Command {
 }
 
 #[test]
-fn what_has_no_words_is_refused_by_name() {
+fn commands_that_scenes_cannot_express_are_refused_by_name() {
     let made = |commands: &[(u64, Command)]| Scene::from_commands(WorldDef::default(), commands, 9).map(drop);
     let own = |id| Command::AddField(FieldKind::Custom { id }.into());
     assert_eq!(made(&[(0, attractor("1")), (3, own(5))]), Err(ExportError::CustomForce { command: 1, id: 5 }));

@@ -250,7 +250,7 @@ fn boxes_of_the_whole_range_meet_all() {
     let mut broad = BroadPhase::default();
     let expected = [[0, 1], [0, 10], [0, 11], [0, 12], [0, 13], [1, 10], [1, 11], [1, 12], [1, 13]];
     assert_eq!(found(&mut broad, &statics, &movers), expected);
-    // One that is gone has no box, not even for those that meet all.
+    // A collider that is gone has no box, not even for colliders that meet all others.
     movers.remove(2);
     assert_eq!(found(&mut broad, &statics, &movers), [[0, 1], [0, 10], [0, 11], [0, 13], [1, 10], [1, 11], [1, 13]]);
 }

@@ -56,7 +56,7 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
                 fresh.update(&Standing::of(&statics), &movers, &limits);
                 assert_eq!((fresh.above_cap(), fresh.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
             }
-            // What the limits left out is found again without them.
+            // Pairs that the limits left out are found again without limits.
             assert_eq!(found(&mut broad, &statics, &movers), all_pairs(&fixed, &movers));
         }
     }

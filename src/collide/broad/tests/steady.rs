@@ -27,7 +27,7 @@ fn within_its_fat_box_a_collider_is_not_searched() {
         assert_eq!(found(&mut broad, &floor, &rest), pairs);
         assert_eq!(broad.stale.len(), 0);
     }
-    // One that leaves is searched alone, and then no more.
+    // A collider that leaves its fat box is searched for alone, and once.
     let mut one = rest.clone();
     one[77] = proxy(77, [200 * METRE, 0], [201 * METRE, METRE]);
     assert_eq!(found(&mut broad, &floor, &one).len(), pairs.len() - 8);

@@ -187,7 +187,7 @@ fn any_order_of_bodies_and_joints_gives_the_same_bits() {
 
 /// Only impulses that are cut off at the ends of ranges are counted; here the bodies are 10 km away from their anchors.
 #[test]
-fn what_is_cut_off_is_counted_and_odd() {
+fn values_that_are_cut_off_are_counted_and_cut_oddly() {
     let mut random = Random::seeded(5);
     for _ in 0..20 {
         let mut scene = Scene::random(&mut random, [4, 1], 4, 0);
