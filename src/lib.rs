@@ -167,9 +167,10 @@ pub use world::{
 /// ```
 pub mod prelude {
     pub use crate::{
-        Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping, End, Error,
-        Event, FieldId, FieldKind, Filter, ForceField, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material,
-        Rollback, Rot, Shape, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+        Attachment, BodyDef, BodyId, BodyKind, Character, ColliderDef, ColliderId, Command, ContactSettings, Damping,
+        End, Error, Event, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, Fx, FxFactor, Input, Inputs,
+        Integrator, Locks, Mass, Material, OneWay, QueryFilter, Rollback, Rot, Shape, SpringConstants, TimeStep, Turn,
+        Vec2, World, WorldDef, fx, vec2,
     };
 }
 
