@@ -43,6 +43,11 @@ pub struct ContactSettings<S = Fx> {
     /// The number of pairs of outlines that may be close to each other in a step, 1 to 2^28: a collider has one outline, that of a compound
     /// one for each part, and those of one body are no pair. With more, the bodies of the outlines with the most pairs are quarantined.
     ///
+    /// A step also looks at overlapping boxes that make no pair: those of one body, of one negative group, and those of which only one
+    /// collider has a category in the mask of the other. With these there may be 16 times as many as pairs, and 64 more for each outline of
+    /// the world. With more, they count as pairs do. It does not look at colliders of which neither has a category in the mask of the
+    /// other: any number of them may be in one place.
+    ///
     /// As many pairs again of an outline of a sensor with one of another body, where their boxes overlap at the end of the step. With more,
     /// the sensors with the most pairs find nothing in that step: nobody is quarantined, and what was in them leaves.
     pub max_pairs: u32,
