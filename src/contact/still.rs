@@ -269,8 +269,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Finds the pairs of the step: those of moving colliders. With too many pairs or overlaps, those of sleeping ones counted, it takes these
-    /// for moving ones: whether a body sleeps makes no difference to who has too many.
+    /// Finds the pairs of the step: those of moving colliders. With too many pairs or overlaps, those of sleeping ones counted, it takes
+    /// these for moving ones: whether a body sleeps makes no difference to who has too many.
     pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
         let Some(still) = &self.still else { return };
         let overlaps = limits.overlaps.saturating_sub(still.counts.overlaps);

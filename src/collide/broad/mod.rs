@@ -133,8 +133,8 @@ impl BroadPhase {
     /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand
     /// still.
     ///
-    /// With more than `limits.pairs` pairs, or more than `limits.overlaps` overlaps, [`above_cap`](Self::above_cap) names the colliders that
-    /// have too many.
+    /// With more than `limits.pairs` pairs, or more than `limits.overlaps` overlaps, [`above_cap`](Self::above_cap) names the colliders
+    /// that have too many.
     ///
     /// Time and memory are bounded by the numbers of colliders and of pairs and overlaps, or by the limits if they are lower.
     pub fn update(&mut self, still: &Standing<'_>, movers: &[Proxy], limits: &PairLimits) {
