@@ -1,6 +1,6 @@
 //! The accuracy contract, as code: a table of functions, the error each may have, the worst seen, and where.
 //!
-//! Truth is the arbitrary-precision reference. In debug builds the random inputs are fewer, the others the same.
+//! Truth is the arbitrary-precision reference. In debug builds there are fewer inputs.
 
 #[path = "support/mod.rs"]
 mod support;
@@ -17,7 +17,7 @@ use umbra_physics::{Damping, Fx, MathError, WorldDef};
 /// Random inputs of each distribution, a function: as many as `UMBRA_INPUTS` says, a million at leisure.
 static RANDOM: LazyLock<usize> = LazyLock::new(|| {
     let asked = std::env::var("UMBRA_INPUTS").ok().map(|count| count.parse().expect("a number"));
-    asked.unwrap_or(if cfg!(debug_assertions) { 20_000 } else { 100_000 })
+    asked.unwrap_or(20_000)
 });
 /// Neighbours in the dense intervals.
 const DENSE: i64 = if cfg!(debug_assertions) { 1_000 } else { 20_000 };

@@ -156,18 +156,19 @@ fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
     input
 }
 
-/// Runs each target for five seconds, two at once, from `UMBRA_SEED` (1) on the same inputs each time. Coverage does not guide the changes:
-/// `.ci/fuzz` does that.
+/// Runs each target for `UMBRA_SECONDS` (5), two at once, from `UMBRA_SEED` (1) on the same inputs each time. Coverage does not guide the
+/// changes: `.ci/fuzz` does that.
 #[test]
 #[ignore = "takes half a minute: `cargo test --release --all-features --test corpus -- --ignored seconds`"]
 fn seconds_of_mutated_inputs() {
-    let seed = std::env::var("UMBRA_SEED").map_or(1, |seed| seed.parse().expect("a number"));
+    let number = |name, or| std::env::var(name).map_or(or, |text| text.parse().expect("a number"));
+    let (seed, seconds) = (number("UMBRA_SEED", 1), number("UMBRA_SECONDS", 5));
     let next = AtomicUsize::new(0);
     let work = || {
         while let Some((target, run)) = fuzz::TARGETS.get(next.fetch_add(1, Ordering::Relaxed)) {
             let (inputs, mut random, start) = (inputs(target), Random::seeded(seed), Instant::now());
             let mut count = 0;
-            while start.elapsed().as_secs() < 5 {
+            while start.elapsed().as_secs() < seconds {
                 let input = mutated(&mut random, &inputs);
                 if let Err(panic) = catch_unwind(|| run(&input)) {
                     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target}-{count}"));

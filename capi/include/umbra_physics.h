@@ -403,7 +403,8 @@ typedef struct UmbraContactSettings {
     UmbraFx sleep_speed;
     // The approach speed from which on a contact is a hit, m/s, 0 to 2^10; default 1.
     UmbraFx hit_speed;
-    // The number of sub-steps in which contacts are solved, 1 to 16; default 5.
+    // The number of sub-steps in which contacts are solved, 1 to 16; default 5. Bodies that touch where one bears another of more than 64
+    // times its mass take 16.
     uint32_t substeps;
     // The number of pairs of outlines that may be close to each other in a step (a compound has one for each part), 1 to 2^28; default
     // 2^20.

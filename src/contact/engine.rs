@@ -272,6 +272,18 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 }
 
+/// The limits on pairs. Parts of one body overlap each other, and there may be many of them: 64 overlaps for each outline of the world
+/// come on top of those that go with the number of pairs.
+pub(super) fn limits<S: Scalar>(scene: &Scene<'_, S>) -> PairLimits {
+    let pairs = scene.settings.max_pairs as usize;
+    let outlines = scene.colliders.len().saturating_add(scene.colliders.more_outlines());
+    PairLimits {
+        pairs,
+        per_collider: scene.settings.max_pairs_per_collider as usize,
+        overlaps: pairs.saturating_mul(16).saturating_add(outlines.saturating_mul(64)),
+    }
+}
+
 impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
         self.numerics.clear();
@@ -284,10 +296,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.flights.begin::<S, N>(scene);
         self.update_still(scene, are_renumbered);
         self.place_movers(scene);
-        let limits = PairLimits {
-            pairs: scene.settings.max_pairs as usize,
-            per_collider: scene.settings.max_pairs_per_collider as usize,
-        };
+        let limits = limits(scene);
         self.pair_moving(&limits);
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));

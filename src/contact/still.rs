@@ -4,7 +4,7 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::engine::Engine;
+use super::engine::{Engine, limits};
 use super::numerics::Numerics;
 use super::{Changed, Scene};
 use crate::body::{Activity, BodyKind};
@@ -20,8 +20,33 @@ pub(super) struct Still {
     pub(super) sleepers: Statics,
     /// The number of changes of `sleepers`, by this world or by the one that it was copied from.
     version: u64,
-    /// The number of pairs of a sleeping collider and one that stands still; `usize::MAX` if there are more than a world may have.
+    /// The pairs and overlaps of a sleeping collider and one that stands still.
+    counts: Counts,
+}
+
+/// Numbers of pairs and of [overlaps](PairLimits::overlaps); `usize::MAX` if there were more of one than a world may have.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
     pairs: usize,
+    overlaps: usize,
+}
+
+impl Counts {
+    const UNKNOWN: Self = Self { pairs: usize::MAX, overlaps: usize::MAX };
+
+    fn add(&mut self, is_pair: bool) {
+        self.pairs += usize::from(is_pair);
+        self.overlaps += 1;
+    }
+
+    fn are_within(&self, most: &PairLimits) -> bool {
+        self.pairs <= most.pairs && self.overlaps <= most.overlaps
+    }
+
+    /// These, or none known if one of them is above the most that there may be.
+    fn known(self, most: &PairLimits) -> Self {
+        if self.are_within(most) { self } else { Self::UNKNOWN }
+    }
 }
 
 /// Reused memory for following changes.
@@ -43,57 +68,61 @@ impl Still {
             self.sleepers.clone_from(&source.sleepers);
             self.version += 1;
         }
-        self.pairs = source.pairs;
+        self.counts = source.counts;
     }
 
     fn standing(&self) -> Standing<'_> {
         Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
     }
 
-    /// Calls `found` with each collider that makes a pair with `own`, and true if that one sleeps, until `found` returns false.
-    fn partners(&self, own: &Proxy, sleeps: bool, mut found: impl FnMut(&Proxy, bool) -> bool) {
+    /// Calls `found` with each collider that overlaps `own`, true if that one sleeps, and true if they make a pair, until `found` returns
+    /// false.
+    fn partners(&self, own: &Proxy, sleeps: bool, mut found: impl FnMut(&Proxy, bool, bool) -> bool) {
         let mut goes_on = true;
-        self.sleepers.meeting(own, |other| {
-            goes_on = found(other, true);
+        self.sleepers.touching(own, |other, is_pair| {
+            goes_on = found(other, true, is_pair);
             goes_on
         });
         if goes_on && sleeps {
-            self.statics.meeting(own, |other| found(other, false));
+            self.statics.touching(own, |other, is_pair| found(other, false, is_pair));
         }
     }
 
-    /// Counts all pairs, up to one more than `most`.
-    fn count_all(&self, most: usize) -> usize {
-        let mut count = 0;
+    /// Counts all, up to one more than the most.
+    fn count_all(&self, most: &PairLimits) -> Counts {
+        let mut counts = Counts::default();
         for own in self.sleepers.iter() {
-            self.partners(own, true, |other, sleeps| {
+            self.partners(own, true, |other, sleeps, is_pair| {
                 // Two sleeping colliders find each other: count the pair once.
-                count += usize::from(!sleeps || own.collider < other.collider);
-                count <= most
+                if !sleeps || own.collider < other.collider {
+                    counts.add(is_pair);
+                }
+                counts.are_within(most)
             });
-            if count > most {
+            if !counts.are_within(most) {
                 break;
             }
         }
-        count
+        counts
     }
 
-    /// Counts the pairs with a collider of these numbers, which are sorted, up to one more than `most`.
-    fn count_of(&self, numbers: &[u32], most: usize) -> usize {
-        let mut count = 0;
+    /// Counts those with a collider of these numbers, which are sorted, up to one more than the most.
+    fn count_of(&self, numbers: &[u32], most: &PairLimits) -> Counts {
+        let mut counts = Counts::default();
         for &number in numbers {
             let sleeper = self.sleepers.find(number);
             let Some(own) = sleeper.or_else(|| self.statics.find(number)) else { continue };
-            self.partners(own, sleeper.is_some(), |other, _| {
-                let is_found = other.collider < number && numbers.binary_search(&other.collider).is_ok();
-                count += usize::from(!is_found);
-                count <= most
+            self.partners(own, sleeper.is_some(), |other, _, is_pair| {
+                if other.collider >= number || numbers.binary_search(&other.collider).is_err() {
+                    counts.add(is_pair);
+                }
+                counts.are_within(most)
             });
-            if count > most {
+            if !counts.are_within(most) {
                 break;
             }
         }
-        count
+        counts
     }
 }
 
@@ -102,11 +131,6 @@ impl Still {
 enum State {
     Static,
     Asleep,
-}
-
-/// A number of pairs, or `usize::MAX` above the most that there may be.
-fn within(pairs: usize, most: usize) -> usize {
-    if pairs > most { usize::MAX } else { pairs }
 }
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
@@ -120,12 +144,12 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             return;
         }
         self.statics_revision = scene.colliders.revision();
-        let most = scene.settings.max_pairs as usize;
+        let most = limits(scene);
         let mut own = core::mem::take(&mut self.following);
         let before = self.still.take();
         let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
         match scene.changed {
-            Some(changed) if is_known && !are_renumbered => self.follow(scene, changed, (&mut still, &mut own), most),
+            Some(changed) if is_known && !are_renumbered => self.follow(scene, changed, (&mut still, &mut own), &most),
             _ => {
                 self.tiles.clear();
                 self.list(scene, State::Static, &mut own.proxies);
@@ -137,7 +161,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                     still.sleepers.refill(&own.proxies);
                     still.version += 1;
                 }
-                still.pairs = within(still.count_all(most), most);
+                still.counts = still.count_all(&most).known(&most);
             }
         }
         self.following = own;
@@ -158,7 +182,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         scene: &Scene<'_, S>,
         changed: &Changed,
         (still, own): (&mut Still, &mut Workspace),
-        most: usize,
+        most: &PairLimits,
     ) {
         let Workspace { changes: [statics, sleepers], numbers, .. } = own;
         for (state, tree, changes) in
@@ -174,7 +198,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
         numbers.dedup();
-        let left = still.count_of(numbers, still.pairs);
+        let left = still.count_of(numbers, most);
         let next = still.statics.changed(statics);
         if still.sleepers.change(sleepers) {
             still.version += 1;
@@ -182,11 +206,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if let Some(next) = next {
             still.statics = Arc::new(next);
         }
-        let count = match still.pairs {
-            usize::MAX => still.count_all(most),
-            pairs => pairs.saturating_sub(left).saturating_add(still.count_of(numbers, most)),
+        let counts = if still.counts.are_within(most) {
+            let (before, new) = (still.counts, still.count_of(numbers, most));
+            let count = |before: usize, left: usize, new: usize| before.saturating_sub(left).saturating_add(new);
+            Counts {
+                pairs: count(before.pairs, left.pairs, new.pairs),
+                overlaps: count(before.overlaps, left.overlaps, new.overlaps),
+            }
+        } else {
+            still.count_all(most)
         };
-        still.pairs = within(count, most);
+        still.counts = counts.known(most);
     }
 
     /// The boxes of a collider, if its body stands still in this way.
@@ -240,12 +270,13 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Finds the pairs of the step, which are those of moving colliders. If there are too many pairs, sleeping ones included, sleeping
-    /// colliders are treated as moving ones: sleep must not decide which bodies have too many.
+    /// Finds the pairs of the step, which are those of moving colliders. If there are too many pairs or overlaps, sleeping ones included,
+    /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
     pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
         let Some(still) = &self.still else { return };
-        self.broad.update(&still.standing(), &self.movers, limits);
-        let are_above = self.broad.pairs().len().saturating_add(still.pairs) > limits.pairs;
+        let overlaps = limits.overlaps.saturating_sub(still.counts.overlaps);
+        self.broad.update(&still.standing(), &self.movers, &PairLimits { overlaps, ..*limits });
+        let are_above = self.broad.pairs().len().saturating_add(still.counts.pairs) > limits.pairs;
         if !still.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
             self.movers.extend(still.sleepers.iter());
             // No real version has this number, so that the broad phase drops what it knows of sleepers.

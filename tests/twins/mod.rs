@@ -1,5 +1,6 @@
 //! Scalars that are `Fx` but for the rounding of what positions and velocities show, to see tests of symmetry fail.
 
+use core::cell::Cell;
 use core::cmp::Ordering;
 use core::fmt;
 use core::ops::{Add, Neg, Sub};
@@ -13,68 +14,80 @@ use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn, 
 
 type Offset = Vec2<FxWide>;
 
-/// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
-pub(crate) const EVEN: u8 = 0;
-/// Down.
-pub(crate) const FLOOR: u8 = 1;
-/// To nearest, ties up.
-pub(crate) const HALF_UP: u8 = 2;
-/// To nearest, ties away from zero.
-pub(crate) const HALF_AWAY: u8 = 3;
+/// How twins round.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Rounding {
+    /// To nearest, ties to even: what `Fx` does, as a control of the twin itself.
+    Even,
+    Down,
+    /// To nearest, ties up.
+    HalfUp,
+    /// To nearest, ties away from zero.
+    HalfAway,
+}
 
-/// An `Fx` whose accumulators round as `MODE` says.
+thread_local! {
+    /// The rounding of all twins of the thread. A type for each rounding would compile the engine as many times.
+    static ROUNDING: Cell<Rounding> = const { Cell::new(Rounding::Even) };
+}
+
+impl Rounding {
+    /// Makes this the rounding of all twins of the thread.
+    pub(crate) fn set(self) {
+        ROUNDING.set(self);
+    }
+}
+
+/// An `Fx` whose accumulators round as [`Rounding::set`] says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub(crate) struct Twin<const MODE: u8>(pub(crate) Fx);
+pub(crate) struct Twin(pub(crate) Fx);
 
 /// The accumulator: a multiple of 2^-96, as the one of `Fx`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct TwinAccumulator<const MODE: u8>(i128);
+pub(crate) struct TwinAccumulator(i128);
 
 /// value / 2^shift, shift from 1 to 126.
-fn shifted<const MODE: u8>(value: i128, shift: u32) -> i128 {
+fn shifted(value: i128, shift: u32) -> i128 {
     let (floor, half) = (value >> shift, 1i128 << (shift - 1));
     let rest = value - (floor << shift);
-    let up = match rest.cmp(&half) {
-        Ordering::Less => false,
-        Ordering::Greater => MODE != FLOOR,
-        Ordering::Equal => match MODE {
-            EVEN => floor & 1 == 1,
-            HALF_UP => true,
-            HALF_AWAY => value >= 0,
-            _ => false,
-        },
+    let up = match (rest.cmp(&half), ROUNDING.get()) {
+        (Ordering::Less, _) | (_, Rounding::Down) => false,
+        (Ordering::Greater, _) => true,
+        (Ordering::Equal, Rounding::Even) => floor & 1 == 1,
+        (Ordering::Equal, Rounding::HalfUp) => true,
+        (Ordering::Equal, Rounding::HalfAway) => value >= 0,
     };
     floor + i128::from(up)
 }
 
-impl<const MODE: u8> fmt::Display for Twin<MODE> {
+impl fmt::Display for Twin {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
     }
 }
 
-impl<const MODE: u8> Add for Twin<MODE> {
+impl Add for Twin {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self(self.0 + other.0)
     }
 }
 
-impl<const MODE: u8> Sub for Twin<MODE> {
+impl Sub for Twin {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
         Self(self.0 - other.0)
     }
 }
 
-impl<const MODE: u8> Neg for Twin<MODE> {
+impl Neg for Twin {
     type Output = Self;
     fn neg(self) -> Self {
         Self(-self.0)
     }
 }
 
-impl<const MODE: u8> Number for Twin<MODE> {
+impl Number for Twin {
     const WORDS: usize = 1;
 
     fn to_words(self) -> [u64; 3] {
@@ -82,7 +95,7 @@ impl<const MODE: u8> Number for Twin<MODE> {
     }
 }
 
-impl<const MODE: u8> Number for TwinAccumulator<MODE> {
+impl Number for TwinAccumulator {
     const WORDS: usize = 2;
 
     fn to_words(self) -> [u64; 3] {
@@ -90,18 +103,18 @@ impl<const MODE: u8> Number for TwinAccumulator<MODE> {
     }
 }
 
-impl<const MODE: u8> fmt::Display for TwinAccumulator<MODE> {
+impl fmt::Display for TwinAccumulator {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         FxAccumulator::from_bits(self.0).fmt(f)
     }
 }
 
-impl<const MODE: u8> Accumulator<Twin<MODE>> for TwinAccumulator<MODE> {
-    fn from_scalar(value: Twin<MODE>) -> Self {
+impl Accumulator<Twin> for TwinAccumulator {
+    fn from_scalar(value: Twin) -> Self {
         Self(i128::from(value.0.to_bits()) << 64)
     }
-    fn value(self) -> Twin<MODE> {
-        Twin(Fx::from_bits(shifted::<MODE>(self.0, 64) as i64))
+    fn value(self) -> Twin {
+        Twin(Fx::from_bits(shifted(self.0, 64) as i64))
     }
     fn plus(self, other: Self) -> Self {
         Self(self.0 + other.0)
@@ -112,7 +125,7 @@ impl<const MODE: u8> Accumulator<Twin<MODE>> for TwinAccumulator<MODE> {
     fn scaled(self, factor: FxFactor) -> Option<Self> {
         Accumulator::<Fx>::scaled(FxAccumulator::from_bits(self.0), factor).map(|a| Self(Accumulator::<Fx>::to_bits(a)))
     }
-    fn is_within(self, limit: Twin<MODE>) -> bool {
+    fn is_within(self, limit: Twin) -> bool {
         FxAccumulator::from_bits(self.0).is_within(limit.0)
     }
     fn to_bits(self) -> i128 {
@@ -120,11 +133,11 @@ impl<const MODE: u8> Accumulator<Twin<MODE>> for TwinAccumulator<MODE> {
     }
 }
 
-impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
+impl Factor<Twin> for FxFactor {
     const ZERO: Self = <Self as Factor<Fx>>::ZERO;
     const ONE: Self = <Self as Factor<Fx>>::ONE;
     const PI: Self = <Self as Factor<Fx>>::PI;
-    fn from_scalar(value: Twin<MODE>) -> Self {
+    fn from_scalar(value: Twin) -> Self {
         Factor::<Fx>::from_scalar(value.0)
     }
     fn from_wide(value: FxWide) -> Self {
@@ -133,7 +146,7 @@ impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
     fn from_ratio(num: u64, den: u64) -> Self {
         Factor::<Fx>::from_ratio(num, den)
     }
-    fn to_scalar(self) -> Option<Twin<MODE>> {
+    fn to_scalar(self) -> Option<Twin> {
         Factor::<Fx>::to_scalar(self).map(Twin)
     }
     fn times(self, other: Self) -> Self {
@@ -150,14 +163,14 @@ impl<const MODE: u8> Factor<Twin<MODE>> for FxFactor {
     }
 }
 
-impl<const MODE: u8> Wide<Twin<MODE>> for FxWide {
-    fn from_scalar(value: Twin<MODE>) -> Self {
+impl Wide<Twin> for FxWide {
+    fn from_scalar(value: Twin) -> Self {
         Wide::<Fx>::from_scalar(value.0)
     }
     fn from_factor(magnitude: FxFactor, negative: bool) -> Option<Self> {
         Wide::<Fx>::from_factor(magnitude, negative)
     }
-    fn to_scalar(self) -> Option<Twin<MODE>> {
+    fn to_scalar(self) -> Option<Twin> {
         Wide::<Fx>::to_scalar(self).map(Twin)
     }
     fn plus(self, other: Self) -> Option<Self> {
@@ -174,7 +187,7 @@ impl<const MODE: u8> Wide<Twin<MODE>> for FxWide {
     }
 }
 
-impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
+impl Sum<Twin> for FxSum {
     fn add(&mut self, term: FxWide) {
         Sum::<Fx>::add(self, term);
     }
@@ -183,24 +196,24 @@ impl<const MODE: u8> Sum<Twin<MODE>> for FxSum {
     }
 }
 
-impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
-    fn from_radians(radians: Twin<MODE>) -> Self {
+impl Angle<Twin> for Turn {
+    fn from_radians(radians: Twin) -> Self {
         Angle::<Fx>::from_radians(radians.0)
     }
-    fn radians(self) -> Twin<MODE> {
+    fn radians(self) -> Twin {
         Twin(Angle::<Fx>::radians(self))
     }
-    fn sin_cos(self) -> (Twin<MODE>, Twin<MODE>) {
+    fn sin_cos(self) -> (Twin, Twin) {
         let (sin, cos) = Angle::<Fx>::sin_cos(self);
         (Twin(sin), Twin(cos))
     }
     fn drift_factor(span: Span) -> FxFactor {
         <Self as Angle<Fx>>::drift_factor(span)
     }
-    fn drifted(self, velocity: Twin<MODE>, drift_factor: FxFactor, negative: bool) -> Self {
+    fn drifted(self, velocity: Twin, drift_factor: FxFactor, negative: bool) -> Self {
         Angle::<Fx>::drifted(self, velocity.0, drift_factor, negative)
     }
-    fn turned(self, radians: TwinAccumulator<MODE>) -> Self {
+    fn turned(self, radians: TwinAccumulator) -> Self {
         Angle::<Fx>::turned(self, FxAccumulator::from_bits(radians.0))
     }
     fn way_to(self, goal: Self) -> FxWide {
@@ -211,7 +224,7 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     fn direction(self) -> Self::Direction {
         Angle::<Fx>::direction(self)
     }
-    fn turn(direction: Self::Direction, v: Vec2<Twin<MODE>>) -> Option<Offset> {
+    fn turn(direction: Self::Direction, v: Vec2<Twin>) -> Option<Offset> {
         <Self as Angle<Fx>>::turn(direction, v.map(|c| c.0))
     }
     fn to_bits(self) -> u64 {
@@ -219,12 +232,12 @@ impl<const MODE: u8> Angle<Twin<MODE>> for Turn {
     }
 }
 
-fn corners<const MODE: u8>(corners: &[Vec2<Twin<MODE>>]) -> Vec<Vec2> {
+fn corners(corners: &[Vec2<Twin>]) -> Vec<Vec2> {
     corners.iter().map(|corner| corner.map(|c| c.0)).collect()
 }
 
-impl<const MODE: u8> Scalar for Twin<MODE> {
-    type Accumulator = TwinAccumulator<MODE>;
+impl Scalar for Twin {
+    type Accumulator = TwinAccumulator;
     type Factor = FxFactor;
     type Angle = Turn;
     type Wide = FxWide;
@@ -248,7 +261,7 @@ impl<const MODE: u8> Scalar for Twin<MODE> {
     }
 }
 
-impl<const MODE: u8> Arithmetic<Twin<MODE>> for Twin<MODE> {
+impl Arithmetic<Twin> for Twin {
     fn sin_cos(self) -> (Self, Self) {
         let (sin, cos) = self.0.sin_cos();
         (Self(sin), Self(cos))
@@ -267,7 +280,7 @@ impl<const MODE: u8> Arithmetic<Twin<MODE>> for Twin<MODE> {
     }
 }
 
-impl<const MODE: u8> Motion<Twin<MODE>> for Twin<MODE> {
+impl Motion<Twin> for Twin {
     type DecayRate = <Fx as Motion<Fx>>::DecayRate;
 
     fn seconds(span: Span) -> FxFactor {
@@ -282,24 +295,24 @@ impl<const MODE: u8> Motion<Twin<MODE>> for Twin<MODE> {
     fn decay_over(rate: Self::DecayRate, span: Span) -> FxFactor {
         Fx::decay_over(rate, span)
     }
-    fn drift(self, seconds: FxFactor) -> TwinAccumulator<MODE> {
+    fn drift(self, seconds: FxFactor) -> TwinAccumulator {
         let (mantissa, shift) = seconds.parts();
         let way = i128::from(self.0.to_bits()) * i128::from(mantissa);
         // Steps of a second or more have a shift below 64; the scenes here have shorter ones.
-        TwinAccumulator(if shift > 64 { shifted::<MODE>(way, (shift - 64) as u32) } else { way << (64 - shift) })
+        TwinAccumulator(if shift > 64 { shifted(way, (shift - 64) as u32) } else { way << (64 - shift) })
     }
-    fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<TwinAccumulator<MODE>> {
+    fn kick(acceleration: FxWide, seconds: FxFactor) -> Option<TwinAccumulator> {
         Fx::kick(acceleration, seconds).map(|a| TwinAccumulator(Accumulator::<Fx>::to_bits(a)))
     }
 }
 
-impl<const MODE: u8> Bulk<Twin<MODE>> for Twin<MODE> {}
+impl Bulk<Twin> for Twin {}
 
-impl<const MODE: u8> Compiled<Twin<MODE>> for Twin<MODE> {
+impl Compiled<Twin> for Twin {
     type Contacts = NoContacts;
 }
 
-impl<const MODE: u8> Forces<Twin<MODE>> for Twin<MODE> {
+impl Forces<Twin> for Twin {
     fn attraction(mu: FxFactor, to_centre: Offset, softening: Self) -> Option<Offset> {
         Fx::attraction(mu, to_centre, softening.0)
     }
@@ -318,7 +331,7 @@ impl<const MODE: u8> Forces<Twin<MODE>> for Twin<MODE> {
     }
 }
 
-impl<const MODE: u8> Polygons<Twin<MODE>> for Twin<MODE> {
+impl Polygons<Twin> for Twin {
     fn polygon_moments(given: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
         let AreaMoments { area, centroid, second } = Fx::polygon_moments(&corners(given))?;
         Some(AreaMoments { area, centroid: centroid.map(Self), second })

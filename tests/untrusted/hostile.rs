@@ -45,10 +45,11 @@ fn few(max_pairs: u32, max_pairs_per_collider: u32) -> ContactSettings {
     ContactSettings { max_pairs, max_pairs_per_collider, ..ContactSettings::default() }
 }
 
-fn one_point(contacts: ContactSettings) -> World {
+fn one_point(contacts: ContactSettings, filter: impl Fn(u32) -> Filter) -> World {
     let mut world = world(contacts);
-    for key in 0..MANY as u64 {
-        world.add_body(BodyDef { key, ..BodyDef::dynamic().with_collider(disc()) }).expect("a fair body");
+    for key in 0..MANY as u32 {
+        let disc = ColliderDef { filter: filter(key), ..disc() };
+        world.add_body(BodyDef { key: key.into(), ..BodyDef::dynamic().with_collider(disc) }).expect("a fair body");
     }
     world
 }
@@ -79,7 +80,7 @@ fn use_up(what: &str, world: &mut World, count: usize) {
 #[test]
 fn bodies_in_one_point() {
     for contacts in [ContactSettings::default(), few(1_000, 4)] {
-        let mut world = one_point(contacts);
+        let mut world = one_point(contacts, |_| Filter::default());
         use_up("bodies in one point", &mut world, MANY);
         let faults = within("bodies in one point", 60, bound(MANY, contacts.max_pairs.min(1 << 18)), || {
             world.step().faults.len()
@@ -87,6 +88,41 @@ fn bodies_in_one_point() {
         // Each has as many pairs as all others.
         assert_eq!(faults, MANY);
         assert!(world.last_report().faults.iter().all(|fault| fault.cause == Cause::Pairs));
+    }
+}
+
+#[test]
+fn bodies_in_one_point_that_filters_keep_apart() {
+    let one_way = |i: u32| Filter { category: 1 << (i % 3), mask: 2 << (i % 3), group: 0 };
+    // Of any two, about an eighth agree one way alone, and few agree.
+    let mixed = |i: u32| {
+        let (category, mask) = (1 << (i % 31), (1 << (i / 31 % 31)) | (1 << (i / 961 % 31)));
+        Filter { category, mask, group: -(i as i32 % 5) }
+    };
+    let kinds: [(&str, &dyn Fn(u32) -> Filter); 4] = [
+        ("a group", &|_| Filter { group: -1, ..Filter::default() }),
+        ("groups of two bodies, and one of all others", &|i| Filter {
+            category: 1,
+            mask: if i < 1_000 { 1 } else { 2 },
+            group: -1 - i.min(1_000) as i32 / 2,
+        }),
+        ("one way", &one_way),
+        ("mixed", &mixed),
+    ];
+    for (what, filter) in kinds {
+        for contacts in [ContactSettings::default(), few(1_000, 4)] {
+            let mut world = one_point(contacts, filter);
+            let faults = within(what, 60, bound(MANY, contacts.max_pairs.min(1 << 18)), || world.step().faults.len());
+            assert!(faults > MANY / 2, "{what}: {faults}");
+            assert!(world.last_report().faults.iter().all(|fault| fault.cause == Cause::Pairs));
+        }
+    }
+    // Categories of which neither is in the mask of the other are skipped, and are no fault.
+    for contacts in [ContactSettings::default(), few(1_000, 4)] {
+        let mut world = one_point(contacts, |i| Filter { category: 1 << (i % 2), mask: 4 << (i % 2), group: 0 });
+        for _ in 0..3 {
+            within("two categories", 10, bound(MANY, 0), || assert!(world.step().faults.is_empty()));
+        }
     }
 }
 

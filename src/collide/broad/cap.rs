@@ -12,30 +12,36 @@ pub struct PairLimits {
     ///
     /// Static colliders have no cap: a floor may bear any number of boxes.
     pub per_collider: usize,
+    /// The number of overlaps that a step looks at: pairs, and overlapping boxes of which one collider at least has a category in the mask
+    /// of the other, or a positive group, but which are no pair. With more, each of them counts as a pair does for the other two limits.
+    pub overlaps: usize,
 }
 
 impl Default for PairLimits {
-    /// 2^20 pairs, and 256 of one collider.
+    /// 2^20 pairs, 256 of one collider, and 2^24 overlaps.
     fn default() -> Self {
-        Self { pairs: 1 << 20, per_collider: 256 }
+        Self { pairs: 1 << 20, per_collider: 256, overlaps: 1 << 24 }
     }
 }
 
 impl BroadPhase {
     /// Lists the colliders with too many pairs, and the pairs of the others: a function of the graph of pairs and of the limits.
     ///
+    /// With too many overlaps the graph is that of overlaps, and the pairs are those among them.
+    ///
     /// *Domain* the tree holds the boxes as they are, without margins. No collider's pairs are counted beyond the cap, so that time grows
-    /// with the number of colliders times the cap.
+    /// with the number of colliders times the cap, and with the overlaps up to their limit.
     #[cold]
     pub(super) fn cap(&mut self, still: &Standing<'_>, limits: &PairLimits) {
         let colliders = still.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
         let most = limits.per_collider.min(colliders) as u32;
+        let all = self.has_more_overlaps(still, limits.overlaps);
         self.degrees.clear();
         self.degrees.resize(self.entries.len(), 0);
         for i in 0..self.movers.len() {
             let mut degree = 0;
-            self.neighbours(still, self.movers[i], |_, _| {
-                degree += 1;
+            self.neighbours(still, self.movers[i], |other| {
+                degree += u32::from(all || other.is_pair);
                 degree <= most
             });
             self.degrees[self.movers[i] as usize] = degree;
@@ -44,7 +50,7 @@ impl BroadPhase {
         let mut needs = core::mem::take(&mut self.needs);
         needs.clear();
         needs.resize(most as usize + 1, 0);
-        self.pairs_within(still, most, |_, need| needs[need as usize] += 1);
+        self.pairs_within(still, most, all, |_, need, _| needs[need as usize] += 1);
         let mut total = 0;
         let fitting = needs.iter().take_while(|&&pairs| {
             total += pairs;
@@ -55,7 +61,11 @@ impl BroadPhase {
         self.needs = needs;
         let mut pairs = core::mem::take(&mut self.pairs);
         pairs.clear();
-        self.pairs_within(still, cap, |key, _| pairs.push(pair(key)));
+        self.pairs_within(still, cap, all, |key, _, is_pair| {
+            if is_pair {
+                pairs.push(pair(key));
+            }
+        });
         pairs.sort_unstable();
         self.pairs = pairs;
         let is_above = |&collider: &u32| self.degrees[collider as usize] > cap;
@@ -63,42 +73,73 @@ impl BroadPhase {
         self.above_cap.sort_unstable();
     }
 
-    /// Calls `each` with every pair of colliders that have at most `cap` pairs, and with the larger number of pairs of the two.
-    fn pairs_within(&self, still: &Standing<'_>, cap: u32, mut each: impl FnMut(u64, u32)) {
+    /// Returns true if there are more overlaps than `most`.
+    fn has_more_overlaps(&self, still: &Standing<'_>, most: usize) -> bool {
+        let mut count = 0;
+        self.movers.iter().any(|&collider| {
+            self.neighbours(still, collider, |other| {
+                count += usize::from(!other.moves || collider < other.collider);
+                count <= most
+            });
+            count > most
+        })
+    }
+
+    /// Calls `each` with every pair, or overlap if `all` is true, of colliders that have at most `cap` of them, with the larger number of
+    /// the two, and with whether it is a pair.
+    fn pairs_within(&self, still: &Standing<'_>, cap: u32, all: bool, mut each: impl FnMut(u64, u32, bool)) {
         for &collider in &self.movers {
             let own = self.degrees[collider as usize];
             if own > cap {
                 continue;
             }
-            self.neighbours(still, collider, |other, moves| {
-                let need = if moves { own.max(self.degrees[other as usize]) } else { own };
+            self.neighbours(still, collider, |other| {
+                let need = if other.moves { own.max(self.degrees[other.collider as usize]) } else { own };
                 // Two that move find each other.
-                if need <= cap && (!moves || collider < other) {
-                    each(key(collider, other), need);
+                let is_first = !other.moves || collider < other.collider;
+                if (all || other.is_pair) && need <= cap && is_first {
+                    each(key(collider, other.collider), need, other.is_pair);
                 }
                 true
             });
         }
     }
 
-    /// Calls `found` with each collider that makes a pair with this one, and with whether it moves, until it returns false.
-    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut found: impl FnMut(u32, bool) -> bool) {
+    /// Calls `found` with each collider that overlaps this one, until it returns false.
+    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut found: impl FnMut(Neighbour) -> bool) {
         let entry = &self.entries[collider as usize];
         let extent = entry.extent();
         let mut goes_on = true;
-        self.tree.search(0, &extent, |other| {
-            if entry.may_meet(&self.entries[other as usize]) {
-                goes_on = found(other, true);
-            }
-            goes_on
-        });
+        self.tree.search(
+            0,
+            |node| node.touches(&extent),
+            |other| {
+                if other != collider {
+                    let is_pair = entry.may_meet(&self.entries[other as usize]);
+                    goes_on = found(Neighbour { collider: other, moves: true, is_pair });
+                }
+                goes_on
+            },
+        );
         for tree in still.trees() {
             if goes_on {
-                tree.search(&extent, |other| {
-                    goes_on = !entry.filter.agrees(other.filter) || found(other.collider, false);
-                    goes_on
-                });
+                tree.search(
+                    |node| node.touches(&extent),
+                    |other| {
+                        let is_pair = entry.filter.agrees(other.filter);
+                        goes_on = found(Neighbour { collider: other.collider, moves: false, is_pair });
+                        goes_on
+                    },
+                );
             }
         }
     }
+}
+
+/// A collider whose box overlaps that of another one.
+#[derive(Clone, Copy)]
+struct Neighbour {
+    collider: u32,
+    moves: bool,
+    is_pair: bool,
 }

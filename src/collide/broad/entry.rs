@@ -25,6 +25,8 @@ pub(super) struct Entry {
     pub(super) leaf: u32,
     /// The step in which it was seen last.
     pub(super) seen: u32,
+    /// The number of colliders that its last search came to and that are no candidates with it.
+    pub(super) rejected: u32,
     /// True if its candidates are searched anew in this step.
     pub(super) is_stale: bool,
 }
@@ -38,6 +40,7 @@ impl Entry {
         body: NONE,
         leaf: NONE,
         seen: 0,
+        rejected: 0,
         is_stale: false,
     };
 

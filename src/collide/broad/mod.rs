@@ -9,6 +9,11 @@
 //! overlap are *candidates*; they change when a collider leaves its fat box, and only then a tree is searched. A step in which none does
 //! costs one comparison for each moving collider and one for each candidate. Static colliders are in a tree of their own, colliders of
 //! sleeping bodies in another one. Copies of a world share both, and a step does not look at colliders that stand far away.
+//!
+//! **Rejected overlaps are bounded.** A search looks at each collider whose box overlaps, unless neither of the two has a category in the
+//! mask of the other: then it skips whole parts of a tree. Overlaps that it looks at and rejects are counted: colliders of one body or of one
+//! negative group, and masks that hold one way alone. Like the pairs they follow from the boxes and filters alone. Beyond a limit they count
+//! as pairs do.
 
 mod bounds;
 mod cached;
@@ -16,6 +21,7 @@ mod cap;
 mod core_tree;
 mod entry;
 mod path;
+mod search;
 mod statics;
 #[cfg(test)]
 mod tests;
@@ -35,6 +41,7 @@ use crate::shape::Aabb;
 
 use bounds::Bounds;
 use entry::Entry;
+use search::Room;
 use tree::{NONE, Tree};
 
 /// A collider as the broad phase sees it: a box with a filter.
@@ -108,6 +115,9 @@ pub struct BroadPhase {
     needs: Vec<usize>,
     /// True if the candidates are all there are.
     is_complete: bool,
+    /// The sum of what the last searches of the moving colliders rejected: at least the number of overlaps of fat boxes that are no
+    /// candidates.
+    rejected: usize,
 }
 
 /// A pair as a number, sorted like the pair.
@@ -123,11 +133,10 @@ impl BroadPhase {
     /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand
     /// still.
     ///
-    /// With more than `limits.pairs` pairs, [`above_cap`](Self::above_cap) names the colliders that have too many.
+    /// With more than `limits.pairs` pairs, or more than `limits.overlaps` overlaps, [`above_cap`](Self::above_cap) names the colliders
+    /// that have too many.
     ///
-    /// Time and memory are bounded by the numbers of colliders and of pairs, or by the limits if they are lower. Time alone grows also with
-    /// the number of overlapping boxes whose filters disagree: categories and masks end a search early where they keep whole parts of the
-    /// tree apart, groups do not.
+    /// Time and memory are bounded by the numbers of colliders and of pairs and overlaps, or by the limits if they are lower.
     pub fn update(&mut self, still: &Standing<'_>, movers: &[Proxy], limits: &PairLimits) {
         let are_new = !Arc::ptr_eq(&self.statics, still.statics) || self.version != still.version;
         if are_new {
@@ -139,19 +148,21 @@ impl BroadPhase {
         self.reserve(still, movers);
         self.place(movers);
         // With more candidates than this, the pairs are searched without margins.
-        let most = limits.pairs.saturating_mul(2).saturating_add(movers.len());
-        let is_small = if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
-            self.search_all(still, most)
+        let candidates = limits.pairs.saturating_mul(2).saturating_add(movers.len());
+        let room = Room { candidates, rejected: limits.overlaps };
+        if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
+            self.search_all(still, room);
         } else {
-            self.search_stale(still, most)
-        };
+            self.search_stale(still, room);
+        }
         self.above_cap.clear();
-        if !is_small && !self.search_exactly(still, limits.pairs) {
+        let is_small = self.is_complete && self.is_within(limits);
+        if !is_small && !self.search_exactly(still, limits) {
             return self.cap(still, limits);
         }
         self.sift();
         if self.pairs.len() > limits.pairs {
-            self.search_exactly(still, limits.pairs);
+            self.search_exactly(still, limits);
             self.cap(still, limits);
         }
     }
@@ -227,6 +238,7 @@ impl BroadPhase {
             if entry.seen != self.step {
                 self.tree.remove(entry.leaf);
                 (entry.leaf, entry.is_stale) = (NONE, true);
+                self.rejected = self.rejected.saturating_sub(core::mem::take(&mut entry.rejected) as usize);
                 self.gone.push(collider);
             }
         }
@@ -293,111 +305,6 @@ impl BroadPhase {
             self.entries[collider as usize].is_stale = false;
         }
     }
-
-    /// Searches the candidates of all. Returns false if there are more than `most`.
-    fn search_all(&mut self, still: &Standing<'_>, most: usize) -> bool {
-        self.settle();
-        // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
-        self.refit(true);
-        self.join(still, most)
-    }
-
-    /// Lists all candidates, from the boxes in the tree. Returns false, with a part of them, if there are more than `most`.
-    fn join(&mut self, still: &Standing<'_>, most: usize) -> bool {
-        let mut found = core::mem::take(&mut self.candidates);
-        found.clear();
-        for (leaf, collider, extent) in self.tree.leaves() {
-            let entry = &self.entries[collider as usize];
-            // The leaves from there on alone: each two of them once.
-            self.tree.search(leaf as usize + 1, extent, |other| {
-                if entry.may_meet(&self.entries[other as usize]) {
-                    found.push(key(collider, other));
-                }
-                found.len() <= most
-            });
-            if found.len() > most {
-                break;
-            }
-        }
-        for tree in still.trees().filter(|tree| !tree.is_empty()) {
-            for i in 0..self.movers.len() {
-                if found.len() > most {
-                    break;
-                }
-                self.search_still(tree, self.movers[i], most, &mut found);
-            }
-        }
-        self.is_complete = found.len() <= most;
-        if self.is_complete {
-            found.sort_unstable();
-        }
-        self.candidates = found;
-        self.is_complete
-    }
-
-    /// Adds the candidates of a moving collider with those that stand still.
-    fn search_still(&mut self, still: &Statics, collider: u32, most: usize, found: &mut Vec<u64>) {
-        let Entry { filter, .. } = self.entries[collider as usize];
-        let extent = self.entries[collider as usize].extent();
-        still.search(&extent, |other| {
-            if filter.agrees(other.filter) {
-                self.boxes[other.collider as usize] = other.bounds.into();
-                found.push(key(collider, other.collider));
-            }
-            found.len() <= most
-        });
-    }
-
-    /// Searches the candidates of those that are stale. Returns false if there are more than `most`.
-    fn search_stale(&mut self, still: &Standing<'_>, most: usize) -> bool {
-        if self.stale.is_empty() && self.gone.is_empty() {
-            return true;
-        }
-        self.refit(false);
-        let entries = &self.entries;
-        let is_stale = |collider: u32| entries[collider as usize].is_stale;
-        self.candidates.retain(|&key| !pair(key).map(is_stale).contains(&true));
-        let mut found = core::mem::take(&mut self.found);
-        found.clear();
-        let room = most.saturating_sub(self.candidates.len());
-        for i in 0..self.stale.len() {
-            let collider = self.stale[i];
-            let entry = &self.entries[collider as usize];
-            self.tree.search(0, &entry.extent(), |other| {
-                let with = &self.entries[other as usize];
-                // Where both are stale, the lower one finds the pair.
-                let is_first = !with.is_stale || collider < other;
-                if is_first && entry.may_meet(with) {
-                    found.push(key(collider, other));
-                }
-                found.len() <= room
-            });
-            for tree in still.trees() {
-                self.search_still(tree, collider, room, &mut found);
-            }
-            if found.len() > room {
-                break;
-            }
-        }
-        found.sort_unstable();
-        merge(&mut self.candidates, &found);
-        self.found = found;
-        self.settle();
-        self.is_complete = self.candidates.len() <= most;
-        self.is_complete
-    }
-
-    /// Lists as candidates the pairs themselves. Returns false if there are more than `most`.
-    #[cold]
-    fn search_exactly(&mut self, still: &Standing<'_>, most: usize) -> bool {
-        for &collider in &self.movers {
-            let entry = &mut self.entries[collider as usize];
-            entry.fit(self.boxes[collider as usize]);
-            self.tree.set(entry.leaf, entry.extent());
-        }
-        self.build();
-        self.join(still, most)
-    }
 }
 
 #[cfg(test)]
@@ -408,16 +315,5 @@ impl BroadPhase {
         let colliders = [entries.capacity(), boxes.capacity(), movers.capacity(), stale.capacity(), gone.capacity()];
         let [a, b, c, d, e] = colliders;
         [tree.capacity(), a, b, c, d, e, candidates.capacity(), found.capacity(), pairs.capacity()]
-    }
-}
-
-/// Merges a sorted list into another one. No number is in both.
-fn merge(into: &mut Vec<u64>, from: &[u64]) {
-    let (mut left, mut right) = (into.len(), from.len());
-    into.resize(left + right, 0);
-    while right > 0 {
-        let is_old_last = left > 0 && into[left - 1] > from[right - 1];
-        into[left + right - 1] = if is_old_last { into[left - 1] } else { from[right - 1] };
-        if is_old_last { left -= 1 } else { right -= 1 }
     }
 }

@@ -205,24 +205,46 @@ impl Statics {
     /// Calls `found` with each collider whose box overlaps a box, whatever its filter.
     pub(crate) fn near(&self, bounds: Aabb<Fx>, mut found: impl FnMut(&Proxy)) {
         let all = Filter { category: !0, mask: !0, group: 0 };
-        self.search(&Extent::new(bounds.into(), all), |proxy| {
-            found(proxy);
-            true
-        });
+        let extent = Extent::new(bounds.into(), all);
+        self.search(
+            |node| node.meets(&extent),
+            |proxy| {
+                found(proxy);
+                true
+            },
+        );
     }
 
     /// Calls `found` with each collider that makes a pair with another one, until it returns false.
     pub(crate) fn meeting(&self, own: &Proxy, mut found: impl FnMut(&Proxy) -> bool) {
-        self.search(&Extent::new(own.bounds.into(), own.filter), |other| {
-            let is_pair = own.body != other.body && own.filter.agrees(other.filter);
-            !is_pair || found(other)
-        });
+        let extent = Extent::new(own.bounds.into(), own.filter);
+        self.search(
+            |node| node.meets(&extent),
+            |other| {
+                let is_pair = own.body != other.body && own.filter.agrees(other.filter);
+                !is_pair || found(other)
+            },
+        );
+    }
+
+    /// Calls `found` with each other collider that a search for the pairs of one comes to, and with whether it makes a pair, until it
+    /// returns false.
+    pub(crate) fn touching(&self, own: &Proxy, mut found: impl FnMut(&Proxy, bool) -> bool) {
+        let extent = Extent::new(own.bounds.into(), own.filter);
+        self.search(
+            |node| node.touches(&extent),
+            |other| {
+                let is_pair = own.body != other.body && own.filter.agrees(other.filter);
+                other.collider == own.collider || found(other, is_pair)
+            },
+        );
     }
 
     /// Calls `found` with the number of each collider whose box meets a box and whose filter agrees with a filter, and perhaps with others,
     /// until it returns false.
     pub fn search_box(&self, bounds: Aabb<Fx>, filter: Filter, mut found: impl FnMut(u32) -> bool) {
-        self.search(&Extent::new(bounds.into(), filter), |proxy| found(proxy.collider));
+        let extent = Extent::new(bounds.into(), filter);
+        self.search(|node| node.meets(&extent), |proxy| found(proxy.collider));
     }
 
     /// The cores of all outlines, in two trees, which are kept for later queries; `place` gives the core of a number. Copies of a world
@@ -246,17 +268,17 @@ impl Statics {
         !self.gone.is_empty() && self.gone.binary_search(&number).is_ok()
     }
 
-    /// Calls `found` with each collider that may meet a box, until it returns false.
+    /// Calls `found` with each collider for which `is_met` is true, until it returns false.
     #[inline(always)]
-    pub(super) fn search(&self, extent: &Extent, mut found: impl FnMut(&Proxy) -> bool) {
+    pub(super) fn search(&self, is_met: impl Fn(&Extent) -> bool, mut found: impl FnMut(&Proxy) -> bool) {
         let mut goes_on = true;
-        self.base.tree.search(0, extent, |item| {
+        self.base.tree.search(0, &is_met, |item| {
             let proxy = &self.base.proxies[item as usize];
             goes_on = self.is_gone(proxy.collider) || found(proxy);
             goes_on
         });
         if goes_on && !self.added.proxies.is_empty() {
-            self.added.tree.search(0, extent, |item| found(&self.added.proxies[item as usize]));
+            self.added.tree.search(0, &is_met, |item| found(&self.added.proxies[item as usize]));
         }
     }
 }

@@ -42,8 +42,15 @@ impl Extent {
     }
 
     /// Returns false if no collider in one can have a pair with one in the other.
-    fn meets(&self, other: &Self) -> bool {
+    pub(super) fn meets(&self, other: &Self) -> bool {
         self.bounds.overlaps(&other.bounds) & (self.category & other.mask != 0) & (other.category & self.mask != 0)
+    }
+
+    /// Returns false if the boxes are apart, or no collider in one has a category in the mask of one in the other.
+    ///
+    /// Unlike [`meets`](Self::meets), where this is true for the filters of a part of a tree, it is true for one of the colliders in it.
+    pub(super) fn touches(&self, other: &Self) -> bool {
+        self.bounds.overlaps(&other.bounds) & (((self.category & other.mask) | (other.category & self.mask)) != 0)
     }
 
     fn contains(&self, other: &Self) -> bool {
@@ -236,12 +243,13 @@ impl Tree {
         self.parts.push(Part { start, end: start + middle, node: left });
     }
 
-    /// Calls `found` with the item of each leaf, from a node on, that meets a box, until it returns false.
+    /// Calls `found` with the item of each leaf, from a node on, for which `is_met` is true, until it returns false. Parts of the tree for
+    /// which `is_met` is false are skipped.
     #[inline(always)]
-    pub(super) fn search(&self, from: usize, extent: &Extent, mut found: impl FnMut(u32) -> bool) {
+    pub(super) fn search(&self, from: usize, is_met: impl Fn(&Extent) -> bool, mut found: impl FnMut(u32) -> bool) {
         let mut at = from;
         while let Some(node) = self.nodes.get(at) {
-            if !node.extent.meets(extent) {
+            if !is_met(&node.extent) {
                 at = node.skip as usize;
                 continue;
             }

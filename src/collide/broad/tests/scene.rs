@@ -9,7 +9,8 @@ use crate::fx::Fx;
 use crate::math::{Random, Vec2};
 use crate::shape::Aabb;
 
-pub(super) const NO_LIMITS: PairLimits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX };
+pub(super) const NO_LIMITS: PairLimits =
+    PairLimits { pairs: usize::MAX, per_collider: usize::MAX, overlaps: usize::MAX };
 
 /// One metre in ulps.
 pub(super) const METRE: i64 = 1 << 32;
@@ -26,16 +27,31 @@ pub(super) fn proxy(collider: u32, min: [i64; 2], max: [i64; 2]) -> Proxy {
 
 /// The pairs by their definition.
 pub(super) fn all_pairs(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]> {
-    let mut pairs = Vec::new();
+    all_where(statics, movers, |a, b| a.body != b.body && a.filter.agrees(b.filter))
+}
+
+/// The overlaps that count, by their definition: pairs are among them.
+pub(super) fn all_overlaps(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]> {
+    let sees = |a: &Proxy, b: &Proxy| a.filter.mask & b.filter.category != 0;
+    let is_any = |a: &Proxy, b: &Proxy| {
+        let empty = |filter: Filter| filter.group <= 0 && filter.category == 0 && filter.mask == 0;
+        (a.filter.group > 0 || b.filter.group > 0) && !empty(a.filter) && !empty(b.filter)
+    };
+    all_where(statics, movers, |a, b| sees(a, b) || sees(b, a) || is_any(a, b))
+}
+
+/// Overlapping boxes, of which one moves, for which something is true.
+fn all_where(statics: &[Proxy], movers: &[Proxy], is_one: impl Fn(&Proxy, &Proxy) -> bool) -> Vec<[u32; 2]> {
+    let mut found = Vec::new();
     for (i, a) in movers.iter().enumerate() {
         for b in movers[i + 1..].iter().chain(statics) {
-            if a.body != b.body && a.bounds.overlaps(b.bounds) && a.filter.agrees(b.filter) {
-                pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
+            if a.bounds.overlaps(b.bounds) && is_one(a, b) {
+                found.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
             }
         }
     }
-    pairs.sort_unstable();
-    pairs
+    found.sort_unstable();
+    found
 }
 
 /// The pairs that a broad phase finds.

@@ -119,7 +119,7 @@ impl Pairs {
         let statics = self.statics.get_or_insert_with(|| Arc::new(Statics::new(proxies(false).collect())));
         self.movers.clear();
         self.movers.extend(proxies(true));
-        let limits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX };
+        let limits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX, overlaps: usize::MAX };
         self.broad.update(&Standing::of(statics), &self.movers, &limits);
     }
 

@@ -1,0 +1,169 @@
+//! Searches for candidates, and what they reject.
+
+use alloc::vec::Vec;
+
+use super::entry::Entry;
+use super::{BroadPhase, PairLimits, Standing, Statics, key, pair};
+
+/// The most candidates and rejected overlaps that a search may come to.
+#[derive(Clone, Copy)]
+pub(super) struct Room {
+    pub(super) candidates: usize,
+    pub(super) rejected: usize,
+}
+
+impl BroadPhase {
+    /// Searches the candidates of all.
+    pub(super) fn search_all(&mut self, still: &Standing<'_>, room: Room) {
+        self.settle();
+        // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
+        self.refit(true);
+        self.join(still, room);
+    }
+
+    /// Lists all candidates, from the boxes in the tree, or a part of them if there is no room for all that it comes to.
+    fn join(&mut self, still: &Standing<'_>, room: Room) {
+        let mut found = core::mem::take(&mut self.candidates);
+        found.clear();
+        self.rejected = 0;
+        let Self { tree, entries, .. } = self;
+        for (leaf, collider, extent) in tree.leaves() {
+            let entry = &entries[collider as usize];
+            let mut rejected = 0;
+            // The leaves from there on alone: each two of them once.
+            tree.search(
+                leaf as usize + 1,
+                |node| node.touches(extent),
+                |other| {
+                    if entry.may_meet(&entries[other as usize]) {
+                        found.push(key(collider, other));
+                    } else {
+                        rejected += 1;
+                    }
+                    found.len() <= room.candidates && rejected <= room.rejected
+                },
+            );
+            entries[collider as usize].rejected = rejected as u32;
+            self.rejected += rejected;
+            if found.len() > room.candidates || self.rejected > room.rejected {
+                break;
+            }
+        }
+        for tree in still.trees().filter(|tree| !tree.is_empty()) {
+            for i in 0..self.movers.len() {
+                if found.len() > room.candidates || self.rejected > room.rejected {
+                    break;
+                }
+                self.search_still(tree, self.movers[i], room, &mut found);
+            }
+        }
+        self.is_complete = found.len() <= room.candidates && self.rejected <= room.rejected;
+        if self.is_complete {
+            found.sort_unstable();
+        }
+        self.candidates = found;
+    }
+
+    /// Adds the candidates of a moving collider with those that stand still.
+    fn search_still(&mut self, still: &Statics, collider: u32, room: Room, found: &mut Vec<u64>) {
+        let Entry { filter, .. } = self.entries[collider as usize];
+        let extent = self.entries[collider as usize].extent();
+        let mut rejected = 0;
+        still.search(
+            |node| node.touches(&extent),
+            |other| {
+                if filter.agrees(other.filter) {
+                    self.boxes[other.collider as usize] = other.bounds.into();
+                    found.push(key(collider, other.collider));
+                } else {
+                    rejected += 1;
+                }
+                found.len() <= room.candidates && rejected <= room.rejected
+            },
+        );
+        self.reject(collider, rejected);
+    }
+
+    /// Counts what a search of a collider rejected.
+    fn reject(&mut self, collider: u32, rejected: usize) {
+        self.entries[collider as usize].rejected += rejected as u32;
+        self.rejected += rejected;
+    }
+
+    /// Searches the candidates of those that are stale.
+    pub(super) fn search_stale(&mut self, still: &Standing<'_>, room: Room) {
+        if self.stale.is_empty() && self.gone.is_empty() {
+            return;
+        }
+        self.refit(false);
+        let entries = &self.entries;
+        let is_stale = |collider: u32| entries[collider as usize].is_stale;
+        self.candidates.retain(|&key| !pair(key).map(is_stale).contains(&true));
+        let mut found = core::mem::take(&mut self.found);
+        found.clear();
+        let room = Room { candidates: room.candidates.saturating_sub(self.candidates.len()), ..room };
+        for i in 0..self.stale.len() {
+            let collider = self.stale[i];
+            let before = core::mem::take(&mut self.entries[collider as usize].rejected);
+            self.rejected = self.rejected.saturating_sub(before as usize);
+            let entry = &self.entries[collider as usize];
+            let extent = entry.extent();
+            let mut rejected = 0;
+            self.tree.search(
+                0,
+                |node| node.touches(&extent),
+                |other| {
+                    let with = &self.entries[other as usize];
+                    if !entry.may_meet(with) {
+                        rejected += 1;
+                    } else if !with.is_stale || collider < other {
+                        // Of two that are stale, the lower one finds the pair.
+                        found.push(key(collider, other));
+                    }
+                    found.len() <= room.candidates && rejected <= room.rejected
+                },
+            );
+            self.reject(collider, rejected);
+            for tree in still.trees() {
+                self.search_still(tree, collider, room, &mut found);
+            }
+            if found.len() > room.candidates || self.rejected > room.rejected {
+                break;
+            }
+        }
+        self.is_complete = found.len() <= room.candidates && self.rejected <= room.rejected;
+        found.sort_unstable();
+        merge(&mut self.candidates, &found);
+        self.found = found;
+        self.settle();
+    }
+
+    /// Lists as candidates the pairs themselves. Returns false if there are more pairs or overlaps than there may be.
+    #[cold]
+    pub(super) fn search_exactly(&mut self, still: &Standing<'_>, limits: &PairLimits) -> bool {
+        for &collider in &self.movers {
+            let entry = &mut self.entries[collider as usize];
+            entry.fit(self.boxes[collider as usize]);
+            self.tree.set(entry.leaf, entry.extent());
+        }
+        self.build();
+        self.join(still, Room { candidates: limits.pairs, rejected: limits.overlaps });
+        self.is_complete && self.is_within(limits)
+    }
+
+    /// Returns true if there are no more overlaps of fat boxes than of boxes there may be.
+    pub(super) fn is_within(&self, limits: &PairLimits) -> bool {
+        self.candidates.len().saturating_add(self.rejected) <= limits.overlaps
+    }
+}
+
+/// Merges a sorted list into another one. No number is in both.
+fn merge(into: &mut Vec<u64>, from: &[u64]) {
+    let (mut left, mut right) = (into.len(), from.len());
+    into.resize(left + right, 0);
+    while right > 0 {
+        let is_old_last = left > 0 && into[left - 1] > from[right - 1];
+        into[left + right - 1] = if is_old_last { into[left - 1] } else { from[right - 1] };
+        if is_old_last { left -= 1 } else { right -= 1 }
+    }
+}
