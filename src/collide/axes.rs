@@ -2,6 +2,7 @@
 
 use super::cores::{Core, Product, across};
 use super::frame::Direction;
+use super::margin::Limit;
 use super::seam;
 use super::surface::{Link, Surface, is_reached};
 use crate::kernel::sqrt::direction;
@@ -23,7 +24,7 @@ pub(super) fn reaches<P: Product, const N: usize>(
     k: u32,
 ) -> bool {
     let Some(part) = link.part else { return true };
-    let place = |p: [P::Coordinate; 2]| P::dot(across(link.normal), p);
+    let place = |p: [i64; 2]| P::dot(across(link.normal), p);
     let [low, high] = part.map(|end| place(end.map(|part| P::coordinate(part, k))));
     let places = || core.corners.iter().map(|&corner| place(corner));
     let slop = P::length(seam::REACH + (4 << k), k);
@@ -38,21 +39,21 @@ fn slack<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, k: u32) -> 
 }
 
 /// Numbers of edges of A and of B, one bit each: at most 64.
-type Edges = [u64; 2];
+pub(super) type Edges = [u64; 2];
 
 impl<P: Product, const N: usize> Axes<P, N> {
     /// Returns `None` if a separation is above `limit`.
     #[inline(always)]
-    pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: P) -> Option<Self> {
+    pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: &Limit) -> Option<Self> {
         let slack = slack(a, b, k);
         let along_a = a.separations(b, slack);
         let largest = along_a.iter().fold(P::LEAST, |most, &s| most.max(s));
-        if largest > limit {
+        if limit.is_below_product(largest, k) {
             return None;
         }
         let along_b = b.separations(a, slack);
         let largest = along_b.iter().fold(largest, |most, &s| most.max(s));
-        if largest > limit { None } else { Some(Self { along_a, along_b, largest, slack }) }
+        if limit.is_below_product(largest, k) { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
     /// The separations of a surface, A: along the normals of its edges, and along those of B that A pushes in as directions from A to B.
@@ -60,7 +61,7 @@ impl<P: Product, const N: usize> Axes<P, N> {
         a: &Core<P, N>,
         b: &Core<P, N>,
         k: u32,
-        limit: P,
+        limit: &Limit,
         surface: Surface<'_, [i32; 2]>,
     ) -> Option<Self> {
         let slack = slack(a, b, k);
@@ -83,7 +84,11 @@ impl<P: Product, const N: usize> Axes<P, N> {
             }
         }
         let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));
-        if largest > limit || largest == P::LEAST { None } else { Some(Self { along_a, along_b, largest, slack }) }
+        if largest == P::LEAST || limit.is_below_product(largest, k) {
+            None
+        } else {
+            Some(Self { along_a, along_b, largest, slack })
+        }
     }
 
     /// Returns true if all separations are less than this one, by more than rounding.
@@ -150,7 +155,11 @@ fn bits(mut set: u64) -> impl Iterator<Item = usize> {
 
 /// The direction of the longest of edges that tie, or the mean over all that are as long: a sum, whatever their order.
 #[cold]
-fn tied<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, [of_a, of_b]: Edges) -> Option<Direction> {
+pub(super) fn tied<P: Product, const N: usize>(
+    a: &Core<P, N>,
+    b: &Core<P, N>,
+    [of_a, of_b]: Edges,
+) -> Option<Direction> {
     let square = |core: &Core<P, N>, i: usize| P::half_square(core.between(i, i + 1));
     let of_a = bits(of_a).map(|i| (square(a, i), a.normals[i]));
     let of_b = bits(of_b).map(|i| (square(b, i), b.normals[i].map(|part| -part)));

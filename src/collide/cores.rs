@@ -4,22 +4,21 @@
 //! and the offset are below 2^30 units. Where that unit would be too coarse for the smaller one (a box on a long floor), corners stay in
 //! ulps and products take 128 bits. The unit decides which direction, corners and edges are taken; the points are computed from ulps.
 
+use core::marker::PhantomData;
 use core::ops::{Add, Neg, Sub};
 
-use super::place::View;
+use super::place::{Placed, View};
 
-/// A type of products of coordinates with unit vectors, and its coordinates.
+/// A type of products of coordinates with unit vectors.
 ///
 /// A product is in units of 2^-30 of the pair's unit.
 pub(super) trait Product: Copy + Ord + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> {
-    type Coordinate: Copy + Eq + Into<i64>;
     const ZERO: Self;
     const LEAST: Self;
     /// `ulps / 2^k` to nearest, ties away from zero.
-    fn coordinate(ulps: i64, k: u32) -> Self::Coordinate;
-    fn sum(a: Self::Coordinate, b: Self::Coordinate) -> Self::Coordinate;
+    fn coordinate(ulps: i64, k: u32) -> i64;
     /// n·p.
-    fn dot(n: [i32; 2], p: [Self::Coordinate; 2]) -> Self;
+    fn dot(n: [i32; 2], p: [i64; 2]) -> Self;
     /// The square of a length, halved.
     fn half_square(p: [i64; 2]) -> Self;
     /// a × b, for a vector and the difference of two points, or the sum of two unit vectors.
@@ -36,25 +35,19 @@ pub(super) trait Product: Copy + Ord + Add<Output = Self> + Sub<Output = Self> +
 /// |n·p| <= |n|·|p| is below 2^30.01·2^30.6, the difference of two such products below 2^61.7. Squares of distances are below
 /// 2·2^62.2 = 2^63.2, and half of them fits. A cross product is of a difference within one core, |a|·|b| < 2^30.01·2^31.6.
 impl Product for i64 {
-    type Coordinate = i32;
     const ZERO: Self = 0;
     const LEAST: Self = Self::MIN;
 
     #[inline(always)]
-    fn coordinate(ulps: i64, k: u32) -> i32 {
+    fn coordinate(ulps: i64, k: u32) -> i64 {
         // Without a shift there is nothing to round, and half of the unit is 0.
         let half = (1 << k) >> 1;
-        ((ulps + half + (ulps >> 63 & -i64::from(k > 0))) >> k) as i32
+        (ulps + half + (ulps >> 63 & -i64::from(k > 0))) >> k
     }
 
     #[inline(always)]
-    fn sum(a: i32, b: i32) -> i32 {
-        a + b
-    }
-
-    #[inline(always)]
-    fn dot(n: [i32; 2], p: [i32; 2]) -> Self {
-        i64::from(n[0]) * i64::from(p[0]) + i64::from(n[1]) * i64::from(p[1])
+    fn dot(n: [i32; 2], p: [i64; 2]) -> Self {
+        i64::from(n[0]) * p[0] + i64::from(n[1]) * p[1]
     }
 
     fn half_square(p: [i64; 2]) -> Self {
@@ -87,18 +80,12 @@ impl Product for i64 {
 
 /// Coordinates are below 2^56: products with unit vectors are below 2^88, squares below 2^115.
 impl Product for i128 {
-    type Coordinate = i64;
     const ZERO: Self = 0;
     const LEAST: Self = Self::MIN;
 
     #[inline(always)]
     fn coordinate(ulps: i64, _: u32) -> i64 {
         ulps
-    }
-
-    #[inline(always)]
-    fn sum(a: i64, b: i64) -> i64 {
-        a + b
     }
 
     #[inline(always)]
@@ -136,34 +123,34 @@ pub(super) fn across(n: [i32; 2]) -> [i32; 2] {
 
 /// A core, with room for `N` corners, a power of two. Places after the last corner repeat the first one.
 pub(super) struct Core<P: Product, const N: usize> {
-    pub(super) corners: [[P::Coordinate; 2]; N],
+    pub(super) corners: [[i64; 2]; N],
     pub(super) normals: [[i32; 2]; N],
     pub(super) count: usize,
     faces: usize,
     /// The largest coordinate of a corner relative to the body's centre, ulps.
     pub(super) extent: i64,
+    is_box: bool,
+    products: PhantomData<P>,
 }
 
 impl<P: Product, const N: usize> Core<P, N> {
     #[inline(always)]
     pub(super) fn new(view: &View<'_>, shift: [i64; 2], k: u32) -> Self {
         let shift = shift.map(|part| P::coordinate(part, k));
-        let place = |corner: [i64; 2]| {
-            [P::sum(P::coordinate(corner[0], k), shift[0]), P::sum(P::coordinate(corner[1], k), shift[1])]
-        };
-        let (count, faces, extent) = (view.placed.count, view.faces(), view.placed.extent());
+        let place = |corner: [i64; 2]| [P::coordinate(corner[0], k) + shift[0], P::coordinate(corner[1], k) + shift[1]];
+        let (faces, &Placed { count, extent, is_box, .. }) = (view.faces(), view.placed);
         if let (Some(from), Some(normals)) = (view.corners.first_chunk::<N>(), view.normals.first_chunk::<N>()) {
-            let mut corners = [[P::coordinate(0, 0); 2]; N];
+            let mut corners = [[0; 2]; N];
             for i in 0..N {
                 corners[i] = place(from[i]);
             }
-            return Self { corners, normals: *normals, count, faces, extent };
+            return Self { corners, normals: *normals, count, faces, extent, is_box, products: PhantomData };
         }
         let (mut corners, mut normals) = ([place(view.corners[0]); N], [[0; 2]; N]);
         for (i, (&corner, &normal)) in view.corners.iter().zip(view.normals).enumerate().take(N) {
             (corners[i], normals[i]) = (place(corner), normal);
         }
-        Self { corners, normals, count, faces, extent }
+        Self { corners, normals, count, faces, extent, is_box, products: PhantomData }
     }
 
     /// The number of places to go through for `count` corners: few are as soon gone through as counted.
@@ -181,7 +168,7 @@ impl<P: Product, const N: usize> Core<P, N> {
     /// The vector between two corners. The place after the last corner repeats the first; after the last place the first comes as well.
     #[inline(always)]
     pub(super) fn between(&self, from: usize, to: usize) -> [i64; 2] {
-        let part = |i: usize| self.corners[to & (N - 1)][i].into() - self.corners[from & (N - 1)][i].into();
+        let part = |i: usize| self.corners[to & (N - 1)][i] - self.corners[from & (N - 1)][i];
         [part(0), part(1)]
     }
 
@@ -200,7 +187,11 @@ impl<P: Product, const N: usize> Core<P, N> {
     #[inline(always)]
     pub(super) fn separation(&self, i: usize, other: &Self) -> P {
         let n = self.normals[i];
-        other.heights(n).fold(P::dot(n, other.corners[0]), |least, height| least.min(height)) - self.own(i)
+        let first = P::dot(n, other.corners[0]);
+        if other.count == 1 {
+            return first - self.own(i);
+        }
+        other.heights(n).fold(first, |least, height| least.min(height)) - self.own(i)
     }
 
     /// Separations of another core along the normals: the least component of the other core less the largest one of this core. For
@@ -210,8 +201,7 @@ impl<P: Product, const N: usize> Core<P, N> {
         if N > 8 {
             return self.largest_separations(other, slack);
         }
-        let opposite = |i: usize| self.normals[i + 2] == self.normals[i].map(|part| -part);
-        if N == 4 && self.faces == 4 && opposite(0) && opposite(1) {
+        if self.is_box {
             return self.separations_of_box(other);
         }
         let mut separations = [P::LEAST; N];
@@ -230,9 +220,12 @@ impl<P: Product, const N: usize> Core<P, N> {
         for i in 0..2 {
             let n = self.normals[i];
             let own: [P; 4] = core::array::from_fn(|j| P::dot(n, self.corners[j]));
-            let (mut least, mut most) = (P::dot(n, other.corners[0]), P::LEAST);
-            for height in other.heights(n) {
-                (least, most) = (least.min(height), most.max(height));
+            let first = P::dot(n, other.corners[0]);
+            let (mut least, mut most) = (first, first);
+            if other.count > 1 {
+                for height in other.heights(n).skip(1) {
+                    (least, most) = (least.min(height), most.max(height));
+                }
             }
             separations[i] = least - own[i].max(own[i + 1]);
             separations[i + 2] = own[i + 2].min(own[(i + 3) & 3]) - most;

@@ -45,6 +45,9 @@ struct Support<P> {
 /// corners, 2^-29 of the extent from the normal. Corners between them, on the same line within rounding, belong to it.
 #[inline(always)]
 fn support<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], k: u32) -> Support<P> {
+    if core.count == 1 {
+        return Support { ends: [0, 0], height: P::dot(w, core.corners[0]) };
+    }
     let height = core.heights(w).fold(P::LEAST, |most, height| most.max(height));
     let least = height - P::length((3 << k) + (core.extent >> 29), k);
     let near = core.heights(w).enumerate().fold(0, |set, (i, height)| set | u64::from(height >= least) << i);

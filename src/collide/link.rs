@@ -22,8 +22,7 @@ use super::place::View;
 use super::points::Ends;
 use super::span::Facing;
 use super::surface::{Normal, Surface};
-use super::{MARGIN_MAX, Manifold, ManifoldPoint, collide_placed, swapped_feature, unit};
-use crate::fx::Fx;
+use super::{Manifold, ManifoldPoint, Margin, collide_placed, swapped_feature, unit};
 use crate::limits::CORNERS;
 
 /// A body whose middle is farther behind a segment than this is not pushed by it, in ulps: 2 cm, which is more than a thin body sinks in at
@@ -74,11 +73,11 @@ pub(super) fn collide_surface(
     a: View<'_>,
     surface: Surface<'_, [i32; 2]>,
     b: View<'_>,
-    margin: Fx,
+    margin: Margin,
 ) -> Option<Manifold> {
     let offset = a.offset_to(&b)?;
-    let limit = margin.to_bits().clamp(0, MARGIN_MAX) + a.placed.radius + b.placed.radius;
-    if a.is_clear_of(&b, offset, limit) {
+    let limit = margin.limit(a.placed.radius + b.placed.radius);
+    if limit.is_below(a.gap(&b, offset)) {
         return None;
     }
     let ends = |i: usize| [a.corners[i], a.corners[(i + 1) % a.placed.count]];
@@ -110,7 +109,7 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_, [i
     let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
-    let axes = Axes::of_surface(&pair.a, &pair.b, k, P::length(ends.limit, k), surface)?;
+    let axes = Axes::of_surface(&pair.a, &pair.b, k, &ends.limit, surface)?;
     if surface.outer().any(|n| axes.is_less(pair.separation(n))) {
         return None;
     }

@@ -19,10 +19,12 @@
 //! that are apart have the direction between their ends: their normals say nothing.
 
 mod axes;
+mod boxes;
 pub mod broad;
 mod cores;
 mod frame;
 mod link;
+mod margin;
 mod place;
 mod points;
 pub(crate) mod seam;
@@ -31,6 +33,7 @@ pub(crate) mod surface;
 pub(crate) mod sweep;
 
 pub use crate::collider::Filter;
+pub use margin::Margin;
 pub use place::{Cores, Pose};
 
 use crate::fx::Fx;
@@ -39,6 +42,7 @@ use crate::math::Vec2;
 use crate::shape::Outline;
 
 use axes::Axes;
+use boxes::collide_boxes;
 use cores::{Core, Product};
 use frame::{Frame, Pair};
 use place::{Placed, View, room};
@@ -86,9 +90,6 @@ pub(crate) fn swapped_feature(feature: u32) -> u32 {
     feature >> 12 | (feature & 0xFFF) << 12
 }
 
-/// The largest margin that is told from a larger one: 2^22 m.
-const MARGIN_MAX: i64 = 1 << (22 + 32);
-
 /// The manifold of two outlines at two poses, if they are at most `margin` m apart. [`Cores`] turns an outline once for all its pairs.
 ///
 /// *Domain* positions within 2^31 m. A margin below zero counts as zero, one above 2^22 m as that.
@@ -103,12 +104,12 @@ pub fn collide(a: &Outline, pose_a: &Pose, b: &Outline, pose_b: &Pose, margin: F
     if a.neighbours().is_some() || b.neighbours().is_some() {
         let mut cores = Cores::default();
         let (a, b) = (cores.push(a, pose_a), cores.push(b, pose_b));
-        return cores.collide(a, b, margin);
+        return cores.collide(a, b, margin.into());
     }
     // Most shapes are boxes, and setting memory to zero costs.
     match a.corners().len().max(b.corners().len()) {
-        0..=4 => collide_once::<4>(a, pose_a, b, pose_b, margin),
-        _ => collide_once::<CORNERS>(a, pose_a, b, pose_b, margin),
+        0..=4 => collide_once::<4>(a, pose_a, b, pose_b, margin.into()),
+        _ => collide_once::<CORNERS>(a, pose_a, b, pose_b, margin.into()),
     }
 }
 
@@ -117,7 +118,7 @@ fn collide_once<const N: usize>(
     pose_a: &Pose,
     b: &Outline,
     pose_b: &Pose,
-    margin: Fx,
+    margin: Margin,
 ) -> Option<Manifold> {
     let mut places = [([[0; 2]; N], [[0; 2]; N]), ([[0; 2]; N], [[0; 2]; N])];
     let [(corners_a, normals_a), (corners_b, normals_b)] = &mut places;
@@ -133,12 +134,11 @@ fn collide_once<const N: usize>(
 
 /// The manifold of two cores in world axes.
 #[inline(always)]
-fn collide_placed(a: View<'_>, b: View<'_>, margin: Fx) -> Option<Manifold> {
+fn collide_placed(a: View<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
     let offset = a.offset_to(&b)?;
-    let margin = margin.to_bits().clamp(0, MARGIN_MAX);
-    // Radii are at most 2^12 m: below 2^55 in all.
-    let limit = margin + a.placed.radius + b.placed.radius;
-    if a.is_clear_of(&b, offset, limit) {
+    // Radii are at most 2^12 m.
+    let limit = margin.limit(a.placed.radius + b.placed.radius);
+    if limit.is_below(a.gap(&b, offset)) {
         return None;
     }
     let ends = Ends { a, b, offset, limit };
@@ -153,10 +153,18 @@ fn collide_placed(a: View<'_>, b: View<'_>, margin: Fx) -> Option<Manifold> {
 /// The manifold of cores of at most `N` corners.
 fn collide_within<const N: usize>(ends: &Ends<'_>) -> Option<Manifold> {
     let (k, is_fine) = unit(ends);
-    if is_fine {
-        return collide_cores::<i64, N>(ends, k);
+    if is_fine { collide_in::<i64, N>(ends, k) } else { collide_in::<i128, N>(ends, 0) }
+}
+
+/// The manifold by products of a type.
+#[inline(always)]
+fn collide_in<P: Product, const N: usize>(ends: &Ends<'_>, k: u32) -> Option<Manifold> {
+    if N == 4 && ends.a.placed.is_box && ends.b.placed.is_box {
+        if let Ok(manifold) = collide_boxes::<P>(ends, k) {
+            return manifold;
+        }
     }
-    collide_cores::<i128, N>(ends, 0)
+    collide_cores::<P, N>(ends, k)
 }
 
 /// log2 of the unit in ulps in which the cores have 30 bits, and whether it is fine enough for the smaller one.
@@ -164,19 +172,18 @@ fn collide_within<const N: usize>(ends: &Ends<'_>) -> Option<Manifold> {
 fn unit(ends: &Ends<'_>) -> (u32, bool) {
     let (a, b, offset) = (ends.a.placed, ends.b.placed, ends.offset);
     // Below 2^49 + 2^55, since the boxes around the cores are at most `limit` apart.
-    let total = a.extent() + b.extent() + offset[0].abs().max(offset[1].abs());
+    let total = a.extent + b.extent + offset[0].abs().max(offset[1].abs());
     let k = (64 - total.leading_zeros()).saturating_sub(30);
     // A unit of at most 2^-25 of the smaller one's size.
-    let smaller = (a.extent() + a.radius).min(b.extent() + b.radius);
+    let smaller = (a.extent + a.radius).min(b.extent + b.radius);
     (k, k == 0 || 1 << k <= smaller >> 25)
 }
 
-#[inline(always)]
 fn collide_cores<P: Product, const N: usize>(ends: &Ends<'_>, k: u32) -> Option<Manifold> {
     let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
-    let axes = Axes::new(&pair.a, &pair.b, k, P::length(ends.limit, k))?;
+    let axes = Axes::new(&pair.a, &pair.b, k, &ends.limit)?;
     let Some(direction) = axes.direction(&pair.a, &pair.b) else {
         let [i, j] = pair.ends_on_one_line()?;
         return ends.between_corners(i, j);

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::link::{collide_surface, swapped};
 use super::seam::Face;
 use super::surface::{Link, Surface};
-use super::{Manifold, collide_placed};
+use super::{Manifold, Margin, collide_placed};
 use crate::fx::Fx;
 pub(super) use crate::kernel::round::odd_shift;
 use crate::kernel::trig::sin_cos_turn;
@@ -116,7 +116,11 @@ pub(super) struct Placed {
     /// The least box around the corners, relative to the position, in ulps: below 2^48.
     low: [i64; 2],
     high: [i64; 2],
+    /// The largest coordinate of a corner, below 2^48.
+    pub(super) extent: i64,
     pub(super) radius: i64,
+    /// Corners and normals come in opposite pairs, as those of a box around its centre do.
+    pub(super) is_box: bool,
 }
 
 /// The number of places that a core of this many corners takes: most shapes are boxes, and few places are as soon gone through as counted.
@@ -144,9 +148,10 @@ impl Placed {
         let count = outline.corners().len();
         let turned_normal = |normal: Vec2<Fx>| turned_normal(normal, pose);
         let turned_corner = |corner: Vec2<Fx>| turned(corner, pose.direction, 62);
-        let at = |[low, high]: [[i64; 2]; 2]| {
+        let at = |[low, high]: [[i64; 2]; 2], is_box: bool| {
             let (position, radius) = (pose.position, outline.radius().to_bits());
-            Self { position, count, low, high, radius }
+            let extent = high[0].max(high[1]).max(-low[0]).max(-low[1]);
+            Self { position, count, low, high, extent, radius, is_box }
         };
         if let (Some([c1, c2]), Some([n1, n2])) = (halves(outline.corners()), halves(outline.normals())) {
             // Rounding is odd: the other half is the opposite to the bit.
@@ -155,7 +160,7 @@ impl Placed {
             corners.copy_from_slice(&[c1, c2, c1.map(|part| -part), c2.map(|part| -part)]);
             normals.copy_from_slice(&[n1, n2, n1.map(|part| -part), n2.map(|part| -part)]);
             let high = [c1[0].abs().max(c2[0].abs()), c1[1].abs().max(c2[1].abs())];
-            return at([high.map(|part| -part), high]);
+            return at([high.map(|part| -part), high], true);
         }
         let first = turned_corner(outline.corners()[0]);
         let (mut low, mut high) = (first, first);
@@ -169,13 +174,7 @@ impl Placed {
         for (place, &normal) in normals.iter_mut().zip(outline.normals()) {
             *place = turned_normal(normal);
         }
-        at([low, high])
-    }
-
-    /// The largest coordinate of a corner, below 2^48.
-    #[inline(always)]
-    pub(super) fn extent(&self) -> i64 {
-        self.high[0].max(self.high[1]).max(-self.low[0]).max(-self.low[1])
+        at([low, high], false)
     }
 }
 
@@ -203,12 +202,12 @@ impl View<'_> {
         Some([part(from.x, to.x)?, part(from.y, to.y)?])
     }
 
-    /// Returns true if the boxes around the cores are more than `limit` apart. All terms are below 2^57.
+    /// The distance of the boxes around the cores along x or y, whichever is larger; negative where they overlap. All terms are below 2^57.
     #[inline(always)]
-    pub(super) fn is_clear_of(&self, other: &Self, offset: [i64; 2], limit: i64) -> bool {
+    pub(super) fn gap(&self, other: &Self, offset: [i64; 2]) -> i64 {
         let (own, other) = (self.placed, other.placed);
         let gap = |i: usize| (other.low[i] + offset[i] - own.high[i]).max(own.low[i] - other.high[i] - offset[i]);
-        gap(0) > limit || gap(1) > limit
+        gap(0).max(gap(1))
     }
 }
 
@@ -217,8 +216,8 @@ impl View<'_> {
 pub struct Cores {
     corners: Vec<[i64; 2]>,
     normals: Vec<[i32; 2]>,
-    /// Each with its first place.
-    placed: Vec<(Placed, usize)>,
+    /// Each with its first place, and whether it is among the surfaces.
+    placed: Vec<(Placed, usize, bool)>,
     /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
     surfaces: Vec<(usize, bool, usize)>,
     links: Vec<Link<[i32; 2]>>,
@@ -247,13 +246,14 @@ impl Cores {
             self.links.push(Link::new([0, 1], self.normals[start], neighbours, None));
             self.surfaces.push((self.placed.len(), true, self.links.len()));
         }
-        self.placed.push((placed, start));
+        self.placed.push((placed, start, outline.neighbours().is_some()));
         self.placed.len() - 1
     }
 
     /// Names the edges of the outline that was added last that are on the surface among other polygons.
     pub(crate) fn set_faces(&mut self, faces: &[Face]) {
-        let Some((placed, start)) = self.placed.last() else { return };
+        let Some((placed, start, is_surface)) = self.placed.last_mut() else { return };
+        *is_surface = true;
         let (count, normals) = (placed.count, &self.normals[*start..]);
         let link = |face: &Face| {
             let corners = [face.edge, (face.edge + 1) % count];
@@ -268,11 +268,11 @@ impl Cores {
     /// # Panics
     /// Panics if one of them is not there.
     #[must_use]
-    pub fn collide(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
-        if self.surfaces.is_empty() {
-            return collide_placed(self.view(a), self.view(b), margin);
+    pub fn collide(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
+        if self.placed[a].2 || self.placed[b].2 {
+            return self.collide_surfaces(a, b, margin);
         }
-        self.collide_surfaces(a, b, margin)
+        collide_placed(self.view(a), self.view(b), margin)
     }
 
     fn surface(&self, i: usize) -> Option<Surface<'_, [i32; 2]>> {
@@ -283,7 +283,7 @@ impl Cores {
     }
 
     #[cold]
-    fn collide_surfaces(&self, a: usize, b: usize, margin: Fx) -> Option<Manifold> {
+    fn collide_surfaces(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
         match (self.surface(a), self.surface(b)) {
             (None, None) => collide_placed(self.view(a), self.view(b), margin),
             (Some(surface), None) => collide_surface(self.view(a), surface, self.view(b), margin),
@@ -295,7 +295,7 @@ impl Cores {
 
     #[inline(always)]
     fn view(&self, i: usize) -> View<'_> {
-        let (placed, start) = &self.placed[i];
+        let (placed, start, _) = &self.placed[i];
         let places = *start..start + room(placed.count);
         View { placed, corners: &self.corners[places.clone()], normals: &self.normals[places] }
     }

@@ -1,7 +1,10 @@
 //! The points of a manifold, in ulps.
 
+use core::cmp::Ordering;
+
 use super::cores::Product;
 use super::frame::{Frame, nearest};
+use super::margin::Limit;
 use super::place::{View, odd_shift};
 use super::span::{At, Facing, Span, end_of_overlap};
 use super::{Manifold, ManifoldPoint, feature};
@@ -16,7 +19,7 @@ pub(super) struct Ends<'a> {
     /// The offset from A's centre to B's.
     pub(super) offset: [i64; 2],
     /// The largest separation of cores that counts.
-    pub(super) limit: i64,
+    pub(super) limit: Limit,
 }
 
 /// Between `from` at one end of a span and `to` at its other, at the distances `before` and `after` from these.
@@ -35,6 +38,13 @@ fn between([from, to]: [i64; 2], before: i64, after: i64) -> i64 {
     }
 }
 
+/// A corner moved along n by half of a distance below 2^58; n is in units of 2^-30.
+#[inline(always)]
+fn moved([x, y]: [i64; 2], n: [i32; 2], twice: i64) -> [i64; 2] {
+    let twice = i128::from(twice);
+    [x + odd_shift(i128::from(n[0]) * twice, 31) as i64, y + odd_shift(i128::from(n[1]) * twice, 31) as i64]
+}
+
 /// The manifold of a frame.
 #[inline(always)]
 pub(super) fn manifold<P: Product>(ends: &Ends<'_>, frame: &Frame<P>) -> Option<Manifold> {
@@ -49,7 +59,7 @@ pub(super) fn manifold<P: Product>(ends: &Ends<'_>, frame: &Frame<P>) -> Option<
 impl Ends<'_> {
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
-    fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
+    pub(super) fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
         self.overlap(frame, |_| false).or_else(|| self.deepest(frame, |_| true))
     }
 
@@ -58,17 +68,30 @@ impl Ends<'_> {
     pub(super) fn overlap<P: Product>(&self, frame: &Frame<P>, is_left_out: impl Fn(At) -> bool) -> Option<Manifold> {
         let (a, b) = (&frame.a, &frame.b);
         let is_point = a.places[0].max(b.places[0]) == a.places[1].min(b.places[1]);
-        let mut manifold = Manifold { normal: frame.n, count: 0, points: [ManifoldPoint::default(); 2] };
-        for end in 0..if is_point { 1 } else { 2 } {
-            let ahead = if end == 0 { a.places[0].cmp(&b.places[0]) } else { b.places[1].cmp(&a.places[1]) };
-            let (at, name) = end_of_overlap(a, b, end, ahead);
-            let separation = self.separation_at(frame, at);
-            if separation <= self.limit && !is_left_out(at) {
-                manifold.points[manifold.count] = self.point(frame.n, at, separation, name);
-                manifold.count += 1;
-            }
-        }
-        (manifold.count > 0).then_some(manifold)
+        let first = self.end_of_overlap(frame, 0, a.places[0].cmp(&b.places[0]), &is_left_out);
+        let second =
+            if is_point { None } else { self.end_of_overlap(frame, 1, b.places[1].cmp(&a.places[1]), &is_left_out) };
+        let (count, points) = match (first, second) {
+            (Some(first), Some(second)) => (2, [first, second]),
+            (Some(only), None) | (None, Some(only)) => (1, [only, ManifoldPoint::default()]),
+            (None, None) => return None,
+        };
+        Some(Manifold { normal: frame.n, count, points })
+    }
+
+    /// The point at an end of the overlap of two edges, if the cores are near enough there and it is not left out.
+    #[inline(always)]
+    fn end_of_overlap<P: Product>(
+        &self,
+        frame: &Frame<P>,
+        end: usize,
+        ahead: Ordering,
+        is_left_out: &impl Fn(At) -> bool,
+    ) -> Option<ManifoldPoint> {
+        let (at, name) = end_of_overlap(&frame.a, &frame.b, end, ahead);
+        let separation = self.separation_at(frame, end, at);
+        let is_there = !self.limit.is_below(separation) && !is_left_out(at);
+        is_there.then(|| self.point(frame.n, at, separation, name))
     }
 
     /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less, if the corner of A
@@ -82,8 +105,8 @@ impl Ends<'_> {
     /// The offset from a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
     #[inline(always)]
     fn apart(&self, i: usize, j: usize) -> [i64; 2] {
-        let part = |c: usize| self.b.corners[j][c] + self.offset[c] - self.a.corners[i][c];
-        [part(0), part(1)]
+        let ([x, y], [ax, ay], [bx, by]) = (self.offset, self.a.corners[i], self.b.corners[j]);
+        [bx + x - ax, by + y - ay]
     }
 
     /// The distance of two corners along n.
@@ -101,28 +124,14 @@ impl Ends<'_> {
         (least + <i128 as Product>::dot(n, self.offset) - most).ulps(0)
     }
 
-    /// The distance of the cores where a corner is.
+    /// The distance of the cores where a corner is, at an end of an edge.
     #[inline(always)]
-    fn separation_at<P: Product>(&self, frame: &Frame<P>, at: At) -> i64 {
-        let n = frame.n;
+    fn separation_at<P: Product>(&self, frame: &Frame<P>, end: usize, at: At) -> i64 {
+        let (n, a, b) = (frame.n, &frame.a, &frame.b);
         let (span, place, separations): (&Span<P>, P, _) = match at {
             At::Both(i, j) => return self.height(n, i, j),
-            At::A(i) => {
-                let end = usize::from(frame.a.corners[0] != i);
-                (
-                    &frame.b,
-                    frame.a.places[end],
-                    [self.height(n, i, frame.b.corners[0]), self.height(n, i, frame.b.corners[1])],
-                )
-            }
-            At::B(j) => {
-                let end = usize::from(frame.b.corners[0] != j);
-                (
-                    &frame.a,
-                    frame.b.places[end],
-                    [self.height(n, frame.a.corners[0], j), self.height(n, frame.a.corners[1], j)],
-                )
-            }
+            At::A(i) => (b, a.places[end], [self.height(n, i, b.corners[0]), self.height(n, i, b.corners[1])]),
+            At::B(j) => (a, b.places[end], [self.height(n, a.corners[0], j), self.height(n, a.corners[1], j)]),
         };
         // An edge square to n is flat but for rounding.
         let [from, to] = separations;
@@ -136,34 +145,24 @@ impl Ends<'_> {
     #[inline(always)]
     fn point(&self, n: [i32; 2], at: At, separation: i64, feature: u32) -> ManifoldPoint {
         let (radius_a, radius_b) = (self.a.placed.radius, self.b.placed.radius);
-        // Half of 2·distance·n, from units of 2^-30: distances are below 2^58.
-        let step = |n: i32, twice: i64| odd_shift(i128::from(n) * i128::from(twice), 31) as i64;
-        let steps = |twice: i64| [step(n[0], twice), step(n[1], twice)];
+        let (twice_a, twice_b) = (separation + radius_a - radius_b, separation + radius_b - radius_a);
         // Relative to the centre of the corner's own body, and by the exact offset to the other's.
-        let from_a = |i: usize| {
-            let (corner, step) = (self.a.corners[i], steps(separation + radius_a - radius_b));
-            [corner[0] + step[0], corner[1] + step[1]]
-        };
-        let from_b = |j: usize| {
-            let (corner, step) = (self.b.corners[j], steps(separation + radius_b - radius_a));
-            [corner[0] - step[0], corner[1] - step[1]]
-        };
-        let [x, y] = self.offset;
+        let (a, b, [x, y]) = (self.a.corners, self.b.corners, self.offset);
+        let back = [-n[0], -n[1]];
         let (arm_a, arm_b) = match at {
             At::A(i) => {
-                let arm = from_a(i);
+                let arm = moved(a[i], n, twice_a);
                 (arm, [arm[0] - x, arm[1] - y])
             }
             At::B(j) => {
-                let arm = from_b(j);
+                let arm = moved(b[j], back, twice_b);
                 ([arm[0] + x, arm[1] + y], arm)
             }
             At::Both(i, j) => {
                 // The same point but for rounding: the mean, from either side.
-                let (own, other) = (from_a(i), from_b(j));
-                let apart = |c: usize| other[c] + self.offset[c] - own[c];
+                let (own, other) = (moved(a[i], n, twice_a), moved(b[j], back, twice_b));
                 let half = |apart: i64| odd_shift(apart.into(), 1) as i64;
-                let (dx, dy) = (half(apart(0)), half(apart(1)));
+                let (dx, dy) = (half(other[0] + x - own[0]), half(other[1] + y - own[1]));
                 ([own[0] + dx, own[1] + dy], [other[0] - dx, other[1] - dy])
             }
         };
@@ -186,7 +185,7 @@ impl Ends<'_> {
 
     /// The manifold of one point between two corners.
     pub(super) fn single(&self, normal: [i32; 2], separation: i64, i: usize, j: usize) -> Option<Manifold> {
-        if separation > self.limit {
+        if self.limit.is_below(separation) {
             return None;
         }
         let point = self.point(normal, At::Both(i, j), separation, feature([i; 2], [j; 2]));

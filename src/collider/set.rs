@@ -413,8 +413,14 @@ impl<S: Scalar> Collider<S> {
         }
         match &self.others {
             Some(others) => OutlineRef::Kept(&others[part as usize - 1]),
-            None => OutlineRef::Made(BodyOutline::new(self.first.outline.segment(part as usize))),
+            None => self.segment(part),
         }
+    }
+
+    /// The outline of a segment of a chain.
+    #[cold]
+    fn segment(&self, part: u32) -> OutlineRef<'_, S> {
+        OutlineRef::Made(BodyOutline::new(self.first.outline.segment(part as usize)))
     }
 
     /// The number of outlines.

@@ -58,6 +58,15 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     pub(super) sweep: sweep::Workspace,
 }
 
+/// An outline of a pair.
+struct Side<'a, S: Scalar> {
+    number: u32,
+    outline: OutlineId,
+    collider: &'a Collider<S>,
+    flight: u32,
+    kind: FlightOf,
+}
+
 impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
     fn default() -> Self {
         Self {
@@ -109,7 +118,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// An outline in world axes, placed when it is first asked for.
-    #[inline]
+    #[inline(always)]
     pub(super) fn core(
         &mut self,
         scene: &Scene<'_, S>,
@@ -118,20 +127,28 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         flight: u32,
     ) -> usize {
         match self.core_of.get(number) {
-            NONE => {
-                let body = self.flights.body(flight);
-                let core = self.numerics.place(&outline.outline, &body.pose);
-                self.core_of.set(number, core as u32);
-                if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
-                    let (own, place) = ((number, collider), (outline, &body.pose));
-                    if let Some(faces) = self.tiles.find::<S, N>(scene, statics, &self.numbers, own, place) {
-                        self.numerics.set_faces(faces);
-                    }
-                }
-                core
-            }
+            NONE => self.place(scene, (number, collider), outline, flight),
             core => core as usize,
         }
+    }
+
+    fn place(
+        &mut self,
+        scene: &Scene<'_, S>,
+        (number, collider): (u32, &Collider<S>),
+        outline: &BodyOutline<S>,
+        flight: u32,
+    ) -> usize {
+        let body = self.flights.body(flight);
+        let core = self.numerics.place(&outline.outline, &body.pose);
+        self.core_of.set(number, core as u32);
+        if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
+            let (own, place) = ((number, collider), (outline, &body.pose));
+            if let Some(faces) = self.tiles.find::<S, N>(scene, statics, &self.numbers, own, place) {
+                self.numerics.set_faces(faces);
+            }
+        }
+        core
     }
 
     /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its
@@ -192,7 +209,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         colliders: [&Collider<S>; 2],
         ends: [u32; 2],
     ) -> Option<N::Manifold> {
-        let [a, b] = [0, 1].map(|side| colliders[side].outline(parts[side]));
+        let (a, b) = (colliders[0].outline(parts[0]), colliders[1].outline(parts[1]));
         let cores = [
             self.core(scene, (numbers[0], colliders[0]), &a, ends[0]),
             self.core(scene, (numbers[1], colliders[1]), &b, ends[1]),
@@ -201,19 +218,27 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.numerics.collide(cores, flights, [a.radius, b.radius])
     }
 
+    /// An outline by its number.
+    #[inline(always)]
+    fn side<'a>(&mut self, scene: &Scene<'a, S>, number: u32) -> Option<Side<'a, S>> {
+        let outline = self.numbers.outline(number);
+        let collider = scene.colliders.at(outline.slot)?;
+        let flight = self.flights.of::<S, N>(scene, collider.body.slot);
+        Some(Side { number, outline, collider, flight, kind: self.flights.body(flight).kind })
+    }
+
     /// Finds the manifold of a pair, if it has one.
     fn collide(
         &mut self,
         scene: &Scene<'_, S>,
-        numbers: [u32; 2],
+        [first, second]: [&Side<'_, S>; 2],
         contacts: &ContactSet,
         next: &mut usize,
         out: &mut Detected,
     ) {
-        let pair = numbers.map(|number| self.numbers.outline(number));
-        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
-        let ends = [a, b].map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
-        let kinds = ends.map(|flight| self.flights.body(flight).kind);
+        let (numbers, pair) = ([first.number, second.number], [first.outline, second.outline]);
+        let [a, b] = [first.collider, second.collider];
+        let (ends, kinds) = ([first.flight, second.flight], [first.kind, second.kind]);
         if !kinds.contains(&FlightOf::Dynamic) && !kinds.contains(&FlightOf::Asleep) {
             return;
         }
@@ -315,9 +340,15 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.pair_still(scene, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
         self.leave_out_passing(scene, contacts, &mut pairs);
-        let mut next = 0;
-        for &pair in &pairs {
-            self.collide(scene, pair, contacts, &mut next, out);
+        let (mut next, mut first): (_, Option<Side<'_, S>>) = (0, None);
+        for &[a, b] in &pairs {
+            // Pairs are sorted: most have the first outline of the one before.
+            if first.as_ref().is_none_or(|side| side.number != a) {
+                first = self.side(scene, a);
+            }
+            if let (Some(of_a), Some(of_b)) = (&first, &self.side(scene, b)) {
+                self.collide(scene, [of_a, of_b], contacts, &mut next, out);
+            }
         }
         self.broad.return_pairs(pairs);
     }

@@ -86,6 +86,7 @@ impl<F, P> Flights<F, P> {
         self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
+    #[cold]
     fn push_still<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
         &mut self,
         scene: &Scene<'_, S>,
@@ -164,6 +165,7 @@ impl<F, P> Flights<F, P> {
     }
 
     /// The flight of a body.
+    #[inline(always)]
     pub(super) fn of<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
         &mut self,
         scene: &Scene<'_, S>,

@@ -20,6 +20,7 @@ impl Stamped {
         }
     }
 
+    #[inline(always)]
     pub(super) fn get(&self, slot: u32) -> u32 {
         match self.entries.get(slot as usize) {
             Some(&(stamp, number)) if stamp == self.stamp => number,

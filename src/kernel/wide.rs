@@ -74,8 +74,8 @@ pub(crate) const fn mul_shift_64(a: i128, b: u64, shift: i32) -> Option<i128> {
     let (floor, up) = match shift {
         1..64 => {
             let left = 64 - shift as u32;
-            // The floor leaves 127 bits.
-            if high >> (127 - left) != 0 {
+            // The floor leaves 127 bits: the upper word tells.
+            if (high >> 64) as u64 >> (63 - left) != 0 {
                 return None;
             }
             let floor = high << left | (low >> shift) as u128;

@@ -72,7 +72,8 @@ impl FxAccumulator {
     #[inline]
     #[must_use]
     pub fn is_within(self, limit: Fx) -> bool {
-        self.bits().unsigned_abs() <= (limit.to_bits() as u128) << 64
+        let limit = limit.to_bits();
+        (-limit..limit).contains(&self.high) || (self.high == limit && self.low == 0)
     }
 
     #[inline]

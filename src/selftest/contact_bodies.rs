@@ -213,7 +213,7 @@ impl Bodies {
                 if is_far || (self.bodies[a].is_fixed() && self.bodies[b].is_fixed()) {
                     continue;
                 }
-                if let Some(manifold) = self.cores.collide(a, b, margin) {
+                if let Some(manifold) = self.cores.collide(a, b, margin.into()) {
                     found.push(self.touch([a as u32, b as u32], &manifold));
                 }
             }

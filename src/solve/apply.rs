@@ -64,10 +64,12 @@ impl Total {
 #[inline(always)]
 fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
     let (mantissa, shift) = factor.parts();
-    // A change beyond that is beyond all limits of a body, and the sum with its velocity still fits.
-    let most = impulse.signum() << 126;
-    let change = mul_shift_64(impulse, mantissa, shift - 32).unwrap_or(most);
-    FxAccumulator::from_bits(change.clamp(-(1 << 126), 1 << 126))
+    match mul_shift_64(impulse, mantissa, shift - 32) {
+        // Its top two bits are equal.
+        Some(change) if ((change >> 64) as i64) << 1 >> 1 == (change >> 64) as i64 => FxAccumulator::from_bits(change),
+        // A change beyond that is beyond all limits of a body, and the sum with its velocity still fits.
+        _ => FxAccumulator::from_bits(impulse.signum() << 126),
+    }
 }
 
 /// The impulses on both bodies of a contact, for impulses along its three rows in units of 2^exponent N·s.
@@ -162,11 +164,12 @@ impl Solver {
             contact.impulses = Impulses { values: of(&group.impulses), exponent: place.exponent };
             let [a, b] = [contact.bodies[0] as usize, contact.bodies[1] as usize];
             let lengths = [self.bodies[a].length, self.bodies[b].length];
-            for (weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
-                let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(sums), lengths);
-                self.totals[a].add(weighted, of_a);
-                self.totals[b].add(weighted, of_b);
-            }
+            let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.applied), lengths);
+            self.totals[a].add(false, of_a);
+            self.totals[b].add(false, of_b);
+            let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.weighted), lengths);
+            self.totals[a].add(true, of_a);
+            self.totals[b].add(true, of_b);
         }
         self.rolls.apply(&self.groups, contacts, &mut self.totals);
         corrections.clear();
@@ -219,6 +222,8 @@ impl Flight {
         let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
         let (mass, inertia) = (self.inverse_mass, self.inverse_inertia);
         let moved = |factor: FxFactor| factor.times(clock.substep);
+        let moved_x = moved(mass.x);
+        let moved_y = if mass.y == mass.x { moved_x } else { moved(mass.y) };
         let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
         let angular_velocity = changed(turn, inertia);
         let [ox, oy, turned] = match path {
@@ -229,7 +234,7 @@ impl Flight {
         Correction {
             velocity,
             angular_velocity,
-            displacement: Vec2::new(changed(wx, moved(mass.x)).plus(ox), changed(wy, moved(mass.y)).plus(oy)),
+            displacement: Vec2::new(changed(wx, moved_x).plus(ox), changed(wy, moved_y).plus(oy)),
             rotation: changed(wt, moved(inertia)).plus(turned),
         }
     }
@@ -238,9 +243,7 @@ impl Flight {
     #[inline(always)]
     pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
         let Self { start, end, displacement, .. } = self;
-        let of = |start: Fx, end: Fx, way: Fx| {
-            clock.euler(start.to_bits().into(), end.to_bits().into()) - i128::from(way.to_bits())
-        };
+        let of = |start: Fx, end: Fx, way: Fx| clock.euler(start.to_bits(), end.to_bits()) - i128::from(way.to_bits());
         [
             of(start.linear.x, end.linear.x, displacement.x),
             of(start.linear.y, end.linear.y, displacement.y),

@@ -10,7 +10,7 @@
 
 use super::contact::{GAIN, Group};
 use super::matrix::friction;
-use super::number::bits_of;
+use super::number::bits_in;
 use super::vectors::{Shift, across, exact, larger, largest, long, product, word};
 use crate::kernel::simd::{GAIN_BITS, GROUP, Lanes};
 
@@ -70,6 +70,9 @@ pub(super) struct Batch {
 impl Batch {
     /// Makes lanes empty.
     pub(super) fn clear(&mut self, lanes: core::ops::Range<usize>) {
+        if lanes.is_empty() {
+            return;
+        }
         let Self { mass, inertia, share, down, ends, two, compliance, .. } = self;
         let words = mass.as_flattened_mut().iter_mut().chain(inertia).chain(share).chain(down);
         let words = words.chain(ends.as_flattened_mut().as_flattened_mut()).chain([two, compliance]);
@@ -251,7 +254,7 @@ impl Batch {
         let [k11, k22, tangent] = [self.whole[0][lane], self.whole[2][lane], self.tangent[0][lane]];
         let normal = k11.min(k22);
         let smallest = if tangent > 0 { normal.min(tangent) } else { normal };
-        let bits = |value: i64| i64::from(bits_of(value));
+        let bits = |value: i64| i64::from(bits_in(value));
         // All contacts of a phase together change the velocity of a body by no more than one of them alone may: factors of
         // velocities are at most a quarter, those of angular velocities at most 2^16.
         let (widest, turning) = (bits(self.widest[0][lane]), bits(self.widest[1][lane]));

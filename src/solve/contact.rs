@@ -122,11 +122,14 @@ pub(super) struct BodyOf {
     pub(super) inverse_mass: [FxFactor; 2],
     /// 1/I, 1/(kg·m²).
     pub(super) inverse_inertia: FxFactor,
+    /// [`masses`](Self::masses) by its own exponent.
+    own_masses: [i64; 3],
 }
 
 impl BodyOf {
     pub(super) fn new(flight: &Flight, exponent: i32, row: u32) -> Self {
         let (length, inverse_mass) = (flight.length(), [flight.inverse_mass.x, flight.inverse_mass.y]);
+        let inverse_inertia = flight.inverse_inertia;
         Self {
             row,
             length,
@@ -135,8 +138,18 @@ impl BodyOf {
             // A body at rest has a speed of 1: angular ones are rounded up.
             is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
             inverse_mass,
-            inverse_inertia: flight.inverse_inertia,
+            inverse_inertia,
+            own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
         }
+    }
+
+    /// Inverse masses along x and y and the inverse inertia over the square of the length, with [`MASS_BITS`] below 2^exponent.
+    #[inline(always)]
+    fn masses(&self, exponent: i32) -> [i64; 3] {
+        if exponent == self.exponent {
+            return self.own_masses;
+        }
+        masses(self.inverse_mass, self.inverse_inertia, exponent, self.length)
     }
 }
 
@@ -163,18 +176,24 @@ fn mass(factor: FxFactor, bits: i32) -> i64 {
     if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1) as i64 }
 }
 
+/// [`BodyOf::masses`]
+fn masses([x, y]: [FxFactor; 2], inertia: FxFactor, exponent: i32, length: i32) -> [i64; 3] {
+    // Factors that are zero have no exponent.
+    let unit = MASS_BITS - exponent.max(i32::MIN / 4);
+    [mass(x, unit), mass(y, unit), mass(inertia, unit + 2 * length)]
+}
+
 impl Batch {
     /// Writes the masses and arms of a contact into a lane. Returns the exponent of the unit of masses.
     #[inline(always)]
     pub(super) fn load(&mut self, lane: usize, of: &ContactOf<'_>) -> i32 {
         // One of the bodies can be moved.
-        let unit = MASS_BITS - largest_exponent(of.bodies).unwrap_or_default();
+        let exponent = largest_exponent(of.bodies).unwrap_or_default();
         let last = of.contact.count - 1;
         for side in 0..2 {
             let body = of.bodies[side];
-            let [x, y] = body.inverse_mass;
-            (self.mass[side][0][lane], self.mass[side][1][lane]) = (mass(x, unit), mass(y, unit));
-            self.inertia[side][lane] = mass(body.inverse_inertia, unit + 2 * body.length);
+            let [x, y, inertia] = body.masses(exponent);
+            (self.mass[side][0][lane], self.mass[side][1][lane], self.inertia[side][lane]) = (x, y, inertia);
             self.share[side][lane] = of.shares[side].into();
             // From 2^-32 m to 2^-30 of the length.
             self.down[side][lane] = (2 + body.length).into();
@@ -185,7 +204,7 @@ impl Batch {
             }
         }
         self.two[lane] = -(last as i64);
-        unit
+        MASS_BITS - exponent
     }
 
     /// Returns true if an inverse mass is 2^31.
@@ -218,10 +237,11 @@ impl Group {
         let contact = of.contact;
         [self.a[lane], self.b[lane]] = of.rows;
         self.normal[lane] = contact.normal;
-        let [first, last] = [contact.points[0].separation, contact.points[contact.count - 1].separation];
+        let [first, last] = contact.points.map(|point| point.separation);
         let Scale { clock, unit, .. } = scale;
-        self.separation[lane] =
-            [clock.length_within(first, *unit, SEPARATION), clock.length_within(last, *unit, SEPARATION)];
+        let first = clock.length_within(first, *unit, SEPARATION);
+        let last = if contact.count == 1 { first } else { clock.length_within(last, *unit, SEPARATION) };
+        self.separation[lane] = [first, last];
         self.separation_now[lane] = self.separation[lane];
         let soft = if of.bodies[0].is_held || of.bodies[1].is_held { &scale.fixed } else { &scale.moving };
         self.push_out[lane] = soft.push_out;

@@ -49,8 +49,9 @@ impl Graph {
         self.is_fixed.extend((0..bodies as u32).map(is_fixed));
         self.first.clear();
         self.first.resize(bodies + 1, 0);
-        for body in links.clone().flatten() {
-            self.first[body as usize + 1] += 1;
+        for [a, b] in links.clone() {
+            self.first[a as usize + 1] += 1;
+            self.first[b as usize + 1] += 1;
         }
         for i in 0..bodies {
             self.first[i + 1] += self.first[i];

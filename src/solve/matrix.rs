@@ -2,7 +2,7 @@
 
 use super::batch::{Batch, FACTOR_BITS, Words};
 use super::contact::Group;
-use super::number::{bits_of, clamped_word, shifted_word};
+use super::number::{bits_in, bits_of, clamped_word, shifted_word};
 use super::vectors::{Shift, larger, long, magnitude, word};
 use crate::kernel::simd::{GROUP, Lanes};
 
@@ -26,13 +26,14 @@ fn factor(value: i64, bits: i32) -> i32 {
 
 /// Element 12 over a diagonal one in 2^-28, within ±4.
 pub(super) fn ratio(k12: i64, diagonal: i64) -> i32 {
-    let bits = (bits_of(diagonal) - 31).max(0);
+    let bits = (bits_in(diagonal) - 31).max(0);
     let (k12, diagonal) = (k12 >> bits, diagonal >> bits);
     if diagonal == 0 {
         return 0;
     }
-    // The diagonal is below 2^31, the numerator below 2^33: their quotient in 2^-28 is below 2^30.
-    ((k12.clamp(-4 * diagonal, 4 * diagonal) << 28) / diagonal) as i32
+    // The diagonal is below 2^31, the numerator below 2^33: their quotient in 2^-28 is below 2^30. It is rounded towards zero.
+    let quotient = ((k12.abs().min(4 * diagonal) << 28) as u64 / diagonal as u64) as i32;
+    if k12 < 0 { -quotient } else { quotient }
 }
 
 /// Elements 11, 22 and 12 of an inverse, in 2^-exponent.
@@ -48,9 +49,12 @@ fn reciprocal(determinant: i128) -> (i64, i32) {
     if determinant <= 0 {
         return (0, 0);
     }
-    let bits = 128 - determinant.leading_zeros() as i32 - 33;
-    let kept = if bits > 0 { determinant >> bits } else { determinant << -bits };
-    (((1 << 63) / kept as i64 as u64) as i64, bits)
+    // The top 33 bits: most often the upper word has the first of them.
+    let (high, low) = ((determinant >> 64) as u64, determinant as u64);
+    let zeros = if high == 0 { low.leading_zeros() } else { high.leading_zeros() };
+    let (top, bits) = if high == 0 { (low << zeros, 31) } else { (high << zeros | low >> 1 >> (63 - zeros), 95) };
+    let (kept, bits) = (top >> 31, bits - zeros as i32);
+    (((1 << 63) / kept) as i64, bits)
 }
 
 impl Inverse {
@@ -61,7 +65,7 @@ impl Inverse {
         if reciprocal == 0 {
             return Self { elements: [0; 3], exponent: 0 };
         }
-        let down = (bits_of(k.k11.max(k.k22)) - 31).max(0);
+        let down = (bits_in(k.k11.max(k.k22)) - 31).max(0);
         // The numerators have 31 bits.
         let element = |value: i64| ((value >> down) * reciprocal) >> 31;
         Self { elements: [element(k.k22), element(k.k11), -element(k.k12)], exponent: 32 + bits - down }
@@ -156,16 +160,26 @@ impl Matrices {
             let k12 = batch.split[1][lane] & batch.two[lane];
             let square = i128::from(k12) * i128::from(k12);
             for set in 0..4 {
+                // Of one point both rows are the first, whether the second is soft or not.
+                if set >= 2 && batch.two[lane] == 0 {
+                    for words in [&mut self.less, &mut self.down, &mut self.exponents] {
+                        words[set][lane] = words[set - 2][lane];
+                    }
+                    continue;
+                }
                 let (k11, k22) = (self.first[set & 1][lane], self.second[set][lane]);
                 let (reciprocal, bits) = reciprocal(i128::from(k11) * i128::from(k22) - square);
-                let down = (bits_of(k11.max(k22)) - 31).max(0);
+                let down = (bits_in(k11.max(k22)) - 31).max(0);
                 self.less[set][lane] = reciprocal - 1;
                 self.down[set][lane] = down.into();
                 // A matrix that has no inverse gets zeros.
                 self.exponents[set][lane] = if reciprocal > 0 { 32 + bits - down } else { 0 }.into();
             }
-            group.ratio_12[lane] = [ratio(k12, self.first[0][lane]), ratio(k12, self.first[1][lane])];
-            group.ratio_21[lane] = [ratio(k12, self.second[0][lane]), ratio(k12, self.second[3][lane])];
+            (group.ratio_12[lane], group.ratio_21[lane]) = ([0; 2], [0; 2]);
+            if k12 != 0 {
+                group.ratio_12[lane] = [ratio(k12, self.first[0][lane]), ratio(k12, self.first[1][lane])];
+                group.ratio_21[lane] = [ratio(k12, self.second[0][lane]), ratio(k12, self.second[3][lane])];
+            }
         }
     }
 
@@ -193,7 +207,7 @@ impl Matrices {
     fn choose_shifts(&mut self, batch: &Batch, group: &mut Group) -> bool {
         let mut is_up = false;
         for lane in 0..GROUP {
-            let log2 = |set: usize| i64::from(bits_of(self.largest[set][lane])) - self.exponents[set][lane];
+            let log2 = |set: usize| i64::from(bits_in(self.largest[set][lane])) - self.exponents[set][lane];
             let top = log2(0).max(log2(1)).max(log2(2)).max(log2(3));
             // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
             let unit = batch.bits[lane] + 2;
@@ -233,9 +247,15 @@ fn element<L: Lanes>(lanes: L, k: L::Wide, (less, down): (L::Wide, L::Wide)) -> 
     lanes.floored::<31>(lanes.add(lanes.times(lanes.low(k), lanes.low(less)), k))
 }
 
-/// The inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it.
+/// The inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it: below 2^60.
 #[inline(always)]
 pub(super) fn friction(tangent: i64, bits: i64) -> i32 {
-    let of = Inverse::of(Matrix { k11: tangent, k12: 0, k22: 1 << 31 });
-    factor(of.elements[0], of.exponent - bits as i32 - 2 - 27)
+    if tangent <= 0 {
+        return 0;
+    }
+    // 1/tangent is the reciprocal of its top 33 bits times 2^-(30 + size). It is cut first, as an element of an inverse matrix is.
+    let size = bits_in(tangent);
+    let reciprocal = ((1 << 63) / ((tangent as u64) << (64 - size) >> 31)) as i64;
+    let down = size.max(32) - 31;
+    factor(reciprocal >> down, 30 + size - down - bits as i32 - 2 - 27)
 }

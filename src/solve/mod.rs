@@ -153,12 +153,11 @@ impl Flight {
 
     /// The largest speed of its free flight, in 2^-32 m/s.
     fn speed(&self) -> u128 {
-        let length = self.length();
-        let of = |velocity: Velocity| {
-            let [x, y] = [velocity.linear.x, velocity.linear.y].map(|v| u128::from(v.to_bits().unsigned_abs()));
-            x.max(y).max(rim_speed(velocity.angular, length))
-        };
-        of(self.start).max(of(self.end))
+        let Self { start, end, .. } = self;
+        let most = |a: Fx, b: Fx| if a.to_bits().unsigned_abs() < b.to_bits().unsigned_abs() { b } else { a };
+        let linear = most(most(start.linear.x, start.linear.y), most(end.linear.x, end.linear.y));
+        let rim = rim_speed(most(start.angular, end.angular), self.length());
+        u128::from(linear.to_bits().unsigned_abs()).max(rim)
     }
 
     /// The flight in units of 2^unit m/s.

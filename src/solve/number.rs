@@ -45,6 +45,12 @@ pub(super) const fn bits_of(value: i64) -> i32 {
     64 - value.unsigned_abs().leading_zeros() as i32
 }
 
+/// [`bits_of`] a value that is not negative.
+#[inline]
+pub(super) const fn bits_in(value: i64) -> i32 {
+    64 - value.leading_zeros() as i32
+}
+
 /// ⌈log2⌉ of a length in metres. *Domain* it is positive.
 #[inline]
 pub(super) fn log2_above(length: Fx) -> i32 {

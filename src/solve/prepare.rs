@@ -240,7 +240,7 @@ pub(super) fn clear_shares(shares: &mut Vec<[u32; PHASES]>, touched: &mut [Vec<u
 }
 
 /// Counts a joint or contact of a phase by body, and lists the rows that it can move.
-#[inline]
+#[inline(always)]
 pub(super) fn count_share(
     shares: &mut [[u32; PHASES]],
     touched: &mut [Vec<u32>; PHASES],

@@ -41,11 +41,11 @@ impl Clock {
     }
 
     /// The displacement of sub-steps of semi-implicit Euler from one velocity to another: h·(n·v0 + (v1 − v0)·(n + 1)/2), for
-    /// velocities in 2^-32 m/s, in 2^-32 m. *Domain* velocities below 2^58.
+    /// velocities in 2^-32 m/s, in 2^-32 m.
     #[inline(always)]
-    pub(super) fn euler(&self, start: i128, end: i128) -> i128 {
+    pub(super) fn euler(&self, start: i64, end: i64) -> i128 {
         let n = i128::from(self.substeps);
-        let twice = 2 * n * start + (end - start) * (n + 1);
+        let twice = (n - 1) * i128::from(start) + (n + 1) * i128::from(end);
         let (mantissa, shift) = self.substep.parts();
         match i64::try_from(twice) {
             Ok(twice) if (64..127).contains(&shift) => multiple(twice, mantissa, shift + 1).into(),
@@ -80,9 +80,12 @@ impl Clock {
 fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
     // Below 2^127: the upper half, and the result, are below 2^63.
     let product = u128::from(value.unsigned_abs()) * u128::from(mantissa);
-    let floor = (product >> 64) as u64 >> (shift - 64);
-    let rest = (product << (127 - shift)) << 1;
-    let nearest = (floor + u64::from(rest > (1 << 127) - u128::from(floor & 1))) as i64;
+    let (high, low, right) = ((product >> 64) as u64, product as u64, (shift - 64) as u32);
+    let floor = high >> right;
+    // The fraction in 2^-64, and whether there is more below it: up from one half on if that is so or the floor is odd.
+    let fraction = high << 1 << (63 - right) | low >> right;
+    let is_more = low << 1 << (63 - right) != 0;
+    let nearest = (floor + u64::from(fraction > (1 << 63) - (floor & 1 | u64::from(is_more)))) as i64;
     if value < 0 { -nearest } else { nearest }
 }
 

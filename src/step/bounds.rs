@@ -8,6 +8,7 @@ use super::applied::part_in;
 use super::{Constants, Found};
 use crate::body::{BOUNDED_STEPS, Block, Motion};
 use crate::error::Cause;
+use crate::fx::Fx;
 use crate::island::is_candidate;
 use crate::limits;
 use crate::scalar::{Accumulator, Scalar};
@@ -49,18 +50,39 @@ pub(crate) fn find_out_of_bounds<S: Scalar>(block: &Block<'_, S>, faults: &mut V
     if are_inside(block, [limits::POSITION_LOG2, limits::SPEED_LOG2]) {
         return;
     }
-    let [position, speed, angular_velocity] = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED].map(S::from_fx);
     for i in 0..block.len() {
-        let cause = if !block.velocity.iter().all(|v| v[i].is_within(speed)) {
-            Cause::Velocity
-        } else if !block.position.iter().all(|x| x[i].is_within(position)) {
-            Cause::Position
-        } else if !block.angular_velocity[i].is_within(angular_velocity) {
-            Cause::AngularVelocity
-        } else {
-            continue;
-        };
-        faults.push((block.first + i, cause));
+        let of = |plane: &[&mut [S::Accumulator]; 2]| [plane[0][i], plane[1][i]];
+        let cause = beyond::<S>([of(&block.velocity), of(&block.position)], block.angular_velocity[i]);
+        faults.extend(cause.map(|cause| (block.first + i, cause)));
+    }
+}
+
+/// Adds a fault for a single body outside the allowed range. Returns true if it is.
+pub(super) fn is_out_of_bounds<S: Scalar>(motion: &Motion<S>, i: usize, faults: &mut Vec<(usize, Cause)>) -> bool {
+    let [velocity, position] = [&motion.velocity, &motion.position].map(|plane| [plane.x[i], plane.y[i]]);
+    let cause = beyond::<S>([velocity, position], motion.angular_velocity[i]);
+    faults.extend(cause.map(|cause| (i, cause)));
+    cause.is_some()
+}
+
+/// The limit that a body is beyond, if it is outside the allowed range.
+#[inline(always)]
+fn beyond<S: Scalar>(
+    [velocity, position]: [[S::Accumulator; 2]; 2],
+    angular_velocity: S::Accumulator,
+) -> Option<Cause> {
+    let are_within = |[x, y]: [S::Accumulator; 2], limit: Fx| {
+        let limit = S::from_fx(limit);
+        x.is_within(limit) && y.is_within(limit)
+    };
+    if !are_within(velocity, limits::SPEED) {
+        Some(Cause::Velocity)
+    } else if !are_within(position, limits::POSITION) {
+        Some(Cause::Position)
+    } else if !angular_velocity.is_within(S::from_fx(limits::ANGULAR_SPEED)) {
+        Some(Cause::AngularVelocity)
+    } else {
+        None
     }
 }
 

@@ -75,10 +75,8 @@ fn is_of_body(&(_, change): &(u32, Change)) -> bool {
 }
 
 /// Finds whether a body left the allowed range; then it is at fault.
-fn leaves_range<S: Scalar>(bodies: &mut Bodies<S>, dense: usize, found: &mut Found) -> bool {
-    let first = found.faults.len();
-    bounds::find_out_of_bounds(&bodies.block(dense..dense + 1), &mut found.faults);
-    found.faults.len() > first
+fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, found: &mut Found) -> bool {
+    bounds::is_out_of_bounds(&bodies.columns.motion, dense, &mut found.faults)
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -348,9 +346,8 @@ impl<S: Scalar> Step<'_, S> {
             motion.velocity.set(i, sum(motion.velocity.get(i), by.velocity));
             motion.angular_velocity[i] = motion.angular_velocity[i].plus(by.angular_velocity);
             motion.angle[i] = motion.angle[i].turned(by.rotation);
-            let mut block = bodies.block(i..i + 1);
             if constants.any_capped {
-                cap(&mut block, BlockFactors::Each(constants.rows));
+                cap(&mut bodies.block(i..i + 1), BlockFactors::Each(constants.rows));
             }
             if leaves_range(bodies, i, &mut self.workspace.found) {
                 start.restore(bodies);

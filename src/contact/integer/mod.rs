@@ -43,15 +43,29 @@ pub struct Fixed {
 }
 
 /// A point with arms to the surface of each body: an open gap closes within the step.
+#[inline(always)]
 fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> solve::Point {
-    let gap = i128::from(point.separation.to_bits());
+    let gap = point.separation.to_bits();
     let (mut arms, separation) = ([point.arm_a, point.arm_b], point.separation);
     if gap > 0 {
-        // Half of the gap along the normal, from units of 2^-30, to nearest, ties to even. A gap is below 2^57.
-        let [x, y] = normal.map(|n| Fx::from_bits(shr_round(i128::from(n) * gap, 31) as i64));
-        arms = [arms[0] - Vec2::new(x, y), arms[1] + Vec2::new(x, y)];
+        // Half of the gap along the normal.
+        let (x, y) = (half_along(normal[0], gap), half_along(normal[1], gap));
+        let half = Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+        arms = [arms[0] - half, arms[1] + half];
     }
     solve::Point { arms, separation }
+}
+
+/// Half of a gap times a component of a normal in units of 2^-30, to nearest, ties to even. *Domain* a gap below 2^57.
+#[inline(always)]
+fn half_along(n: i32, gap: i64) -> i64 {
+    if gap >> 32 != 0 {
+        return shr_round(i128::from(n) * i128::from(gap), 31) as i64;
+    }
+    // Below 2^62.1. As `shr_round`, in words.
+    let product = i64::from(n) * gap;
+    let floor = product >> 31;
+    floor + i64::from((product & ((1 << 31) - 1)) > (1 << 30) - (floor & 1))
 }
 
 impl From<&ContactSettings> for SolverOptions {
@@ -129,10 +143,10 @@ impl Numerics<Fx> for Fixed {
     }
 
     fn collide(&self, cores: [usize; 2], flights: [&Flight; 2], radii: [Fx; 2]) -> Option<Manifold> {
-        let margin = MARGIN.to_bits() + closing(flights, radii);
+        let margin = closing(flights, radii);
         #[cfg(feature = "selftest")]
-        let margin = if self.is_discrete { MARGIN.to_bits() } else { margin };
-        self.cores.collide(cores[0], cores[1], Fx::from_bits(margin))
+        let margin = if self.is_discrete { MARGIN.into() } else { margin };
+        self.cores.collide(cores[0], cores[1], margin)
     }
 
     fn along(manifold: &Manifold, pose: &Pose, direction: Vec2<Fx>) -> Fx {
@@ -157,11 +171,12 @@ impl Numerics<Fx> for Fixed {
 
     fn push(&mut self, bodies: [u32; 2], manifold: &Manifold, surface: &Surface<Fx>, start: Impulses) {
         let MaterialPair { friction, restitution, rolling_resistance } = surface.coefficients;
+        let [first, second] = &manifold.points;
         self.contacts.push(Contact {
             bodies,
             normal: manifold.normal,
             count: manifold.count,
-            points: manifold.points.map(|point| on_surfaces(manifold.normal, &point)),
+            points: [on_surfaces(manifold.normal, first), on_surfaces(manifold.normal, second)],
             friction,
             restitution,
             rolling_resistance,

@@ -1,6 +1,6 @@
 //! Boxes over a step, the distance that two bodies close in it, and mixed materials.
 
-use crate::collide::Pose;
+use crate::collide::{Margin, Pose};
 use crate::collider::{BodyOutline, MixRule};
 use crate::contact::numerics::MARGIN;
 use crate::fx::Fx;
@@ -9,25 +9,21 @@ use crate::math::Vec2;
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
-/// The length of a vector in ulps, rounded up. *Domain* components below 2^62.
-fn length(x: i64, y: i64) -> i64 {
-    let square = |v: i64| u128::from(v.unsigned_abs()).pow(2);
-    (square(x) + square(y)).isqrt() as i64 + 1
-}
-
 /// The distance that a point of an outline moves by the rotation of its body, in ulps, rounded up: at most twice its radius.
 fn turned(flight: &Flight, radius: Fx) -> i64 {
-    let radius = i128::from(radius.to_bits());
-    let product = i128::from(flight.rotation.to_bits()).abs() * radius;
+    let radius = u128::from(radius.to_bits().unsigned_abs());
+    let product = u128::from(flight.rotation.to_bits().unsigned_abs()) * radius;
     // Radii are below 2^15 m.
-    ((product >> 32) + i128::from(product != 0)).min(2 * radius) as i64
+    ((product >> 32) + u128::from(product != 0)).min(2 * radius) as i64
 }
 
-/// The largest distance that two outlines close in the step, in ulps. Displacements are below 2^29 m.
-pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
+/// The largest distance of two outlines that may touch in the step: the margin and what they close. Displacements are below 2^29 m.
+#[inline]
+pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
     let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
     let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
-    length(x, y) + turned(a, radii[0]) + turned(b, radii[1])
+    // The ways are rounded up: that of the displacements by the ulp.
+    Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a, radii[0]) + turned(b, radii[1])), [x, y])
 }
 
 /// The largest distance that a point of an outline moves in the step, in ulps: for two together at least what they

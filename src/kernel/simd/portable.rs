@@ -156,12 +156,14 @@ impl Lanes for Portable {
     #[inline(always)]
     fn are_beyond(self, any: [i64; 2], low: [i64; 2]) -> bool {
         const BOUND: i64 = 1 << 30;
-        any.iter().any(|&a| !(-BOUND..BOUND).contains(&a)) || low.iter().any(|&a| a < -2 * BOUND)
+        // Sums from 0 to 2^31 − 1 have no bits above these.
+        let sums = any.map(|a| a.wrapping_add(BOUND));
+        (sums[0] | sums[1]) >> 31 != 0 || low[0].min(low[1]) < -2 * BOUND
     }
 
     #[inline(always)]
     fn are_pushes(self, impulses: [i64; 2], changes: [i64; 2]) -> bool {
-        impulses.iter().all(|&impulse| impulse >= 0) && !self.are_beyond(changes, [0; 2])
+        (impulses[0] | impulses[1]) >= 0 && !self.are_beyond(changes, [0; 2])
     }
 
     #[inline(always)]
