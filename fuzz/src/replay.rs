@@ -160,12 +160,20 @@ fn from_chunks(data: &[u8]) -> Result<()> {
     Ok(())
 }
 
+/// The ticks for which a pile falls together before its run is recorded or its tick is dumped, and the fewest ticks of its run.
+const FALL: usize = 12;
+const TICKS: u8 = 8;
+
 /// A world made by the author.
 fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     if kind & PILED != 0 {
         pile(author, &mut world)?;
+        for _ in 0..FALL {
+            world.step();
+            tally::count(&world);
+        }
     }
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command();
@@ -185,9 +193,6 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
     Ok(inputs)
 }
 
-/// The fewest ticks of a run with a pile.
-const TICKS: u8 = 20;
-
 fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
     let mut world = start(&mut author, kind)?;
@@ -196,7 +201,6 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
         snapshot_every: u32::from(author.any::<u8>()? % 4),
     };
     let mut recorder = Recorder::new(&world, options);
-    // Piles fall together first.
     let fewest = if kind & PILED != 0 { TICKS } else { 0 };
     let ticks = fewest + author.any::<u8>()? % 12;
     let mut calls = Vec::new();
