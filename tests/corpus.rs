@@ -335,13 +335,14 @@ fn write_seeds() {
         write("threads", &format!("piled-{number:02}"), &piled("threads", [200, 100], &mut choices, |_| Vec::new()));
     }
     // Large worlds have fewer ticks.
-    let is_large = |bytes: &Vec<u8>| Tally::of(fuzz::threads::run, bytes).ticks == fuzz::threads::FEW_TICKS as u64;
+    let ticks = (fuzz::threads::FALL + fuzz::threads::FEW_TICKS) as u64;
+    let is_large = |bytes: &Vec<u8>| Tally::of(fuzz::threads::run, bytes).ticks == ticks;
     let mut large = core::iter::repeat_with(|| random_bytes(300, &mut choices)).filter(is_large);
     for number in 0..2 {
         write("threads", &format!("large-{number}"), &large.next().expect("there is no end of them"));
     }
     for number in 0..40 {
-        let start = |random: &mut Random| vec![128 + 4 + random.below(20) as u8];
+        let start = |random: &mut Random| vec![128 + 4 + random.below(14) as u8];
         write("queries", &format!("piled-{number:02}"), &piled("queries", [700, 300], &mut choices, start));
     }
     // Of each function of numbers, with all of its arguments.

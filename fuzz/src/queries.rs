@@ -19,7 +19,7 @@ pub fn run(data: &[u8]) {
 /// The most bodies and queries of an input.
 const BODIES: usize = 24;
 const QUERIES: usize = 32;
-/// Bodies in a row of a pile, and the fewest steps that it has to fall together.
+/// Bodies in a row of a pile, and the steps that it has to fall together.
 const ROW: i32 = 6;
 const TICKS: u8 = 20;
 
@@ -213,7 +213,8 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
         world.add_body(def.clone()).map(|_| world).expect("a body that was added before")
     };
     let singles: Vec<World> = bodies.iter().map(single).collect();
-    let steps = u8::arbitrary(input)? % 3 + if is_piled { TICKS } else { 0 };
+    let steps = u8::arbitrary(input)? % 3;
+    let steps = if is_piled { TICKS } else { steps };
     let mut stepped = world.clone();
     for _ in 0..steps {
         stepped.step();

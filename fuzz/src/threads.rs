@@ -28,9 +28,10 @@ const CROWD: u64 = 53;
 const STEADY: u64 = 4;
 /// The bodies of these kinds in a large world, in which a step uses several threads by itself: 8,200 with the others.
 const LARGE: u64 = 2_050;
-/// The ticks of an input, those of one with a large world, and the most commands, one a tick.
-const TICKS: usize = 20;
-pub const FEW_TICKS: usize = 8;
+/// The ticks for which a pile falls together first, those that are made twice, in a large world too, and the most commands, one a tick.
+pub const FALL: usize = 12;
+const TICKS: usize = 8;
+pub const FEW_TICKS: usize = 4;
 const COMMANDS: usize = 8;
 /// States are compared after each so many ticks, and reports after each: a difference stays in the state.
 const EVERY: usize = 4;
@@ -46,6 +47,11 @@ fn play(data: &[u8]) -> Result<Vec<usize>> {
     };
     let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(Vec::new()) };
     pile(&mut author, &mut world)?;
+    let mut contacts = Vec::new();
+    for _ in 0..FALL {
+        world.step();
+        contacts.push(world.contacts().count());
+    }
     let mut random = Random::seeded(author.any()?);
     // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
     let special = author.generator().body_def();
@@ -72,7 +78,6 @@ fn play(data: &[u8]) -> Result<Vec<usize>> {
     if !is_large {
         worlds[1].share_bodies(0);
     }
-    let mut contacts = Vec::new();
     for tick in 0..if is_large { FEW_TICKS } else { TICKS } {
         if tick < COMMANDS && !author.input.is_empty() {
             let command = author.command();
