@@ -331,7 +331,7 @@ fn write_seeds() {
             &piled("contact_solver", [400, 300], &mut choices, start),
         );
     }
-    for number in 0..40 {
+    for number in 0..20 {
         write("threads", &format!("piled-{number:02}"), &piled("threads", [200, 100], &mut choices, |_| Vec::new()));
     }
     // Large worlds have fewer ticks.
