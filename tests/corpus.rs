@@ -259,6 +259,11 @@ fn second_encodings_are_committed() {
     }
 }
 
+/// Random bytes, a third of them zeros: these end a list, and are what is usual.
+fn random_bytes(length: u64, random: &mut Random) -> Vec<u8> {
+    (0..length).map(|_| if random.below(3) == 0 { 0 } else { random.bits() as u8 }).collect()
+}
+
 /// An input of a target in which bodies lie in a pile and most of them touch; `start` makes the first bytes.
 fn piled(
     target: &str,
@@ -270,8 +275,7 @@ fn piled(
     let (_, ticks, manifolds) = MEDIANS.into_iter().find(|(name, ..)| *name == target).expect("one with medians");
     loop {
         let length = least + random.below(more);
-        let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
-        let mut bytes: Vec<u8> = (0..length).map(|_| byte(random)).collect();
+        let mut bytes = random_bytes(length, random);
         let start = start(random);
         bytes.splice(..start.len(), start);
         let tally = Tally::of(run, &bytes);
@@ -295,9 +299,7 @@ fn write_seeds() {
     for target in ["commands", "fx_f64", "kernels", "replay", "snapshot", "work"] {
         for i in 0..16u8 {
             let length = random.below(if target == "kernels" { 60 } else { 400 });
-            // Zeros are what ends a list and what is usual.
-            let byte = |random: &mut Random| if random.below(3) == 0 { 0 } else { random.bits() as u8 };
-            let mut bytes: Vec<u8> = (0..length).map(|_| byte(&mut random)).collect();
+            let mut bytes = random_bytes(length, &mut random);
             // The first byte says what the others are.
             bytes.insert(0, i);
             write(target, &format!("random-{i:02}"), &bytes);
@@ -311,8 +313,8 @@ fn write_seeds() {
     for (promise, number) in
         (0..10).flat_map(|promise| [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10].map(|number| (promise, number)))
     {
-        // A pile with values of one of four kinds.
-        let start = |random: &mut Random| vec![promise, 4 + random.below(4) as u8];
+        // A pile with values of one of four kinds, which falls together for a while of four lengths.
+        let start = |random: &mut Random| vec![promise, 4 + random.below(4) as u8 + 16 * (number % 4)];
         write("commands", &format!("piled-{promise}-{number:02}"), &piled("commands", [150, 200], &mut choices, start));
     }
     for number in 0..110 {
@@ -330,11 +332,18 @@ fn write_seeds() {
             &piled("contact_solver", [400, 300], &mut choices, start),
         );
     }
-    for number in 0..10 {
-        write("threads", &format!("piled-{number}"), &piled("threads", [200, 100], &mut choices, |_| Vec::new()));
+    for number in 0..20 {
+        write("threads", &format!("piled-{number:02}"), &piled("threads", [200, 100], &mut choices, |_| Vec::new()));
+    }
+    // Large worlds have fewer ticks.
+    let ticks = (fuzz::threads::FALL + fuzz::threads::FEW_TICKS) as u64;
+    let is_large = |bytes: &Vec<u8>| Tally::of(fuzz::threads::run, bytes).ticks == ticks;
+    let mut large = core::iter::repeat_with(|| random_bytes(300, &mut choices)).filter(is_large);
+    for number in 0..2 {
+        write("threads", &format!("large-{number}"), &large.next().expect("there is no end of them"));
     }
     for number in 0..40 {
-        let start = |random: &mut Random| vec![128 + 16 + random.below(8) as u8];
+        let start = |random: &mut Random| vec![128 + 4 + random.below(14) as u8];
         write("queries", &format!("piled-{number:02}"), &piled("queries", [700, 300], &mut choices, start));
     }
     // Of each function of numbers, with all of its arguments.

@@ -160,12 +160,22 @@ fn from_chunks(data: &[u8]) -> Result<()> {
     Ok(())
 }
 
+/// The ticks for which a pile falls together before its run is recorded, the fewest ticks of its run, and the ticks before its tick is
+/// dumped.
+const FALL: usize = 16;
+const TICKS: u8 = 4;
+const FALL_OF_DUMP: usize = 8;
+
 /// A world made by the author.
-fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
+fn start(author: &mut Author<'_>, kind: u8, fall: usize) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     if kind & PILED != 0 {
         pile(author, &mut world)?;
+        for _ in 0..fall {
+            world.step();
+            tally::count(&world);
+        }
     }
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command();
@@ -185,18 +195,14 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
     Ok(inputs)
 }
 
-/// The fewest ticks of a run with a pile.
-const TICKS: u8 = 20;
-
 fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
-    let mut world = start(&mut author, kind)?;
+    let mut world = start(&mut author, kind, FALL)?;
     let options = RecordOptions {
         hash_every: 1 + u32::from(author.any::<u8>()? % 3),
         snapshot_every: u32::from(author.any::<u8>()? % 4),
     };
     let mut recorder = Recorder::new(&world, options);
-    // Piles fall together first.
     let fewest = if kind & PILED != 0 { TICKS } else { 0 };
     let ticks = fewest + author.any::<u8>()? % 12;
     let mut calls = Vec::new();
@@ -260,7 +266,7 @@ fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Ch
 
 fn dumped(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
-    let before = start(&mut author, kind)?;
+    let before = start(&mut author, kind, FALL_OF_DUMP)?;
     let calls = if author.any()? { vec![author.command()] } else { Vec::new() };
     let inputs = inputs(&mut author)?;
     let mut after = before.clone();

@@ -15,15 +15,15 @@ use super::tally;
 pub fn run(data: &[u8]) {
     let Some((kind, rest)) = data.split_first() else { return };
     match kind % 4 {
-        0 => look(rest),
+        0 => look_and_use(rest),
         1 | 2 => {
             let mut bytes = head();
             bytes.extend_from_slice(rest);
             bytes.extend_from_slice(&[0; 16]);
             seal_snapshot(&mut bytes);
-            look(&bytes);
+            look_and_use(&bytes);
         }
-        _ => _ = forged(rest, *kind).map(|bytes| look(&bytes)),
+        _ => _ = forged(rest, *kind),
     }
 }
 
@@ -53,22 +53,31 @@ fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
     Ok(world)
 }
 
-fn forged(data: &[u8], kind: u8) -> Result<Vec<u8>> {
+fn forged(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
     let world = made(&mut author, kind)?;
     let mut bytes = if kind >= LATE { late(&world, kind) } else { world }.snapshot().to_bytes();
-    assert!(Snapshot::from_bytes(&bytes, &author::custom_forces()).is_ok(), "its own bytes");
-    look(&bytes);
+    let own = look(&bytes).expect("its own bytes");
     let input: &mut Unstructured<'_> = &mut author.input;
-    while !input.is_empty() {
-        disturb(&mut bytes, input)?;
+    let mut changed = None;
+    if !input.is_empty() {
+        while !input.is_empty() {
+            disturb(&mut bytes, input)?;
+        }
+        seal_snapshot(&mut bytes);
+        changed = look(&bytes);
     }
-    seal_snapshot(&mut bytes);
-    Ok(bytes)
+    use_up(changed.unwrap_or(own), bytes.len() as u64);
+    Ok(())
 }
 
-fn look(bytes: &[u8]) {
-    let Ok(snapshot) = measured(bytes, || Snapshot::from_bytes(bytes, &author::custom_forces())) else { return };
+fn look_and_use(bytes: &[u8]) {
+    look(bytes).into_iter().for_each(|world| use_up(world, bytes.len() as u64));
+}
+
+/// Reads a snapshot, and returns its world a step later.
+fn look(bytes: &[u8]) -> Option<World> {
+    let snapshot = measured(bytes, || Snapshot::from_bytes(bytes, &author::custom_forces())).ok()?;
     assert_eq!(snapshot.to_bytes(), bytes, "what is read is written alike");
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     world.restore(&snapshot);
@@ -81,5 +90,5 @@ fn look(bytes: &[u8]) {
     let stepped = world.snapshot().to_bytes();
     let again = Snapshot::from_bytes(&stepped, &author::custom_forces()).expect("a step leads to a world");
     assert_eq!((again.to_bytes(), again.world().state_hash()), (stepped, world.state_hash()));
-    use_up(world, bytes.len() as u64);
+    Some(world)
 }

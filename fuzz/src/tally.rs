@@ -40,6 +40,11 @@ pub fn count<S: Scalar>(world: &World<S>) {
     count_contacts(|| world.contacts().count());
 }
 
+/// Returns true if somebody asks, in this thread.
+pub fn is_asked_for() -> bool {
+    TALLY.get().is_some()
+}
+
 /// Counts a step with so many touching manifolds.
 pub fn count_contacts(number: impl FnOnce() -> usize) {
     if let Some(Tally { ticks, contacts, most }) = TALLY.get() {

@@ -1,7 +1,7 @@
 //! Two threads do what one does.
 //!
-//! An input is a world's definition, a pile, a seed, a kind of body, and commands. Enough free bodies are added for a step to use
-//! several threads: threads share free bodies alone.
+//! An input is a world's definition, a pile, a seed, a kind of body, and commands. Free bodies are added, which threads share: enough
+//! for two threads in a world that shares few, and in one of 256 inputs as many as threads share in any world.
 
 use std::sync::LazyLock;
 
@@ -15,21 +15,30 @@ use super::tally;
 
 /// The target.
 pub fn run(data: &[u8]) {
-    _ = play(data);
+    static POOL: LazyLock<ThreadPool> =
+        LazyLock::new(|| ThreadPoolBuilder::new().num_threads(2).build().expect("threads"));
+    // Counted here: a tally is of its thread.
+    let counts = tally::is_asked_for();
+    let contacts = POOL.install(|| play(data, counts)).unwrap_or_default();
+    contacts.into_iter().for_each(|count| tally::count_contacts(|| count));
 }
 
-static POOLS: LazyLock<[ThreadPool; 2]> =
-    LazyLock::new(|| [1, 2].map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads")));
-
 /// The number of bodies that are refused, fall asleep or are reached by fields, as the input says. After each come
-/// [`STEADY`] that move for ever and that no field reaches: 8,200 in all, enough for a step to use several threads.
-const CROWD: u64 = 2_050;
+/// [`STEADY`] that move for ever and that no field reaches: 265 in all or more, two blocks and the start of a third.
+const CROWD: u64 = 53;
 const STEADY: u64 = 4;
-/// The ticks of an input, and the most commands, one a tick.
-const TICKS: usize = 20;
+/// The bodies of these kinds in a large world, in which a step uses several threads by itself: 8,200 with the others.
+const LARGE: u64 = 2_050;
+/// The ticks for which a pile falls together first, those that are made twice, in a large world too, and the most commands, one a tick.
+pub const FALL: usize = 12;
+const TICKS: usize = 8;
+pub const FEW_TICKS: usize = 4;
 const COMMANDS: usize = 8;
+/// States are compared after each so many ticks, and reports after each: a difference stays in the state.
+const EVERY: usize = 4;
 
-fn play(data: &[u8]) -> Result<()> {
+/// Returns the number of touching manifolds after each tick, if these are to be counted.
+fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     let mut author = Author::new(data);
     let def = author.world();
     let integrator = match def.integrator {
@@ -37,13 +46,20 @@ fn play(data: &[u8]) -> Result<()> {
         Integrator::PublishedVerlet => Integrator::VelocityVerlet,
         other => other,
     };
-    let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(()) };
+    let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(Vec::new()) };
     pile(&mut author, &mut world)?;
+    let mut contacts = Vec::new();
+    for _ in 0..FALL {
+        world.step();
+        contacts.extend(counts.then(|| world.contacts().count()));
+    }
     let mut random = Random::seeded(author.any()?);
     // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
     let special = author.generator().body_def();
     let every = u64::from(author.any::<u8>()?) + 1;
-    for i in 0..CROWD + u64::from(author.any::<u8>()?) {
+    let more = u64::from(author.any::<u8>()?);
+    let is_large = more == 255;
+    for i in 0..if is_large { LARGE } else { CROWD + more % 16 } {
         let mut number = |size: Fx| random.number(-size..=size);
         let (position, velocity) =
             (Vec2::new(number(fx!(99)), number(fx!(99))), Vec2::new(number(fx!(3)), number(fx!(3))));
@@ -57,23 +73,24 @@ fn play(data: &[u8]) -> Result<()> {
             world.add_body(def).expect("a fair body");
         }
     }
-    let mut others = [world.clone(), world.clone()];
-    for tick in 0..TICKS {
+    // The first goes its way on one thread, the second on both; both at once.
+    let mut worlds = [world.clone(), world];
+    worlds[0].share_bodies(usize::MAX);
+    if !is_large {
+        worlds[1].share_bodies(0);
+    }
+    for tick in 0..if is_large { FEW_TICKS } else { TICKS } {
         if tick < COMMANDS && !author.input.is_empty() {
             let command = author.command();
-            let done = POOLS[0].install(|| world.execute(&command));
-            for other in &mut others {
-                assert_eq!(POOLS[1].install(|| other.execute(&command)), done);
-            }
-            done.into_iter().for_each(|made| author.made(&world, made));
+            let [done, other] = worlds.each_mut().map(|world| world.execute(&command));
+            assert_eq!(done, other);
+            done.into_iter().for_each(|made| author.made(&worlds[0], made));
         }
-        POOLS[0].install(|| _ = world.step());
-        tally::count(&world);
-        POOLS[1].install(|| step_all(&mut others));
-        for other in &others {
-            assert_eq!(other.state_hash(), world.state_hash(), "on two threads");
-            assert_eq!(other.last_report(), world.last_report());
-        }
+        step_all(&mut worlds);
+        let [one, both] = &worlds;
+        contacts.extend(counts.then(|| one.contacts().count()));
+        assert_eq!(one.last_report(), both.last_report());
+        assert!(tick % EVERY != EVERY - 1 || one.state_hash() == both.state_hash(), "on two threads");
     }
-    Ok(())
+    Ok(contacts)
 }

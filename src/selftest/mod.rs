@@ -223,6 +223,13 @@ impl<S: crate::scalar::Scalar> crate::world::World<S> {
     pub fn do_without_continuous_collision(&mut self, ends: bool, speculation: bool) {
         self.workspace.do_without(ends, speculation);
     }
+
+    /// Gives each thread at least so many free bodies of this copy of the world in a step, but a block: tests share out small worlds.
+    #[cfg(feature = "parallel")]
+    #[doc(hidden)]
+    pub fn share_bodies(&mut self, least: usize) {
+        self.workspace.share(least);
+    }
 }
 
 #[cfg(test)]

@@ -26,9 +26,29 @@ pub(super) struct Workspace<S: Scalar> {
     safe_steps: Vec<SafeSteps>,
     /// A block as it was before the step.
     backup: Motion<S>,
+    #[cfg(feature = "parallel")]
+    share: Share,
+}
+
+/// The number of bodies that a thread takes at least.
+#[cfg(feature = "parallel")]
+#[derive(Clone, Copy, Debug)]
+struct Share(usize);
+
+#[cfg(feature = "parallel")]
+impl Default for Share {
+    fn default() -> Self {
+        Self(super::SHARE)
+    }
 }
 
 impl<S: Scalar> Workspace<S> {
+    /// Shares the pass between threads from twice as many bodies on as one of them takes at least.
+    #[cfg(all(feature = "parallel", feature = "selftest"))]
+    pub(super) fn share(&mut self, least: usize) {
+        self.share = Share(least.max(BLOCK));
+    }
+
     /// Drops what is cached of all blocks.
     pub(super) fn drop_cached(&mut self) {
         self.safe_steps.clear();
@@ -65,14 +85,14 @@ pub(super) fn run<S: Scalar>(
     workspace: &mut Workspace<S>,
     found: &mut Found,
 ) {
-    let Workspace { safe_steps, backup } = workspace;
-    safe_steps.resize(count.div_ceil(BLOCK), SafeSteps::default());
+    workspace.safe_steps.resize(count.div_ceil(BLOCK), SafeSteps::default());
     let blocks = bodies.block(0..count);
     #[cfg(feature = "parallel")]
-    if count >= super::MANY {
+    if count / 2 >= workspace.share.0 {
         // Each piece allocates a backup of its own, if it needs one.
-        return pass.run_in_parallel(blocks, safe_steps, found);
+        return pass.run_in_parallel(blocks, workspace.share, &mut workspace.safe_steps, found);
     }
+    let Workspace { safe_steps, backup, .. } = workspace;
     // Now, not in the step in which a block first needs it.
     backup.make_room(BLOCK.min(count));
     pass.run(blocks, safe_steps, backup, found);
@@ -99,10 +119,8 @@ impl<S: Scalar> FreePass<'_, S> {
     /// Takes blocks through the whole step on all cores. The motion of a body depends on itself alone, and what was found is put
     /// together in order: no bit depends on the number of cores.
     #[cfg(feature = "parallel")]
-    fn run_in_parallel(&self, blocks: Block<'_, S>, safe_steps: &mut [SafeSteps], found: &mut Found) {
-        // Some tens of microseconds, so that handing it to another core is worth it.
-        const FEW: usize = 32 * BLOCK;
-        if blocks.len() <= FEW {
+    fn run_in_parallel(&self, blocks: Block<'_, S>, share: Share, safe_steps: &mut [SafeSteps], found: &mut Found) {
+        if blocks.len() <= share.0 {
             return self.run(blocks, safe_steps, &mut Motion::default(), found);
         }
         let half = (blocks.len() / 2).next_multiple_of(BLOCK);
@@ -110,8 +128,8 @@ impl<S: Scalar> FreePass<'_, S> {
         let (safe_steps, safe_steps_there) = safe_steps.split_at_mut(half / BLOCK);
         let mut found_there = Found::default();
         rayon::join(
-            || self.run_in_parallel(blocks, safe_steps, found),
-            || self.run_in_parallel(others, safe_steps_there, &mut found_there),
+            || self.run_in_parallel(blocks, share, safe_steps, found),
+            || self.run_in_parallel(others, share, safe_steps_there, &mut found_there),
         );
         found.append(&mut found_there);
     }

@@ -82,14 +82,15 @@ pub(crate) struct Settings<'a, S: Scalar> {
 /// The function that looks on while a step goes through its stages. Contacts that it is not given are those before the step.
 pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>, Option<&ContactSet>) + 'a;
 
-/// Fewer bodies than this take less time on one core.
+/// The free bodies that a thread takes at least, so that handing them over is worth it: some tens of microseconds. Threads share
+/// twice as many or more.
 #[cfg(feature = "parallel")]
-pub(crate) const MANY: usize = 64 * BLOCK;
+const SHARE: usize = 32 * BLOCK;
 
 // The tests of threads have 8,200 bodies and must reach the parallel pass; they cannot import this constant. They are `THRONG` in
 // `tests/promises/closure.rs` and `throng` in `umbra-oracles`.
 #[cfg(feature = "parallel")]
-const _: () = assert!(MANY <= 8_200);
+const _: () = assert!(2 * SHARE <= 8_200);
 
 /// The acceleration by the forces applied to a body, by its index in the columns; `None` if their sum does not fit.
 type AppliedAcceleration<S> = (usize, Option<Acceleration<S>>);

@@ -89,6 +89,11 @@ impl<S: Scalar> Workspace<S> {
         self.contacts.get_or_insert_default().do_without(ends, speculation);
     }
 
+    #[cfg(all(feature = "parallel", feature = "selftest"))]
+    pub(crate) fn share(&mut self, least: usize) {
+        self.free.share(least);
+    }
+
     /// Makes it ready for a step: drops what is cached of bodies that changed since the last one, and forgets the changes.
     pub(super) fn begin(&mut self, bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
         self.found.faults.clear();

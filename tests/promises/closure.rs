@@ -18,7 +18,7 @@ use crate::plan::{Cast, FAIR, Plan, Taste};
 /// The group that bystanders alone are in, and their fields alone act on.
 const BYSTANDERS: u32 = 1 << 31;
 
-/// Number of moving bodies from which a step uses all threads: `MANY` in `src/step/mod.rs`, which is held to be no more.
+/// Number of moving bodies from which a step uses all threads: twice `SHARE` in `src/step/mod.rs`, which is held to be no more.
 const THRONG: i32 = 8_200;
 
 /// The command with colliders that meet those of bystanders alone: no generated filter is in the last category.

@@ -69,6 +69,7 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    #[inline(always)]
     pub(super) fn new(form: &Form, leg: &Leg, at: u64) -> Self {
         let mut seen = Self {
             centre: leg.centre(at),

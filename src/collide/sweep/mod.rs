@@ -43,6 +43,10 @@ struct Moment {
     /// From the centre of the first to that of the second.
     offset: [i128; 2],
     radius: i64,
+    /// The moment at which a piece of either path ends.
+    until: u64,
+    /// The largest distance along a direction that counts.
+    widest: Option<i128>,
 }
 
 /// The distance along a direction, ulps.
@@ -114,6 +118,11 @@ impl Moment {
             }
         });
         widest
+    }
+
+    /// The distance of the outlines, negative where they overlap.
+    fn distance(&self) -> i128 {
+        self.widest.unwrap_or(-(1 << 80))
     }
 
     /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
@@ -266,12 +275,14 @@ const LEFT: i64 = 1 << 16;
 const OF_LINES: i64 = (4 << 32) / 100;
 
 impl Sweep<'_> {
-    fn at(&self, at: u64) -> (Moment, u64) {
+    fn at(&self, at: u64) -> Moment {
         let [(a, until_a), (b, until_b)] = self.paths.map(|path| path.leg(at));
         let seen = [Seen::new(self.forms[0], a, at), Seen::new(self.forms[1], b, at)];
         let offset = [0, 1].map(|k| i128::from(seen[1].centre[k]) - i128::from(seen[0].centre[k]));
         let radius = self.forms[0].radius + self.forms[1].radius;
-        (Moment { seen, legs: [*a, *b], offset, radius }, until_a.min(until_b))
+        let mut moment = Moment { seen, legs: [*a, *b], offset, radius, until: until_a.min(until_b), widest: None };
+        moment.widest = moment.widest(|n| self.is_allowed(&moment, n));
+        moment
     }
 
     /// The width that an overlap is compared with: that of the outline that gives way, or the lesser one.
@@ -314,23 +325,18 @@ impl Sweep<'_> {
         })
     }
 
-    /// The distance at a moment, negative where they overlap.
-    pub(crate) fn distance(&self, at: u64) -> i128 {
-        let (moment, _) = self.at(at);
-        moment.widest(|n| self.is_allowed(&moment, n)).unwrap_or(-(1 << 80))
-    }
-
-    /// The first moment from another one on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
-    fn reach(&self, depth: i64, from: u64) -> Option<u64> {
+    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
+    fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
         // From here on the rest of the way counts as gone.
         let near = i128::from((depth.abs() >> 2).max(ROUNDING));
         let (mut at, mut guess) = (from, END);
+        let (mut later, mut moment);
+        moment = start;
         for _ in 0..STEPS {
-            let (moment, until) = self.at(at);
-            let room = until - at;
-            let longest = self.longest(&moment, depth, room, guess);
+            let room = moment.until - at;
+            let longest = self.longest(moment, depth, room, guess);
             if longest < room {
-                let widest = moment.widest(|n| self.is_allowed(&moment, n)).unwrap_or(0);
+                let widest = moment.widest.unwrap_or(0);
                 if longest <= SHORTEST || widest + i128::from(depth) <= near {
                     return Some(at);
                 }
@@ -340,6 +346,8 @@ impl Sweep<'_> {
                 return None;
             }
             guess = longest.saturating_mul(16).min(END);
+            later = self.at(at);
+            moment = &later;
         }
         Some(at)
     }
@@ -356,9 +364,8 @@ impl Sweep<'_> {
         if longest == room {
             return room;
         }
-        let widest = moment.widest(|n| self.is_allowed(moment, n));
         moment.each_direction(|n| {
-            if longest < room && self.is_allowed(moment, n) && Some(moment.gap(n).distance) == widest {
+            if longest < room && self.is_allowed(moment, n) && Some(moment.gap(n).distance) == moment.widest {
                 longest = longest.max(time(n));
             }
         });
@@ -366,14 +373,12 @@ impl Sweep<'_> {
     }
 
     /// Returns true if they are on the same side of each other at two moments, as far as the directions that separate best tell.
-    fn are_sides_alike(&self, first: u64, second: u64) -> bool {
-        let moments = [self.at(first).0, self.at(second).0];
-        let widest = [0, 1].map(|i: usize| moments[i].widest(|n| self.is_allowed(&moments[i], n)));
-        let is_best = |i: usize, n| self.is_allowed(&moments[i], n) && Some(moments[i].gap(n).distance) == widest[i];
+    fn are_sides_alike(&self, first: &Moment, second: &Moment) -> bool {
+        let is_best = |at: &Moment, n| self.is_allowed(at, n) && Some(at.gap(n).distance) == at.widest;
         let mut are_alike = false;
-        moments[0].each_direction(|n| {
-            if is_best(0, n) {
-                moments[1].each_direction(|m| are_alike |= is_best(1, m) && height(n, m.map(i64::from)) > 0);
+        first.each_direction(|n| {
+            if is_best(first, n) {
+                second.each_direction(|m| are_alike |= is_best(second, m) && height(n, m.map(i64::from)) > 0);
             }
         });
         are_alike
@@ -386,8 +391,9 @@ impl Sweep<'_> {
     /// that overlap deeper at `from`, or are behind a segment of a chain, are not looked at.
     pub(crate) fn impact(&self, from: u64) -> Option<u64> {
         let depths = Depths::new(self.width());
-        let before = self.distance(from);
-        if before < -i128::from(depths.touch) || self.is_behind(&self.at(from).0) {
+        let start = self.at(from);
+        let before = start.distance();
+        if before < -i128::from(depths.touch) || self.is_behind(&start) {
             return None;
         }
         // Outlines that overlap already may do so as deep as a tick may end, or else hardly deeper than now.
@@ -398,10 +404,11 @@ impl Sweep<'_> {
         } else {
             depths.small
         };
-        let hit = self.reach(depth, from)?;
-        let is_contact = self.distance(END) < 0
-            && self.reach(depths.deep.max(depth), from).is_none()
-            && self.are_sides_alike(hit, END);
-        if is_contact || self.is_behind(&self.at(hit).0) { None } else { Some(hit) }
+        let hit = self.reach(depth, from, &start)?;
+        let [at_hit, end] = [self.at(hit), self.at(END)];
+        let is_contact = end.distance() < 0
+            && self.reach(depths.deep.max(depth), from, &start).is_none()
+            && self.are_sides_alike(&at_hit, &end);
+        if is_contact || self.is_behind(&at_hit) { None } else { Some(hit) }
     }
 }
