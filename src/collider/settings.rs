@@ -26,8 +26,8 @@ use crate::scalar::Scalar;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ContactSettings<S = Fx> {
-    /// The number of sub-steps in which contacts are solved, 1 to 16. More make stacks stiffer. Bodies that touch where one bears another of more
-    /// than 64 times its mass, directly or by others between them, are solved in 16 of them whatever the number is.
+    /// The number of sub-steps in which contacts are solved, 1 to 16. More make stacks stiffer. Bodies that touch where one bears another
+    /// of more than 64 times its mass, directly or by others between them, are solved in 16 of them whatever the number is.
     pub substeps: u32,
     /// The largest speed with which overlapping bodies are pushed apart, m/s, 0 to 2^10; 3 by default. A lower one separates bodies that
     /// were spawned inside each other more gently.

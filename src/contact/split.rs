@@ -1,9 +1,9 @@
 //! Islands in which light bodies carry heavy ones: they are solved in finer sub-steps than the others.
 //!
-//! A soft contact is a spring: under the impulse P of a sub-step h it gives way by P·K·h/(hω)², where K is the sum of both inverse masses and
-//! hω is the same for all contacts. A light body under a heavy one sinks in by that much: with 5 sub-steps of a step of 1/60 s four boxes
-//! collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an island takes [`FINE`]
-//! sub-steps.
+//! A soft contact is a spring: under the impulse P of a sub-step h it gives way by P·K·h/(hω)², where K is the sum of both inverse masses
+//! and hω is the same for all contacts. A light body under a heavy one sinks in by that much: with 5 sub-steps of a step of 1/60 s four
+//! boxes collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an island
+//! takes [`FINE`] sub-steps.
 //!
 //! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts, from the bodies that
 //! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
@@ -139,8 +139,8 @@ impl<F: Flying, C: Linking> Split<F, C> {
         }
     }
 
-    /// Solves the islands that were [found](Self::find), and the others, each part in its sub-steps: `solve` is given the number of the part,
-    /// its sub-steps, flights and contacts. Then contacts have their impulses.
+    /// Solves the islands that were [found](Self::find), and the others, each part in its sub-steps: `solve` is given the number of the
+    /// part, its sub-steps, flights and contacts. Then contacts have their impulses.
     pub(super) fn solve(
         &mut self,
         substeps: u32,

@@ -75,8 +75,8 @@ pub(super) fn piles(trial: &mut Trial) -> Played {
     happened("nobody is deep in the ground", lowest.is_some_and(|y| y > fx!(-0.015625)))
 }
 
-/// Towers of light boxes under boxes of 10 to 1,000 times their mass, and a heavy one that is thrown from one to the next; beside its mirror
-/// image.
+/// Towers of light boxes under boxes of 10 to 1,000 times their mass, and a heavy one that is thrown from one to the next; beside its
+/// mirror image.
 pub(super) fn loads(trial: &mut Trial) -> Played {
     let mut world = World::new(def())?;
     let square = |mass: i32, position: Vec2, key: u64| -> Result<BodyDef, Error> {

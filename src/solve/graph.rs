@@ -142,8 +142,8 @@ impl Graph {
         }
     }
 
-    /// Writes for each body the largest mass of those that lie on it: which it, or one that lies on it, touches, each at a higher level than
-    /// the one below.
+    /// Writes for each body the largest mass of those that lie on it: which it, or one that lies on it, touches, each at a higher level
+    /// than the one below.
     pub(crate) fn largest_above<M: Copy + Default + PartialOrd>(&self, mass: impl Fn(u32) -> M, largest: &mut Vec<M>) {
         largest.clear();
         largest.resize(self.level.len(), M::default());

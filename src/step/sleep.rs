@@ -100,8 +100,8 @@ fn radius<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, i: usize) -
     colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger)
 }
 
-/// Returns true if no point within a radius is faster than `speed`, for a velocity along x and y and around the centre. With a speed of 0 no
-/// body is slow.
+/// Returns true if no point within a radius is faster than `speed`, for a velocity along x and y and around the centre. With a speed of 0
+/// no body is slow.
 fn is_within<S: Scalar>([x, y, angular]: [S; 3], radius: S, speed: S) -> bool {
     let size = |value: S| if value < S::ZERO { -value } else { value };
     let (x, y) = (size(x), size(y));

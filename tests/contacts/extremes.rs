@@ -35,7 +35,7 @@ fn a_light_box_under_a_heavy_one_is_not_shot_out() {
     }
 }
 
-/// A box carries 1,000 times its mass. (In floats its load sinks by 0.18 m.)
+/// A box carries 1,000 times its mass, which sinks in by less than 2 cm.
 #[test]
 fn a_box_carries_a_thousand_times_its_mass() {
     let mut world = heavy_world();
@@ -43,7 +43,7 @@ fn a_box_carries_a_thousand_times_its_mass() {
     let load = square(&mut world, fx!(1), vec2(0, fx!(1.5)), 1000);
     (0..600).for_each(|_| _ = world.step());
     let height = world.body(load).expect("it").position().y;
-    assert!(height > fx!(1.3), "{height}");
+    assert!(height > fx!(1.48), "{height}");
 }
 
 /// A plate that presses a box of 1 kg against a wall and is taken away. (In floats the box leaves at 19 m/s.)

@@ -11,9 +11,9 @@
 //! sleeping bodies in another one. Copies of a world share both, and a step does not look at colliders that stand far away.
 //!
 //! **Rejected overlaps are bounded.** A search looks at each collider whose box overlaps, unless neither of the two has a category in the
-//! mask of the other: then it skips whole parts of a tree. Overlaps that it looks at and rejects are counted: colliders of one body or of one
-//! negative group, and masks that hold one way alone. Like the pairs they follow from the boxes and filters alone. Beyond a limit they count
-//! as pairs do.
+//! mask of the other: then it skips whole parts of a tree. Overlaps that it looks at and rejects are counted: colliders of one body or of
+//! one negative group, and masks that hold one way alone. Like the pairs they follow from the boxes and filters alone. Beyond a limit
+//! they count as pairs do.
 
 mod bounds;
 mod cached;
