@@ -18,6 +18,7 @@ use super::view::newton_seconds;
 use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
+use crate::limits::PARTS;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::slots::NONE;
@@ -297,15 +298,15 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 }
 
-/// The limits on pairs. Parts of one body overlap each other, and there may be many of them: 64 overlaps for each outline of the world
-/// come on top of those that go with the number of pairs.
+/// The limits on pairs. The parts of a compound may all overlap each other: so 128 overlaps for each outline of the world, half of the
+/// [`PARTS`] that a compound may have, come on top of those that go with the number of pairs.
 pub(super) fn limits<S: Scalar>(scene: &Scene<'_, S>) -> PairLimits {
     let pairs = scene.settings.max_pairs as usize;
     let outlines = scene.colliders.len().saturating_add(scene.colliders.more_outlines());
     PairLimits {
         pairs,
         per_collider: scene.settings.max_pairs_per_collider as usize,
-        overlaps: pairs.saturating_mul(16).saturating_add(outlines.saturating_mul(64)),
+        overlaps: pairs.saturating_mul(16).saturating_add(outlines.saturating_mul(PARTS / 2)),
     }
 }
 
