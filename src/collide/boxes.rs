@@ -127,7 +127,7 @@ impl<P: Product> Along<P> {
         self.offset.max(-self.offset) - most(self.b) - of_edge(self.a, i)
     }
 
-    /// The same for a normal of B.
+    /// The larger one of the separations along normal `i` of B and along its opposite.
     #[inline(always)]
     fn separation_by_b(&self, i: usize) -> P {
         self.offset.max(-self.offset) - most(self.a) - of_edge(self.b, i)
@@ -282,7 +282,8 @@ mod tests {
         Shape::new(geometry).expect("a fair box").outlines()[0].clone()
     }
 
-    /// What boxes have in common with other cores is the same to the bit: with any angles, and with those at which directions tie.
+    /// Compares the manifolds of boxes found here with those of the general way, to the bit: at any angles, and at those at which directions
+    /// tie.
     #[test]
     fn the_short_way_finds_the_same_manifolds() {
         let mut random = Random::seeded(11);
