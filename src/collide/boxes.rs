@@ -282,8 +282,8 @@ mod tests {
         Shape::new(geometry).expect("a fair box").outlines()[0].clone()
     }
 
-    /// Compares the manifolds of boxes found here with those of the general way, to the bit: at any angles, and at those at which directions
-    /// tie.
+    /// Compares the manifolds of boxes found here with those of the general way, to the bit: at any angles, and at those at which
+    /// directions tie.
     #[test]
     fn the_short_way_finds_the_same_manifolds() {
         let mut random = Random::seeded(11);

@@ -48,9 +48,9 @@ pub struct ContactSettings<S = Fx> {
     /// this, the bodies of the outlines with the most pairs are quarantined.
     ///
     /// A step also looks at overlapping boxes that make no pair: those of one body, of one negative group, and those of which only one
-    /// collider has a category in the mask of the other. With these there may be 16 times as many as pairs, and 128 more for each outline of
-    /// the world. With more, they count as pairs do. A step does not look at colliders of which neither has a category in the mask of the
-    /// other: any number of them may be in one place.
+    /// collider has a category in the mask of the other. With these there may be 16 times as many as pairs, and 128 more for each outline
+    /// of the world. With more, they count as pairs do. A step does not look at colliders of which neither has a category in the mask of
+    /// the other: any number of them may be in one place.
     ///
     /// Sensors have a limit of the same size of their own: it counts the pairs of a sensor's outline and another body's outline whose boxes
     /// overlap at the end of the step. Beyond it, the sensors with the most pairs find nothing in that step, and the colliders that were in

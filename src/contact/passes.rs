@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::numerics::{MARGIN, Numerics};
-use super::{Changed, ContactSet, Scene};
+use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
@@ -164,7 +164,9 @@ fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
     found.ok().map(|index| passes[index].passes)
 }
 
-/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static.
+/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static. Where a call
+/// may have moved static bodies, all answers of these are found anew ([`pair_still`](Engine::pair_still)): by what has changed they would
+/// differ in a restored world, which does not know it.
 fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
     let platform = scene.colliders.at(record.collider).map(|collider| collider.body.slot);
     let state = |body: Option<u32>| {
@@ -175,14 +177,7 @@ fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    let may_differ = || {
-        let has_changed = |changed: &Changed| {
-            let of = |bodies: &[u32]| platform.into_iter().chain([record.body]).any(|body| bodies.contains(&body));
-            of(&changed.bodies) || changed.colliders.contains(&record.collider)
-        };
-        scene.may_have_moved_statics && scene.changed.is_none_or(has_changed)
-    };
-    sleeps(a) && sleeps(b) || one_sleeps && !may_differ()
+    sleeps(a) && sleeps(b) || one_sleeps && !scene.may_have_moved_statics
 }
 
 impl ContactSet {

@@ -50,13 +50,13 @@ pub(super) trait Linking: Copy {
 
 /// Contacts that take the same sub-steps, and their flights.
 #[derive(Debug)]
-pub(super) struct Part<F, C> {
-    pub(super) flights: Vec<F>,
+struct Part<F, C> {
+    flights: Vec<F>,
     /// The numbers of the flights among all.
-    pub(super) flight_numbers: Vec<u32>,
-    pub(super) contacts: Vec<C>,
+    flight_numbers: Vec<u32>,
+    contacts: Vec<C>,
     /// The numbers of the contacts among all.
-    pub(super) contact_numbers: Vec<u32>,
+    contact_numbers: Vec<u32>,
 }
 
 impl<F, C> Default for Part<F, C> {
@@ -75,6 +75,8 @@ pub(super) struct Split<F: Flying, C> {
     is_heavy: Vec<bool>,
     /// By flight its number among those of a part, or [`NONE`].
     place: Vec<u32>,
+    /// True if the last step had two parts.
+    is_split: bool,
     parts: [Part<F, C>; 2],
 }
 
@@ -85,15 +87,53 @@ impl<F: Flying, C> Default for Split<F, C> {
             loads: Vec::new(),
             is_heavy: Vec::new(),
             place: Vec::new(),
+            is_split: false,
             parts: Default::default(),
         }
     }
 }
 
 impl<F: Flying, C: Linking> Split<F, C> {
-    /// Finds the islands under heavy loads. Returns true if there is one, and they take other sub-steps than `substeps`.
-    pub(super) fn find(&mut self, substeps: u32, flights: &[F], contacts: &[C]) -> bool {
-        substeps < FINE && may_be_heavy(flights, contacts) && {
+    /// Solves contacts: those of islands under heavy loads in finer sub-steps, the others in `substeps`. `solve` is given the number of a
+    /// part, its sub-steps, flights and contacts, and the numbers of these flights among all, or `None` where all contacts are one part.
+    pub(super) fn solve(
+        &mut self,
+        substeps: u32,
+        (flights, contacts): (&[F], &mut [C]),
+        mut solve: impl FnMut(usize, u32, &[F], &mut [C], Option<&[u32]>),
+    ) {
+        self.is_split = substeps < FINE && self.find(flights, contacts);
+        if !self.is_split {
+            return solve(0, substeps, flights, contacts, None);
+        }
+        for (index, own) in [substeps, FINE].into_iter().enumerate() {
+            self.take(index, flights, contacts);
+            let part = &mut self.parts[index];
+            part.contacts.iter_mut().for_each(|contact| contact.rescale(substeps, own));
+            solve(index, own, &part.flights, &mut part.contacts, Some(&part.flight_numbers));
+            for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
+                let all = &mut contacts[number as usize];
+                let bodies = all.bodies();
+                *all = *contact;
+                all.set_bodies(bodies);
+                all.rescale(own, substeps);
+            }
+        }
+    }
+
+    /// The number of parts of the last step.
+    pub(super) fn parts(&self) -> usize {
+        if self.is_split { 2 } else { 1 }
+    }
+
+    /// The number among all of a contact of a part.
+    pub(super) fn number(&self, part: usize, contact: u32) -> u32 {
+        if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
+    }
+
+    /// Finds the islands under heavy loads. Returns true if there is one.
+    fn find(&mut self, flights: &[F], contacts: &[C]) -> bool {
+        may_be_heavy(flights, contacts) && {
             self.find_heavy(flights, contacts);
             self.follow_leaders(flights);
             self.is_heavy.contains(&true)
@@ -139,29 +179,6 @@ impl<F: Flying, C: Linking> Split<F, C> {
         }
     }
 
-    /// Solves the islands that were [found](Self::find), and the others, each part in its sub-steps: `solve` is given the number of the
-    /// part, its sub-steps, flights and contacts. Then contacts have their impulses.
-    pub(super) fn solve(
-        &mut self,
-        substeps: u32,
-        (flights, contacts): (&[F], &mut [C]),
-        mut solve: impl FnMut(usize, u32, &mut Part<F, C>),
-    ) {
-        for (index, own) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, flights, contacts);
-            let part = &mut self.parts[index];
-            part.contacts.iter_mut().for_each(|contact| contact.rescale(substeps, own));
-            solve(index, own, part);
-            for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
-                let all = &mut contacts[number as usize];
-                let bodies = all.bodies();
-                *all = *contact;
-                all.set_bodies(bodies);
-                all.rescale(own, substeps);
-            }
-        }
-    }
-
     /// Copies the contacts of a part, and the flights that they join.
     fn take(&mut self, index: usize, flights: &[F], contacts: &[C]) {
         let Self { graph, is_heavy, place, parts, .. } = self;
@@ -195,11 +212,6 @@ impl<F: Flying, C: Linking> Split<F, C> {
         for flight in &mut part.flights {
             flight.set_leader(flight.leader().map(|body| place[body as usize]).filter(|&body| body != NONE));
         }
-    }
-
-    /// The parts of the last step that was split.
-    pub(super) fn parts(&self) -> &[Part<F, C>; 2] {
-        &self.parts
     }
 }
 

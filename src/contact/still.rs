@@ -285,7 +285,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one.
+    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one, and all of those of which one is one-way.
     pub(super) fn pair_still(&self, scene: &Scene<'_, S>, pairs: &mut Vec<[u32; 2]>) {
         let Some(Still { statics, sleepers, .. }) = &self.still else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
@@ -299,7 +299,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         match scene.changed {
             None => sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other))),
             Some(changed) => {
-                for number in changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)) {
+                let one_way = scene.colliders.one_way().map(|collider| collider.slot);
+                for number in changed.all(scene.colliders).chain(one_way).flat_map(|slot| self.numbers.of(slot)) {
                     if let Some(own) = sleepers.find(number) {
                         statics.meeting(own, |other| add(own, other));
                     } else if let Some(own) = statics.find(number) {

@@ -87,8 +87,7 @@ impl fmt::Display for FxFactor {
     /// ```
     /// use umbra_physics::FxFactor;
     /// let factor = FxFactor::parse("12.625")?;
-    /// assert_eq!((factor.to_string(), format!("{factor:.2}"), format!("{factor:08.1?}")), ("12.625".into(), "12.62".into(),
-    /// "000012.6".into()));
+    /// assert_eq!((factor.to_string(), format!("{factor:.2}"), format!("{factor:08.1?}")), ("12.625".into(), "12.62".into(), "000012.6".into()));
     /// # Ok::<(), umbra_physics::ParseFxError>(())
     /// ```
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -11,7 +11,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::sleep::{is_slow, was_slow};
+use super::sleep::rests;
 use super::{Constants, Found, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
@@ -356,8 +356,7 @@ impl<S: Scalar> Step<'_, S> {
                 let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
                 let rests = constants.sleep_after.is_some()
                     && is_left_alone
-                    && is_slow(bodies, colliders, constants.sleep_speed, i)
-                    && was_slow(bodies, colliders, (constants.sleep_speed, constants.plan.rate), start);
+                    && rests(bodies, colliders, (constants.sleep_speed, constants.plan.rate), start);
                 let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
                 *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
                 if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {

@@ -158,6 +158,24 @@ fn a_body_that_dominates_a_load_keeps_its_bits() {
     }
 }
 
+/// What lies on a dominant body sees where that body goes in each sub-step, whichever of the two towers is under a heavy load: it rests,
+/// while along the free flight of the dominant one it would fall by g·h in each step.
+#[test]
+fn boxes_rest_on_a_dominant_tower_whichever_carries_a_load() {
+    for (base, top) in [(&[1, 2][..], &[1, 1000][..]), (&[1, 1000], &[1, 2]), (&[1, 1000], &[1, 1000])] {
+        let mut bodies = on_ground(tower(fx!(0), base));
+        bodies.iter_mut().skip(1).for_each(|def| def.dominance = 1);
+        let above = tower(fx!(0), top).into_iter().map(|def| BodyDef { position: def.position + vec2(0, 2), ..def });
+        bodies.extend(above);
+        let (mut world, ids) = world(def(), bodies).expect("a scene");
+        (0..300).for_each(|_| _ = world.step());
+        for &id in &ids[1..] {
+            let speed = world.body(id).expect("it").velocity().length();
+            assert!(speed < fx!(0.001), "{base:?} {top:?}: {speed}");
+        }
+    }
+}
+
 /// The settings change while a load lies still: forces stay the same, so nothing jumps.
 #[test]
 fn other_sub_steps_do_not_move_a_load() {

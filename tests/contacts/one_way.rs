@@ -2,7 +2,7 @@
 
 use super::scenes::{def, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, ColliderDef, Error, Fx, Geometry, Irreversible, OneWay, Part, Shape, Snapshot, Symmetry,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Error, Filter, Fx, Geometry, Irreversible, OneWay, Part, Shape, Snapshot, Symmetry,
     Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -339,6 +339,44 @@ fn sleepers_in_a_platform_sleep_on_and_pass_when_they_wake() {
         world.set_velocity(ids[1], vec2(0, -1)).expect("a velocity");
         (0..60).for_each(|_| _ = world.step());
         assert_eq!(world.body(ids[1]).expect("it").position(), vec2(0, fx!(0.2)) - vec2(0, 1));
+    }
+}
+
+/// The answers for bodies that stand still follow each change of a collider, as in a world that is restored and does not know what has
+/// changed.
+#[test]
+fn a_change_near_a_sleeping_platform_has_the_result_of_a_restored_world() {
+    let still = |body: BodyDef| BodyDef { kind: BodyKind::Static, ..body };
+    let disc = || disc(vec2(0, fx!(0.2)), vec2(0, 0));
+    let flying = || BodyDef { kind: BodyKind::Dynamic, ..plank(up()) };
+    for (platform, body) in [(flying(), still(disc())), (plank(up()), disc())] {
+        let round = |radius: Fx| ColliderDef::new(Shape::circle(radius).expect("a disc"));
+        let changes = [
+            None,
+            Some(ColliderDef { filter: Filter { mask: 2, ..Filter::default() }, ..round(fx!(0.5)) }),
+            Some(ColliderDef { sensor: true, ..round(fx!(0.5)) }),
+            Some(round(fx!(0.01))),
+            Some(round(fx!(0.4))),
+        ];
+        for change in changes {
+            let def = WorldDef { sleep_after: Some(5), gravity: vec2(0, 0), ..def() };
+            let (mut world, ids) = world(def, [platform.clone(), body.clone()]).expect("a scene");
+            (0..20).for_each(|_| _ = world.step());
+            assert_eq!(world.moving_count(), 0);
+            let own = world.colliders_of(ids[1]).expect("it").next().expect("a disc");
+            match change.clone() {
+                Some(def) => world.set_collider(own, def),
+                None => world.remove_collider(own),
+            }
+            .expect("a change");
+            for tick in 0..3 {
+                let saved = world.snapshot().to_bytes();
+                let mut restored = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
+                world.step();
+                restored.step();
+                assert_eq!(restored.first_difference(&world), None, "{change:?} {tick}");
+            }
+        }
     }
 }
 

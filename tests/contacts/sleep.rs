@@ -2,7 +2,7 @@
 
 use super::scenes::{def, square, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Damping, Exclusion, Fx, Material, OneWay, Random, Shape,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Damping, Exclusion, Fx, Locks, Material, OneWay, Random, Shape,
     Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -307,6 +307,31 @@ fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
         assert_eq!(restored.first_difference(&there), None, "tick {tick}");
     }
     assert!(woke > 0, "no shot woke the box");
+}
+
+/// A body that no contact can push apart from a wall sleeps in it. A change of another static body has all looked at again, in a world
+/// that goes on as in one that is restored and does not know what has changed.
+#[test]
+fn a_sleeper_that_is_locked_in_a_wall_has_the_future_of_a_restored_world() {
+    let wall = |x: i32| {
+        let shape = Shape::rectangle(1, 8).expect("a wall");
+        BodyDef { position: vec2(x, 0), key: 10 + x as u64, ..BodyDef::fixed().with_collider(shape) }
+    };
+    for locks in [Locks { x: true, ..Locks::NONE }, Locks { x: true, y: true, rotation: true }] {
+        let locked = BodyDef { locks, ..square(vec2(fx!(0.75), 0), 1).expect("a square") };
+        let def = WorldDef { sleep_after: Some(5), gravity: vec2(0, 0), ..def() };
+        let (mut world, ids) = world(def, [wall(0), wall(20), locked]).expect("a scene");
+        for tick in 0..30 {
+            if tick % 4 == 3 {
+                world.set_position(ids[1], vec2(20 + tick, 0)).expect("elsewhere");
+            }
+            let saved = world.snapshot().to_bytes();
+            let mut restored = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
+            let (own, other) = (world.step(), restored.step());
+            assert_eq!(own.woke, other.woke, "{locks:?}, tick {tick}");
+            assert_eq!(restored.first_difference(&world), None, "{locks:?}, tick {tick}");
+        }
+    }
 }
 
 /// Sleeping colliders stand in a tree that follows changes; a restored world builds it anew.

@@ -48,12 +48,10 @@ impl<F: Float> Linking for Contact<F> {
     }
 }
 
-/// The solvers of a step: one for all contacts, or one for each part of them.
+/// The solvers of a step: one for each part of the contacts.
 #[derive(Debug, Default)]
 pub(super) struct Solvers<F: Float> {
     split: Split<Flight<F>, Contact<F>>,
-    /// True if the last step was solved in parts.
-    is_split: bool,
     solvers: [Solver<F>; 2],
 }
 
@@ -65,21 +63,17 @@ impl<F: Float> Solvers<F> {
         (flights, contacts): (&[Flight<F>], &mut [Contact<F>]),
         corrections: &mut Vec<Correction<F>>,
     ) {
-        let (settings, movers) = (scene.settings, scene.starts.len());
-        let Self { split, is_split, solvers } = self;
-        *is_split = split.find(settings.substeps, flights, contacts);
-        let first = corrections.len();
-        if !*is_split {
-            let clock = Clock::new(scene.time_step, settings.substeps);
-            solvers[0].solve(clock, settings, flights, contacts);
-            corrections.extend(solvers[0].corrections(clock, flights).take(movers));
-            return;
-        }
-        corrections.resize(first + movers, Correction::default());
-        split.solve(settings.substeps, (flights, contacts), |index, substeps, part| {
+        let (Self { split, solvers }, first, movers) = (self, corrections.len(), scene.starts.len());
+        split.solve(scene.settings.substeps, (flights, contacts), |index, substeps, flights, contacts, numbers| {
             let (clock, solver) = (Clock::new(scene.time_step, substeps), &mut solvers[index]);
-            solver.solve(clock, settings, &part.flights, &mut part.contacts);
-            for (&number, correction) in part.flight_numbers.iter().zip(solver.corrections(clock, &part.flights)) {
+            solver.solve(clock, scene.settings, flights, contacts);
+            let own = solver.corrections(clock, flights);
+            let Some(numbers) = numbers else {
+                corrections.extend(own.take(movers));
+                return;
+            };
+            corrections.resize(first + movers, Correction::default());
+            for (&number, correction) in numbers.iter().zip(own) {
                 // Bodies that stand still come after those that move.
                 if let Some(all) = corrections.get_mut(first + number as usize) {
                     *all = correction;
@@ -90,10 +84,8 @@ impl<F: Float> Solvers<F> {
 
     /// The number of each contact, and its impulses along the normal over the step, by point.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, Pair<F>)> + '_ {
-        let parts = self.split.parts().iter().zip(&self.solvers).take(if self.is_split { 2 } else { 1 });
-        parts.flat_map(|(part, solver)| {
-            let number = |contact| if self.is_split { part.contact_numbers[contact as usize] } else { contact };
-            solver.totals().map(move |(contact, sums)| (number(contact), sums))
+        (0..self.split.parts()).flat_map(move |part| {
+            self.solvers[part].totals().map(move |(contact, sums)| (self.split.number(part, contact), sums))
         })
     }
 }

@@ -46,12 +46,10 @@ impl Linking for Contact {
     }
 }
 
-/// The solvers of a step: one for all contacts, or one for each part of them.
+/// The solvers of a step: one for each part of the contacts.
 #[derive(Debug, Default)]
 pub(super) struct Solvers {
     split: Split<Flight, Contact>,
-    /// True if the last step was solved in parts.
-    is_split: bool,
     solvers: [Solver; 2],
     corrections: Vec<Correction>,
 }
@@ -65,19 +63,18 @@ impl Solvers {
         (flights, contacts): (&[Flight], &mut [Contact]),
         corrections: &mut Vec<Correction>,
     ) {
-        let Self { split, is_split, solvers, corrections: own } = self;
-        *is_split = split.find(options.substeps, flights, contacts);
-        if !*is_split {
-            solvers[0].solve(time_step, options, flights, &mut [], contacts, corrections);
-            return;
-        }
+        let (Self { split, solvers, corrections: own }, count) = (self, flights.len());
         corrections.clear();
-        corrections.resize(flights.len(), Correction::default());
-        split.solve(options.substeps, (flights, contacts), |index, substeps, part| {
-            let options = SolverOptions { substeps, ..*options };
-            solvers[index].solve(time_step, &options, &part.flights, &mut [], &mut part.contacts, own);
+        split.solve(options.substeps, (flights, contacts), |index, substeps, flights, contacts, numbers| {
+            let (solver, options) = (&mut solvers[index], SolverOptions { substeps, ..*options });
+            let Some(numbers) = numbers else {
+                solver.solve(time_step, &options, flights, &mut [], contacts, corrections);
+                return;
+            };
+            solver.solve(time_step, &options, flights, &mut [], contacts, own);
+            corrections.resize(count, Correction::default());
             // Fixed bodies, which may be in both parts, have none.
-            for (&number, correction) in part.flight_numbers.iter().zip(&*own) {
+            for (&number, correction) in numbers.iter().zip(&*own) {
                 corrections[number as usize] = *correction;
             }
         });
@@ -85,10 +82,9 @@ impl Solvers {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        let parts = self.split.parts().iter().zip(&self.solvers).take(if self.is_split { 2 } else { 1 });
-        parts.flat_map(|(part, solver)| {
-            let number = |contact| if self.is_split { part.contact_numbers[contact as usize] } else { contact };
-            solver.totals().map(move |(contact, sums, exponent)| (number(contact), sums, exponent))
+        (0..self.split.parts()).flat_map(move |part| {
+            let totals = self.solvers[part].totals();
+            totals.map(move |(contact, sums, exponent)| (self.split.number(part, contact), sums, exponent))
         })
     }
 }
