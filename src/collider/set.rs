@@ -181,11 +181,6 @@ impl<S: Scalar> ColliderSet<S> {
         self.kinds.one_way > 0
     }
 
-    /// The one-way colliders.
-    pub(crate) fn one_way(&self) -> impl Iterator<Item = &Collider<S>> {
-        self.list().filter(|collider| collider.side.is_some()).take(self.kinds.one_way)
-    }
-
     /// Returns true if there is a sensor.
     #[inline(always)]
     pub(crate) fn any_sensors(&self) -> bool {

@@ -52,9 +52,9 @@ pub struct ContactSettings<S = Fx> {
     /// of the world. With more, they count as pairs do. A step does not look at colliders of which neither has a category in the mask of
     /// the other: any number of them may be in one place.
     ///
-    /// Sensors have a limit of the same size of their own: it counts the pairs of a sensor's outline and another body's outline whose boxes
-    /// overlap at the end of the step. Beyond it, the sensors with the most pairs find nothing in that step, and the colliders that were in
-    /// them leave; no body is quarantined.
+    /// Sensors have limits of the same sizes of their own: they count the pairs of a sensor's outline and another body's outline whose boxes
+    /// overlap at the end of the step, and the overlaps that make no pair. Beyond them, the sensors with the most pairs find nothing in
+    /// that step, and the colliders that were in them leave; no body is quarantined.
     pub max_pairs: u32,
     /// The number of pairs that one outline of a moving body may have in a step with more than `max_pairs`, 1 to 2^12; 256 by default. In
     /// such a step the bodies of outlines with more are quarantined, or the sensors with more find nothing, whichever sort of pairs is

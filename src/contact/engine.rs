@@ -15,10 +15,11 @@ use super::still::{self, Still};
 use super::sweep;
 use super::tiles::Tiles;
 use super::view::newton_seconds;
-use super::{ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint};
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Statics};
+use super::{
+    ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint, pair_limits,
+};
+use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
-use crate::limits::PARTS;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::slots::NONE;
@@ -298,18 +299,6 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 }
 
-/// The limits on pairs. The parts of a compound may all overlap each other: so 128 overlaps for each outline of the world, half of the
-/// [`PARTS`] that a compound may have, come on top of those that go with the number of pairs.
-pub(super) fn limits<S: Scalar>(scene: &Scene<'_, S>) -> PairLimits {
-    let pairs = scene.settings.max_pairs as usize;
-    let outlines = scene.colliders.len().saturating_add(scene.colliders.more_outlines());
-    PairLimits {
-        pairs,
-        per_collider: scene.settings.max_pairs_per_collider as usize,
-        overlaps: pairs.saturating_mul(16).saturating_add(outlines.saturating_mul(PARTS / 2)),
-    }
-}
-
 impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
         self.numerics.clear();
@@ -322,7 +311,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.flights.begin::<S, N>(scene);
         self.update_still(scene, are_renumbered);
         self.place_movers(scene);
-        let limits = limits(scene);
+        let limits = pair_limits(scene.settings, scene.colliders);
         self.pair_moving(&limits);
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
@@ -338,7 +327,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             return;
         }
         let mut pairs = self.broad.take_pairs();
-        self.pair_still(scene, &mut pairs);
+        self.pair_still(scene, contacts, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
         self.leave_out_passing(scene, contacts, &mut pairs);
         let (mut next, mut first): (_, Option<Side<'_, S>>) = (0, None);

@@ -48,8 +48,9 @@ use alloc::vec::Vec;
 use core::fmt::Debug;
 
 use crate::body::{Activity, Bodies};
-use crate::collide::broad::Statics;
+use crate::collide::broad::{PairLimits, Statics};
 use crate::collider::{ColliderSet, ContactSettings, OutlineId};
+use crate::limits::PARTS;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::shape::Outline;
@@ -72,6 +73,18 @@ pub use view::{Contact, ContactPoint};
 pub(crate) fn is_asleep<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, slot: u32) -> bool {
     let dense = colliders.at(slot).and_then(|collider| bodies.find(collider.body).ok());
     dense.is_some_and(|dense| bodies.activity(dense) == Activity::Asleep)
+}
+
+/// The limits on pairs. The parts of a compound may all overlap each other: so 128 overlaps for each outline of the world, half of the
+/// [`PARTS`] that a compound may have, come on top of those that go with the number of pairs.
+fn pair_limits<S: Scalar>(settings: &ContactSettings<S>, colliders: &ColliderSet<S>) -> PairLimits {
+    let pairs = settings.max_pairs as usize;
+    let outlines = colliders.len().saturating_add(colliders.more_outlines());
+    PairLimits {
+        pairs,
+        per_collider: settings.max_pairs_per_collider as usize,
+        overlaps: pairs.saturating_mul(16).saturating_add(outlines.saturating_mul(PARTS / 2)),
+    }
 }
 
 /// The motion of a body at the start of a step.
@@ -141,34 +154,43 @@ pub(crate) struct Changed {
     pub(crate) bodies: Vec<u32>,
     /// The slots of colliders.
     pub(crate) colliders: Vec<u32>,
+    /// The slots of the static bodies of these colliders, also of those that are gone.
+    pub(crate) owners: Vec<u32>,
 }
 
 impl Clone for Changed {
     fn clone(&self) -> Self {
-        Self { bodies: self.bodies.clone(), colliders: self.colliders.clone() }
+        Self { bodies: self.bodies.clone(), colliders: self.colliders.clone(), owners: self.owners.clone() }
     }
 
     fn clone_from(&mut self, source: &Self) {
         self.bodies.clone_from(&source.bodies);
         self.colliders.clone_from(&source.colliders);
+        self.owners.clone_from(&source.owners);
     }
 }
 
 impl Changed {
     /// Nothing changed.
-    pub(crate) const NONE: &Self = &Self { bodies: Vec::new(), colliders: Vec::new() };
+    pub(crate) const NONE: &Self = &Self { bodies: Vec::new(), colliders: Vec::new(), owners: Vec::new() };
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.bodies.is_empty() && self.colliders.is_empty()
+        self.len() == 0
     }
 
     pub(crate) fn len(&self) -> usize {
-        self.bodies.len() + self.colliders.len()
+        self.bodies.len() + self.colliders.len() + self.owners.len()
     }
 
     pub(crate) fn clear(&mut self) {
         self.bodies.clear();
         self.colliders.clear();
+        self.owners.clear();
+    }
+
+    /// Returns true if a body or one of its colliders may have changed.
+    fn has(&self, body: u32) -> bool {
+        self.bodies.contains(&body) || self.owners.contains(&body)
     }
 
     /// The slots of the colliders of which the pose, the activity or the definition may have changed.

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::numerics::{MARGIN, Numerics};
-use super::{ContactSet, Scene};
+use super::{Changed, ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
@@ -164,20 +164,29 @@ fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
     found.ok().map(|index| passes[index].passes)
 }
 
-/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static. Where a call
-/// may have moved static bodies, all answers of these are found anew ([`pair_still`](Engine::pair_still)): by what has changed they would
-/// differ in a restored world, which does not know it.
+/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static.
 fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
-    let platform = scene.colliders.at(record.collider).map(|collider| collider.body.slot);
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;
         Some((scene.bodies.activity(dense), scene.bodies.info(dense).kind))
     };
-    let [Some(a), Some(b)] = [state(platform), state(Some(record.body))] else { return false };
+    let [Some(a), Some(b)] = [state(platform(scene, record)), state(Some(record.body))] else { return false };
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    sleeps(a) && sleeps(b) || one_sleeps && !scene.may_have_moved_statics
+    sleeps(a) && sleeps(b) || one_sleeps && !may_differ(scene, record)
+}
+
+/// The slot of the body of the one-way collider of a record.
+fn platform<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> Option<u32> {
+    scene.colliders.at(record.collider).map(|collider| collider.body.slot)
+}
+
+/// Returns true if one of the bodies of a record, or a collider of one, may have changed while both stood still.
+pub(super) fn may_differ<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
+    let has_changed =
+        |changed: &Changed| platform(scene, record).into_iter().chain([record.body]).any(|body| changed.has(body));
+    scene.may_have_moved_statics && scene.changed.is_none_or(has_changed)
 }
 
 impl ContactSet {

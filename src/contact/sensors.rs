@@ -3,23 +3,24 @@
 //! A sensor and a collider of another body overlap if their filters agree, one of the two bodies is not static, both take part, and the
 //! shapes have a point in common: exactly, by the geometry of queries. Sensors do not see each other.
 //!
-//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap. If
-//! these are more than a world may have, the sensors with the most of them find nothing: a function of the boxes and the filters alone.
+//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap, those
+//! included that filters reject. If these are more than a world may have, the sensors with the most of them find nothing: a function of the
+//! boxes and the filters alone.
 //!
 //! Moving colliders search the tree of sensors; sensors search the trees of colliders that stand still.
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::ContactEngine as _;
+use super::{ContactEngine as _, pair_limits};
 use crate::body::{Activity, Bodies, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
-use crate::collide::broad::{Proxy, Statics};
+use crate::collide::broad::{PairLimits, Proxy, Statics};
 use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
 use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
 use crate::scalar::{Accumulator as _, Scalar};
 use crate::shape::Aabb;
-use crate::slots::BodyId;
+use crate::slots::{BodyId, NONE};
 
 /// A sensor and a collider that overlaps it, by their slots.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -123,21 +124,22 @@ impl<S: Scalar> View<'_, S> {
         Some(Proxy { collider: number as u32, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
     }
 
-    /// Calls `found` with each outline that stands still and makes a pair with a sensor, until it returns false: those of sleeping bodies,
-    /// and for a sensor that is not static those of static ones. In the trees they have larger boxes, so that each is looked at.
-    fn standing(&self, sensor: &Seen, own: &Proxy, mut found: impl FnMut(OutlineId) -> bool) {
+    /// Calls `found` with each outline that stands still near a sensor, and with whether it makes a pair, until it returns false: those of
+    /// sleeping bodies, and for a sensor that is not static those of static ones. In the trees they have larger boxes, so that the box of
+    /// each is looked at.
+    fn standing(&self, sensor: &Seen, own: &Proxy, mut found: impl FnMut(OutlineId, bool) -> bool) {
         let mut goes_on = true;
         let (sleepers, statics) = (self.engine.sleepers(self.colliders), self.engine.statics(self.colliders));
         let statics = statics.map(|all| &**all).filter(|_| sensor.kind != BodyKind::Static);
         for (tree, state) in [(sleepers, Activity::Asleep), (statics, Activity::Awake)] {
             let Some(tree) = tree.filter(|tree| goes_on && !tree.is_empty()) else { continue };
-            tree.meeting(own, |other| {
+            tree.touching(own, |other, may_meet| {
                 let outline = self.engine.outline(other.collider);
-                let collider = self.colliders.at(outline.slot);
+                let collider = self.colliders.at(outline.slot).filter(|_| may_meet);
                 let parts = outline.part..outline.part + 1;
                 let mut seen = collider.into_iter().flat_map(|collider| self.seen(collider, parts.clone()));
                 let is_pair = seen.any(|seen| seen.activity == state && seen.bounds.overlaps(own.bounds));
-                goes_on = !is_pair || found(outline);
+                goes_on = found(outline, is_pair);
                 goes_on
             });
         }
@@ -179,9 +181,10 @@ impl Sensors {
                 colliders.solid_of_slot(slot).flat_map(|collider| view.seen(collider, 0..collider.outline_count())),
             );
         }
-        let most = settings.max_pairs as usize;
-        if !self.pair_all(&view, most) {
-            self.pair_fewest(&view, most, settings.max_pairs_per_collider);
+        let limits = pair_limits(settings, colliders);
+        let overlaps = self.pair_all(&view, &limits);
+        if overlaps > limits.overlaps || self.pairs.len() > limits.pairs {
+            self.pair_fewest(&view, &limits, overlaps > limits.overlaps);
         }
         self.meet(&view);
     }
@@ -196,39 +199,51 @@ impl Sensors {
         }
     }
 
-    /// Lists all pairs of sensors and outlines whose boxes overlap. Returns false, with a part of them, if there are more than `most`.
-    fn pair_all<S: Scalar>(&mut self, view: &View<'_, S>, most: usize) -> bool {
+    /// Lists the pairs of sensors and outlines whose boxes overlap, up to one more than there may be. Returns the number of overlaps, those
+    /// included that filters reject, up to one more than there may be.
+    fn pair_all<S: Scalar>(&mut self, view: &View<'_, S>, limits: &PairLimits) -> usize {
         self.plant(view, true);
         let Self { sensors, movers, tree, pairs, .. } = self;
         pairs.clear();
+        let mut overlaps = 0;
+        let mut look = |sensor: u32, outline: OutlineId, is_pair: bool| {
+            if is_pair && pairs.len() <= limits.pairs {
+                pairs.push((sensor, outline));
+            }
+            overlaps += 1;
+            overlaps <= limits.overlaps
+        };
+        let mut goes_on = true;
         for (number, mover) in movers.iter().enumerate() {
-            let Some(own) = view.proxy(number, mover) else { continue };
-            tree.meeting(&own, |sensor| {
-                pairs.push((sensor.collider, mover.outline));
-                pairs.len() <= most
+            let Some(own) = view.proxy(number, mover).filter(|_| goes_on) else { continue };
+            tree.touching(&Proxy { collider: NONE, ..own }, |sensor, is_pair| {
+                goes_on = look(sensor.collider, mover.outline, is_pair);
+                goes_on
             });
         }
         for (number, sensor) in sensors.iter().enumerate() {
-            let Some(own) = view.proxy(number, sensor).filter(|_| pairs.len() <= most) else { break };
-            view.standing(sensor, &own, |outline| {
-                pairs.push((own.collider, outline));
-                pairs.len() <= most
+            let Some(own) = view.proxy(number, sensor).filter(|_| goes_on) else { continue };
+            view.standing(sensor, &Proxy { collider: NONE, ..own }, |outline, is_pair| {
+                goes_on = look(own.collider, outline, is_pair);
+                goes_on
             });
         }
-        pairs.len() <= most
+        overlaps
     }
 
-    /// Lists the pairs of the sensors that have the fewest: of those with at most `per_sensor`, or of the largest number at which they fit.
-    /// It counts no pairs of a sensor beyond that.
+    /// Lists the pairs of the sensors that have the fewest: of those with at most as many as one collider may have, or of the largest number
+    /// at which they fit. It counts no pairs of a sensor beyond that. With `are_rejected_counted`, what filters reject counts as pairs do.
     #[cold]
-    fn pair_fewest<S: Scalar>(&mut self, view: &View<'_, S>, most: usize, per_sensor: u32) {
+    fn pair_fewest<S: Scalar>(&mut self, view: &View<'_, S>, limits: &PairLimits, are_rejected_counted: bool) {
         self.plant(view, false);
+        let (most, per_sensor) = (limits.pairs, limits.per_collider as u32);
         let Self { sensors, movers, tree, pairs, degrees, sums, .. } = self;
-        let each = |number: usize, found: &mut dyn FnMut(OutlineId) -> bool| {
+        let each = |number: usize, found: &mut dyn FnMut(OutlineId, bool) -> bool| {
             let Some(own) = view.proxy(number, &sensors[number]) else { return };
+            let own = Proxy { collider: NONE, ..own };
             let mut goes_on = true;
-            tree.meeting(&own, |mover| {
-                goes_on = found(movers[mover.collider as usize].outline);
+            tree.touching(&own, |mover, is_pair| {
+                goes_on = found(movers[mover.collider as usize].outline, is_pair);
                 goes_on
             });
             if goes_on {
@@ -240,8 +255,8 @@ impl Sensors {
         sums.resize(per_sensor as usize + 1, 0);
         for number in 0..sensors.len() {
             let mut degree = 0;
-            each(number, &mut |_| {
-                degree += 1;
+            each(number, &mut |_, is_pair| {
+                degree += u32::from(is_pair || are_rejected_counted);
                 degree <= per_sensor
             });
             degrees.push(degree);
@@ -258,8 +273,10 @@ impl Sensors {
         let cap = (fitting.count() as u32).saturating_sub(1);
         pairs.clear();
         for number in (0..sensors.len()).filter(|&number| degrees[number] <= cap) {
-            each(number, &mut |outline| {
-                pairs.push((number as u32, outline));
+            each(number, &mut |outline, is_pair| {
+                if is_pair {
+                    pairs.push((number as u32, outline));
+                }
                 true
             });
         }

@@ -9,7 +9,9 @@
 //! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
 //! out what makes the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever their island takes.
 //!
-//! A body that dominates others must not depend on them. So an island under such bodies takes the sub-steps of their islands.
+//! A body that dominates others must not depend on them: the sub-steps of its island do not follow theirs. An island under such a body
+//! takes finer sub-steps if the body's island does. If only its own loads are heavy, it is solved after the body's island, and sees that
+//! body go along the flight that this has found.
 
 use alloc::vec::Vec;
 use core::fmt::Debug;
@@ -27,6 +29,8 @@ pub(super) const HEAVY: i32 = 64;
 pub(super) trait Flying: Copy {
     /// kg
     type Mass: Copy + Debug + Default + PartialOrd;
+    /// The change of a flight by the impulses of a step.
+    type Correction: Copy + Debug + Default;
 
     /// Returns true for one that no impulse changes.
     fn is_fixed(&self) -> bool;
@@ -37,6 +41,8 @@ pub(super) trait Flying: Copy {
     /// The flight that this one follows.
     fn leader(&self) -> Option<u32>;
     fn set_leader(&mut self, leader: Option<u32>);
+    /// Makes it the flight with the impulses of the step.
+    fn correct(&mut self, by: &Self::Correction);
 }
 
 /// A contact of the solver of one scalar.
@@ -78,6 +84,8 @@ pub(super) struct Split<F: Flying, C> {
     /// True if the last step had two parts.
     is_split: bool,
     parts: [Part<F, C>; 2],
+    /// The corrections of a part.
+    corrections: Vec<F::Correction>,
 }
 
 impl<F: Flying, C> Default for Split<F, C> {
@@ -89,28 +97,36 @@ impl<F: Flying, C> Default for Split<F, C> {
             place: Vec::new(),
             is_split: false,
             parts: Default::default(),
+            corrections: Vec::new(),
         }
     }
 }
 
 impl<F: Flying, C: Linking> Split<F, C> {
-    /// Solves contacts: those of islands under heavy loads in finer sub-steps, the others in `substeps`. `solve` is given the number of a
-    /// part, its sub-steps, flights and contacts, and the numbers of these flights among all, or `None` where all contacts are one part.
+    /// Solves contacts, those of islands under heavy loads in finer sub-steps than `substeps`, and lists the corrections of all flights.
+    /// `solve` does it for a part, which has a number: in so many sub-steps, for its flights and contacts.
     pub(super) fn solve(
         &mut self,
         substeps: u32,
         (flights, contacts): (&[F], &mut [C]),
-        mut solve: impl FnMut(usize, u32, &[F], &mut [C], Option<&[u32]>),
+        corrections: &mut Vec<F::Correction>,
+        mut solve: impl FnMut(usize, u32, (&[F], &mut [C]), &mut Vec<F::Correction>),
     ) {
         self.is_split = substeps < FINE && self.find(flights, contacts);
         if !self.is_split {
-            return solve(0, substeps, flights, contacts, None);
+            return solve(0, substeps, (flights, contacts), corrections);
         }
+        corrections.clear();
+        corrections.resize(flights.len(), F::Correction::default());
         for (index, own) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, flights, contacts);
+            self.take(index, (flights, contacts), corrections);
             let part = &mut self.parts[index];
             part.contacts.iter_mut().for_each(|contact| contact.rescale(substeps, own));
-            solve(index, own, &part.flights, &mut part.contacts, Some(&part.flight_numbers));
+            solve(index, own, (&part.flights, &mut part.contacts), &mut self.corrections);
+            // Fixed bodies, which may be in both parts, have none.
+            for (&number, correction) in part.flight_numbers.iter().zip(&self.corrections) {
+                corrections[number as usize] = *correction;
+            }
             for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
                 let all = &mut contacts[number as usize];
                 let bodies = all.bodies();
@@ -155,14 +171,11 @@ impl<F: Flying, C: Linking> Split<F, C> {
         }
     }
 
-    /// Gives islands below bodies that dominate them the sub-steps of these.
+    /// Gives islands below bodies that dominate them fine sub-steps where these have them.
     fn follow_leaders(&mut self, flights: &[F]) {
         let Self { graph, is_heavy, .. } = self;
         let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader()?)));
         let below = |follower| graph.touched_by(follower).filter_map(|body| graph.island_of(body));
-        for island in followers().flat_map(|(follower, _)| below(follower)) {
-            is_heavy[island as usize] = false;
-        }
         // Leaders may be below others in turn: at most one round for each number of dominance.
         let mut has_changed = followers().next().is_some();
         while has_changed {
@@ -179,8 +192,8 @@ impl<F: Flying, C: Linking> Split<F, C> {
         }
     }
 
-    /// Copies the contacts of a part, and the flights that they join.
-    fn take(&mut self, index: usize, flights: &[F], contacts: &[C]) {
+    /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
+    fn take(&mut self, index: usize, (flights, contacts): (&[F], &[C]), corrections: &[F::Correction]) {
         let Self { graph, is_heavy, place, parts, .. } = self;
         let part = &mut parts[index];
         place.clear();
@@ -208,9 +221,14 @@ impl<F: Flying, C: Linking> Split<F, C> {
             part.contacts.push(contact);
             part.contact_numbers.push(number);
         }
-        // One whose leader is solved in other sub-steps goes along the free flight of it.
         for flight in &mut part.flights {
-            flight.set_leader(flight.leader().map(|body| place[body as usize]).filter(|&body| body != NONE));
+            let Some(leader) = flight.leader() else { continue };
+            let own = place[leader as usize];
+            if own == NONE {
+                // The leader was in the part before, or has no contacts at all.
+                flight.correct(&corrections[leader as usize]);
+            }
+            flight.set_leader(Some(own).filter(|&own| own != NONE));
         }
     }
 }

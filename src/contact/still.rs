@@ -4,9 +4,10 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::engine::{Engine, limits};
+use super::engine::Engine;
 use super::numerics::Numerics;
-use super::{Changed, Scene};
+use super::passes::may_differ;
+use super::{Changed, ContactSet, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
 use crate::collider::Collider;
@@ -144,7 +145,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             return;
         }
         self.statics_revision = scene.colliders.revision();
-        let most = limits(scene);
+        let most = pair_limits(scene.settings, scene.colliders);
         let mut own = core::mem::take(&mut self.following);
         let before = self.still.take();
         let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
@@ -285,8 +286,9 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one, and all of those of which one is one-way.
-    pub(super) fn pair_still(&self, scene: &Scene<'_, S>, pairs: &mut Vec<[u32; 2]>) {
+    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one; and all pairs whose answer by a one-way
+    /// collider has to be found anew, as it follows from all colliders of a body.
+    pub(super) fn pair_still(&self, scene: &Scene<'_, S>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
         let Some(Still { statics, sleepers, .. }) = &self.still else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
             return;
@@ -299,12 +301,19 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         match scene.changed {
             None => sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other))),
             Some(changed) => {
-                let one_way = scene.colliders.one_way().map(|collider| collider.slot);
-                for number in changed.all(scene.colliders).chain(one_way).flat_map(|slot| self.numbers.of(slot)) {
+                for number in changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)) {
                     if let Some(own) = sleepers.find(number) {
                         statics.meeting(own, |other| add(own, other));
                     } else if let Some(own) = statics.find(number) {
                         sleepers.meeting(own, |other| add(own, other));
+                    }
+                }
+                for record in contacts.passes.iter().filter(|record| may_differ(scene, record)) {
+                    let (outline, body) = record.place();
+                    let number = self.numbers.first(outline.slot) + outline.part;
+                    let is_static = statics.find(number).map(|own| (own, sleepers));
+                    if let Some((own, others)) = sleepers.find(number).map(|own| (own, &**statics)).or(is_static) {
+                        others.meeting(own, |other| other.body != body || add(own, other));
                     }
                 }
             }

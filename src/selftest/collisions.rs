@@ -75,8 +75,8 @@ pub(super) fn piles(trial: &mut Trial) -> Played {
     happened("nobody is deep in the ground", lowest.is_some_and(|y| y > fx!(-0.015625)))
 }
 
-/// Towers of light boxes under boxes of 10 to 1,000 times their mass, and a heavy one that is thrown from one to the next; beside its
-/// mirror image.
+/// Towers of light boxes under boxes of 10 to 1,000 times their mass, a heavy one that is thrown from one to the next, and a tower that lands
+/// on a box of its own which dominates it; beside its mirror image.
 pub(super) fn loads(trial: &mut Trial) -> Played {
     let mut world = World::new(def())?;
     let square = |mass: i32, position: Vec2, key: u64| -> Result<BodyDef, Error> {
@@ -93,18 +93,26 @@ pub(super) fn loads(trial: &mut Trial) -> Played {
         }
     }
     bodies.push(BodyDef { velocity: vec2(5, 2), ..square(300, vec2(-12, 6), 99)? });
+    for (row, mass) in [1, 1, 70].into_iter().enumerate() {
+        let def = square(mass, Vec2::new(fx!(12), fx!(1.5) + Fx::from(row as i32)), 100 + row as u64)?;
+        bodies.push(BodyDef { dominance: i32::from(row == 0), velocity: vec2(0, -4), ..def });
+    }
     let ids = add_all(&mut world, bodies)?;
     let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
     let mut image = mirror(&world)?;
-    let mut deepest = Fx::ZERO;
+    let [mut deepest, mut landing] = [Fx::ZERO; 2];
     for _ in 0..240 {
         trial.step(&mut world);
         image.step();
         same("loads and their mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
-        let of_last = |contact: &Contact| contact.bodies.iter().all(|body| ids[9..13].contains(body));
-        let points = world.contacts().filter(of_last).flat_map(|contact| contact.points().to_vec());
-        deepest = points.fold(deepest, |deepest, point| deepest.max(-point.separation));
+        for (deepest, tower) in [(&mut deepest, &ids[9..13]), (&mut landing, &ids[14..17])] {
+            let of_tower = |contact: &Contact| contact.bodies.iter().all(|body| tower.contains(body));
+            let points = world.contacts().filter(of_tower).flat_map(|contact| contact.points().to_vec());
+            *deepest = points.fold(*deepest, |deepest, point| deepest.max(-point.separation));
+        }
     }
+    happened("a load lands on one that dominates it", landing > fx!(0.005) && landing < fx!(0.05))?;
+    happened("and rests there", world.body(ids[16])?.position().y > fx!(2.495))?;
     happened("the heaviest one presses, and sinks in by less than 5 cm", deepest > fx!(0.01) && deepest < fx!(0.05))?;
     happened("it is still on top", world.body(ids[12])?.position().y > fx!(3.375))?;
     happened("the thrown one hits the first tower", world.body(ids[4])?.position().y < fx!(1))

@@ -124,8 +124,10 @@ impl<S: Scalar> Workspace<S> {
         // A world that nothing moves in for long has its colliders looked through instead.
         self.are_all_changed &= listed.is_some() && self.changed.len() <= MOST_CHANGED;
         if let (true, Some(changed)) = (self.are_all_changed, listed) {
-            let changed = changed.iter().filter(|one| !is_motion(bodies, one) && is_of_body(one));
-            self.changed.bodies.extend(changed.map(|(slot, _)| *slot));
+            for one in changed.iter().filter(|one| !is_motion(bodies, one)) {
+                let list = if is_of_body(one) { &mut self.changed.bodies } else { &mut self.changed.owners };
+                list.push(one.0);
+            }
         }
         match self.revision.and_then(|revision| colliders.changed_since(revision)) {
             Some(slots) => self.changed.colliders.extend(slots),

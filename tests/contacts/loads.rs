@@ -158,21 +158,47 @@ fn a_body_that_dominates_a_load_keeps_its_bits() {
     }
 }
 
-/// What lies on a dominant body sees where that body goes in each sub-step, whichever of the two towers is under a heavy load: it rests,
-/// while along the free flight of the dominant one it would fall by g·h in each step.
+/// Boxes of dominance 1, and on these others.
+fn on_dominant(base: &[i32], top: &[i32]) -> Vec<BodyDef> {
+    let mut bodies = tower(fx!(0), base);
+    bodies.iter_mut().for_each(|def| def.dominance = 1);
+    let height = vec2(0, base.len() as i32);
+    bodies.extend(tower(fx!(0), top).into_iter().map(|def| BodyDef { position: def.position + height, ..def }));
+    bodies
+}
+
+/// Boxes on a dominant tower see where that goes in each sub-step, whichever of the two is under a heavy load.
 #[test]
 fn boxes_rest_on_a_dominant_tower_whichever_carries_a_load() {
     for (base, top) in [(&[1, 2][..], &[1, 1000][..]), (&[1, 1000], &[1, 2]), (&[1, 1000], &[1, 1000])] {
-        let mut bodies = on_ground(tower(fx!(0), base));
-        bodies.iter_mut().skip(1).for_each(|def| def.dominance = 1);
-        let above = tower(fx!(0), top).into_iter().map(|def| BodyDef { position: def.position + vec2(0, 2), ..def });
-        bodies.extend(above);
-        let (mut world, ids) = world(def(), bodies).expect("a scene");
+        let (mut world, ids) = world(def(), on_ground(on_dominant(base, top))).expect("a scene");
         (0..300).for_each(|_| _ = world.step());
         for &id in &ids[1..] {
             let speed = world.body(id).expect("it").velocity().length();
             assert!(speed < fx!(0.001), "{base:?} {top:?}: {speed}");
         }
+        let sink = fx!(3.5) - world.body(ids[4]).expect("it").position().y;
+        assert!(sink < fx!(0.04), "{base:?} {top:?}: {sink}");
+    }
+}
+
+/// A dominant pallet lands with a load, which does not go through it.
+#[test]
+fn a_load_lands_with_the_dominant_pallet_that_it_lies_on() {
+    for speed in [2, 4, 8] {
+        let bodies = on_dominant(&[1], &[1, 70]).into_iter();
+        let bodies =
+            bodies.map(|def| BodyDef { position: def.position + vec2(0, 1), velocity: vec2(0, -speed), ..def });
+        let (mut world, ids) = world(def(), on_ground(bodies)).expect("a scene");
+        let mut deep = Fx::ZERO;
+        for _ in 0..300 {
+            world.step();
+            deep = deep.max(deepest(&world));
+        }
+        assert!(deep < fx!(0.05), "{speed}: {deep}");
+        let load = world.body(ids[3]).expect("it");
+        let sink = fx!(2.5) - load.position().y;
+        assert!(sink < fx!(0.002) && load.velocity().length() < fx!(0.001), "{speed}: {sink}");
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::scenes::{def, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Error, Filter, Fx, Geometry, Irreversible, OneWay, Part, Shape, Snapshot, Symmetry,
-    Vec2, World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Error, Filter, Fx, Geometry, Irreversible, OneWay, Part, Shape,
+    Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn up() -> Option<OneWay> {
@@ -349,7 +349,14 @@ fn a_change_near_a_sleeping_platform_has_the_result_of_a_restored_world() {
     let still = |body: BodyDef| BodyDef { kind: BodyKind::Static, ..body };
     let disc = || disc(vec2(0, fx!(0.2)), vec2(0, 0));
     let flying = || BodyDef { kind: BodyKind::Dynamic, ..plank(up()) };
-    for (platform, body) in [(flying(), still(disc())), (plank(up()), disc())] {
+    let second = ColliderDef {
+        position: vec2(fx!(0.5), fx!(-0.375)),
+        ..ColliderDef::new(Shape::circle(fx!(0.25)).expect("a disc"))
+    };
+    let two = || disc().with_collider(second.clone());
+    for (platform, body) in
+        [(flying(), still(disc())), (plank(up()), disc()), (flying(), still(two())), (plank(up()), two())]
+    {
         let round = |radius: Fx| ColliderDef::new(Shape::circle(radius).expect("a disc"));
         let changes = [
             None,

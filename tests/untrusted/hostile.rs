@@ -187,13 +187,13 @@ fn long_chains_that_cross() {
     within("long chains, again", 10, bound(outlines, 10_000), || world.step().faults.len());
 }
 
-/// Sensors and bodies at one place.
-fn watched(sensors: usize, bodies: usize, contacts: ContactSettings) -> World {
+/// Sensors of a category and bodies at one place.
+fn watched((sensors, category): (usize, u32), bodies: usize, contacts: ContactSettings) -> World {
     let mut world = world(contacts);
     // Bodies do not meet each other.
     let filter = Filter { category: 2, mask: 1, ..Filter::default() };
     for key in 0..sensors as u64 {
-        let filter = Filter { category: 1, mask: 2, ..Filter::default() };
+        let filter = Filter { category, mask: 2, ..Filter::default() };
         let kind = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][key as usize % 3];
         let def = BodyDef { kind, key, ..BodyDef::dynamic() };
         world.add_body(def.with_collider(ColliderDef { sensor: true, filter, ..disc() })).expect("a fair body");
@@ -208,7 +208,7 @@ fn watched(sensors: usize, bodies: usize, contacts: ContactSettings) -> World {
 #[test]
 fn sensors_over_bodies() {
     for contacts in [ContactSettings::default(), few(1_000, 4)] {
-        let mut world = watched(MANY, 10_000, contacts);
+        let mut world = watched((MANY, 1), 10_000, contacts);
         use_up("sensors", &mut world, MANY + 10_000);
         // The second step is one of bodies that lie still, and sleep later on.
         for _ in 0..2 {
@@ -218,6 +218,29 @@ fn sensors_over_bodies() {
         }
         // Each of them is in more pairs than the limit, and so finds nothing.
         assert_eq!(world.sensor_overlaps().count(), 0);
+    }
+}
+
+/// Sensors that look for bodies which do not look for them: they make no pairs. What is too much of that counts as pairs do.
+#[test]
+fn sensors_over_bodies_that_filters_keep_apart() {
+    for contacts in [ContactSettings::default(), few(1_000, 4)] {
+        let mut world = watched((MANY, 4), 10_000, contacts);
+        // One that all of these sensors would see, and another one with a sensor of its own.
+        let seen = Filter { category: 2, mask: 4, ..Filter::default() };
+        for position in [vec2(0, 0), vec2(90, 0)] {
+            let body = BodyDef { position, gravity_scale: fx!(0), ..BodyDef::dynamic() };
+            world.add_body(body.with_collider(ColliderDef { filter: seen, ..disc() })).expect("a fair body");
+        }
+        let filter = Filter { category: 4, mask: 2, ..Filter::default() };
+        let door = BodyDef { position: vec2(90, 0), ..BodyDef::fixed() };
+        world.add_body(door.with_collider(ColliderDef { sensor: true, filter, ..disc() })).expect("a fair body");
+        for _ in 0..2 {
+            within("sensors, apart", 20, bound(MANY + 10_000, contacts.max_pairs.min(1 << 18)), || {
+                assert!(world.step().faults.is_empty());
+            });
+        }
+        assert_eq!(world.sensor_overlaps().count(), 1);
     }
 }
 

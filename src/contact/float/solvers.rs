@@ -11,6 +11,7 @@ use crate::contact::{Correction, Scene};
 
 impl<F: Float> Flying for Flight<F> {
     type Mass = F;
+    type Correction = Correction<F>;
 
     fn is_fixed(&self) -> bool {
         Self::is_fixed(self)
@@ -30,6 +31,15 @@ impl<F: Float> Flying for Flight<F> {
 
     fn set_leader(&mut self, leader: Option<u32>) {
         self.leader = leader;
+    }
+
+    fn correct(&mut self, by: &Correction<F>) {
+        let moved = [by.displacement.x, by.displacement.y, by.rotation];
+        let changed = [by.velocity.x, by.velocity.y, by.angular_velocity];
+        (0..3).for_each(|i| {
+            self.displacement[i] += moved[i];
+            self.end[i] += changed[i];
+        });
     }
 }
 
@@ -63,23 +73,15 @@ impl<F: Float> Solvers<F> {
         (flights, contacts): (&[Flight<F>], &mut [Contact<F>]),
         corrections: &mut Vec<Correction<F>>,
     ) {
-        let (Self { split, solvers }, first, movers) = (self, corrections.len(), scene.starts.len());
-        split.solve(scene.settings.substeps, (flights, contacts), |index, substeps, flights, contacts, numbers| {
-            let (clock, solver) = (Clock::new(scene.time_step, substeps), &mut solvers[index]);
-            solver.solve(clock, scene.settings, flights, contacts);
-            let own = solver.corrections(clock, flights);
-            let Some(numbers) = numbers else {
-                corrections.extend(own.take(movers));
-                return;
-            };
-            corrections.resize(first + movers, Correction::default());
-            for (&number, correction) in numbers.iter().zip(own) {
-                // Bodies that stand still come after those that move.
-                if let Some(all) = corrections.get_mut(first + number as usize) {
-                    *all = correction;
-                }
-            }
+        let (Self { split, solvers }, settings) = (self, scene.settings);
+        split.solve(settings.substeps, (flights, contacts), corrections, |part, substeps, (flights, contacts), out| {
+            let (clock, solver) = (Clock::new(scene.time_step, substeps), &mut solvers[part]);
+            solver.solve(clock, settings, flights, contacts);
+            out.clear();
+            out.extend(solver.corrections(clock, flights));
         });
+        // Bodies that stand still come after those that move.
+        corrections.truncate(scene.starts.len());
     }
 
     /// The number of each contact, and its impulses along the normal over the step, by point.

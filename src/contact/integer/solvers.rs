@@ -4,11 +4,14 @@ use alloc::vec::Vec;
 
 use crate::contact::split::{Flying, HEAVY, Linking, Split};
 use crate::fx::Fx;
+use crate::limits::SPEED;
 use crate::math::TimeStep;
+use crate::scalar::{Accumulator as _, FxAccumulator};
 use crate::solve::{Contact, Correction, Flight, Solver, SolverOptions};
 
 impl Flying for Flight {
     type Mass = Fx;
+    type Correction = Correction;
 
     fn is_fixed(&self) -> bool {
         Self::is_fixed(self)
@@ -29,6 +32,23 @@ impl Flying for Flight {
 
     fn set_leader(&mut self, leader: Option<u32>) {
         self.leader = leader;
+    }
+
+    fn correct(&mut self, by: &Correction) {
+        // Corrections are at most 2^30, and the flight is below 2^27, so that the sum fits. In a step of at most a second no flight is
+        // faster than the limit, goes farther, or turns by more.
+        let add = |own: &mut Fx, by: FxAccumulator| {
+            *own = FxAccumulator::from_scalar(*own).plus(by).value().clamp(-SPEED, SPEED);
+        };
+        if *by == Correction::default() {
+            return;
+        }
+        add(&mut self.displacement.x, by.displacement.x);
+        add(&mut self.displacement.y, by.displacement.y);
+        add(&mut self.rotation, by.rotation);
+        add(&mut self.end.linear.x, by.velocity.x);
+        add(&mut self.end.linear.y, by.velocity.y);
+        add(&mut self.end.angular, by.angular_velocity);
     }
 }
 
@@ -51,7 +71,6 @@ impl Linking for Contact {
 pub(super) struct Solvers {
     split: Split<Flight, Contact>,
     solvers: [Solver; 2],
-    corrections: Vec<Correction>,
 }
 
 impl Solvers {
@@ -63,20 +82,10 @@ impl Solvers {
         (flights, contacts): (&[Flight], &mut [Contact]),
         corrections: &mut Vec<Correction>,
     ) {
-        let (Self { split, solvers, corrections: own }, count) = (self, flights.len());
-        corrections.clear();
-        split.solve(options.substeps, (flights, contacts), |index, substeps, flights, contacts, numbers| {
-            let (solver, options) = (&mut solvers[index], SolverOptions { substeps, ..*options });
-            let Some(numbers) = numbers else {
-                solver.solve(time_step, &options, flights, &mut [], contacts, corrections);
-                return;
-            };
-            solver.solve(time_step, &options, flights, &mut [], contacts, own);
-            corrections.resize(count, Correction::default());
-            // Fixed bodies, which may be in both parts, have none.
-            for (&number, correction) in numbers.iter().zip(&*own) {
-                corrections[number as usize] = *correction;
-            }
+        let Self { split, solvers } = self;
+        split.solve(options.substeps, (flights, contacts), corrections, |part, substeps, (flights, contacts), out| {
+            let options = SolverOptions { substeps, ..*options };
+            solvers[part].solve(time_step, &options, flights, &mut [], contacts, out);
         });
     }
 
