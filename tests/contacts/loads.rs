@@ -2,7 +2,7 @@
 
 use super::scenes::{def, ground, keeps_its_bits, square, world};
 use umbra_physics::{
-    BodyDef, BodyId, ColliderDef, ContactHit, ContactSettings, Event, Fx, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, ColliderDef, ContactHit, ContactSettings, Event, Fx, Locks, Shape, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// A square of a metre, of this many kilograms.
@@ -293,4 +293,24 @@ fn a_body_that_is_pushed_out_does_not_sleep_inside() {
         height = now;
     }
     panic!("it is awake at {height}");
+}
+
+/// A bar that is held in its middle and turned out of the ground moves at its ends alone: it does not fall asleep before it is out.
+#[test]
+fn a_body_that_is_turned_out_does_not_sleep_inside() {
+    let bar = ColliderDef::new(Shape::rectangle(4, fx!(0.5)).expect("a bar"));
+    let locks = Locks { x: true, y: true, rotation: false };
+    let inside = BodyDef { position: vec2(0, 1), angle: fx!(-0.75), locks, ..BodyDef::dynamic().with_collider(bar) };
+    let (mut world, ids) = world(WorldDef { sleep_after: Some(5), ..def() }, on_ground([inside])).expect("a scene");
+    for tick in 0..600 {
+        let fell_asleep = world.step().fell_asleep.contains(&ids[1]);
+        let angle = world.body(ids[1]).expect("it").angle();
+        if fell_asleep {
+            // The lower corner is 1 − 2·sin φ − ¼·cos φ above the ground: nothing at φ = 0.3947, and 1 cm deep at 0.4.
+            let down = fx!(6.283185307) - angle;
+            assert!(down < fx!(0.4), "asleep after {tick} ticks, {down} rad downwards");
+            return;
+        }
+    }
+    panic!("it is awake");
 }
