@@ -18,6 +18,7 @@ use super::view::newton_seconds;
 use super::{
     ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint, pair_limits,
 };
+use crate::body::BodyKind;
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
@@ -262,11 +263,15 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let parts = pair.map(|outline| outline.part);
         let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
         if kinds.contains(&FlightOf::Asleep) {
-            // A body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
+            // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.
+            let is_dynamic = |collider: &Collider<S>| {
+                scene.bodies.find(collider.body).is_ok_and(|dense| scene.bodies.info(dense).kind == BodyKind::Dynamic)
+            };
             if !is_asleep || manifold.is_pressed() && !contacts.are_asleep_on_each_other(pair) {
                 let asleep = [a, b].into_iter().zip(kinds).filter(|(_, kind)| *kind == FlightOf::Asleep);
-                out.touched.extend(asleep.map(|(collider, _)| collider.body));
+                let woken = asleep.map(|(collider, _)| collider).filter(|collider| !is_asleep || is_dynamic(collider));
+                out.touched.extend(woken.map(|collider| collider.body));
             }
             return;
         }
@@ -309,7 +314,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin::<S, N>(scene);
-        self.update_still(scene, are_renumbered);
+        self.update_still(scene, are_renumbered, &mut out.disturbed);
         self.place_movers(scene);
         let limits = pair_limits(scene.settings, scene.colliders);
         self.pair_moving(&limits);
@@ -327,9 +332,9 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             return;
         }
         let mut pairs = self.broad.take_pairs();
-        self.pair_still(scene, contacts, &mut pairs);
+        self.pair_still(scene, (contacts, &out.disturbed), &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
-        self.leave_out_passing(scene, contacts, &mut pairs);
+        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
         let (mut next, mut first): (_, Option<Side<'_, S>>) = (0, None);
         for &[a, b] in &pairs {
             // Pairs are sorted: most have the first outline of the one before.
@@ -471,5 +476,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             (own, Some(source)) => own.get_or_insert_default().copy_from(source),
         }
         self.statics_revision = source.statics_revision;
+        // The trees know colliders by these.
+        self.numbers.copy_from(&source.numbers);
     }
 }

@@ -160,7 +160,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if states.iter().flatten().any(|&state| moves(state)) || !states.iter().flatten().any(|&state| sleeps(state)) {
             return false;
         }
-        let [a, b] = bodies.map(|body| scene.colliders.of_slot(body));
+        let [a, b] = bodies.map(|body| scene.colliders.solid_of_slot(body));
         let outlines = |collider: &Collider<S>| {
             let slot = collider.slot;
             (0..collider.outline_count()).map(move |part| OutlineId { slot, part })

@@ -67,6 +67,7 @@ pub(crate) use passes::PassRecord;
 pub(crate) use records::ContactRecord;
 pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
+pub(crate) use still::Disturbed;
 pub use view::{Contact, ContactPoint};
 
 /// Returns true if the body of the collider in a slot is asleep.
@@ -154,7 +155,7 @@ pub(crate) struct Changed {
     pub(crate) bodies: Vec<u32>,
     /// The slots of colliders.
     pub(crate) colliders: Vec<u32>,
-    /// The slots of the static bodies of these colliders, also of those that are gone.
+    /// The slots of static bodies of which only colliders were added, replaced or removed.
     pub(crate) owners: Vec<u32>,
 }
 
@@ -186,11 +187,6 @@ impl Changed {
         self.bodies.clear();
         self.colliders.clear();
         self.owners.clear();
-    }
-
-    /// Returns true if a body or one of its colliders may have changed.
-    fn has(&self, body: u32) -> bool {
-        self.bodies.contains(&body) || self.owners.contains(&body)
     }
 
     /// The slots of the colliders of which the pose, the activity or the definition may have changed.
@@ -322,4 +318,6 @@ impl<S: Scalar> ContactEngine<S> for NoContacts {
 pub(crate) struct Detected {
     pub(crate) touched: Vec<BodyId>,
     pub(crate) crowded: Vec<usize>,
+    /// The contacts at rest that the step looks at, however often contacts are found in it.
+    pub(crate) disturbed: Disturbed,
 }

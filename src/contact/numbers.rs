@@ -57,6 +57,15 @@ impl Numbers {
         colliders.changed_since(self.revision).is_some_and(|mut changed| changed.all(is_kept))
     }
 
+    /// Becomes a copy. Tables of one revision are the same: they follow from the colliders alone.
+    pub(super) fn copy_from(&mut self, source: &Self) {
+        if self.revision != source.revision || self.is_simple() != source.is_simple() {
+            self.first.clone_from(&source.first);
+            self.outlines.clone_from(&source.outlines);
+            self.revision = source.revision;
+        }
+    }
+
     /// Returns true if these colliders are numbered: a copy of a world numbers them when it steps.
     pub(super) fn is_of<S: Scalar>(&self, colliders: &ColliderSet<S>) -> bool {
         if colliders.more_outlines() == 0 { self.outlines.is_empty() } else { self.revision == colliders.revision() }

@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::numerics::{MARGIN, Numerics};
-use super::{Changed, ContactSet, Scene};
+use super::{ContactSet, Disturbed, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
@@ -85,7 +85,12 @@ fn passes<S: Scalar>(before: Option<bool>, separation: S, is_facing: bool) -> bo
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Leaves out the pairs of one-way colliders and of bodies that pass, and lists the answers of all one-way colliders.
-    pub(super) fn leave_out_passing(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
+    pub(super) fn leave_out_passing(
+        &mut self,
+        scene: &Scene<'_, S>,
+        (contacts, disturbed): (&ContactSet, &Disturbed),
+        pairs: &mut Vec<[u32; 2]>,
+    ) {
         self.passes.clear();
         if !scene.colliders.any_one_way() {
             return;
@@ -105,7 +110,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             self.passes.push(PassRecord::new(place, passes(contacts.passes_at(place), separation, is_facing)));
         }
         self.near = near;
-        let still = contacts.passes.iter().filter(|record| is_still(scene, record));
+        let still = contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
         self.passes.extend(still);
         self.passes.sort_unstable_by_key(PassRecord::place);
         pairs.retain(|&numbers| {
@@ -164,8 +169,9 @@ fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
     found.ok().map(|index| passes[index].passes)
 }
 
-/// Returns true if neither of two bodies has moved since a record was written: both sleep, or one does and the other is static.
-fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
+/// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Pairs
+/// that were disturbed are looked at again ([`pair_still`](Engine::pair_still)).
+fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord, disturbed: &Disturbed) -> bool {
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;
         Some((scene.bodies.activity(dense), scene.bodies.info(dense).kind))
@@ -174,7 +180,7 @@ fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    sleeps(a) && sleeps(b) || one_sleeps && !may_differ(scene, record)
+    sleeps(a) && sleeps(b) || one_sleeps && !is_disturbed(scene, record, disturbed)
 }
 
 /// The slot of the body of the one-way collider of a record.
@@ -183,10 +189,9 @@ fn platform<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> Option<u32>
 }
 
 /// Returns true if one of the bodies of a record, or a collider of one, may have changed while both stood still.
-pub(super) fn may_differ<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> bool {
-    let has_changed =
-        |changed: &Changed| platform(scene, record).into_iter().chain([record.body]).any(|body| changed.has(body));
-    scene.may_have_moved_statics && scene.changed.is_none_or(has_changed)
+pub(super) fn is_disturbed<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord, disturbed: &Disturbed) -> bool {
+    let mut bodies = platform(scene, record).into_iter().chain([record.body]);
+    scene.may_have_moved_statics && bodies.any(|body| disturbed.has(body))
 }
 
 impl ContactSet {

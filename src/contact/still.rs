@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::numerics::Numerics;
-use super::passes::may_differ;
+use super::passes::is_disturbed;
 use super::{Changed, ContactSet, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
@@ -47,6 +47,31 @@ impl Counts {
     /// These, or none known if one of them is above the most that there may be.
     fn known(self, most: &PairLimits) -> Self {
         if self.are_within(most) { self } else { Self::UNKNOWN }
+    }
+}
+
+/// The colliders that stand still and may have other contacts than before: those that changed, and static ones beside one that changed,
+/// whose surface may be another one. It says the same after each time that contacts are found in a step.
+#[derive(Debug, Default)]
+pub(crate) struct Disturbed {
+    /// True if it is not known which these are.
+    are_all: bool,
+    /// The numbers of the static colliders beside one that changed.
+    beside: Vec<u32>,
+    /// The slots of the bodies of all, sorted.
+    bodies: Vec<u32>,
+}
+
+impl Disturbed {
+    pub(crate) fn clear(&mut self) {
+        self.are_all = false;
+        self.beside.clear();
+        self.bodies.clear();
+    }
+
+    /// Returns true if a collider of a body may be among them.
+    pub(super) fn has(&self, body: u32) -> bool {
+        self.are_all || self.bodies.binary_search(&body).is_ok()
     }
 }
 
@@ -136,7 +161,7 @@ enum State {
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
-    pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool) {
+    pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool, disturbed: &mut Disturbed) {
         // Room for all: a step that is taken again may have to list them where it followed changes before.
         self.following.proxies.clear();
         self.following.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
@@ -150,8 +175,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let before = self.still.take();
         let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
         match scene.changed {
-            Some(changed) if is_known && !are_renumbered => self.follow(scene, changed, (&mut still, &mut own), &most),
+            Some(changed) if is_known && !are_renumbered => {
+                self.follow(scene, changed, (&mut still, &mut own, disturbed), &most);
+            }
             _ => {
+                disturbed.are_all = true;
                 self.tiles.clear();
                 self.list(scene, State::Static, &mut own.proxies);
                 if !still.statics.are(&own.proxies) {
@@ -182,7 +210,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         &mut self,
         scene: &Scene<'_, S>,
         changed: &Changed,
-        (still, own): (&mut Still, &mut Workspace),
+        (still, own, disturbed): (&mut Still, &mut Workspace, &mut Disturbed),
         most: &PairLimits,
     ) {
         let Workspace { changes: [statics, sleepers], numbers, .. } = own;
@@ -195,6 +223,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if !statics.is_empty() {
             self.tiles.clear();
         }
+        let beside = &mut disturbed.beside;
+        for (number, proxy) in &*statics {
+            for near in still.statics.find(*number).into_iter().chain(proxy.as_ref()) {
+                still.statics.near(near.bounds, |other| beside.push(other.collider));
+            }
+        }
+        let of_beside = beside.iter().filter_map(|&number| scene.colliders.at(self.numbers.outline(number).slot));
+        let bodies = changed.bodies.iter().chain(&changed.owners).copied();
+        disturbed.bodies.extend(bodies.chain(of_beside.map(|collider| collider.body.slot)));
+        disturbed.bodies.sort_unstable();
+        disturbed.bodies.dedup();
         numbers.clear();
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
@@ -286,9 +325,14 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Adds the pairs of a sleeping and a static collider of which a call may have moved one; and all pairs whose answer by a one-way
-    /// collider has to be found anew, as it follows from all colliders of a body.
-    pub(super) fn pair_still(&self, scene: &Scene<'_, S>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
+    /// Adds the pairs of a sleeping and a static collider that were disturbed; with all colliders of a body where an answer of a one-way
+    /// collider was, since that follows from all of them.
+    pub(super) fn pair_still(
+        &self,
+        scene: &Scene<'_, S>,
+        (contacts, disturbed): (&ContactSet, &Disturbed),
+        pairs: &mut Vec<[u32; 2]>,
+    ) {
         let Some(Still { statics, sleepers, .. }) = &self.still else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
             return;
@@ -298,21 +342,21 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
             true
         };
-        match scene.changed {
+        // A collider by its number, and those that stand still in the other way.
+        let sides = |number: u32| {
+            let as_static = || statics.find(number).map(|own| (own, sleepers));
+            sleepers.find(number).map(|own| (own, &**statics)).or_else(as_static)
+        };
+        match scene.changed.filter(|_| !disturbed.are_all) {
             None => sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other))),
             Some(changed) => {
-                for number in changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)) {
-                    if let Some(own) = sleepers.find(number) {
-                        statics.meeting(own, |other| add(own, other));
-                    } else if let Some(own) = statics.find(number) {
-                        sleepers.meeting(own, |other| add(own, other));
-                    }
+                let numbers = changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot));
+                for (own, others) in numbers.chain(disturbed.beside.iter().copied()).filter_map(sides) {
+                    others.meeting(own, |other| add(own, other));
                 }
-                for record in contacts.passes.iter().filter(|record| may_differ(scene, record)) {
+                for record in contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
                     let (outline, body) = record.place();
-                    let number = self.numbers.first(outline.slot) + outline.part;
-                    let is_static = statics.find(number).map(|own| (own, sleepers));
-                    if let Some((own, others)) = sleepers.find(number).map(|own| (own, &**statics)).or(is_static) {
+                    if let Some((own, others)) = sides(self.numbers.first(outline.slot) + outline.part) {
                         others.meeting(own, |other| other.body != body || add(own, other));
                     }
                 }

@@ -130,8 +130,12 @@ impl<S: Scalar> Workspace<S> {
             }
         }
         match self.revision.and_then(|revision| colliders.changed_since(revision)) {
-            Some(slots) => self.changed.colliders.extend(slots),
+            Some(slots) if self.are_all_changed => self.changed.colliders.extend(slots),
+            Some(_) => {}
             None => self.are_all_changed = false,
+        }
+        if !self.are_all_changed {
+            self.changed.clear();
         }
         if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
             return;
@@ -270,6 +274,7 @@ impl<S: Scalar> Step<'_, S> {
         }
         own.changed.clear();
         own.are_all_changed = true;
+        own.detected.disturbed.clear();
         self.workspace.contacts = Some(own);
     }
 

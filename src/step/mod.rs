@@ -201,6 +201,8 @@ impl<S: Scalar> Step<'_, S> {
     /// The first fault on the way back, in the order of the handles; then all bodies are as they were.
     pub(crate) fn step_back(mut self, schedule: Schedule) -> Result<(), Fault> {
         let Settings { plan, factor_table, integrator, .. } = self.settings;
+        // No contact is found, but calls since the last step are forgotten here, and the next one has to know them.
+        self.survey_contacts();
         self.part();
         let kinds = self.begin();
         let applied = self.convert_applied();

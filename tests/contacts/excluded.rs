@@ -2,8 +2,8 @@
 
 use super::scenes::{def, ground, square, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Command, Error, Exclusion, Fx, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World,
-    WorldDef, fx, limits, vec2,
+    Activity, BodyDef, BodyId, ColliderDef, Command, Error, Exclusion, Fx, Shape, Snapshot, SnapshotError, Symmetry,
+    Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 fn disc(at: Vec2, radius: Fx, key: u64) -> BodyDef {
@@ -298,4 +298,19 @@ fn forged_pairs_are_refused() {
         assert!(matches!(error, SnapshotError::Malformed(_)), "{at}: {error}");
         assert!(!error.to_string().contains("the hash of the bytes"), "{at}: {error}");
     }
+}
+
+/// Bodies at rest are apart where no solid colliders of them are near each other, as moving ones are.
+#[test]
+fn a_sensor_does_not_prolong_the_exclusion_of_a_sleeper() {
+    let disc = |radius: i32| ColliderDef::new(Shape::circle(radius).expect("a disc"));
+    let wall = BodyDef::fixed().with_collider(disc(1)).with_collider(ColliderDef { sensor: true, ..disc(2) });
+    let (mut world, ids) = world(space(), [wall, BodyDef::dynamic().with_collider(disc(1))]).expect("a scene");
+    world.exclude_pair(ids[0], ids[1], Exclusion::UntilApart).expect("a pair");
+    (0..10).for_each(|_| _ = world.step());
+    assert_eq!((world.moving_count(), world.excluded_pairs().count()), (0, 1));
+    let solid = world.colliders_of(ids[0]).expect("it").next().expect("a disc");
+    world.remove_collider(solid).expect("a collider");
+    world.step();
+    assert_eq!((world.moving_count(), world.excluded_pairs().count()), (0, 0));
 }

@@ -21,6 +21,7 @@ mod momentum;
 mod one_way;
 mod pairs;
 mod queries;
+mod restored;
 mod rolling;
 mod scenes;
 mod sensors;

@@ -2,8 +2,8 @@
 
 use super::scenes::{def, square, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, Damping, Exclusion, Fx, Locks, Material, OneWay, Random, Shape,
-    Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, ColliderDef, Damping, Fx, Locks, Material, Shape, Snapshot, TimeStep, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 fn disc(position: Vec2, velocity: Vec2) -> BodyDef {
@@ -254,34 +254,6 @@ fn boxes_on_a_floor_fall_asleep_after_thirty_steps_at_rest() {
     assert!(steps.is_some_and(|steps| steps <= 31), "{steps:?} steps");
 }
 
-/// A call at random on a world of floors and boxes, of which some sleep.
-fn disturb(world: &mut World, random: &mut Random) {
-    let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
-    let body = bodies[random.below(bodies.len() as u64) as usize];
-    let other = bodies[random.below(bodies.len() as u64) as usize];
-    let kind = world.body(body).expect("it is there").kind();
-    let place = vec2(random.number(fx!(-2)..=fx!(14)), random.number(fx!(-1)..=fx!(12)));
-    let colliders: Vec<_> = world.colliders_of(body).expect("it is there").collect();
-    _ = match random.below(9) {
-        0 if kind == BodyKind::Static => world.set_position(body, place),
-        1 => world.wake(body),
-        2 if body != other => world.exclude_pair(body, other, Exclusion::UntilApart),
-        3 if kind == BodyKind::Static => {
-            let tile = ColliderDef {
-                position: vec2(random.number(fx!(-1)..=fx!(1)), 0),
-                ..ColliderDef::new(Shape::rectangle(1, 1).expect("a tile"))
-            };
-            world.add_collider(body, tile).map(drop)
-        }
-        4 if kind == BodyKind::Static && colliders.len() > 1 => world.remove_collider(colliders[0]),
-        5 if kind == BodyKind::Dynamic && bodies.len() > 40 => world.remove_body(body),
-        6 => world.disable(body),
-        7 => world.enable(body),
-        _ if kind == BodyKind::Dynamic => world.set_velocity(body, vec2(random.number(fx!(-3)..=fx!(3)), 1)),
-        _ => Ok(()),
-    };
-}
-
 /// The factors of a step are made when they are needed: a restored world has none at first.
 #[test]
 fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
@@ -332,38 +304,4 @@ fn a_sleeper_that_is_locked_in_a_wall_has_the_future_of_a_restored_world() {
             assert_eq!(restored.first_difference(&world), None, "{locks:?}, tick {tick}");
         }
     }
-}
-
-/// Sleeping colliders stand in a tree that follows changes; a restored world builds it anew.
-#[test]
-fn a_world_that_is_restored_wakes_and_sleeps_alike() {
-    let [mut fell, mut woke] = [0, 0];
-    for seed in 0..30 {
-        let mut random = Random::seeded(seed);
-        let floor = |i: i32| {
-            let shape = Shape::rectangle(8, 1).expect("a floor");
-            let one_way = (i % 2 == 1).then(OneWay::default);
-            let collider = ColliderDef { one_way, ..ColliderDef::new(shape) };
-            let position = Vec2::new(Fx::from(9 * (i % 2)), Fx::from(3 * (i / 2)) - fx!(0.5));
-            BodyDef { position, key: 1_000 + i as u64, ..BodyDef::fixed().with_collider(collider) }
-        };
-        let boxes = (0..60).map(|i| {
-            let position = Vec2::new(Fx::from(i % 15) - fx!(2), fx!(0.5) + Fx::from(i / 15) * fx!(1.5));
-            square(position, i as u64).expect("a square")
-        });
-        let def = WorldDef { sleep_after: Some(5), ..def() };
-        let (mut world, _) = world(def, (0..8).map(floor).chain(boxes)).expect("a scene");
-        for tick in 0..150 {
-            if tick > 30 && random.below(3) == 0 {
-                disturb(&mut world, &mut random);
-            }
-            let saved = world.snapshot().to_bytes();
-            let mut twin = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
-            let (own, other) = (world.step(), twin.step());
-            assert_eq!((own.woke, own.fell_asleep), (other.woke, other.fell_asleep), "seed {seed}, tick {tick}");
-            (fell, woke) = (fell + own.fell_asleep.len(), woke + own.woke.len());
-            assert_eq!(world.state_hash(), twin.state_hash(), "seed {seed}, tick {tick}");
-        }
-    }
-    assert!(fell > 2_000 && woke > 100, "{fell} fell asleep, {woke} woke");
 }
