@@ -35,3 +35,20 @@ fn a_step_takes_nothing_from_the_heap_once_there_were_as_many_contacts() {
         assert_eq!(taken.count_total, 0, "step {step} of {most} contacts");
     }
 }
+
+/// Nothing moves, so that no step looks at what has changed.
+#[test]
+fn changes_that_no_step_looks_at_are_not_kept_for_ever() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let wall = world.add_body(BodyDef::fixed().with_collider(Shape::circle(1).expect("a disc"))).expect("a body");
+    let own = world.colliders_of(wall).expect("it").next().expect("a disc");
+    let mut change = |count: i32| {
+        for i in 0..count {
+            world.set_collider(own, Shape::circle(1 + i % 2).expect("a disc")).expect("it is there");
+            world.step();
+        }
+    };
+    change(10_000);
+    let taken = measure(|| change(20_000));
+    assert!(taken.bytes_current <= 0, "{} bytes", taken.bytes_current);
+}
