@@ -7,6 +7,9 @@ use umbra_physics::{
     Random, Rollback, Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
+/// A call on a body.
+type Change = fn(&mut World, BodyId) -> Result<(), Error>;
+
 fn through_bytes(world: &World) -> World {
     Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world()
 }
@@ -31,7 +34,7 @@ fn compound(tiles: i32) -> Shape {
 /// The surface of a tile depends on its neighbour: where that goes, who sleeps in the side that it covered wakes.
 #[test]
 fn a_sleeper_in_a_tile_whose_neighbour_changes_has_the_future_of_a_restored_world() {
-    let changes: [fn(&mut World, BodyId) -> Result<(), Error>; 4] = [
+    let changes: [Change; 4] = [
         |world, tile| world.set_position(tile, vec2(9, 9)),
         |world, tile| world.disable(tile),
         |world, tile| {
@@ -68,7 +71,7 @@ fn a_sleeper_in_a_tile_whose_neighbour_changes_has_the_future_of_a_restored_worl
 /// A step back finds no contacts, but it must not forget what calls have changed since the last step.
 #[test]
 fn calls_before_a_step_back_are_known_to_the_next_step() {
-    let changes: [fn(&mut World, BodyId) -> Result<(), Error>; 4] = [
+    let changes: [Change; 4] = [
         |world, wall| world.set_position(wall, vec2(2, 0)),
         |world, wall| world.disable(wall),
         |world, wall| world.set_kind(wall, BodyKind::Kinematic).and_then(|()| world.set_position(wall, vec2(2, 0))),
