@@ -35,8 +35,8 @@ impl Flying for Flight {
     }
 
     fn correct(&mut self, by: &Correction) {
-        // Corrections are at most 2^30, and the flight is below 2^27, so that the sum fits. In a step of at most a second no flight is
-        // faster than the limit, goes farther, or turns by more.
+        // A change by impulses is at most 2^30, a flight below 2^27, and its offset from that of the sub-steps below 2^28: sums are below
+        // 2^31. In a step of at most a second no flight is faster than the limit, goes farther, or turns by more.
         let add = |own: &mut Fx, by: FxAccumulator| {
             *own = FxAccumulator::from_scalar(*own).plus(by).value().clamp(-SPEED, SPEED);
         };
