@@ -118,10 +118,10 @@ impl<S: Scalar> View<'_, S> {
         })
     }
 
-    /// An outline as the tree has it.
-    fn proxy(&self, number: usize, seen: &Seen) -> Option<Proxy> {
+    /// An outline as the tree has it by this number, or with [`NONE`] one to search a tree with.
+    fn proxy(&self, number: u32, seen: &Seen) -> Option<Proxy> {
         let filter = self.colliders.at(seen.outline.slot)?.def.filter;
-        Some(Proxy { collider: number as u32, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
+        Some(Proxy { collider: number, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
     }
 
     /// Calls `found` with each outline that stands still near a sensor, and with whether it makes a pair, until it returns false: those of
@@ -193,7 +193,7 @@ impl Sensors {
     fn plant<S: Scalar>(&mut self, view: &View<'_, S>, are_sensors: bool) {
         let list = if are_sensors { &self.sensors } else { &self.movers };
         self.proxies.clear();
-        self.proxies.extend(list.iter().enumerate().filter_map(|(number, seen)| view.proxy(number, seen)));
+        self.proxies.extend((0..).zip(list).filter_map(|(number, seen)| view.proxy(number, seen)));
         if !self.tree.are(&self.proxies) {
             self.tree.refill(&self.proxies);
         }
@@ -214,17 +214,17 @@ impl Sensors {
             overlaps <= limits.overlaps
         };
         let mut goes_on = true;
-        for (number, mover) in movers.iter().enumerate() {
-            let Some(own) = view.proxy(number, mover).filter(|_| goes_on) else { continue };
-            tree.touching(&Proxy { collider: NONE, ..own }, |sensor, is_pair| {
+        for mover in &*movers {
+            let Some(own) = view.proxy(NONE, mover).filter(|_| goes_on) else { continue };
+            tree.touching(&own, |sensor, is_pair| {
                 goes_on = look(sensor.collider, mover.outline, is_pair);
                 goes_on
             });
         }
-        for (number, sensor) in sensors.iter().enumerate() {
-            let Some(own) = view.proxy(number, sensor).filter(|_| goes_on) else { continue };
-            view.standing(sensor, &Proxy { collider: NONE, ..own }, |outline, is_pair| {
-                goes_on = look(own.collider, outline, is_pair);
+        for (number, sensor) in (0..).zip(&*sensors) {
+            let Some(own) = view.proxy(NONE, sensor).filter(|_| goes_on) else { continue };
+            view.standing(sensor, &own, |outline, is_pair| {
+                goes_on = look(number, outline, is_pair);
                 goes_on
             });
         }
@@ -239,8 +239,7 @@ impl Sensors {
         let (most, per_sensor) = (limits.pairs, limits.per_collider as u32);
         let Self { sensors, movers, tree, pairs, degrees, sums, .. } = self;
         let each = |number: usize, found: &mut dyn FnMut(OutlineId, bool) -> bool| {
-            let Some(own) = view.proxy(number, &sensors[number]) else { return };
-            let own = Proxy { collider: NONE, ..own };
+            let Some(own) = view.proxy(NONE, &sensors[number]) else { return };
             let mut goes_on = true;
             tree.touching(&own, |mover, is_pair| {
                 goes_on = found(movers[mover.collider as usize].outline, is_pair);

@@ -56,8 +56,8 @@ impl Counts {
 pub(crate) struct Disturbed {
     /// True if it is not known which these are.
     are_all: bool,
-    /// The numbers of the static colliders beside one that changed.
-    beside: Vec<u32>,
+    /// Their numbers, sorted.
+    numbers: Vec<u32>,
     /// The slots of the bodies of all, sorted.
     bodies: Vec<u32>,
 }
@@ -65,7 +65,7 @@ pub(crate) struct Disturbed {
 impl Disturbed {
     pub(crate) fn clear(&mut self) {
         self.are_all = false;
-        self.beside.clear();
+        self.numbers.clear();
         self.bodies.clear();
     }
 
@@ -223,17 +223,19 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if !statics.is_empty() {
             self.tiles.clear();
         }
-        let beside = &mut disturbed.beside;
+        let Disturbed { numbers: all, bodies, .. } = disturbed;
+        all.extend(changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)));
         for (number, proxy) in &*statics {
             for near in still.statics.find(*number).into_iter().chain(proxy.as_ref()) {
-                still.statics.near(near.bounds, |other| beside.push(other.collider));
+                still.statics.near(near.bounds, |other| all.push(other.collider));
             }
         }
-        let of_beside = beside.iter().filter_map(|&number| scene.colliders.at(self.numbers.outline(number).slot));
-        let bodies = changed.bodies.iter().chain(&changed.owners).copied();
-        disturbed.bodies.extend(bodies.chain(of_beside.map(|collider| collider.body.slot)));
-        disturbed.bodies.sort_unstable();
-        disturbed.bodies.dedup();
+        let body = |&number: &u32| scene.colliders.at(self.numbers.outline(number).slot).map(|own| own.body.slot);
+        bodies.extend(changed.bodies.iter().chain(&changed.owners).copied().chain(all.iter().filter_map(body)));
+        for list in [all, bodies] {
+            list.sort_unstable();
+            list.dedup();
+        }
         numbers.clear();
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
@@ -347,18 +349,16 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             let as_static = || statics.find(number).map(|own| (own, sleepers));
             sleepers.find(number).map(|own| (own, &**statics)).or_else(as_static)
         };
-        match scene.changed.filter(|_| !disturbed.are_all) {
-            None => sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other))),
-            Some(changed) => {
-                let numbers = changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot));
-                for (own, others) in numbers.chain(disturbed.beside.iter().copied()).filter_map(sides) {
-                    others.meeting(own, |other| add(own, other));
-                }
-                for record in contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
-                    let (outline, body) = record.place();
-                    if let Some((own, others)) = sides(self.numbers.first(outline.slot) + outline.part) {
-                        others.meeting(own, |other| other.body != body || add(own, other));
-                    }
+        if disturbed.are_all {
+            sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other)));
+        } else {
+            for (own, others) in disturbed.numbers.iter().copied().filter_map(sides) {
+                others.meeting(own, |other| add(own, other));
+            }
+            for record in contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
+                let (outline, body) = record.place();
+                if let Some((own, others)) = sides(self.numbers.first(outline.slot) + outline.part) {
+                    others.meeting(own, |other| other.body != body || add(own, other));
                 }
             }
         }

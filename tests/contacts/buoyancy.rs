@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::scenes::through_bytes;
 use umbra_physics::scalar::ToF64 as _;
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Error, FieldKind, ForceField, Fx, Integrator, Locks, Mass, Quantity, Shape,
-    Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// A fluid of 4 kg/m² in a basin 40 m wide and 10 m deep, with its surface at a height of 0.
@@ -237,7 +238,7 @@ fn a_restored_world_goes_on_to_the_bit() {
             let (id, _) = world.colliders().nth(5).expect("a collider");
             world.remove_collider(id).expect("a collider");
         }
-        let mut restored = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+        let mut restored = through_bytes(&world);
         world.step();
         restored.step();
         assert_eq!(world.state_hash(), restored.state_hash(), "{tick}");

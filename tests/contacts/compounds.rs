@@ -1,9 +1,8 @@
 //! Compounds as colliders: each part touches by itself.
 
-use super::scenes::{def, ground, keeps_its_bits, world};
+use super::scenes::{def, ground, keeps_its_bits, through_bytes, world};
 use umbra_physics::{
-    BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Error, Fx, Geometry, Mass, Part, Shape, Snapshot, Vec2,
-    World, fx, vec2,
+    BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Error, Fx, Geometry, Mass, Part, Shape, Vec2, World, fx, vec2,
 };
 
 fn part(shape: Shape, x: Fx, y: Fx) -> Part {
@@ -113,7 +112,7 @@ fn colliders_and_their_parts_come_and_go() {
             }
             _ => {}
         }
-        let mut fresh = Snapshot::from_bytes(&here.snapshot().to_bytes(), &[]).expect("its bytes").into_world();
+        let mut fresh = through_bytes(&here);
         here.step();
         fresh.step();
         assert_eq!(fresh.state_hash(), here.state_hash(), "{step}");

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::scenes::{def, ground, material, square, world};
+use super::scenes::{def, ground, material, square, through_bytes, world};
 use umbra_physics::{
     BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ColliderPair, ContactSettings, Event, EventStatus, Exclusion,
     Filter, Fx, Mass, Part, Random, Rollback, Shape, Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef, fx, limits,
@@ -380,7 +380,7 @@ fn contacts_ended_by_calls_are_reported_by_the_next_step() {
             let pair = *observer.touching.first().expect("it touches");
             call(&mut world, ids);
             // Also if the world goes through a file in between.
-            let mut fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("a world").into_world();
+            let mut fresh = through_bytes(&world);
             assert_eq!(next(&mut world, &mut observer), expected, "{name} {is_asleep}");
             let report = fresh.step();
             assert_eq!([report.contacts_ended.len(), report.contacts_began.len()], expected, "{name} restored");

@@ -1,6 +1,6 @@
 //! One-way colliders: against free flight where a body passes, and against a solid collider where it is held.
 
-use super::scenes::{def, world};
+use super::scenes::{def, through_bytes, world};
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, ColliderDef, Error, Filter, Fx, Geometry, Irreversible, OneWay, Part, Shape,
     Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
@@ -377,8 +377,7 @@ fn a_change_near_a_sleeping_platform_has_the_result_of_a_restored_world() {
             }
             .expect("a change");
             for tick in 0..3 {
-                let saved = world.snapshot().to_bytes();
-                let mut restored = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
+                let mut restored = through_bytes(&world);
                 world.step();
                 restored.step();
                 assert_eq!(restored.first_difference(&world), None, "{change:?} {tick}");

@@ -1,9 +1,8 @@
 //! The table of pairs of materials: coefficients in place of those that follow from both.
 
-use super::scenes::{def, ground, square, world};
+use super::scenes::{def, ground, square, through_bytes, world};
 use umbra_physics::{
-    BodyDef, BodyId, Command, Error, Fx, Material, MaterialPair, Quantity, Snapshot, Symmetry, Vec2, World, fx, limits,
-    vec2,
+    BodyDef, BodyId, Command, Error, Fx, Material, MaterialPair, Quantity, Symmetry, Vec2, World, fx, limits, vec2,
 };
 
 /// A box that slides at 20 m/s on a ground, of materials 3 and 5.
@@ -103,7 +102,7 @@ fn a_full_table_takes_no_more() {
     world.set_material_pair(7, 9, of(fx!(2))).expect("it is there");
     world.set_material_pair(7, 9, None).expect("it is there");
     world.set_material_pair(8, 8, of(fx!(1))).expect("there is room");
-    let back = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+    let back = through_bytes(&world);
     assert!(back.material_pairs().eq(world.material_pairs()));
 }
 
@@ -117,7 +116,7 @@ fn the_table_is_state() {
     let found = without.differences(&world);
     let fields: Vec<&str> = found.iter().map(|found| &found.field[..]).collect();
     assert!(fields.contains(&"material_pairs[0].coefficients.friction"), "{fields:?}");
-    let mut back = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+    let mut back = through_bytes(&world);
     let mut mirrored = Symmetry::MIRROR.world(&world).expect("an image");
     assert!(mirrored.material_pairs().eq(world.material_pairs()));
     for _ in 0..30 {

@@ -1,8 +1,9 @@
 //! Queries on worlds: against each collider in a world of its own, in restored, copied and shuffled worlds, mirrored, and between changes.
 
+use super::scenes::through_bytes;
 use umbra_physics::{
     Aabb, BodyDef, BodyId, BodyKind, CastHit, ClosestPoint, ColliderDef, ColliderId, Error, Filter, Fx, Part, Quantity,
-    Queries, QueryFilter, Random, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, limits, vec2,
+    Queries, QueryFilter, Random, Shape, Symmetry, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 const ALL: QueryFilter<'_> = QueryFilter { filter: None, without_bodies: &[], without_colliders: &[], predicate: None };
@@ -225,7 +226,7 @@ fn restored_copied_and_shuffled_worlds_give_the_same_answers() {
                 world.step();
                 shuffled.step();
             }
-            let restored = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+            let restored = through_bytes(&world);
             let mut copy = World::new(WorldDef::default()).expect("a world");
             copy.clone_from(&world);
             let [own, back, copied, other] = [&world, &restored, &copy, &shuffled].map(World::queries);
@@ -306,7 +307,7 @@ fn answers_follow_every_change_between_steps() {
         if random.below(3) == 0 {
             world.step();
         }
-        let fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+        let fresh = through_bytes(&world);
         let [own, other] = [&world, &fresh].map(World::queries);
         for _ in 0..6 {
             let query = query(&mut random);

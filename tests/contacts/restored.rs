@@ -1,7 +1,7 @@
 //! Worlds that went on, were restored from bytes, copied or taken back: they know different things about what has changed, and have the
 //! same future.
 
-use super::scenes::{def, square, world};
+use super::scenes::{def, square, through_bytes, world};
 use umbra_physics::{
     BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Error, Exclusion, Filter, Fx, MaterialPair, OneWay, Part,
     Random, Rollback, Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
@@ -9,10 +9,6 @@ use umbra_physics::{
 
 /// A call on a body.
 type Change = fn(&mut World, BodyId) -> Result<(), Error>;
-
-fn through_bytes(world: &World) -> World {
-    Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world()
-}
 
 fn tile(x: i32, y: i32) -> BodyDef {
     let shape = Shape::rectangle(1, 1).expect("a tile");

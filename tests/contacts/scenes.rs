@@ -42,6 +42,11 @@ pub(crate) fn world(def: WorldDef, bodies: impl IntoIterator<Item = BodyDef>) ->
     Ok((world, ids))
 }
 
+/// The world that is read from the bytes of one.
+pub(crate) fn through_bytes(world: &World) -> World {
+    Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world()
+}
+
 /// A material.
 pub(crate) fn material(friction: Fx, restitution: Fx) -> Material {
     Material { friction, restitution, ..Material::default() }

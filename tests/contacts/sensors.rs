@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::events::{Observer, Pair, crowd, quiet, shake};
-use super::scenes::{def, ground, square, world};
+use super::scenes::{def, ground, square, through_bytes, world};
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ContactSettings, Filter, Fx, Mass, QueryFilter,
     Random, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
@@ -196,7 +196,7 @@ fn overlaps_ended_by_calls_are_reported_by_the_next_step() {
                 assert_eq!((world.moving_count(), observer.counts), (0, [0, 0, 0, 0, 1]));
             }
             call(&mut world, ids);
-            let mut fresh = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("a world").into_world();
+            let mut fresh = through_bytes(&world);
             observer.step(&mut world);
             assert_eq!(observer.counts[3..], [expected[0], 1 + expected[1]], "{name}");
             let report = fresh.step();

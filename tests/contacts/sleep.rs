@@ -1,6 +1,6 @@
 //! Sleeping bodies that are touched, and bystanders.
 
-use super::scenes::{def, square, world};
+use super::scenes::{def, square, through_bytes, world};
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Damping, Fx, Locks, Material, Shape, Snapshot, TimeStep, Vec2, World,
     WorldDef, fx, vec2,
@@ -271,9 +271,7 @@ fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
             assert_eq!(there.body(ids[1]).expect("a box").activity(), Activity::Asleep);
             there.set_time_step(TimeStep::hz(120)).expect("within the limit of time");
         }
-        let mut bytes = Vec::new();
-        there.snapshot().write_to(&mut bytes);
-        let mut restored = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
+        let mut restored = through_bytes(&there);
         woke += usize::from(there.step().woke.contains(&ids[1]));
         restored.step();
         assert_eq!(restored.first_difference(&there), None, "tick {tick}");
@@ -293,15 +291,17 @@ fn a_sleeper_that_is_locked_in_a_wall_has_the_future_of_a_restored_world() {
         let locked = BodyDef { locks, ..square(vec2(fx!(0.75), 0), 1).expect("a square") };
         let def = WorldDef { sleep_after: Some(5), gravity: vec2(0, 0), ..def() };
         let (mut world, ids) = world(def, [wall(0), wall(20), locked]).expect("a scene");
+        let mut fell = 0;
         for tick in 0..30 {
             if tick % 4 == 3 {
                 world.set_position(ids[1], vec2(20 + tick, 0)).expect("elsewhere");
             }
-            let saved = world.snapshot().to_bytes();
-            let mut restored = Snapshot::from_bytes(&saved, &[]).expect("its own bytes").into_world();
+            let mut restored = through_bytes(&world);
             let (own, other) = (world.step(), restored.step());
             assert_eq!(own.woke, other.woke, "{locks:?}, tick {tick}");
+            fell += own.fell_asleep.len();
             assert_eq!(restored.first_difference(&world), None, "{locks:?}, tick {tick}");
         }
+        assert!(fell > 0, "{locks:?}: it is awake");
     }
 }
