@@ -41,7 +41,7 @@ pub(super) trait Flying: Copy {
     /// The flight that this one follows.
     fn leader(&self) -> Option<u32>;
     fn set_leader(&mut self, leader: Option<u32>);
-    /// Makes it the flight with the impulses of the step.
+    /// Adds the impulses of the step to its velocity at the end: sub-steps see a fixed flight by its velocities alone.
     fn correct(&mut self, by: &Self::Correction);
 }
 

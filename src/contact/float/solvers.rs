@@ -34,12 +34,8 @@ impl<F: Float> Flying for Flight<F> {
     }
 
     fn correct(&mut self, by: &Correction<F>) {
-        let moved = [by.displacement.x, by.displacement.y, by.rotation];
         let changed = [by.velocity.x, by.velocity.y, by.angular_velocity];
-        (0..3).for_each(|i| {
-            self.displacement[i] += moved[i];
-            self.end[i] += changed[i];
-        });
+        (0..3).for_each(|i| self.end[i] += changed[i]);
     }
 }
 

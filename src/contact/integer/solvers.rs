@@ -35,17 +35,13 @@ impl Flying for Flight {
     }
 
     fn correct(&mut self, by: &Correction) {
-        // A change by impulses is at most 2^30, a flight below 2^27, and its offset from that of the sub-steps below 2^28: sums are below
-        // 2^31. In a step of at most a second no flight is faster than the limit, goes farther, or turns by more.
+        // A change by impulses is at most 2^30 and a velocity below 2^26: the sum is below 2^31. No flight ends faster than the limit.
         let add = |own: &mut Fx, by: FxAccumulator| {
             *own = FxAccumulator::from_scalar(*own).plus(by).value().clamp(-SPEED, SPEED);
         };
         if *by == Correction::default() {
             return;
         }
-        add(&mut self.displacement.x, by.displacement.x);
-        add(&mut self.displacement.y, by.displacement.y);
-        add(&mut self.rotation, by.rotation);
         add(&mut self.end.linear.x, by.velocity.x);
         add(&mut self.end.linear.y, by.velocity.y);
         add(&mut self.end.angular, by.angular_velocity);
