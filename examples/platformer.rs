@@ -150,8 +150,9 @@ impl Game {
         if let Some(ground) = player.ground {
             player.rise = Fx::ZERO;
             if held & UP != 0 {
-                // A player who jumps off a lift keeps its velocity.
-                let velocity = world.body(ground.body)?.velocity();
+                // A player who jumps off a lift keeps its velocity. A ground that is gone has none.
+                let here = world.body(id)?.position();
+                let velocity = world.body(ground.body).ok().and_then(|body| body.velocity_at(here)).unwrap_or_default();
                 player.rise = JUMP + velocity.y.max(Fx::ZERO);
                 run += velocity.x;
                 player.ground = None;

@@ -1,5 +1,6 @@
-//! Limits: every range the engine admits (together the envelope), and the proof that nothing wraps inside it.
+//! Limits: the ranges that the proof below needs (together the envelope), and some limits of size. Each definition documents its own.
 //!
+//! Nothing wraps inside the envelope.
 //! A value beyond its bound is refused where it enters, by a typed error and with the world unchanged. A body that leaves
 //! the envelope during a step is quarantined at the end of it. Hence the arithmetic of a step, which is neither checked
 //! nor saturating, never wraps:

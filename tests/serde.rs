@@ -492,8 +492,11 @@ fn invalid_values_are_not_read() {
     assert_eq!(step, TimeStep::ratio(0, 5));
     for (json, why) in [
         (r#"{"circle":{"radius":"0"}}"#, "expected a size"),
-        (r#"{"polygon":{"corners":[{"x":0,"y":0},{"x":1,"y":0},{"x":2,"y":0}]}}"#, "not convex at corner"),
-        (r#"{"compound":{"parts":[]}}"#, "of parts from 1 to 256"),
+        (
+            r#"{"polygon":{"corners":[{"x":0,"y":0},{"x":1,"y":0},{"x":2,"y":0}]}}"#,
+            "is not convex, or repeats its neighbour",
+        ),
+        (r#"{"compound":{"parts":[]}}"#, "1 to 256 parts"),
         (r#"{"segment":{"ends":[{"x":0,"y":0}]}}"#, "invalid length 1"),
     ] {
         refused::<Shape>(json, why);

@@ -68,6 +68,12 @@ impl<S: Scalar> MassProperties<S> {
             locks,
         }
     }
+
+    /// Returns true if impulses move the body.
+    pub(crate) fn can_move(&self) -> bool {
+        let zero = S::Factor::ZERO;
+        self.axis_inverse_mass != Vec2::new(zero, zero) || self.inverse_inertia != zero
+    }
 }
 
 impl<S: Scalar> Keyed for MassProperties<S> {

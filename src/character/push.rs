@@ -17,6 +17,9 @@ impl<S: Scalar> Character<S> {
     /// of mass, the impulse is v / (1/M + 1/m + (r × n)²/I), as in an impact without bounce. Each body gets one impulse: the greatest, or
     /// of equal ones that of the first hit. With a push mass of 0 there are none.
     ///
+    /// A dynamic body below gets one too: with gravity in the translation it is pressed in each tick, and it and its island stay awake. Take
+    /// hits whose normal points up out of [`Movement::hits`] if you do not want that.
+    ///
     /// ```
     /// use umbra_physics::{BodyDef, Character, Mass, QueryFilter, Shape, TimeStep, World, WorldDef, fx, vec2};
     ///

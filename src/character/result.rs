@@ -31,8 +31,8 @@ pub struct CharacterHit<S = Fx> {
     pub body: BodyId,
     /// The number of the part of a compound or of the segment of a chain; 0 for all other shapes.
     pub part: u32,
-    /// The point where they meet, m, within the skin of the surface of the collider; where two edges touch, the middle of the part that
-    /// touches.
+    /// The point where they meet, m, within the skin of the surface of the collider; where two edges touch, the middle of the stretch in
+    /// which they touch.
     pub point: Vec2<S>,
     /// The unit normal of the collider there. *Error* 1 ulp in each component.
     pub normal: Vec2<S>,
@@ -70,13 +70,13 @@ pub struct CharacterHit<S = Fx> {
 pub struct Movement<S = Fx> {
     /// The new position of the centre of mass of the shape, m.
     pub position: Vec2<S>,
-    /// The ground that it stands on now; `None` in the air and on slopes that are too steep.
+    /// The ground that it stands on now; `None` in the air, on slopes that are too steep, and after a translation that leads up.
     pub ground: Option<Ground<S>>,
-    /// The collider of the ground; where several are equally level, the first by key, then by handle.
+    /// The collider of the ground, `None` without one; where several are equally level, the first by key, then by handle.
     pub ground_collider: Option<ColliderId>,
-    /// The unit normal of the ground, towards the character; zero in the air. *Error* 1 ulp in each component.
+    /// The unit normal of the ground, towards the character; zero without ground. *Error* 1 ulp in each component.
     pub ground_normal: Vec2<S>,
-    /// The velocity of the ground at the centre of the character, m/s: add it when the character jumps off. Zero in the air.
+    /// The velocity of the ground at the centre of the character, m/s: add it when the character jumps off. Zero without ground.
     pub ground_velocity: Vec2<S>,
     /// The colliders that it moved against, in the order in which it met them; those that it met at the same time by key, then by handle.
     pub hits: Vec<CharacterHit<S>>,

@@ -34,8 +34,8 @@ use crate::shape::Shape;
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Character<S: Scalar = Fx> {
-    /// The shape, upright: it is never turned. Not a chain. A rectangle stands on an edge until its last corner has left it, a round shape
-    /// slides off around the edge.
+    /// The shape, as it is defined: it is never turned. A [capsule](Shape::capsule) lies along x unless it is a turned part of a compound.
+    /// A chain is refused. A rectangle stands on an edge until its last corner has left it, a round shape slides off around the edge.
     pub shape: Shape<S>,
     /// The direction that is up. Its length does not matter: each component is within ±2^10, and one of them is at least 2^-10 in size.
     pub up: Vec2<S>,

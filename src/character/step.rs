@@ -24,7 +24,7 @@ impl<S: Scalar> Character<S> {
     /// Call it once a tick. In this order the character
     /// 1. rides with `ground`, which the last call returned;
     /// 2. is pushed out of colliders that came into its skin, by up to 1 m;
-    /// 3. moves by the translation, slides along colliders and climbs a step;
+    /// 3. moves by the translation and slides along colliders; it climbs a step, if it stood on ground and the translation does not lead up;
     /// 4. is moved down to the ground, if it stood on one and the translation does not lead up.
     ///
     /// It never ends in a collider that it did not overlap at the start, unless that one moved into it and presses it against others

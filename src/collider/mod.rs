@@ -127,7 +127,8 @@ impl<S: Scalar> ColliderDef<S> {
         }
     }
 
-    /// Checks the definition as a world does that it is added to.
+    /// Checks the values of the definition. Whether a body can have it (a chain, the mass)
+    /// [`World::add_collider`](crate::World::add_collider) checks.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, rolling resistance, surface speed, the

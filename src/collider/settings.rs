@@ -32,8 +32,8 @@ pub struct ContactSettings<S = Fx> {
     /// The largest speed with which overlapping bodies are pushed apart, m/s, 0 to 2^10; 3 by default. A lower one separates bodies that
     /// were spawned inside each other more gently.
     pub push_speed: S,
-    /// The smallest approach speed at which bodies bounce, m/s, 0 to 2^10; 1 by default. Slower impacts do not bounce, so that bodies come
-    /// to rest.
+    /// The approach speed above which bodies bounce, m/s, 0 to 2^10; 1 by default. Slower impacts do not bounce, so that bodies come to
+    /// rest.
     pub restitution_speed: S,
     /// The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; 0.05 by default. The speed of a body is that of
     /// its fastest point. An island of bodies that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops
@@ -47,8 +47,8 @@ pub struct ContactSettings<S = Fx> {
     /// of a step. A collider has one outline, a compound one for each part; two outlines of one body are no pair. With more pairs than
     /// this, the bodies of the outlines with the most pairs are quarantined.
     ///
-    /// A step also looks at overlapping boxes that make no pair: those of one body, of one negative group, and those of which only one
-    /// collider has a category in the mask of the other. With these there may be 16 times as many as pairs, and 128 more for each outline
+    /// A step also looks at overlapping boxes that make no pair: those of two colliders of one body, of one negative group, and of a pair in
+    /// which only one mask has the other's category. With these there may be 16 times as many as pairs, and 128 more for each outline
     /// of the world. With more, they count as pairs do. A step does not look at colliders of which neither has a category in the mask of
     /// the other: any number of them may be in one place.
     ///
@@ -73,7 +73,7 @@ codec_struct!(ContactSettings {
 });
 
 impl<S: Scalar> Default for ContactSettings<S> {
-    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces from 1 m/s on, rest below 0.05 m/s, hits
+    /// 5 sub-steps, overlaps pushed apart with up to 3 m/s, bounces above 1 m/s, rest below 0.05 m/s, hits
     /// from 1 m/s on, 2^20 pairs and 256 of one outline.
     fn default() -> Self {
         Self {

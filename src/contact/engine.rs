@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::events::{ColliderPair, ContactHit, has_events};
-use super::excluded::ExcludedPair;
+use super::excluded::{ExcludedPair, sorted};
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
 use super::numerics::{Approach, Numerics, Surface, Touching as _};
@@ -18,12 +18,12 @@ use super::view::newton_seconds;
 use super::{
     ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint, pair_limits,
 };
-use crate::body::BodyKind;
+use crate::body::Activity;
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
-use crate::slots::NONE;
+use crate::slots::{BodyId, NONE};
 use crate::solve::Impulses;
 
 /// The contacts of a world.
@@ -58,6 +58,8 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     pub(super) is_excluded: Stamped,
     /// Workspace: by excluded pair, true if its bodies are near each other.
     pub(super) near_excluded: Vec<bool>,
+    /// Workspace: the numbers of outlines near one.
+    pub(super) near_numbers: Vec<u32>,
     pub(super) sweep: sweep::Workspace,
 }
 
@@ -92,6 +94,7 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
             excluded: Vec::new(),
             is_excluded: Stamped::default(),
             near_excluded: Vec::new(),
+            near_numbers: Vec::new(),
             sweep: sweep::Workspace::default(),
         }
     }
@@ -265,12 +268,14 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.
-            let is_dynamic = |collider: &Collider<S>| {
-                scene.bodies.find(collider.body).is_ok_and(|dense| scene.bodies.info(dense).kind == BodyKind::Dynamic)
+            // One that nothing moves would fall asleep again, for ever.
+            let is_pushed = |collider: &Collider<S>| {
+                scene.settings.push_speed > S::ZERO
+                    && scene.bodies.find(collider.body).is_ok_and(|dense| scene.bodies.mass(dense).can_move())
             };
             if !is_asleep || manifold.is_pressed() && !contacts.are_asleep_on_each_other(pair) {
                 let asleep = [a, b].into_iter().zip(kinds).filter(|(_, kind)| *kind == FlightOf::Asleep);
-                let woken = asleep.map(|(collider, _)| collider).filter(|collider| !is_asleep || is_dynamic(collider));
+                let woken = asleep.map(|(collider, _)| collider).filter(|collider| !is_asleep || is_pushed(collider));
                 out.touched.extend(woken.map(|collider| collider.body));
             }
             return;
@@ -321,6 +326,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
         for collider in crowded {
+            out.any_crowded = true;
             match scene.bodies.find(collider.body) {
                 Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),
                 // A sleeping body is at fault as if it were awake: sleep must not decide who is quarantined.
@@ -343,6 +349,42 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
             }
             if let (Some(of_a), Some(of_b)) = (&first, &self.side(scene, b)) {
                 self.collide(scene, [of_a, of_b], contacts, &mut next, out);
+            }
+        }
+        self.broad.return_pairs(pairs);
+    }
+
+    fn spread(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
+        self.numerics.clear();
+        self.core_of.clear();
+        self.flights.begin::<S, N>(scene);
+        self.place_movers(scene);
+        let mut pairs = self.broad.take_pairs();
+        pairs.clear();
+        // The list of sleeping colliders still has those of bodies that woke since it was made.
+        let sleeps =
+            |body: BodyId| scene.bodies.find(body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep);
+        let body = |numbers: &Numbers, number: u32| {
+            scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body)
+        };
+        for (own, still) in self.movers.iter().flat_map(|own| self.still.iter().map(move |still| (own, still))) {
+            still.sleepers.meeting(own, |other| {
+                if body(&self.numbers, other.collider).is_some_and(sleeps) {
+                    pairs.push([own.collider.min(other.collider), own.collider.max(other.collider)]);
+                }
+                true
+            });
+        }
+        pairs.sort_unstable();
+        pairs.retain(|pair| match pair.map(|number| body(&self.numbers, number)) {
+            [Some(a), Some(b)] => contacts.find_excluded(sorted(a, b)).is_err(),
+            _ => false,
+        });
+        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
+        for &numbers in &pairs {
+            if self.manifold_of(scene, numbers, numbers.map(|number| self.numbers.outline(number))).is_some() {
+                let bodies = numbers.into_iter().filter_map(|number| body(&self.numbers, number));
+                out.touched.extend(bodies.filter(|body| sleeps(*body)));
             }
         }
         self.broad.return_pairs(pairs);

@@ -4,10 +4,11 @@ use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::numerics::Numerics;
+use super::still::Still;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
-use crate::collider::{Collider, OutlineId};
+use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar};
@@ -160,22 +161,35 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if states.iter().flatten().any(|&state| moves(state)) || !states.iter().flatten().any(|&state| sleeps(state)) {
             return false;
         }
-        let [a, b] = bodies.map(|body| scene.colliders.solid_of_slot(body));
-        let outlines = |collider: &Collider<S>| {
-            let slot = collider.slot;
-            (0..collider.outline_count()).map(move |part| OutlineId { slot, part })
-        };
-        a.flat_map(|a| b.clone().map(move |b| (a, b))).filter(|(a, b)| a.def.filter.agrees(b.def.filter)).any(
-            |(a, b)| {
-                outlines(a).any(|first| {
-                    outlines(b).any(|second| {
-                        let pair = [first.min(second), first.max(second)];
-                        let numbers = pair.map(|outline| self.numbers.first(outline.slot) + outline.part);
-                        self.is_near(scene, numbers, pair)
-                    })
+        let [own, other] = if states[0].is_some_and(sleeps) { bodies } else { [bodies[1], bodies[0]] };
+        let mut near = core::mem::take(&mut self.near_numbers);
+        let are_near = scene.colliders.solid_of_slot(own).any(|collider| {
+            let first = self.numbers.first(collider.slot);
+            (first..first + collider.outline_count()).any(|number| {
+                self.list_near(number, other, &mut near);
+                near.iter().any(|&other| {
+                    let numbers = [number.min(other), number.max(other)];
+                    self.is_near(scene, numbers, numbers.map(|number| self.numbers.outline(number)))
                 })
-            },
-        )
+            })
+        });
+        self.near_numbers = near;
+        are_near
+    }
+
+    /// Lists the outlines of a body that stands still which make a pair with a sleeping outline.
+    fn list_near(&self, sleeper: u32, body: u32, near: &mut Vec<u32>) {
+        near.clear();
+        let Some(Still { statics, sleepers, .. }) = &self.still else { return };
+        let Some(own) = sleepers.find(sleeper) else { return };
+        for tree in [&**statics, sleepers] {
+            tree.meeting(own, |other| {
+                if other.body == body {
+                    near.push(other.collider);
+                }
+                true
+            });
+        }
     }
 
     /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all

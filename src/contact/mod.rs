@@ -221,6 +221,10 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// If there are any, the contacts found are incomplete: the step wakes or quarantines the bodies and calls this again.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
+    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch. These woke since contacts were found, and the step
+    /// knows of no other change.
+    fn spread(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
+
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
     /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
     fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet);
@@ -292,6 +296,8 @@ pub struct NoContacts;
 impl<S: Scalar> ContactEngine<S> for NoContacts {
     fn detect(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
 
+    fn spread(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
+
     fn list(&self, _: &ColliderSet<S>, _: &mut ContactSet) {}
 
     fn hits(&self, _: &Scene<'_, S>, _: &mut Vec<ContactHit<S>>) {}
@@ -318,6 +324,8 @@ impl<S: Scalar> ContactEngine<S> for NoContacts {
 pub(crate) struct Detected {
     pub(crate) touched: Vec<BodyId>,
     pub(crate) crowded: Vec<usize>,
+    /// True if there are bodies with too many pairs, asleep or not.
+    pub(crate) any_crowded: bool,
     /// The contacts at rest that the step looks at, however often contacts are found in it.
     pub(crate) disturbed: Disturbed,
 }

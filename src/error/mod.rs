@@ -46,7 +46,7 @@ pub use quantity::Quantity;
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Error {
-    /// A value is outside the range that [`limits`](crate::limits) gives for its kind.
+    /// A value is outside the range of its kind: the message of [`Quantity`] has the range.
     OutOfRange {
         /// Kind of the value.
         quantity: Quantity,
@@ -241,8 +241,8 @@ pub enum Irreversible {
     Moved,
     /// The world is at the [last tick](crate::limits::TICK), where steps are no longer counted.
     End,
-    /// Colliders pushed each other in the last step or in the one before, or a body was near a one-way collider, or an exclusion ended:
-    /// the state of contacts before is not known.
+    /// Colliders pushed each other in the last step or in the one before, or another case of contacts was met that
+    /// [`World::step_back`](crate::World::step_back) lists: the state of contacts before is not known.
     Contact,
 }
 
@@ -290,7 +290,9 @@ impl fmt::Display for Irreversible {
             Self::Capped => f.write_str("the speed of a body is limited"),
             Self::Moved => f.write_str("a kinematic body was moved to a target, or stopped there"),
             Self::End => f.write_str("the world is at the last tick, 2^63"),
-            Self::Contact => f.write_str("colliders pushed each other in the last two steps"),
+            Self::Contact => f.write_str(
+                "in the last two steps colliders pushed each other, or a sensor, a one-way collider or an excluded pair changed",
+            ),
         }
     }
 }
@@ -302,9 +304,12 @@ impl fmt::Display for Error {
             Self::NoSuchBody { body } => write!(f, "no such body: {body}"),
             Self::NoSuchField { field } => write!(f, "no such force field: {field}"),
             Self::TimeStep => f.write_str("the time step must be num/den seconds, from 1 to 10,000 steps a second"),
-            Self::NotConvex { corner } => write!(f, "the polygon is not convex at corner {corner}"),
-            Self::NoShape => f.write_str("a density needs a shape"),
-            Self::NotDynamic { body } => write!(f, "{body} is not dynamic"),
+            Self::NotConvex { corner } => write!(
+                f,
+                "corner {corner} is not convex, or repeats its neighbour: list the corners of a convex polygon in order",
+            ),
+            Self::NoShape => f.write_str("a density needs a shape of the body itself: colliders give it mass by densities of their own"),
+            Self::NotDynamic { body } => write!(f, "{body} is not dynamic: the call needs a dynamic body"),
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
@@ -312,7 +317,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "{body} is named twice: two different bodies are needed"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
-                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each), or of excluded pairs (65,536)")
+                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each), of excluded pairs (65,536), or of pairs of materials (4,096)")
             },
             Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
             Self::ElapsedTime => f.write_str(
@@ -339,7 +344,7 @@ impl fmt::Display for Error {
             Self::NotReversible { why } => write!(f, "the step cannot be undone: {why}"),
             Self::Disabled { body } => write!(f, "{body} is disabled: enable it first"),
             Self::NotDisabled { body } => write!(f, "{body} is not disabled"),
-            Self::NotKinematic { body } => write!(f, "{body} is not kinematic"),
+            Self::NotKinematic { body } => write!(f, "{body} is not kinematic: the call needs a kinematic body"),
             Self::NoSuchCollider { collider } => write!(f, "no such collider: {collider}"),
             Self::DynamicChain => {
                 f.write_str("a chain cannot be on a dynamic body: make the body static or kinematic, or give it another shape")

@@ -27,9 +27,9 @@ pub enum Quantity {
     Inertia,
     /// A density.
     Density,
-    /// A size of a shape.
+    /// A size or a coordinate of a shape.
     Size,
-    /// The number of corners or parts of a shape.
+    /// The number of corners, points or parts of a shape.
     Count,
     /// A force.
     Force,
@@ -75,7 +75,7 @@ pub enum Quantity {
     Filter,
     /// The number of sub-steps of a step.
     Substeps,
-    /// The speed with which overlaps are pushed apart, or from which on bodies bounce.
+    /// A speed of [`ContactSettings`](crate::ContactSettings): push, restitution, sleep or hit speed.
     ContactSpeed,
     /// The number of pairs of colliders.
     Pairs,
@@ -89,7 +89,7 @@ pub enum Quantity {
     RollingResistance,
     /// The number of a material.
     MaterialId,
-    /// The translation or the distance of a query.
+    /// The translation or the distance of a query, or a side of a box.
     Query,
     /// The skin of a character.
     CharacterSkin,
@@ -120,8 +120,12 @@ impl Quantity {
             Self::Mass => "a mass from 2^-16 to 2^24 kg",
             Self::Inertia => "a moment of inertia above zero",
             Self::Density => "a density above zero",
-            Self::Size => "a size from 2^-7 to 2^12 m",
-            Self::Count => "a number of corners from 3 to 64, of parts from 1 to 256",
+            Self::Size => {
+                "a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m"
+            }
+            Self::Count => {
+                "3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
+            }
             Self::Force => "a force within ±2^31 N a component",
             Self::Torque => "a torque within ±2^63 N·m",
             Self::Impulse => "an impulse within ±2^31 N·s a component",
@@ -144,14 +148,16 @@ impl Quantity {
             Self::Restitution => "a coefficient of restitution from 0 to 1",
             Self::Filter => "a filter with a category and a mask, or with a positive group",
             Self::Substeps => "a number of sub-steps from 1 to 16",
-            Self::ContactSpeed => "a speed from 0 to 2^10 m/s",
+            Self::ContactSpeed => "a push, restitution, sleep or hit speed from 0 to 2^10 m/s",
             Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
             Self::SurfaceSpeed => "a surface speed within ±2^10 m/s",
             Self::OneWayDirection => "a direction within ±2^10 a component, the longer one at least 2^-10",
             Self::OneWayTolerance => "a tolerance from 0 to π/2 rad",
             Self::RollingResistance => "a coefficient of rolling resistance from 0 to 1",
             Self::MaterialId => "a number of a material from 1: 0 is no material",
-            Self::Query => "a translation of a query within ±2^20 m a component, or a distance from 0 to 2^20 m",
+            Self::Query => {
+                "a translation of a query within ±2^20 m a component, or a distance or a side of a box from 0 to 2^20 m (min not beyond max)"
+            }
             Self::CharacterSkin => "a skin of a character from 2^-12 to 1 m",
             Self::CharacterUp => "an up direction within ±2^10 a component, the longer one at least 2^-10",
             Self::CharacterSlope => "an angle of a slope from 0 to π/2 rad",

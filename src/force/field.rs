@@ -33,7 +33,7 @@ pub enum Dependence {
 pub struct Attachment<S = Fx> {
     /// The body.
     pub body: BodyId,
-    /// The point relative to the centre of mass of the body, in the axes of the body, m.
+    /// The point relative to the centre of mass of the body, in the axes of the body, m, each component within ±2^12.
     pub point: Vec2<S>,
 }
 
@@ -53,7 +53,7 @@ impl Attachment {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum End<S = Fx> {
-    /// A point of the world, m.
+    /// A point of the world, m, each component within ±2^30.
     World(Vec2<S>),
     /// A point of a body.
     Body(Attachment<S>),
@@ -83,16 +83,16 @@ pub enum End<S = Fx> {
 pub enum Region<S = Fx> {
     /// A disc.
     Disc {
-        /// The centre, m.
+        /// The centre, m, each component within ±2^30.
         centre: Vec2<S>,
-        /// The radius, m.
+        /// The radius, m, 0 to 2^30.
         radius: S,
     },
-    /// A rectangle parallel to the axes.
+    /// A rectangle parallel to the axes. A box whose `min` is beyond its `max` is empty and acts on nothing.
     Box {
-        /// The lower left corner, m.
+        /// The lower left corner, m, each component within ±2^30.
         min: Vec2<S>,
-        /// The upper right corner, m.
+        /// The upper right corner, m, each component within ±2^30.
         max: Vec2<S>,
     },
 }
@@ -117,9 +117,9 @@ pub enum FieldKind<S: Scalar = Fx> {
     Attractor {
         /// The point that attracts.
         centre: End<S>,
-        /// The gravitational parameter G·M, m³/s².
+        /// The gravitational parameter G·M, m³/s², 0 to 2^64.
         mu: S::Factor,
-        /// The distance below which the attraction softens, m; 0 for none.
+        /// The distance below which the attraction softens, m, 0 to 2^12; 0 for none.
         softening: S,
     },
     /// A spring with a damper along it. At zero length it has no direction and exerts no force.
@@ -136,11 +136,11 @@ pub enum FieldKind<S: Scalar = Fx> {
     ///
     /// Several drags on one body act one after the other, in the order in which they were added.
     Drag {
-        /// The linear coefficient, N·s/m.
+        /// The linear coefficient, N·s/m, from 0.
         linear: S,
-        /// The quadratic coefficient, N·s²/m².
+        /// The quadratic coefficient, N·s²/m², from 0.
         quadratic: S,
-        /// The velocity of the medium, m/s.
+        /// The velocity of the medium, m/s, each component within ±2^20.
         wind: Vec2<S>,
     },
     /// A force that turns with the body.
@@ -154,7 +154,7 @@ pub enum FieldKind<S: Scalar = Fx> {
     Zone {
         /// The region.
         region: Region<S>,
-        /// The acceleration, m/s².
+        /// The acceleration, m/s², each component within ±2^16.
         acceleration: Vec2<S>,
     },
     /// A fluid in a box, which lifts the colliders in it and slows them down.
@@ -195,9 +195,9 @@ pub enum FieldKind<S: Scalar = Fx> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     Buoyancy {
-        /// The lower left corner of the box, m.
+        /// The lower left corner of the box, m, each component within ±2^30.
         min: Vec2<S>,
-        /// The upper right corner of the box, m: not left of the other one and not below it.
+        /// The upper right corner of the box, m, in the same range: not left of the other one and not below it.
         max: Vec2<S>,
         /// The density of the fluid, kg/m², from 0. A body of lower density floats.
         density: S,

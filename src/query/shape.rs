@@ -114,7 +114,7 @@ impl<S: Scalar> Shape<S> {
     /// the same distance, the point of the first one. *Error* ½ ulp and 2^-7 in each component. *Cost* in proportion to the corners.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] with [`Quantity::Query`] for a point about 2^20 m away.
+    /// [`Error::OutOfRange`] with [`Quantity::Query`] for a coordinate of 2^21 m or more either way.
     pub fn closest_point(&self, point: Vec2<S>) -> Result<Vec2<S>, Error> {
         let from = ulps(point);
         let (_, offset) = self.nearest(from)?;

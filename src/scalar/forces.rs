@@ -15,11 +15,11 @@ use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift_64, mu
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SpringConstants<S> {
-    /// Length at which the spring exerts no force, m.
+    /// Length at which the spring exerts no force, m, 0 to 2^30.
     pub rest: S,
-    /// Stiffness, N/m.
+    /// Stiffness, N/m, from 0.
     pub stiffness: S,
-    /// Damping along the spring, N·s/m.
+    /// Damping along the spring, N·s/m, from 0.
     pub damping: S,
 }
 

@@ -55,7 +55,10 @@ impl Shape {
         Self::new(Geometry::Rectangle { width: width.into(), height: height.into() })
     }
 
-    /// A capsule along x: `length` in m between the centres of its round ends, `radius` in m.
+    /// A capsule that lies along x: `length` in m between the centres of its round ends, `radius` in m.
+    ///
+    /// For an upright one set [`ColliderDef::angle`](crate::ColliderDef::angle) to [`Fx::FRAC_PI_2`](crate::Fx::FRAC_PI_2); for a
+    /// [`Character`](crate::Character), which has no angle, make a [compound](Self::compound) of one [`Part`] with that angle.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Size`].

@@ -55,6 +55,8 @@ pub(super) struct Workspace<S: Scalar> {
     corrections: Vec<Correction<S>>,
     detected: Detected,
     stops: Vec<Stop<S>>,
+    /// The bodies at fault, sorted, by their indices in the columns.
+    at_fault: Vec<usize>,
     /// The slots of colliders that touch and have events, before and after the step.
     pub(super) touching_before: Vec<[u32; 2]>,
     pub(super) touching_after: Vec<[u32; 2]>,
@@ -72,6 +74,13 @@ fn is_motion<S: Scalar>(bodies: &Bodies<S>, &(slot, change): &(u32, Change)) -> 
 /// Returns true if more than the colliders of a body changed.
 fn is_of_body(&(_, change): &(u32, Change)) -> bool {
     change.is_any_of(Change::VELOCITY.or(Change::POSE).or(Change::FORCES))
+}
+
+/// Lists the bodies of faults.
+fn list_faulty(faults: &[(usize, Cause)], bodies: &mut Vec<usize>) {
+    bodies.clear();
+    bodies.extend(faults.iter().map(|(dense, _)| *dense));
+    bodies.sort_unstable();
 }
 
 /// Finds whether a body left the allowed range; then it is at fault.
@@ -220,12 +229,13 @@ impl<S: Scalar> Step<'_, S> {
     /// Finds and solves the contacts of the step.
     pub(super) fn run_contacts(&mut self, constants: &Constants<'_, S>, schedule: Schedule) {
         let Some(mut own) = self.workspace.contacts.take() else { return };
-        self.leave_out_faulty(&mut own);
+        self.leave_out_faulty(&mut own, 0, 0);
         own.is_detected = true;
         let stale = own.may_have_moved_statics;
         loop {
             own.detected.touched.clear();
             own.detected.crowded.clear();
+            own.detected.any_crowded = false;
             let Workspace { engine, detected, corrections, starts, changed, are_all_changed, touching_before, .. } =
                 &mut *own;
             let starts: &[Start<S>] = starts;
@@ -290,33 +300,63 @@ impl<S: Scalar> Step<'_, S> {
         own.starts.retain(|start| !is_crowded(start));
     }
 
-    /// Wakes sleeping bodies that are touched, and lets them fly freely over the step.
+    /// Wakes sleeping bodies that are touched, those that they touch then, and so on, and lets them fly freely over the step.
     fn wake_touched(&mut self, own: &mut Workspace<S>, constants: &Constants<'_, S>, schedule: Schedule) {
-        own.detected.touched.sort_unstable();
-        own.detected.touched.dedup();
-        let first = self.bodies.moving();
-        let touched = own.detected.touched.iter().copied();
-        let woke = &mut self.workspace.report.woke;
+        loop {
+            own.detected.touched.sort_unstable();
+            own.detected.touched.dedup();
+            let (first, from, known) = (self.bodies.moving(), own.starts.len(), self.workspace.found.faults.len());
+            let touched = own.detected.touched.iter().copied();
+            let woke = &mut self.workspace.report.woke;
+            let Contacts { colliders, contacts, settings } = &mut self.contacts;
+            let before = woke.len();
+            island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
+            own.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
+            let indices = first..self.bodies.moving();
+            let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
+            own.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
+            let (settings, time_step) = (*settings, self.settings.time_step);
+            self.fly(indices, constants, schedule);
+            self.leave_out_faulty(own, from, known);
+            own.detected.touched.clear();
+            // Bodies with too many pairs are at fault before they touch anything.
+            if !own.detected.any_crowded {
+                let scene = Scene {
+                    bodies: self.bodies,
+                    colliders: self.contacts.colliders,
+                    starts: &own.starts[from..],
+                    may_have_moved_statics: false,
+                    changed: Some(Changed::NONE),
+                    settings,
+                    time_step,
+                };
+                own.engine.spread(&scene, self.contacts.contacts, &mut own.detected);
+            }
+            if own.detected.touched.is_empty() {
+                break;
+            }
+        }
+        self.workspace.report.woke.sort_unstable();
         let Contacts { colliders, contacts, .. } = &mut self.contacts;
-        let joins = Joins { fields: self.forces.fields, colliders, contacts };
-        island::wake(self.bodies, joins, touched, woke);
-        woke.sort_unstable();
-        own.changed.bodies.extend(woke.iter().map(|body| body.slot));
         contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
-        let indices = first..self.bodies.moving();
-        let colliders = self.contacts.colliders;
-        let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
-        own.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
-        self.fly(indices, constants, schedule);
-        self.leave_out_faulty(own);
     }
 
-    /// Leaves out bodies that are at fault.
-    fn leave_out_faulty(&self, own: &mut Workspace<S>) {
-        let faults = &self.workspace.found.faults;
-        if !faults.is_empty() {
-            own.starts.retain(|start| faults.iter().all(|(i, _)| *i != start.dense));
+    /// Leaves out those of the starts from `from` on that are at fault, by the faults from `known` on.
+    fn leave_out_faulty(&self, own: &mut Workspace<S>, from: usize, known: usize) {
+        let faults = &self.workspace.found.faults[known..];
+        if faults.is_empty() {
+            return;
         }
+        let Workspace { starts, at_fault, .. } = own;
+        list_faulty(faults, at_fault);
+        let mut kept = from;
+        for i in from..starts.len() {
+            if at_fault.binary_search(&starts[i].dense).is_err() {
+                starts.swap(kept, i);
+                kept += 1;
+            }
+        }
+        starts.truncate(kept);
     }
 
     /// Takes bodies that woke in the step through the stages of the integrator.
@@ -389,7 +429,7 @@ impl<S: Scalar> Step<'_, S> {
         if own.is_blind {
             return;
         }
-        let Workspace { engine, corrections, starts, stops, .. } = own;
+        let Workspace { engine, corrections, starts, stops, at_fault, .. } = own;
         let scene = Scene {
             bodies: self.bodies,
             colliders: self.contacts.colliders,
@@ -399,8 +439,8 @@ impl<S: Scalar> Step<'_, S> {
             settings: self.contacts.settings,
             time_step: self.settings.time_step,
         };
-        let faults = &self.workspace.found.faults;
-        engine.sweep(&scene, corrections, &|dense| faults.iter().any(|(i, _)| *i == dense), stops);
+        list_faulty(&self.workspace.found.faults, at_fault);
+        engine.sweep(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
         if !stops.is_empty() {
             self.contacts.contacts.pushed_at = self.settings.tick;
         }

@@ -34,6 +34,9 @@ impl<S: Scalar> Step<'_, S> {
         }
         let (workspace, bodies) = (&mut *self.workspace, &*self.bodies);
         let report = &mut workspace.report;
+        if !contacts.ended.is_empty() {
+            contacts.pushed_at = self.settings.tick;
+        }
         for ended in contacts.ended.drain(..) {
             if ended.is_sensor { &mut report.sensors_left } else { &mut report.contacts_ended }.push(ended.pair);
         }

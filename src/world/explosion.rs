@@ -143,9 +143,9 @@ impl<S: Scalar> Explosion<S> {
 
 impl<S: Scalar> World<S> {
     /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all computed from the state before the call. It
-    /// wakes the bodies that it hits. It hits neither bodies without colliders nor disabled and quarantined bodies.
+    /// wakes the bodies that it hits. It hits neither sensors, bodies without colliders, nor disabled and quarantined bodies.
     ///
-    /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* each collider of a dynamic body is looked at.
+    /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* in proportion to the colliders of the world.
     ///
     /// # Errors
     /// The errors of [`Explosion::check`]; [`Error::OutOfRange`] with [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body
@@ -167,7 +167,7 @@ impl<S: Scalar> World<S> {
     pub(super) fn blast(&self, explosion: &Explosion<S>) -> Result<Vec<(BodyId, Effect<S>)>, Error> {
         explosion.check()?;
         let mut bodies: Vec<BodyId> = Vec::new();
-        let is_hit = |collider: &&Collider<S>| collider.def.filter.category & explosion.mask != 0;
+        let is_hit = |it: &&Collider<S>| !it.def.sensor && it.def.filter.category & explosion.mask != 0;
         bodies.extend(self.colliders.list().filter(is_hit).map(|collider| collider.body));
         bodies.sort_unstable();
         bodies.dedup();
@@ -199,7 +199,7 @@ impl<S: Scalar> World<S> {
         // Positions are below 2^62 ulps, so that the difference fits.
         let towards = [placement.position()[0] - from[0], placement.position()[1] - from[1]];
         let mut sum: Option<(Vec2<S::Wide>, S::Wide)> = None;
-        for collider in self.colliders.of_slot(body.slot) {
+        for collider in self.colliders.solid_of_slot(body.slot) {
             if collider.def.filter.category & explosion.mask == 0 {
                 continue;
             }

@@ -125,9 +125,9 @@ impl<S: Scalar> World<S> {
 
     /// Applies a torque, N·m, over the next step.
     ///
-    /// The torque does nothing if the body's moment of inertia is infinite, as with a given mass and no shape or colliders, or if its
-    /// rotation is locked: [`BodyRef::inertia`](crate::BodyRef::inertia) is `None`, [`BodyRef::locks`](crate::BodyRef::locks) has
-    /// `rotation`.
+    /// The torque does nothing if the body's moment of inertia is infinite, as without shape and colliders (unless it has
+    /// [`Mass::Explicit`](crate::Mass::Explicit)), or if its rotation is locked: [`BodyRef::inertia`](crate::BodyRef::inertia) is `None`,
+    /// [`BodyRef::locks`](crate::BodyRef::locks) has `rotation`.
     ///
     /// # Errors
     /// As [`apply`](Self::apply).

@@ -172,13 +172,17 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | `add_body`, `set_shape` | the corners and parts of the shape |
 /// | `set_blob` | its bytes |
 /// | [`explode`](Self::explode) | the colliders |
-/// | `remove_body` | the fields attached to the body |
+/// | `add_collider` | the colliders of the body |
+/// | `set_collider`, `remove_collider` | the colliders of the body, and all contacts and overlaps of sensors |
+/// | `remove_body` | the fields attached to the body, and for each of its colliders all contacts and overlaps of sensors |
+/// | `exclude_pair`, `contacts_of` | all contacts |
+/// | [`queries`](Self::queries) | the colliders, as it says there |
 /// | a call that wakes | the bodies it wakes and the fields attached to them |
 /// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields attached to the body |
 /// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards no body of these groups sleeps |
 /// | `set_sleep_after`, once between two steps | all bodies |
 /// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
-/// | `step`, `step_back` | the bodies that move, and for each the fields that act on it |
+/// | `step`, `step_back` | the bodies that move, and for each the fields that act on it; `step` also the pairs of colliders near each other |
 /// | calls that read the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
 /// | [`preview`](Self::preview) | all fields, and the bodies that its body depends on |
 ///

@@ -17,7 +17,9 @@ impl<S: Scalar> World<S> {
     ///
     /// A step can be undone with an integrator that has an [inverse](crate::Integrator::inverse), with forces that are constant
     /// or depend on the position alone, without damping, caps of speeds, and sleep, and if no body was moved to a target in the
-    /// step or stopped there. The cost is that of a step. The report of the step is lost.
+    /// step or stopped there. It is refused also if in that step or the one before colliders pushed each other, a body was near a
+    /// one-way collider, a path ended early, an exclusion ended, a collider entered or left a sensor, or something was reported as
+    /// ended by a call. The cost is that of a step. The report of the step is lost.
     ///
     /// Undo calls between two steps yourself, the last one first, before you undo the step before them: forces with
     /// [`clear_forces`](Self::clear_forces), an impulse with its opposite, gravity, mass, field or integrator with the value

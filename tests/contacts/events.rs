@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 
 use super::scenes::{def, ground, material, square, through_bytes, world};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ColliderPair, ContactSettings, Event, EventStatus, Exclusion,
-    Filter, Fx, Mass, Part, Random, Rollback, Shape, Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef, fx, limits,
-    vec2,
+    BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ColliderPair, ContactSettings, Error, Event, EventStatus,
+    Exclusion, Filter, Fx, Mass, Part, Random, Rollback, Shape, Snapshot, Symmetry, TimeStep, Vec2, World, WorldDef,
+    fx, limits, vec2,
 };
 
 /// Two colliders by their handles.
@@ -583,9 +583,9 @@ fn a_contact_that_fell_asleep_without_an_impulse_ends_with_its_collider() {
     observer.step(&mut world);
     assert_eq!((observer.counts[..3].to_vec(), world.moving_count()), (vec![0, 1, 0], 0));
     world.remove_body(ids[0]).expect("a body");
-    // Nothing pressed it: it sleeps on. Another wall in the same place is another one.
+    // It touched the wall, and wakes. Another wall in the same place is another one.
     let again = world.add_body(wall).expect("a body");
-    assert_eq!((again.parts().0, world.contacts().count(), world.moving_count()), (ids[0].parts().0, 0, 0));
+    assert_eq!((again.parts().0, world.contacts().count(), world.moving_count()), (ids[0].parts().0, 0, 1));
     world.remove_body(again).expect("a body");
     assert_eq!(next(&mut world, &mut observer), [1, 0]);
     assert_eq!(next(&mut world, &mut observer), [0, 0]);
@@ -692,4 +692,37 @@ fn a_game_tells_new_events_from_those_it_has_shown() {
     };
     assert_eq!(names(&shown), names(&told));
     assert!(told.len() > 10 && undone > 3 && seen > 3, "{} {undone} {seen}", told.len());
+}
+
+type Change = fn(&mut World, BodyId) -> Result<(), Error>;
+
+/// The other body of a contact that fell asleep without an impulse goes without being removed: the contact ends all the same.
+#[test]
+fn a_contact_that_fell_asleep_without_an_impulse_ends_where_the_other_body_goes() {
+    let changes: [Change; 4] = [
+        |world, wall| world.disable(wall),
+        |world, wall| world.set_position(wall, vec2(50, 0)),
+        |world, wall| world.set_angle(wall, Fx::FRAC_PI_2).and_then(|()| world.set_position(wall, vec2(0, 50))),
+        |world, wall| {
+            world.set_kind(wall, BodyKind::Kinematic)?;
+            world.set_velocity(wall, vec2(30, 0))
+        },
+    ];
+    for (which, change) in changes.into_iter().enumerate() {
+        let wall =
+            BodyDef { key: 9, ..BodyDef::fixed().with_collider(Shape::rectangle(fx!(1), fx!(4)).expect("a wall")) };
+        let ball = eventful(BodyDef { velocity: vec2(fx!(0.03), 0), ..disc(vec2(fx!(-1.0001), 0), 7) });
+        let def = WorldDef { sleep_after: Some(1), ..def_without_gravity() };
+        let (mut world, ids) = world(def, [wall, ball]).expect("a scene");
+        let mut observer = Observer::default();
+        observer.step(&mut world);
+        assert_eq!((observer.counts[..3].to_vec(), world.moving_count()), (vec![0, 1, 0], 0));
+        change(&mut world, ids[0]).expect("a change");
+        // In the next step, or at the latest in the one after it for the wall that flies off.
+        let mut ended = 0;
+        for _ in 0..3 {
+            ended += next(&mut world, &mut observer)[0];
+        }
+        assert_eq!((ended, world.contacts().count()), (1, 0), "{which}");
+    }
 }

@@ -204,3 +204,17 @@ fn images_explode_to_images_and_order_makes_no_difference() {
         }
     }
 }
+
+/// A sensor touches nothing: an explosion does not push a body by the width of what it watches.
+#[test]
+fn sensors_are_not_pushed() {
+    let blast = Explosion { radius: fx!(10), ..Explosion::new(vec2(0, 0), fx!(1)) };
+    let solid = Shape::circle(1).unwrap();
+    let mut world = world();
+    let plain = add(&mut world, vec2(4, 0), solid.clone());
+    let watching = add(&mut world, vec2(-4, 0), solid);
+    let sensor = ColliderDef { sensor: true, ..ColliderDef::new(Shape::circle(3).unwrap()) };
+    world.add_collider(watching, sensor).unwrap();
+    world.explode(&blast).unwrap();
+    assert_eq!(velocity(&world, watching), -velocity(&world, plain));
+}

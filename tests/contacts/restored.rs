@@ -3,8 +3,8 @@
 
 use super::scenes::{def, square, through_bytes, world};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Error, Exclusion, Filter, Fx, MaterialPair, OneWay, Part,
-    Random, Rollback, Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Error, Exclusion, Filter, Fx, Locks, MaterialPair, OneWay,
+    Part, Random, Rollback, Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// A call on a body.
@@ -280,4 +280,24 @@ fn worlds_of_different_pasts_have_the_same_future() {
         }
     }
     assert!(fell > 40 * seeds as usize && woke > 40 * seeds as usize, "{fell} fell asleep, {woke} woke");
+}
+
+/// A body that no contact moves, and that rests in a static one, falls asleep once: one that is locked in all ways, and one in a world that pushes nothing apart.
+#[test]
+fn a_body_that_no_contact_moves_sleeps_in_a_wall() {
+    let gentle = ContactSettings { push_speed: fx!(0), ..ContactSettings::default() };
+    let all = Locks { x: true, y: true, rotation: true };
+    let cases = [(all, ContactSettings::default()), (Locks::NONE, gentle)];
+    for (which, (locks, contacts)) in cases.into_iter().enumerate() {
+        let def = WorldDef { sleep_after: Some(5), gravity: vec2(0, 0), contacts, ..def() };
+        let inside = BodyDef { locks, ..square(vec2(fx!(0.5), 0), 7).expect("a square") };
+        let (mut world, ids) = world(def, [tile(0, 0), inside]).expect("a scene");
+        let (mut fell, mut woke) = (0, 0);
+        for _ in 0..100 {
+            let report = world.step();
+            (fell, woke) = (fell + report.fell_asleep.len(), woke + report.woke.len());
+        }
+        assert_eq!(world.body(ids[1]).expect("it").position(), vec2(fx!(0.5), 0), "{which}: it was pushed");
+        assert_eq!((fell, woke), (1, 0), "{which}");
+    }
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use super::events::{Observer, Pair, crowd, quiet, shake};
 use super::scenes::{def, ground, square, through_bytes, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ContactSettings, Filter, Fx, Mass, QueryFilter,
-    Random, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ContactSettings, Error, Filter, Fx, Mass,
+    QueryFilter, Random, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn sensor(shape: Shape, key: u64) -> ColliderDef {
@@ -413,5 +413,38 @@ fn a_body_in_more_sensors_than_the_limit_of_pairs_is_in_none() {
         let def = WorldDef { gravity: Vec2::ZERO, contacts, ..def() };
         let (mut world, _) = world(def, bodies).expect("a scene");
         assert_eq!(world.step().sensors_entered.len(), expected);
+    }
+}
+
+type Change = fn(&mut World, [BodyId; 2]) -> Result<(), Error>;
+
+/// What a call ended is state until the step that reports it: that step is undone with it, or not at all.
+#[test]
+fn a_step_that_reports_what_a_call_ended_is_undone_to_the_bit_or_not_at_all() {
+    let changes: [Change; 3] = [
+        |world, [_, visitor]| world.remove_body(visitor),
+        |world, [goal, _]| world.remove_body(goal),
+        |world, [_, visitor]| {
+            let collider = world.colliders_of(visitor)?.next().expect("a disc");
+            world.remove_collider(collider)
+        },
+    ];
+    for (which, change) in changes.into_iter().enumerate() {
+        let goal = ColliderDef { sensor: true, ..ColliderDef::new(Shape::rectangle(4, 4).expect("a box")) };
+        let disc = BodyDef::dynamic().with_collider(Shape::circle(1).expect("a disc"));
+        let def = WorldDef { gravity: vec2(0, 0), ..def() };
+        let bodies = [BodyDef { key: 1, ..BodyDef::fixed().with_collider(goal) }, BodyDef { key: 2, ..disc }];
+        let (mut world, ids) = world(def, bodies).expect("a scene");
+        // It entered in the first step; nothing has happened since.
+        (0..5).for_each(|_| _ = world.step());
+        change(&mut world, [ids[0], ids[1]]).expect("a change");
+        let before = world.clone();
+        assert_eq!(world.step().sensors_left.len(), 1, "{which}");
+        if world.step_back(&[]).is_ok() {
+            assert_eq!(world.first_difference(&before), None, "{which}");
+            assert_eq!(world.state_hash(), before.state_hash(), "{which}");
+            // Made again, it reports the same.
+            assert_eq!(world.step().sensors_left.len(), 1, "{which}");
+        }
     }
 }

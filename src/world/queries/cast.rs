@@ -42,9 +42,9 @@ pub struct CastHit<S = Fx> {
     /// The fraction of the translation at which they meet, from 0 to 1, rounded down to units of 2^-32. The distance to the hit is this
     /// fraction of the length of the translation.
     pub fraction: S,
-    /// The point where they meet, on the surface of the collider, m; where two edges touch, the middle of the part that touches. If they
-    /// overlap at the start, the point where the ray or the centre of mass of the shape starts. *Error* for a ray ½ ulp and 2^-9, for a
-    /// shape 3 ulps and 2^-31 of its radius; 2^-14 ulp more with a radius.
+    /// The point where they meet, on the surface of the collider, m; where two edges touch, the middle of the stretch in which they touch.
+    /// If they overlap at the start, the point where the ray or the centre of mass of the shape starts. *Error* for a ray ½ ulp and 2^-9,
+    /// for a shape 3 ulps and 2^-31 of its radius; 2^-14 ulp more with a radius.
     pub point: Vec2<S>,
     /// The outward unit normal of the collider there; zero if they overlap at the start. At a sharp corner the mean of the normals of the
     /// edges that are met from outside, also where a ray meets the seam of a chain. *Error* 1 ulp in each component.

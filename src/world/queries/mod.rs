@@ -80,10 +80,17 @@ impl<S: Scalar> World<S> {
     /// The colliders of the world, ready for [queries](Queries).
     ///
     /// *Cost* The call builds a tree of the colliders of bodies that are not static, about 0.5 µs for each; while a body is asleep, it
-    /// looks at all colliders. The tree of static colliders is built by the first call and kept, also for copies of the world, so that they
-    /// cost nothing in later calls; up to 512 changes of static colliders are kept beside it. It is built for this call alone, at the same
-    /// price, if a static body or a collider has changed since the last step, if the world was just made, cloned or restored, and without
-    /// the feature `std`. A query then takes time in proportion to the colliders that it meets and to the logarithm of the number of all.
+    /// looks at all colliders. The tree of static colliders is built by the first call and kept, also by a [`Rollback`](crate::Rollback), so
+    /// that they cost nothing in later calls; up to 512 changes of static colliders are kept beside it. It is built for this call alone, at
+    /// the same price,
+    ///
+    /// - if since the last step a collider changed, or a body was added, removed, placed, or changed in anything but its velocity: its user
+    ///   data and its key count too;
+    /// - if in the last step or since it a body fell asleep, woke, or was disabled, enabled, quarantined or released;
+    /// - if more than 64 bodies, and more than an eighth of all, were changed in anything, by contacts too where a field acts on them;
+    /// - if the world was just made, cloned or restored, and always without the feature `std`.
+    ///
+    /// A query then takes time in proportion to the colliders that it meets and to the logarithm of the number of all.
     #[must_use]
     pub fn queries(&self) -> Queries<'_, S> {
         let mut queries = Queries {

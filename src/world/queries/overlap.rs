@@ -120,10 +120,11 @@ impl<S: Scalar> Queries<'_, S> {
         found.into_iter().map(|((_, _, id, _), ())| id).filter(|&id| self.accepts(id, filter)).collect()
     }
 
-    /// The collider nearest to a point, up to a distance in m. Where several are at the same distance, the one with the least key, then
+    /// The collider nearest to a point, up to `most` m, 0 to 2^20. Where several are at the same distance, the one with the least key, then
     /// handle. No point is inside of a chain, closed or not: the distance to the nearest segment counts.
     ///
-    /// *Cost* in proportion to the colliders whose boxes are within twice the distance of the nearest one.
+    /// *Cost* in proportion to the colliders whose boxes are within 1 m, or within twice the distance of the one that is found if that is
+    /// more; with no result, within `most`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for a distance that is not from 0 to 2^20 m, and with [`Quantity::Position`] for
@@ -145,7 +146,7 @@ impl<S: Scalar> Queries<'_, S> {
         }
     }
 
-    /// All colliders up to a distance in m from a point, each with its nearest point, sorted by distance, then by key, then by handle.
+    /// All colliders up to `most` m, 0 to 2^20, from a point, each with its nearest point, sorted by distance, then by key, then by handle.
     ///
     /// # Errors
     /// As [`closest_point`](Self::closest_point).

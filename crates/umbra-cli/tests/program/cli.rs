@@ -199,10 +199,13 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"kind\": \"static\", \"velocity\": [1, 0]", "velocity: a static body has no velocity"),
         ("\"force_groups\": [32]", "force_groups[0]: out of range: expected a group from 0 to 31"),
         ("\"key\": -1", "key: out of range: expected a whole number that fits in 64 bits"),
-        ("\"density\": 1", "density: a density needs a shape"),
+        (
+            "\"density\": 1",
+            "density: a density needs a shape of the body itself: colliders give it mass by densities of their own",
+        ),
         (
             "\"shape\": {\"circle\": {\"radius\": 5000}}",
-            "shape.circle.radius: out of range: expected a size from 2^-7 to 2^12 m",
+            "shape.circle.radius: out of range: expected a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m",
         ),
         ("\"shape\": {\"ball\": {}}", "shape.ball: unknown field: did you mean `circle`?"),
     ];
@@ -253,11 +256,14 @@ fn a_number_of_forty_digits_is_rounded_once() {
 #[test]
 fn a_polygon_that_is_not_convex_is_refused_at_its_corner() {
     let dent = with_body("\"shape\": {\"polygon\": [\n[0, 0], [4, 0],\n[1, 1],\n[0, 4]]}");
-    assert_eq!(refused("dent.json", dent), ":5: bodies[0].shape.polygon[2]: the polygon is not convex at corner 2");
+    assert_eq!(
+        refused("dent.json", dent),
+        ":5: bodies[0].shape.polygon[2]: corner 2 is not convex, or repeats its neighbour: list the corners of a convex polygon in order"
+    );
     let two = refused("two-corners.json", with_body("\"shape\": {\"polygon\": [[0, 0], [1, 0]]}"));
     assert_eq!(
         two,
-        ":3: bodies[0].shape.polygon: out of range: expected a number of corners from 3 to 64, of parts from 1 to 256"
+        ":3: bodies[0].shape.polygon: out of range: expected 3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
     );
 }
 

@@ -89,8 +89,8 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
   {"at": 1, "set": {"contacts": {"substeps": 0}}}]}"#;
     let expected = [
         "1: contacts.substeps: out of range: expected a number of sub-steps from 1 to 16 [E101]",
-        "1: contacts.restitution_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
-        "1: contacts.sleep_speed: out of range: expected a speed from 0 to 2^10 m/s [E101]",
+        "1: contacts.restitution_speed: out of range: expected a push, restitution, sleep or hit speed from 0 to 2^10 m/s [E101]",
+        "1: contacts.sleep_speed: out of range: expected a push, restitution, sleep or hit speed from 0 to 2^10 m/s [E101]",
         "1: contacts.max_pair: unknown field: did you mean `max_pairs`? [E503]",
         "3: bodies[0].colliders[0]: the field `shape` is missing [E505]",
         "4: bodies[0].colliders[1].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
@@ -234,9 +234,9 @@ fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
     );
     let expected = [
         "2: bodies[0].colliders[0].shape.circle.radius: expected a number, found a text [E502]",
-        "3: bodies[0].colliders[1].shape.polygon[2]: the polygon is not convex at corner 2 [E105]",
-        "4: bodies[0].colliders[2].shape.rounded_polygon.radius: out of range: expected a size from 2^-7 to 2^12 m [E101]",
-        "5: bodies[0].colliders[3].shape.segment: out of range: expected a size from 2^-7 to 2^12 m [E101]",
+        "3: bodies[0].colliders[1].shape.polygon[2]: corner 2 is not convex, or repeats its neighbour: list the corners of a convex polygon in order [E105]",
+        "4: bodies[0].colliders[2].shape.rounded_polygon.radius: out of range: expected a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m [E101]",
+        "5: bodies[0].colliders[3].shape.segment: out of range: expected a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m [E101]",
         "6: bodies[0].colliders[4].shape.ball: unknown field: did you mean `circle`? [E503]",
         "7: bodies[0].colliders[5].friction: expected a number, found a text [E502]",
         "8: bodies[0].colliders[6].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
