@@ -502,6 +502,10 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         self.numbers.outline(number)
     }
 
+    fn number(&self, slot: u32) -> u32 {
+        self.numbers.first(slot)
+    }
+
     #[cfg(feature = "selftest")]
     fn set_discrete(&mut self, is_discrete: bool) {
         self.numerics.set_discrete(is_discrete);

@@ -266,6 +266,12 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     fn outline(&self, number: u32) -> OutlineId {
         OutlineId { slot: number, part: 0 }
     }
+
+    /// The number of the first outline of the collider in a slot, likewise.
+    fn number(&self, slot: u32) -> u32 {
+        slot
+    }
+
     /// Finds contacts ahead of time or not, for tests.
     #[cfg(feature = "selftest")]
     fn set_discrete(&mut self, _is_discrete: bool) {}

@@ -308,7 +308,9 @@ impl fmt::Display for Error {
                 f,
                 "corner {corner} is not convex, or repeats its neighbour: list the corners of a convex polygon in order",
             ),
-            Self::NoShape => f.write_str("a density needs a shape of the body itself: colliders give it mass by densities of their own"),
+            Self::NoShape => {
+                f.write_str("a density needs a shape of the body itself: colliders give it mass by densities of their own")
+            }
             Self::NotDynamic { body } => write!(f, "{body} is not dynamic: the call needs a dynamic body"),
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),

@@ -15,7 +15,7 @@ use super::sleep::rests;
 use super::{Constants, Found, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
-use crate::collider::{ColliderSet, ContactSettings};
+use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
     Changed, ContactEngine as _, ContactSet, Correction, Detected, Overlap, Scene, Sensors, Start, Stop, is_asleep,
     list_pairs,
@@ -95,12 +95,20 @@ impl<S: Scalar> Workspace<S> {
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
     ) -> Option<(&Arc<Statics>, &S::Contacts)> {
-        let are_motions = || bodies.changes().bodies().is_some_and(|all| all.iter().all(|one| is_motion(bodies, one)));
+        let statics = self.engine.statics(colliders)?;
+        // A body that is not static, and was not when the colliders were last looked at. With a collider more or less, there is another
+        // revision.
+        let is_other = |slot: u32| {
+            let was_static = |collider: &Collider<S>| statics.find(self.engine.number(collider.slot)).is_some();
+            bodies.index_in(slot).is_none_or(|dense| bodies.info(dense).kind != BodyKind::Static)
+                && !colliders.of_slot(slot).any(was_static)
+        };
         let is_current = self.are_all_changed
-            && self.changed.is_empty()
+            && self.changed.colliders.is_empty()
             && self.revision == Some(colliders.revision())
-            && are_motions();
-        self.engine.statics(colliders).filter(|_| is_current).map(|statics| (statics, &self.engine))
+            && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_other(slot))
+            && bodies.changes().bodies().is_some_and(|all| all.iter().all(|&(slot, _)| is_other(slot)));
+        is_current.then_some((statics, &self.engine))
     }
 
     /// Forgets which bodies there are. The tree of static colliders stays: it is compared before it is used.

@@ -520,3 +520,18 @@ fn copies_that_share_a_tree_find_what_the_others_have_lost() {
     assert_eq!(height(&copy), Some(fx!(1)));
     assert_eq!(height(&world), None);
 }
+
+#[test]
+fn a_tile_that_begins_or_ends_to_move_is_where_it_is() {
+    let (mut world, ids) = tiles();
+    let owner = world.collider_body(ids[0]).expect("a tile");
+    assert_eq!(height(&world), Some(fx!(1)));
+    world.set_kind(owner, BodyKind::Kinematic).expect("a tile");
+    world.set_position(owner, vec2(0, 2)).expect("a tile");
+    assert_eq!(height(&world), Some(fx!(3)));
+    world.step();
+    world.set_kind(owner, BodyKind::Static).expect("a tile");
+    assert_eq!(height(&world), Some(fx!(3)));
+    world.set_position(owner, vec2(0, 1)).expect("a tile");
+    assert_eq!(height(&world), Some(fx!(2)));
+}

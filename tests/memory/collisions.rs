@@ -1,7 +1,7 @@
 //! The heap that steps of worlds with collisions take.
 
 use allocation_counter::measure;
-use umbra_physics::{BodyDef, Shape, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, Error, Shape, World, WorldDef, fx, vec2};
 
 /// A heap of boxes and discs that falls to the ground.
 fn heap() -> World {
@@ -51,4 +51,37 @@ fn changes_that_no_step_looks_at_are_not_kept_for_ever() {
     change(10_000);
     let taken = measure(|| change(20_000));
     assert!(taken.bytes_current <= 0, "{} bytes", taken.bytes_current);
+}
+
+/// Calls that change a body which is not static leave the tree of static colliders that queries share as it is.
+#[test]
+fn queries_after_a_change_of_a_moving_body_build_no_tree_of_static_ones() {
+    type Change = fn(&mut World, BodyId) -> Result<(), Error>;
+    let changes: [Change; 6] = [
+        |world, ball| world.set_user_data(ball, 5),
+        |world, ball| world.set_position(ball, vec2(0, 50)),
+        |world, ball| world.set_gravity_scale(ball, fx!(0)),
+        |world, ball| world.disable(ball),
+        |world, ball| world.enable(ball),
+        // It falls asleep in the step after that.
+        |world, ball| world.set_velocity(ball, vec2(0, 0)),
+    ];
+    let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
+    for x in 0..2_000 {
+        let tile = BodyDef::fixed().with_collider(Shape::rectangle(1, 1).expect("a tile"));
+        world.add_body(BodyDef { position: vec2(x, 0), ..tile }).expect("a body");
+    }
+    let ball = BodyDef::dynamic().with_collider(Shape::circle(1).expect("a disc"));
+    let ball = world.add_body(BodyDef { position: vec2(0, 100), velocity: vec2(0, 1), ..ball }).expect("a body");
+    let anew = measure(|| _ = world.queries()).bytes_max;
+    world.step();
+    _ = world.queries();
+    for (which, change) in changes.into_iter().enumerate() {
+        change(&mut world, ball).expect("a fair change");
+        let before = measure(|| _ = world.queries()).bytes_max;
+        world.step();
+        let after = measure(|| _ = world.queries()).bytes_max;
+        assert!(before.max(after) < anew / 10, "{which}: {before} and {after} bytes, {anew} anew");
+    }
+    assert_eq!(world.moving_count(), 0, "asleep");
 }

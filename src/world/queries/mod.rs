@@ -84,10 +84,8 @@ impl<S: Scalar> World<S> {
     /// that they cost nothing in later calls; up to 512 changes of static colliders are kept beside it. It is built for this call alone, at
     /// the same price,
     ///
-    /// - if since the last step a collider changed, or a body was added, removed, placed, or changed in anything but its velocity: its user
-    ///   data and its key count too;
-    /// - if in the last step or since it a body fell asleep, woke, or was disabled, enabled, quarantined or released;
-    /// - if more than 64 bodies, and more than an eighth of all, were changed in anything, by contacts too where a field acts on them;
+    /// - if a collider or a static body changed since the last step: one that was added with a new body too;
+    /// - if more than 64 bodies, and more than an eighth of all, were changed since it, by contacts too where a field acts on them;
     /// - if the world was just made, cloned or restored, and always without the feature `std`.
     ///
     /// A query then takes time in proportion to the colliders that it meets and to the logarithm of the number of all.
