@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::events::{ColliderPair, ContactHit, has_events};
-use super::excluded::{ExcludedPair, sorted};
+use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
 use super::numerics::{Approach, Numerics, Surface, Touching as _};
@@ -18,12 +18,11 @@ use super::view::newton_seconds;
 use super::{
     ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint, pair_limits,
 };
-use crate::body::Activity;
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
-use crate::slots::{BodyId, NONE};
+use crate::slots::NONE;
 use crate::solve::Impulses;
 
 /// The contacts of a world.
@@ -37,7 +36,7 @@ pub struct Engine<S: Scalar, N: Numerics<S>> {
     chains: Chains,
     pub(super) tiles: Tiles,
     /// Each outline in world axes, by its number.
-    core_of: Stamped,
+    pub(super) core_of: Stamped,
     pub(super) broad: BroadPhase,
     pub(super) still: Option<Still>,
     /// The revision of the colliders that `still` was built from.
@@ -102,7 +101,7 @@ impl<S: Scalar, N: Numerics<S>> Default for Engine<S, N> {
 
 impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Lists the boxes of moving colliders over the step.
-    fn place_movers(&mut self, scene: &Scene<'_, S>) {
+    pub(super) fn place_movers(&mut self, scene: &Scene<'_, S>) {
         self.movers.clear();
         for flight in 0..self.flights.len() as u32 {
             let body = self.flights.body(flight);
@@ -355,39 +354,7 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
     }
 
     fn spread(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
-        self.numerics.clear();
-        self.core_of.clear();
-        self.flights.begin::<S, N>(scene);
-        self.place_movers(scene);
-        let mut pairs = self.broad.take_pairs();
-        pairs.clear();
-        // The list of sleeping colliders still has those of bodies that woke since it was made.
-        let sleeps =
-            |body: BodyId| scene.bodies.find(body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep);
-        let body = |numbers: &Numbers, number: u32| {
-            scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body)
-        };
-        for (own, still) in self.movers.iter().flat_map(|own| self.still.iter().map(move |still| (own, still))) {
-            still.sleepers.meeting(own, |other| {
-                if body(&self.numbers, other.collider).is_some_and(sleeps) {
-                    pairs.push([own.collider.min(other.collider), own.collider.max(other.collider)]);
-                }
-                true
-            });
-        }
-        pairs.sort_unstable();
-        pairs.retain(|pair| match pair.map(|number| body(&self.numbers, number)) {
-            [Some(a), Some(b)] => contacts.find_excluded(sorted(a, b)).is_err(),
-            _ => false,
-        });
-        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
-        for &numbers in &pairs {
-            if self.manifold_of(scene, numbers, numbers.map(|number| self.numbers.outline(number))).is_some() {
-                let bodies = numbers.into_iter().filter_map(|number| body(&self.numbers, number));
-                out.touched.extend(bodies.filter(|body| sleeps(*body)));
-            }
-        }
-        self.broad.return_pairs(pairs);
+        self.touch_sleepers(scene, contacts, out);
     }
 
     fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet) {

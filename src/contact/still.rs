@@ -5,14 +5,16 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::engine::Engine;
+use super::numbers::Numbers;
 use super::numerics::Numerics;
 use super::passes::is_disturbed;
-use super::{Changed, ContactSet, Scene, pair_limits};
+use super::{Changed, ContactSet, Detected, Scene, pair_limits, sorted};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
 use crate::collider::Collider;
 use crate::query::place_digest;
 use crate::scalar::{Accumulator as _, Scalar};
+use crate::slots::BodyId;
 
 /// The trees of a world.
 #[derive(Debug, Default)]
@@ -310,6 +312,43 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             let left = self.numbers.of(slot).filter(|&number| tree.has(number));
             changes.extend(left.map(|number| (number, None)));
         }
+    }
+
+    /// Adds the sleeping bodies that the bodies of `scene.starts` touch to `touched`. See [`ContactEngine::spread`](super::ContactEngine).
+    pub(super) fn touch_sleepers(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
+        self.numerics.clear();
+        self.core_of.clear();
+        self.flights.begin::<S, N>(scene);
+        self.place_movers(scene);
+        let mut pairs = self.broad.take_pairs();
+        pairs.clear();
+        // The list of sleeping colliders still has those of bodies that woke since it was made.
+        let sleeps =
+            |body: BodyId| scene.bodies.find(body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep);
+        let body = |numbers: &Numbers, number: u32| {
+            scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body)
+        };
+        for (own, still) in self.movers.iter().flat_map(|own| self.still.iter().map(move |still| (own, still))) {
+            still.sleepers.meeting(own, |other| {
+                if body(&self.numbers, other.collider).is_some_and(sleeps) {
+                    pairs.push([own.collider.min(other.collider), own.collider.max(other.collider)]);
+                }
+                true
+            });
+        }
+        pairs.sort_unstable();
+        pairs.retain(|pair| match pair.map(|number| body(&self.numbers, number)) {
+            [Some(a), Some(b)] => contacts.find_excluded(sorted(a, b)).is_err(),
+            _ => false,
+        });
+        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
+        for &numbers in &pairs {
+            if self.manifold_of(scene, numbers, numbers.map(|number| self.numbers.outline(number))).is_some() {
+                let bodies = numbers.into_iter().filter_map(|number| body(&self.numbers, number));
+                out.touched.extend(bodies.filter(|body| sleeps(*body)));
+            }
+        }
+        self.broad.return_pairs(pairs);
     }
 
     /// Finds the pairs of the step, which are those of moving colliders. If there are too many pairs or overlaps, sleeping ones included,
