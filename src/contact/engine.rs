@@ -325,7 +325,6 @@ impl<S: Scalar, N: Numerics<S>> ContactEngine<S> for Engine<S, N> {
         let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
         for collider in crowded {
-            out.any_crowded = true;
             match scene.bodies.find(collider.body) {
                 Ok(dense) if dense < scene.bodies.moving() => out.crowded.push(dense),
                 // A sleeping body is at fault as if it were awake: sleep must not decide who is quarantined.

@@ -221,8 +221,8 @@ pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
     /// If there are any, the contacts found are incomplete: the step wakes or quarantines the bodies and calls this again.
     fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
-    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch. These woke since contacts were found, and the step
-    /// knows of no other change.
+    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
+    /// `scene.starts` woke since contacts were found, and the step knows of no other change.
     fn spread(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
 
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
@@ -330,8 +330,6 @@ impl<S: Scalar> ContactEngine<S> for NoContacts {
 pub(crate) struct Detected {
     pub(crate) touched: Vec<BodyId>,
     pub(crate) crowded: Vec<usize>,
-    /// True if there are bodies with too many pairs, asleep or not.
-    pub(crate) any_crowded: bool,
     /// The contacts at rest that the step looks at, however often contacts are found in it.
     pub(crate) disturbed: Disturbed,
 }

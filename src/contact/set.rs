@@ -149,14 +149,10 @@ impl ContactSet {
         self.asleep.contains(pair)
     }
 
-    /// The slots of the colliders that have a contact with the one in a slot, where one of the two bodies is asleep; once for each contact.
-    pub(crate) fn asleep_with(&self, slot: u32) -> impl Iterator<Item = u32> {
-        self.asleep.touching(slot).map(|(slot, _)| slot)
-    }
-
-    /// The slots of the colliders that the one in a slot presses, where one of the two bodies is asleep; once for each contact.
-    pub(crate) fn asleep_on(&self, slot: u32) -> impl Iterator<Item = u32> {
-        self.asleep.touching(slot).filter(|(_, is_slack)| !is_slack).map(|(slot, _)| slot)
+    /// The slots of the colliders that have a contact with the one in a slot, where one of the two bodies is asleep, once for each contact;
+    /// each with true if no impulse is left.
+    pub(crate) fn asleep_with(&self, slot: u32) -> impl Iterator<Item = (u32, bool)> {
+        self.asleep.touching(slot)
     }
 
     /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same.

@@ -5,7 +5,6 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::numbers::Numbers;
 use super::numerics::Numerics;
 use super::passes::is_disturbed;
 use super::{Changed, ContactSet, Detected, Scene, pair_limits, sorted};
@@ -316,36 +315,40 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
 
     /// Adds the sleeping bodies that the bodies of `scene.starts` touch to `touched`. See [`ContactEngine::spread`](super::ContactEngine).
     pub(super) fn touch_sleepers(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
+        // Bodies with too many pairs are at fault before they touch anything.
+        if !self.broad.above_cap().is_empty() {
+            return;
+        }
         self.numerics.clear();
         self.core_of.clear();
         self.flights.begin::<S, N>(scene);
         self.place_movers(scene);
+        let Some(Still { sleepers, .. }) = &self.still else { return };
+        let numbers = &self.numbers;
+        let body = |number: u32| scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body);
+        let sleeps = |body: &BodyId| {
+            scene.bodies.find(*body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
+        };
         let mut pairs = self.broad.take_pairs();
         pairs.clear();
-        // The list of sleeping colliders still has those of bodies that woke since it was made.
-        let sleeps =
-            |body: BodyId| scene.bodies.find(body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep);
-        let body = |numbers: &Numbers, number: u32| {
-            scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body)
-        };
-        for (own, still) in self.movers.iter().flat_map(|own| self.still.iter().map(move |still| (own, still))) {
-            still.sleepers.meeting(own, |other| {
-                if body(&self.numbers, other.collider).is_some_and(sleeps) {
+        for own in &self.movers {
+            sleepers.meeting(own, |other| {
+                // The tree still has the colliders of bodies that woke since it was made.
+                let sleeper = body(other.collider).filter(sleeps);
+                let is_excluded = |[a, b]: [BodyId; 2]| contacts.find_excluded(sorted(a, b)).is_ok();
+                if body(own.collider).zip(sleeper).is_some_and(|(own, other)| !is_excluded([own, other])) {
                     pairs.push([own.collider.min(other.collider), own.collider.max(other.collider)]);
                 }
                 true
             });
         }
         pairs.sort_unstable();
-        pairs.retain(|pair| match pair.map(|number| body(&self.numbers, number)) {
-            [Some(a), Some(b)] => contacts.find_excluded(sorted(a, b)).is_err(),
-            _ => false,
-        });
         self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
         for &numbers in &pairs {
-            if self.manifold_of(scene, numbers, numbers.map(|number| self.numbers.outline(number))).is_some() {
-                let bodies = numbers.into_iter().filter_map(|number| body(&self.numbers, number));
-                out.touched.extend(bodies.filter(|body| sleeps(*body)));
+            let pair = numbers.map(|number| self.numbers.outline(number));
+            if self.manifold_of(scene, numbers, pair).is_some() {
+                let bodies = pair.into_iter().filter_map(|outline| scene.colliders.at(outline.slot));
+                out.touched.extend(bodies.map(|collider| collider.body).filter(sleeps));
             }
         }
         self.broad.return_pairs(pairs);

@@ -152,10 +152,15 @@ pub(crate) struct Joins<'a, S: Scalar> {
 }
 
 impl<'a, S: Scalar> Joins<'a, S> {
+    /// The bodies that have a contact with a body, where one of the two is asleep; each with true if no impulse is left.
+    pub(crate) fn touching(self, body: BodyId) -> impl Iterator<Item = (BodyId, bool)> + use<'a, S> {
+        let touching = self.colliders.of(body).flat_map(move |collider| self.contacts.asleep_with(collider.slot));
+        touching.filter_map(move |(slot, is_slack)| Some((self.colliders.at(slot)?.body, is_slack)))
+    }
+
     /// The bodies that contacts join to a body, where one of the two is asleep.
-    pub(crate) fn by_contacts(self, body: BodyId) -> impl Iterator<Item = BodyId> + use<'a, S> {
-        let touching = self.colliders.of(body).flat_map(move |collider| self.contacts.asleep_on(collider.slot));
-        touching.filter_map(move |slot| self.colliders.at(slot).map(|collider| collider.body))
+    fn by_contacts(self, body: BodyId) -> impl Iterator<Item = BodyId> + use<'a, S> {
+        self.touching(body).filter(|(_, is_slack)| !is_slack).map(|(body, _)| body)
     }
 }
 

@@ -243,7 +243,6 @@ impl<S: Scalar> Step<'_, S> {
         loop {
             own.detected.touched.clear();
             own.detected.crowded.clear();
-            own.detected.any_crowded = false;
             let Workspace { engine, detected, corrections, starts, changed, are_all_changed, touching_before, .. } =
                 &mut *own;
             let starts: &[Start<S>] = starts;
@@ -296,6 +295,19 @@ impl<S: Scalar> Step<'_, S> {
         self.workspace.contacts = Some(own);
     }
 
+    /// The scene of these bodies, since contacts were found.
+    fn unchanged<'a>(&'a self, starts: &'a [Start<S>]) -> Scene<'a, S> {
+        Scene {
+            bodies: self.bodies,
+            colliders: self.contacts.colliders,
+            starts,
+            may_have_moved_statics: false,
+            changed: Some(Changed::NONE),
+            settings: self.contacts.settings,
+            time_step: self.settings.time_step,
+        }
+    }
+
     /// Takes bodies with too many pairs back to the start, at fault.
     fn refuse_crowded(&mut self, own: &mut Workspace<S>) {
         own.detected.crowded.sort_unstable();
@@ -316,30 +328,17 @@ impl<S: Scalar> Step<'_, S> {
             let (first, from, known) = (self.bodies.moving(), own.starts.len(), self.workspace.found.faults.len());
             let touched = own.detected.touched.iter().copied();
             let woke = &mut self.workspace.report.woke;
-            let Contacts { colliders, contacts, settings } = &mut self.contacts;
+            let Contacts { colliders, contacts, .. } = &mut self.contacts;
             let before = woke.len();
             island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
             own.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
             let indices = first..self.bodies.moving();
             let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
             own.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
-            let (settings, time_step) = (*settings, self.settings.time_step);
             self.fly(indices, constants, schedule);
             self.leave_out_faulty(own, from, known);
             own.detected.touched.clear();
-            // Bodies with too many pairs are at fault before they touch anything.
-            if !own.detected.any_crowded {
-                let scene = Scene {
-                    bodies: self.bodies,
-                    colliders: self.contacts.colliders,
-                    starts: &own.starts[from..],
-                    may_have_moved_statics: false,
-                    changed: Some(Changed::NONE),
-                    settings,
-                    time_step,
-                };
-                own.engine.spread(&scene, self.contacts.contacts, &mut own.detected);
-            }
+            own.engine.spread(&self.unchanged(&own.starts[from..]), self.contacts.contacts, &mut own.detected);
             if own.detected.touched.is_empty() {
                 break;
             }
@@ -438,17 +437,8 @@ impl<S: Scalar> Step<'_, S> {
             return;
         }
         let Workspace { engine, corrections, starts, stops, at_fault, .. } = own;
-        let scene = Scene {
-            bodies: self.bodies,
-            colliders: self.contacts.colliders,
-            starts,
-            may_have_moved_statics: false,
-            changed: Some(Changed::NONE),
-            settings: self.contacts.settings,
-            time_step: self.settings.time_step,
-        };
         list_faulty(&self.workspace.found.faults, at_fault);
-        engine.sweep(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
+        engine.sweep(&self.unchanged(starts), corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
         if !stops.is_empty() {
             self.contacts.contacts.pushed_at = self.settings.tick;
         }

@@ -18,7 +18,7 @@ use crate::query::{
 use crate::scalar::{Accumulator as _, Scalar, Wide as _};
 use crate::slots::BodyId;
 
-/// An explosion: an impulse, away from a point, on each collider of a dynamic body around it.
+/// An explosion: an impulse, away from a point, on each collider of a dynamic body around it. Sensors get none.
 ///
 /// A collider gets the impulse p·w·f at its nearest point, in the direction from the centre of the explosion to that point:
 /// - p is [`impulse`](Self::impulse);

@@ -132,8 +132,7 @@ impl<S: Scalar> World<S> {
         let mut reached = Vec::from([body]);
         let Self { fields, colliders, contacts, .. } = self;
         // Also where no impulse is left: the contact may end by this call, and a step looks only at those of awake bodies.
-        let touching = colliders.of(body).flat_map(|collider| contacts.asleep_with(collider.slot));
-        reached.extend(touching.filter_map(|slot| colliders.at(slot).map(|collider| collider.body)));
+        reached.extend(Joins { fields, colliders, contacts }.touching(body).map(|(body, _)| body));
         let mut force_groups = 0;
         for (_, field) in fields.attached_to(body) {
             if matches!(field.kind, FieldKind::Attractor { .. }) {

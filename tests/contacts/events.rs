@@ -696,7 +696,7 @@ fn a_game_tells_new_events_from_those_it_has_shown() {
 
 type Change = fn(&mut World, BodyId) -> Result<(), Error>;
 
-/// The other body of a contact that fell asleep without an impulse goes without being removed: the contact ends all the same.
+/// A contact that fell asleep without an impulse ends where the other body goes without being removed.
 #[test]
 fn a_contact_that_fell_asleep_without_an_impulse_ends_where_the_other_body_goes() {
     let changes: [Change; 4] = [

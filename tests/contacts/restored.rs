@@ -282,7 +282,8 @@ fn worlds_of_different_pasts_have_the_same_future() {
     assert!(fell > 40 * seeds as usize && woke > 40 * seeds as usize, "{fell} fell asleep, {woke} woke");
 }
 
-/// A body that no contact moves, and that rests in a static one, falls asleep once: one that is locked in all ways, and one in a world that pushes nothing apart.
+/// A body that no contact moves, and that rests in a static one, falls asleep once: one that is locked in all ways, and one in a world that
+/// pushes nothing apart.
 #[test]
 fn a_body_that_no_contact_moves_sleeps_in_a_wall() {
     let gentle = ContactSettings { push_speed: fx!(0), ..ContactSettings::default() };

@@ -418,7 +418,7 @@ fn a_body_in_more_sensors_than_the_limit_of_pairs_is_in_none() {
 
 type Change = fn(&mut World, [BodyId; 2]) -> Result<(), Error>;
 
-/// What a call ended is state until the step that reports it: that step is undone with it, or not at all.
+/// Undoes a step that reports what a call ended to the bit, or refuses to: until that step the end is part of the state.
 #[test]
 fn a_step_that_reports_what_a_call_ended_is_undone_to_the_bit_or_not_at_all() {
     let changes: [Change; 3] = [

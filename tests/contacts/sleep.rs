@@ -2,8 +2,8 @@
 
 use super::scenes::{def, square, through_bytes, world};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, ColliderDef, Damping, Fx, Locks, Material, Shape, Snapshot, TimeStep, Vec2, World,
-    WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Damping, Exclusion, Fx, Locks, Material, OneWay,
+    Shape, Snapshot, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn disc(position: Vec2, velocity: Vec2) -> BodyDef {
@@ -41,6 +41,49 @@ fn whether_bodies_slept_before_a_touch_changes_no_bit() {
     }
     assert_eq!(slept[..5], ids[..5]);
     assert_eq!(woke[..5], ids[..5], "one wakes the next in the same step");
+}
+
+/// Wakes a row of which each touches the next, as far as these touch: not where a pair is excluded, and not where a one-way collider lets
+/// the next one pass; the last one passes a collider that holds from the other side.
+#[test]
+fn waking_goes_no_farther_than_touching() {
+    let apart = |i: i32| Vec2::new(fx!(1.01) * i, fx!(0));
+    let facing = |x: i32| Some(OneWay { direction: vec2(x, 0), ..OneWay::default() });
+    for (is_excluded, one_way, expected) in
+        [(false, None, 5), (true, None, 3), (false, facing(1), 3), (false, facing(-1), 4)]
+    {
+        let mut bodies: Vec<BodyDef> = (0..5).map(|i| disc(apart(i), vec2(0, 0))).collect();
+        bodies[3].colliders[0].one_way = one_way;
+        let def = WorldDef { gravity: vec2(0, 0), sleep_after: Some(2), ..def() };
+        let (mut world, ids) = world(def, bodies).expect("a scene");
+        if is_excluded {
+            world.exclude_pair(ids[3], ids[2], Exclusion::Always).expect("a pair");
+        }
+        (0..10).for_each(|_| _ = world.step());
+        assert!(are_asleep(&world, &ids));
+        world.set_velocity(ids[0], vec2(0, 1)).expect("a disc");
+        world.step();
+        assert!(are_asleep(&world, &ids[expected..]), "{is_excluded} {one_way:?}");
+        assert_eq!(world.moving_count(), expected, "{is_excluded} {one_way:?}");
+    }
+}
+
+/// Quarantines a sleeping disc with too many pairs before it wakes those that it touches.
+#[test]
+fn a_sleeper_in_too_many_pairs_wakes_nobody() {
+    let contacts = ContactSettings { max_pairs: 2, max_pairs_per_collider: 1, ..ContactSettings::default() };
+    let row = [0, 1, -1].map(|x| Vec2::new(fx!(1.01) * x, fx!(0)));
+    let def = WorldDef { gravity: vec2(0, 0), sleep_after: Some(2), contacts, ..def() };
+    let (mut world, ids) = world(def, row.map(|at| disc(at, vec2(0, 0)))).expect("a scene");
+    (0..10).for_each(|_| _ = world.step());
+    assert!(are_asleep(&world, &ids));
+    // Two more that are near each other: a third pair.
+    for x in [fx!(100), fx!(101.01)] {
+        world.add_body(disc(Vec2::new(x, fx!(0)), vec2(0, 0))).expect("a disc");
+    }
+    let faults: Vec<_> = world.step().faults.iter().map(|fault| (fault.body, fault.cause)).collect();
+    assert_eq!(faults, [(ids[0], Cause::Pairs)]);
+    assert!(are_asleep(&world, &ids[1..]));
 }
 
 #[test]

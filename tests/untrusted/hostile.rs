@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use allocation_counter::measure;
 use umbra_physics::{
-    Aabb, BodyDef, BodyKind, Cause, ColliderDef, ContactSettings, Explosion, Filter, Fx, Inputs, QueryFilter,
-    RecordOptions, Recorder, Replay, ReplayLimits, Shape, Vec2, VerifyError, World, WorldDef, fx, vec2,
+    Aabb, BodyDef, BodyKind, Cause, ColliderDef, ContactSettings, Exclusion, Explosion, Filter, Fx, Inputs,
+    QueryFilter, RecordOptions, Recorder, Replay, ReplayLimits, Shape, Vec2, VerifyError, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -280,6 +280,36 @@ fn bodies_that_leave_the_range_together() {
     let faults = within("bodies that leave the range", 5, bound(count, 0), || world.step().faults.len());
     assert_eq!(faults, count);
     assert!(world.last_report().faults.iter().all(|fault| fault.cause == Cause::Velocity));
+}
+
+/// A sleeper of many colliders over a chain of many segments, excluded until they are apart: only the last collider is near the last
+/// segment. A step in which nobody moves takes no time and memory in proportion to colliders times segments.
+#[test]
+fn a_sleeper_that_is_excluded_until_apart() {
+    const SEGMENTS: i32 = 1_024;
+    const COLLIDERS: i32 = 256;
+    // From right to left, so that it is solid from above; the last segment ends at x = 0.
+    let points: Vec<Vec2> = (0..=SEGMENTS).map(|k| vec2(Fx::from_ratio((SEGMENTS - k).into(), 4), 0)).collect();
+    let chain = Shape::chain(&points, false).expect("a chain");
+    let def = WorldDef { gravity: vec2(0, 0), sleep_after: Some(2), ..WorldDef::default() };
+    let mut world = World::new(def).expect("a fair definition");
+    let floor = world.add_body(BodyDef::fixed().with_collider(chain)).expect("a fair body");
+    // The first one is near, all others are far above.
+    let part = |k: i32| ColliderDef {
+        position: if k == 0 { vec2(fx!(0.125), fx!(0.26)) } else { vec2(0, 10 + k) },
+        ..ColliderDef::new(Shape::circle(fx!(0.25)).expect("a disc"))
+    };
+    let body = (0..COLLIDERS).map(part).fold(BodyDef::dynamic(), BodyDef::with_collider);
+    let body = world.add_body(body).expect("a fair body");
+    world.exclude_pair(floor, body, Exclusion::UntilApart).expect("a pair");
+    // A step that the fall to sleep disturbs looks at what changed, and finds the pair by that.
+    while world.moving_count() > 0 {
+        world.step();
+    }
+    world.step();
+    let outlines = (SEGMENTS + COLLIDERS) as usize;
+    within("an excluded sleeper", 1, bound(outlines, 0), || _ = world.step());
+    assert_eq!((world.moving_count(), world.excluded_pairs().count()), (0, 1), "asleep, and still near");
 }
 
 #[test]
