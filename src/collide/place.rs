@@ -36,6 +36,11 @@ impl Pose {
         self.position
     }
 
+    /// The pose moved by a vector. *Domain* the position stays within 2^31 m.
+    pub(crate) fn shifted(&self, by: Vec2<Fx>) -> Self {
+        Self { position: self.position + by, ..*self }
+    }
+
     /// A unit vector in the axes of the body, from units of 2^-32 to world axes in units of 2^-30; at most 2^30 + 1.
     pub(crate) fn turned(&self, v: Vec2<Fx>) -> [i32; 2] {
         turned_normal(v, self)

@@ -8,27 +8,27 @@ use super::rows::{Contact, Pass, Rows};
 
 /// A contact that resists rolling: its impulse acts at the lever R.
 #[derive(Debug)]
-pub(super) struct Roll<F> {
+pub(super) struct Roll {
     /// The number of its contact, and that of its rows in the phase.
     contact: u32,
     rows: usize,
     bodies: [u32; 2],
-    radius: F,
-    coefficient: F,
+    radius: f64,
+    coefficient: f64,
     /// One over the change of the velocity R·(ω_b − ω_a) by the impulse.
-    inverse: F,
-    impulse: F,
-    applied: F,
-    weighted: F,
+    inverse: f64,
+    impulse: f64,
+    applied: f64,
+    weighted: f64,
 }
 
-impl<F: Float> Roll<F> {
+impl Roll {
     /// The rows of a phase that resist rolling, with those that friction has there.
-    pub(super) fn list(out: &mut Vec<Self>, rows: &[Rows<F>], contacts: &[Contact<F>], bodies: &[Body<F>]) {
-        let zero = F::of(0.0);
+    pub(super) fn list(out: &mut Vec<Self>, rows: &[Rows], contacts: &[Contact], bodies: &[Body]) {
+        let zero = 0.0;
         out.clear();
         let resists =
-            |of: &Contact<F>| of.manifold.count == 1 && of.rolling_resistance > zero && of.rolling_radius > zero;
+            |of: &Contact| of.manifold.count == 1 && of.rolling_resistance > zero && of.rolling_radius > zero;
         for (at, row) in rows.iter().enumerate() {
             let contact = &contacts[row.contact as usize];
             if resists(contact) {
@@ -49,15 +49,15 @@ impl<F: Float> Roll<F> {
         let share = |body: u32| F::of(out.iter().filter(|roll| roll.bodies.contains(&body)).count() as f64);
         let inverse = |roll: &Self| {
             let of = |body: u32| share(body) * bodies[body as usize].inverse[2];
-            F::of(1.0) / (roll.radius * roll.radius * (of(roll.bodies[0]) + of(roll.bodies[1])))
+            1.0 / (roll.radius * roll.radius * (of(roll.bodies[0]) + of(roll.bodies[1])))
         };
-        let inverses: Vec<F> = out.iter().map(inverse).collect();
+        let inverses: Vec<f64> = out.iter().map(inverse).collect();
         out.iter_mut().zip(inverses).for_each(|(roll, inverse)| roll.inverse = inverse);
         out.retain(|roll| roll.inverse.is_finite());
     }
 
     /// A pass over the rows of a phase.
-    pub(super) fn run(rolls: &mut [Self], rows: &[Rows<F>], bodies: &mut [Body<F>], pass: Pass) {
+    pub(super) fn run(rolls: &mut [Self], rows: &[Rows], bodies: &mut [Body], pass: Pass) {
         if pass == Pass::Solve {
             return;
         }
@@ -74,7 +74,7 @@ impl<F: Float> Roll<F> {
             }
             roll.push(change, |body, turn| {
                 let body = &mut bodies[body as usize];
-                body.add_gain([F::of(0.0), F::of(0.0), turn * body.inverse[2]]);
+                body.add_gain([0.0, 0.0, turn * body.inverse[2]]);
             });
         }
         for body in rolls.iter().flat_map(|roll| roll.bodies) {
@@ -83,7 +83,7 @@ impl<F: Float> Roll<F> {
     }
 
     /// Writes the impulses, and adds the sums of bodies.
-    pub(super) fn apply(rolls: &[Self], rows: &[Rows<F>], contacts: &mut [Contact<F>], bodies: &mut [Body<F>]) {
+    pub(super) fn apply(rolls: &[Self], rows: &[Rows], contacts: &mut [Contact], bodies: &mut [Body]) {
         for roll in rolls {
             // A contact that bounced starts with a smaller normal impulse.
             let limit = roll.coefficient * rows[roll.rows].impulses[0];
@@ -94,9 +94,9 @@ impl<F: Float> Roll<F> {
     }
 
     /// The angular impulses on both bodies.
-    fn push(&self, impulse: F, mut add: impl FnMut(u32, F)) {
+    fn push(&self, impulse: f64, mut add: impl FnMut(u32, f64)) {
         let turn = self.radius * impulse;
-        let turns: Pair<F> = [-turn, turn];
+        let turns: Pair = [-turn, turn];
         self.bodies.into_iter().zip(turns).for_each(|(body, turn)| add(body, turn));
     }
 }
