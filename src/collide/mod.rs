@@ -28,8 +28,8 @@ mod margin;
 mod place;
 mod points;
 pub(crate) mod seam;
-pub(crate) mod span;
-pub(crate) mod surface;
+mod span;
+mod surface;
 pub(crate) mod sweep;
 
 pub use crate::collider::Filter;
