@@ -6,28 +6,25 @@ use alloc::vec::Vec;
 #[cfg(feature = "selftest")]
 use super::MARGIN;
 use super::approach::{Approach, approach};
-use super::events::{ColliderPair, ContactHit, has_events};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
-use super::split::Solvers;
+use super::solved::FoundContact;
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
 use super::tiles::Tiles;
-use super::view::newton_seconds;
-use super::{ContactRecord, ContactSet, Correction, Detected, Scene, pair_limits};
+use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collide::{Cores, Manifold, Margin};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::scalar::Scalar;
 use crate::slots::NONE;
-use crate::solve::{Contact, ContactSolver, Flight, Impulses};
+use crate::solve::{Contact, Flight, Impulses};
 
 /// The contacts of a world: the search for them, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
@@ -46,14 +43,13 @@ pub(crate) struct Engine {
     pub(super) statics_revision: u64,
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
-    /// By number of the contact: its outlines, features and the number of its points.
-    found: Vec<([OutlineId; 2], [u32; 2], usize)>,
-    /// The contacts as the solver takes them, in the same order.
-    contacts: Vec<Contact>,
+    pub(super) found: Vec<FoundContact>,
+    /// The same contacts as the solver takes them.
+    pub(super) contacts: Vec<Contact>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
-    totals: Vec<Impulses>,
+    pub(super) totals: Vec<Impulses>,
     /// The contacts that may be hits, with their numbers.
-    approaches: Vec<(u32, Approach)>,
+    pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
     pub(super) near: Vec<Near>,
@@ -161,17 +157,12 @@ impl Engine {
             }
             let mut near = numbers;
             near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            let found = self.manifold_of(scene, near, before);
+            let manifold = self.manifold_of(scene, near, before);
             if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record) {
                 continue;
             }
-            take_over(
-                &mut terms,
-                features,
-                &record,
-                found.map(|manifold| (manifold.features(), manifold.count)),
-                other,
-            );
+            let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
+            take_over(&mut terms, features, &record, features_there, other);
         }
         seams::add(start, &terms);
         self.chains.terms = terms;
@@ -303,7 +294,7 @@ impl Engine {
             approach.leave_out_pressed(&start);
             self.approaches.push((self.found.len() as u32, approach));
         }
-        self.found.push((pair, features, count));
+        self.found.push(FoundContact { pair, features, count });
     }
 
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
@@ -351,108 +342,6 @@ impl Engine {
             }
         }
         self.broad.return_pairs(pairs);
-    }
-
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
-    /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
-    pub(crate) fn list(&self, colliders: &ColliderSet, contacts: &mut ContactSet) {
-        contacts.records.clear();
-        let all = self.contacts.iter().zip(&self.found);
-        let record = |(contact, (pair, features, count)): (&Contact, &([OutlineId; 2], [u32; 2], usize))| {
-            ContactRecord::new(*pair, *features, *count, contact.impulses)
-        };
-        if self.totals.is_empty() || !colliders.any_contact_events() {
-            contacts.records.extend(all.filter(|(contact, _)| contact.impulses.values != [0; 3]).map(record));
-        } else {
-            let has_touched = |contact: &Contact, outlines: [OutlineId; 2], total: &Impulses| {
-                let pair = outlines.map(|outline| colliders.at(outline.slot));
-                let is_reported = matches!(pair, [Some(a), Some(b)] if has_events([a, b]));
-                contact.impulses.values != [0; 3] || is_reported && total.values != [0; 3]
-            };
-            let touched =
-                all.zip(&self.totals).filter(|((contact, found), total)| has_touched(contact, found.0, total));
-            contacts.records.extend(touched.map(|(found, _)| record(found)));
-        }
-        contacts.passes.clone_from(&self.passes);
-        contacts.excluded.clone_from(&self.excluded);
-    }
-
-    /// Lists the hits of contacts that were solved.
-    pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
-        for (number, approach) in &self.approaches {
-            let number = *number as usize;
-            let (Some((outlines, ..)), Some(total)) = (self.found.get(number), self.totals.get(number)) else {
-                continue;
-            };
-            let slots = outlines.map(|outline| outline.slot);
-            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
-            let is_swapped = pair.colliders[0].slot != slots[0];
-            let Some((approach_speed, point)) = approach.fastest(total, usize::from(is_swapped)) else { continue };
-            if approach_speed < scene.settings.hit_speed {
-                continue;
-            }
-            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
-            if is_swapped {
-                parts.reverse();
-                normal = normal.map(|part| -part);
-            }
-            let impulse = newton_seconds(total.values[0].saturating_add(total.values[1]), total.exponent);
-            hits.push(ContactHit {
-                pair,
-                parts,
-                approach_speed: S::from_fx(approach_speed),
-                normal: normal.map(S::from_fx),
-                point: point.map(S::from_fx),
-                normal_impulse: S::from_fx(impulse),
-            });
-        }
-        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
-    }
-
-    /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
-    pub(crate) fn touching(&self, colliders: &ColliderSet, mut found: impl FnMut([u32; 2], bool)) {
-        for (pair, ..) in &self.found {
-            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
-                let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
-                found([a.body.slot, b.body.slot], is_driven);
-            }
-        }
-    }
-
-    /// Solves the contacts that were found, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
-    /// impulse.
-    pub(crate) fn solve<C: ContactSolver>(
-        &mut self,
-        solvers: &mut Solvers<C>,
-        scene: &Scene<'_>,
-        corrections: &mut Vec<Correction>,
-    ) {
-        corrections.clear();
-        if self.found.is_empty() {
-            return;
-        }
-        let options = scene.settings.into();
-        let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
-        // Moving bodies have the first flights.
-        corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
-        if scene.colliders.any_contact_events() || !self.approaches.is_empty() {
-            self.totals.resize(self.found.len(), Impulses::default());
-            for (number, [first, second], exponent) in solvers.totals() {
-                let second = if self.contacts[number as usize].count == 2 { second } else { 0 };
-                self.totals[number as usize] = Impulses { values: [first, second, 0], exponent };
-            }
-        }
-        for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
-            for body in contact.bodies {
-                // A body that pushes others is not at rest, even if they do not move it.
-                if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
-                    correction.is_pushed = true;
-                }
-            }
-        }
-        if !corrections.iter().any(|correction| correction.is_pushed) {
-            corrections.clear();
-        }
     }
 
     /// The static colliders as they were found last, if they belong to these colliders.

@@ -5,7 +5,7 @@
 //! - `view`: contacts as the interface shows them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
-//! - `engine`: pairs, manifolds and records.
+//! - `engine`: pairs and manifolds; `solved`: the contacts that were found, through the solver to records and hits.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
 //! - `surfaces`: contacts as the solver takes them.
@@ -34,6 +34,7 @@ mod records;
 mod seams;
 mod sensors;
 mod set;
+mod solved;
 mod split;
 mod stamped;
 mod still;
