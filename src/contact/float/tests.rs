@@ -5,6 +5,7 @@ use core::f64::consts::TAU;
 use alloc::vec::Vec;
 
 use super::{FloatContacts, impulses_of, newton_seconds};
+use crate::cases::run_seed;
 use crate::contact::{ContactEngine, FxContacts};
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
@@ -88,7 +89,7 @@ impl Differences {
 
 #[test]
 fn manifolds_are_those_of_integers() {
-    let mut random = Random::seeded(1);
+    let mut random = Random::seeded(run_seed(1));
     let cases = if cfg!(debug_assertions) { 20_000 } else { 500_000 };
     let mut found = Differences::default();
     for _ in 0..cases {
@@ -105,7 +106,7 @@ fn manifolds_are_those_of_integers() {
 
 #[test]
 fn manifolds_with_chains_are_those_of_integers() {
-    let mut random = Random::seeded(4);
+    let mut random = Random::seeded(run_seed(4));
     let cases = if cfg!(debug_assertions) { 2_000 } else { 50_000 };
     let mut found = Differences::default();
     for _ in 0..cases {
@@ -126,7 +127,7 @@ fn manifolds_with_chains_are_those_of_integers() {
 
 #[test]
 fn impulses_come_back() {
-    let mut random = Random::seeded(2);
+    let mut random = Random::seeded(run_seed(2));
     for _ in 0..10_000 {
         let size = libm::scalbn(1.0, random.below(60) as i32 - 30);
         let values = [0, 1, 2].map(|k| size * within(&mut random, if k == 2 { -1.0 } else { 0.0 }, 1.0));
