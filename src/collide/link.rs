@@ -150,5 +150,5 @@ pub(super) fn swapped(of: Manifold) -> Manifold {
     if of.count == 2 {
         points.reverse();
     }
-    Manifold { normal: of.normal.map(|part| -part), count: of.count, points }
+    Manifold { normal: of.normal.map(|part| -part), count: of.count, points, is_moved: of.is_moved }
 }

@@ -60,6 +60,8 @@ pub struct Manifold {
     /// The points, in the order of their components along the normal turned by a quarter counter-clockwise. That order is reversed in a
     /// mirror image and when A and B are swapped. A second point that is not there is all zeros.
     pub points: [ManifoldPoint; 2],
+    /// True if it is that of a later moment, with arms to the surfaces then and separations of the start.
+    pub is_moved: bool,
 }
 
 /// A point of a manifold, in the middle between the surfaces. The arms differ by the offset of the positions; where a corner of A is

@@ -19,6 +19,7 @@ use super::{
     ContactEngine, ContactRecord, ContactSet, Correction, Detected, Placed, Scene, Stop, TouchPoint, pair_limits,
 };
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
+use crate::collide::sweep::Sweep;
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
@@ -232,6 +233,46 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         Some(Side { number, outline, collider, flight, kind: self.flights.body(flight).kind })
     }
 
+    /// The manifold of a pair that is apart at the start, at the moment at which its free flights meet; `None` if they do not.
+    fn confirmed(
+        &mut self,
+        scene: &Scene<'_, S>,
+        numbers: [u32; 2],
+        parts: [u32; 2],
+        (colliders, ends, kinds): ([&Collider<S>; 2], [u32; 2], [FlightOf; 2]),
+        manifold: N::Manifold,
+        has_impulses: bool,
+    ) -> Option<N::Manifold> {
+        let outlines = [0, 1].map(|side| colliders[side].outline(parts[side]));
+        let radii = [outlines[0].radius, outlines[1].radius];
+        let flights = ends.map(|flight| self.flights.flight(flight));
+        let is_asleep = kinds.contains(&FlightOf::Asleep);
+        if N::least_separation(&manifold) <= S::ZERO || has_impulses || !(is_asleep || N::are_fast(flights, radii)) {
+            return Some(manifold);
+        }
+        let paths = sweep::Paths { scene, corrections: &[] };
+        let path = |side: usize| {
+            let place = self.flights.body(ends[side]);
+            paths.path::<N>(place, self.flights.flight(ends[side]), ends[side])
+        };
+        let both = [path(0), path(1)];
+        let forms = [0, 1].map(|side| sweep::form::<S, N>(colliders[side], parts[side]));
+        let swept = Sweep { forms: [&forms[0], &forms[1]], paths: [&both[0], &both[1]], is_mutual: true };
+        let at = swept.first_touch()?;
+        let cores = [0, 1].map(|side| {
+            let (number, collider) = (numbers[side], colliders[side]);
+            if !both[side].moves() {
+                return self.core(scene, (number, collider), &outlines[side], ends[side]);
+            }
+            let (centre, angle) = both[side].leg(at).0.pose(at);
+            let [x, y] = centre.map(N::from_ulps);
+            self.numerics.place(&outlines[side].outline, &N::pose(Vec2::new(x, y), N::from_turn(angle)))
+        });
+        let flights = ends.map(|flight| self.flights.flight(flight));
+        let manifold = self.numerics.collide(cores, flights, radii)?;
+        Some(N::at_start(manifold, flights, at))
+    }
+
     /// Finds the manifold of a pair, if it has one.
     fn collide(
         &mut self,
@@ -264,6 +305,9 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
         let parts = pair.map(|outline| outline.part);
         let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
+        let has_impulses = record.is_some_and(|record| !record.is_slack());
+        let confirmed = self.confirmed(scene, numbers, parts, ([a, b], ends, kinds), manifold, has_impulses);
+        let Some(manifold) = confirmed else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.

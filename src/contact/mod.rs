@@ -146,6 +146,10 @@ pub(crate) struct Stop<S: Scalar> {
     pub(crate) dense: usize,
     pub(crate) position: Vec2<S::Accumulator>,
     pub(crate) angle: S::Angle,
+    /// True if it stays where it was at the start.
+    pub(crate) is_held: bool,
+    /// True if what does not give way keeps it there.
+    pub(crate) is_stuck: bool,
 }
 
 /// Changes of bodies and colliders; any may be there more than once.

@@ -120,6 +120,18 @@ pub trait Numerics<S: Scalar>: Debug + Default + Send + Sync {
     /// The manifold of two outlines that come within the margin of each other in the step.
     fn collide(&self, cores: [usize; 2], flights: [&Self::Flight; 2], radii: [S; 2]) -> Option<Self::Manifold>;
 
+    /// True if the flights bring a point of a manifold to the surface of the other body, as far as the directions of the manifold say.
+    fn may_close(_manifold: &Self::Manifold, _flights: [&Self::Flight; 2]) -> bool {
+        false
+    }
+    /// True if two flights approach by more than the least way.
+    fn are_fast(_flights: [&Self::Flight; 2], _radii: [S; 2]) -> bool {
+        false
+    }
+    /// The manifold at a moment of the flights, in units of 2^-62 of the step, with the separations that its points had at the start.
+    fn at_start(manifold: Self::Manifold, _flights: [&Self::Flight; 2], _at: u64) -> Self::Manifold {
+        manifold
+    }
     /// The cosine of the angle between the normal and a unit vector in the axes of a body at this pose.
     fn along(manifold: &Self::Manifold, pose: &Self::Pose, direction: Vec2<S>) -> S;
     /// The least separation of a point, m.

@@ -45,6 +45,8 @@ pub(super) enum Path {
 pub(super) struct Total {
     impulse: [i128; 3],
     weighted: [i128; 3],
+    /// The part of `impulse` by impacts.
+    struck: [i128; 3],
 }
 
 impl Total {
@@ -53,6 +55,10 @@ impl Total {
     pub(super) fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
         let [x, y, turn] = if is_weighted { &mut self.weighted } else { &mut self.impulse };
         (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
+    }
+
+    fn add_struck(&mut self, impulse: [i128; 3]) {
+        (0..3).for_each(|i| self.struck[i] += impulse[i]);
     }
 
     fn is_zero(&self) -> bool {
@@ -170,6 +176,12 @@ impl Solver {
             let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.weighted), lengths);
             self.totals[a].add(true, of_a);
             self.totals[b].add(true, of_b);
+            let struck = of(&group.struck);
+            if struck != [0; 3] {
+                let [of_a, of_b] = on_bodies(group, lane, place.exponent, struck, lengths);
+                self.totals[a].add_struck(of_a);
+                self.totals[b].add_struck(of_b);
+            }
         }
         self.rolls.apply(&self.groups, contacts, &mut self.totals);
         corrections.clear();
@@ -229,7 +241,10 @@ impl Flight {
         let [ox, oy, turned] = match path {
             Path::Flight => [FxAccumulator::default(); 3],
             Path::Substeps => self.offsets(clock).map(offset_in_full),
-            Path::Contacts => self.cancelled([velocity.x, velocity.y, angular_velocity], clock),
+            Path::Contacts => {
+                let [sx, sy, st] = total.struck;
+                self.cancelled([changed(x - sx, mass.x), changed(y - sy, mass.y), changed(turn - st, inertia)], clock)
+            }
         };
         Correction {
             velocity,

@@ -6,6 +6,7 @@ use super::batch::Batch;
 use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
 use super::{Contact, Flight, Impulses, STILL};
+use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Pairs};
 use crate::scalar::FxFactor;
 
@@ -68,6 +69,10 @@ pub(crate) struct Group {
     pub(super) applied: [[i64; GROUP]; 3],
     /// Sums over sub-steps of the impulses applied up to the move.
     pub(super) weighted: [[i64; GROUP]; 3],
+    /// Sums of the impulses of impacts, which are part of `applied`.
+    pub(super) struck: [[i64; GROUP]; 3],
+    /// The speed from which on an open point is left to the impacts.
+    pub(super) threshold: Pairs,
     /// The number of lanes that hold a contact. It stands last, so that all vectors are aligned.
     pub(super) count: usize,
 }
@@ -102,6 +107,8 @@ impl Group {
             impulses: [[0; GROUP]; 3],
             applied: [[0; GROUP]; 3],
             weighted: [[0; GROUP]; 3],
+            struck: [[0; GROUP]; 3],
+            threshold: pairs,
         }
     }
 }
@@ -166,6 +173,14 @@ pub(super) struct ContactOf<'a> {
     pub(super) rows: [u32; 2],
     /// The number of contacts of the phase, by body: each moves its share.
     pub(super) shares: [u32; 2],
+}
+
+impl ContactOf<'_> {
+    /// Returns true if impulses can turn the bodies and not move their centres.
+    #[inline(always)]
+    pub(super) fn can_only_turn(&self) -> bool {
+        self.bodies.iter().all(|body| body.is_held) && self.bodies.iter().any(|body| !body.inverse_inertia.is_zero())
+    }
 }
 
 /// factor · 2^bits to nearest, ties upwards. *Domain* the result is at most 2^31.
@@ -250,6 +265,21 @@ impl Group {
         let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
         self.surface[lane] = [clamped_word(surface, SURFACE), 0];
         soft.compliance
+    }
+
+    /// Bodies that can only turn are pushed out by at most an eighth of a radian in a sub-step: the lever of a point may be small.
+    #[cold]
+    pub(super) fn limit_push(&mut self, lane: usize, of: &ContactOf<'_>, scale: &Scale<'_>) {
+        let [nx, ny] = of.contact.normal.map(i128::from);
+        let levers = of.contact.points[..of.contact.count].iter().flat_map(|point| {
+            [0, 1].into_iter().filter(|&side| !of.bodies[side].inverse_inertia.is_zero()).map(move |side| {
+                let arm = point.arms[side];
+                ((i128::from(arm.x.to_bits()) * ny - i128::from(arm.y.to_bits()) * nx).abs() >> 33) as i64
+            })
+        });
+        let lever = levers.min().unwrap_or_default();
+        let deepest = scale.clock.length_within(Fx::from_bits(lever), scale.unit, SEPARATION);
+        self.push_out[lane][1] = self.push_out[lane][1].max(-deepest);
     }
 
     /// Writes the impulses that the step begins with, in 2^exponent N·s.

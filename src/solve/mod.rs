@@ -27,13 +27,13 @@ mod contact;
 mod cut;
 mod follow;
 mod graph;
+mod impact;
 mod joint;
 mod matrix;
 mod motion;
 mod number;
 mod pass;
 mod prepare;
-mod restitution;
 mod rolling;
 #[cfg(test)]
 mod tests;
@@ -47,6 +47,7 @@ use self::batch::Batch;
 use self::contact::{BodyOf, Group};
 use self::follow::{Follower, follow};
 pub(crate) use self::graph::{Graph, PHASES};
+use self::impact::Impacts;
 use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
 use self::matrix::Matrices;
@@ -54,7 +55,6 @@ use self::motion::{Advance, Begin, FlightRow, Rows};
 use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
 use self::prepare::{Given, Load, SetGroups, graph_start};
-use self::restitution::Bounces;
 use self::rolling::Rolls;
 use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
@@ -312,7 +312,7 @@ pub struct Solver {
     rolls: Rolls,
     /// True if a contact resists rolling.
     has_rolls: bool,
-    bounces: Bounces,
+    impacts: Impacts,
     /// Impulses by body.
     totals: Vec<Total>,
 }
@@ -366,6 +366,7 @@ impl Solver {
         self.set_followers(flights);
         self.set_rolls(flights, contacts);
         self.set_paths(joints, contacts, &common);
+        self.set_impacts(&clock, options, contacts);
     }
 
     /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): bouncing, impulses and corrections.
@@ -379,7 +380,7 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
-        self.bounce(&clock, options, flights, contacts);
+        let _ = options;
         self.add_joints(flights, joints);
         simd::run(Apply { solver: self, clock: &clock, flights, contacts, corrections });
     }
@@ -435,6 +436,8 @@ impl Job for SubSteps<'_> {
         let mut cut = 0;
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
+            follow(&solver.followers, &mut solver.rows);
+            solver.solve_impacts(k, n, lanes);
             follow(&solver.followers, &mut solver.rows);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);

@@ -83,6 +83,27 @@ impl Rows {
         [x, y, angular, 0]
     }
 
+    /// The correction of a body before the contacts of this sub-step, and its part below the unit.
+    pub(super) fn before(&self, row: u32) -> (Vector, Gain) {
+        let progress = &self.progress[row as usize];
+        (progress.before, progress.rest)
+    }
+
+    /// Changes the velocity of a body by an impact, in 2^-30, and its place.
+    pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, by: [i64; 3], moved: [i128; 3]) {
+        let (before, rest) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
+        let at = &mut self.rows[row as usize];
+        (0..3).for_each(|i| at.gain[i] += by[i]);
+        self.apply_gains(lanes, &[row]);
+        let (at, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
+        for i in 0..3 {
+            progress.before[i] += at.velocity[i] - before[i];
+            progress.rest[i] += at.gain[i] - rest[i];
+            at.displacement[i] -= moved[i] as i32;
+        }
+        at.velocity[3] = at.displacement[2];
+    }
+
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.
     #[inline(always)]
     pub(super) fn apply_gains<L: Lanes>(&mut self, lanes: L, bodies: &[u32]) -> u64 {

@@ -169,10 +169,14 @@ impl Solver {
             let of = ContactOf { contact, bodies, rows, shares };
             exponents[lane] = unit + self.batch.load(lane, &of);
             self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
+            if of.can_only_turn() {
+                self.groups[at].limit_push(lane, &of, given.scale(unit));
+            }
         }
         let (group, batch) = (&mut self.groups[at], &mut self.batch);
         group.count = indices.len();
         (group.applied, group.weighted) = ([[0; GROUP]; 3], [[0; GROUP]; 3]);
+        (group.struck, group.threshold) = ([[0; GROUP]; 3], [[0; 2]; GROUP]);
         batch.clear(indices.len()..GROUP);
         batch.fill(lanes, group);
         self.matrices.set(lanes, batch, group);

@@ -447,6 +447,17 @@ impl<S: Scalar> Step<'_, S> {
             motion.position.set(stop.dense, stop.position);
             motion.angle[stop.dense] = stop.angle;
             motion.ticks_at_rest[stop.dense] = 0;
+            if stop.is_held {
+                // It must not gain speed where it stays: the next step begins with the velocity that this one began with.
+                if stop.is_stuck {
+                    // It would be there for ever.
+                    motion.velocity.set(stop.dense, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
+                    motion.angular_velocity[stop.dense] = S::Accumulator::default();
+                } else if let Some(start) = starts.iter().find(|start| start.dense == stop.dense) {
+                    motion.velocity.set(stop.dense, start.velocity);
+                    motion.angular_velocity[stop.dense] = start.angular_velocity;
+                }
+            }
             // What a fast kinematic body carries along may leave the allowed range.
             if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
                 let start = starts.iter().find(|start| start.dense == stop.dense);

@@ -46,6 +46,9 @@ pub(super) fn approach(manifold: &Manifold, flights: [&Flight; 2], time_step: Ti
         approach.speeds[k] = Fx::from_bits(speed);
         let way = mean_way([a, b], point.separation, speed, time_step);
         for (side, arm) in arms.into_iter().enumerate() {
+            let own = [a, b][side];
+            // Arms of a later moment go with their own body up to it.
+            let way = if manifold.is_moved { mean_way([own, own], point.separation, speed, time_step) } else { way };
             approach.arms[side][k] = Vec2::new(arm.x.saturating_add(way[0]), arm.y.saturating_add(way[1]));
         }
     }

@@ -12,7 +12,7 @@ use super::engine::Engine;
 use super::numerics::{Approach, MARGIN, Numerics, OVERLAP, Surface, Touching};
 use super::{Correction, Placed, Scene, Start, TouchPoint};
 use crate::collide::seam::Face;
-use crate::collide::sweep::Leg;
+use crate::collide::sweep::{END, Leg};
 use crate::collide::{self, Cores, Manifold, ManifoldPoint, Pose};
 use crate::collider::{BodyOutline, ContactSettings, Material, MaterialPair};
 use crate::fx::Fx;
@@ -28,6 +28,9 @@ use solvers::Solvers;
 /// The contacts of a world in [`Fx`].
 #[doc(hidden)]
 pub type FxContacts = Engine<Fx, Fixed>;
+
+/// Bodies that approach by less than this in a step have their contacts as they are, 4 mm.
+const LEAST_WAY: i64 = 1 << 24;
 
 /// Outlines in world axes, contacts and the solver.
 #[derive(Debug, Default)]
@@ -149,6 +152,26 @@ impl Numerics<Fx> for Fixed {
         self.cores.collide(cores[0], cores[1], margin)
     }
 
+    fn may_close(manifold: &Manifold, flights: [&Flight; 2]) -> bool {
+        manifold.points[..manifold.count].iter().any(|point| pairs::closed(manifold.normal, point, flights, END) >= point.separation.to_bits())
+    }
+
+    fn are_fast(flights: [&Flight; 2], radii: [Fx; 2]) -> bool {
+        pairs::approach(flights, radii) > LEAST_WAY
+    }
+
+    fn at_start(mut manifold: Manifold, flights: [&Flight; 2], at: u64) -> Manifold {
+        let normal = manifold.normal;
+        for point in &mut manifold.points[..manifold.count] {
+            let solved = on_surfaces(normal, point);
+            (point.arm_a, point.arm_b) = (solved.arms[0], solved.arms[1]);
+            let closed = pairs::closed(normal, point, flights, at);
+            point.separation = Fx::from_bits(point.separation.to_bits().saturating_add(closed));
+        }
+        manifold.is_moved = true;
+        manifold
+    }
+
     fn along(manifold: &Manifold, pose: &Pose, direction: Vec2<Fx>) -> Fx {
         let ([x, y], [u, v]) = (manifold.normal, pose.turned(direction));
         // In units of 2^-60, at most 2^61: a mirror image has the same.
@@ -176,7 +199,13 @@ impl Numerics<Fx> for Fixed {
             bodies,
             normal: manifold.normal,
             count: manifold.count,
-            points: [on_surfaces(manifold.normal, first), on_surfaces(manifold.normal, second)],
+            points: [first, second].map(|point| {
+                if manifold.is_moved {
+                    solve::Point { arms: [point.arm_a, point.arm_b], separation: point.separation }
+                } else {
+                    on_surfaces(manifold.normal, point)
+                }
+            }),
             friction,
             restitution,
             rolling_resistance,

@@ -1,9 +1,10 @@
 //! Boxes over a step, the distance that two bodies close in it, and mixed materials.
 
-use crate::collide::{Margin, Pose};
+use crate::collide::{ManifoldPoint, Margin, Pose};
 use crate::collider::{BodyOutline, MixRule};
 use crate::contact::numerics::MARGIN;
 use crate::fx::Fx;
+use crate::kernel::wide::mul_shift;
 use crate::limits;
 use crate::math::Vec2;
 use crate::shape::Aabb;
@@ -24,6 +25,29 @@ pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
     let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
     // The ways are rounded up: that of the displacements by the ulp.
     Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a, radii[0]) + turned(b, radii[1])), [x, y])
+}
+
+/// A bound of what two outlines approach in the step, in ulps.
+pub(super) fn approach([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
+    let way = |a: Fx, b: Fx| (b.to_bits() - a.to_bits()).abs();
+    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
+    x.max(y) + x.min(y) / 2 + turned(a, radii[0]) + turned(b, radii[1])
+}
+
+/// By how much a point of a manifold closes up to a moment, in units of 2^-62 of the step, by rows that do not turn; in ulps, rounded to nearest.
+pub(super) fn closed(normal: [i32; 2], point: &ManifoldPoint, [a, b]: [&Flight; 2], at: u64) -> i64 {
+    let part = |value: Fx| mul_shift(value.to_bits().into(), u128::from(at), 62).unwrap_or(0);
+    let [nx, ny] = normal.map(i128::from);
+    let turn = |flight: &Flight, arm: Vec2| {
+        // n · (φ × r), in 2^-62.
+        let across = nx * -i128::from(arm.y.to_bits()) + ny * i128::from(arm.x.to_bits());
+        across / (1 << 16) * part(flight.rotation)
+    };
+    let way = |flight: &Flight| nx * part(flight.displacement.x) + ny * part(flight.displacement.y);
+    let linear = way(a) - way(b);
+    let turned = turn(a, point.arm_a) - turn(b, point.arm_b);
+    // From 2^-62 to 2^-32, and from 2^(-62 - 32 + 16).
+    ((linear + (turned >> 16)) >> 30) as i64
 }
 
 /// The largest distance that a point of an outline moves in the step, in ulps: for two together at least what they

@@ -27,7 +27,8 @@ use crate::scalar::Scalar;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
-use paths::{Paths, around};
+pub(super) use paths::Paths;
+use paths::around;
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
@@ -60,6 +61,8 @@ struct Course {
     changed: Option<u64>,
     /// The flight that carries it, or [`NONE`].
     carrier: u32,
+    /// True if what does not give way keeps it at its start.
+    is_stuck: bool,
 }
 
 /// The number of moving boxes up to which each is looked at, without a tree.
@@ -252,7 +255,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         if self.sweep.of[at] == NONE {
             self.sweep.of[at] = self.sweep.courses.len() as u32;
             let path = paths.path::<N>(self.flights.body(flight), self.flights.flight(flight), flight);
-            self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE });
+            self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE, is_stuck: false });
         }
         self.sweep.of[at] as usize
     }
@@ -266,7 +269,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 self.find_impact(paths, pair);
             }
             self.sweep.courses.iter_mut().for_each(|course| course.changed = None);
-            if !self.end_paths(paths, round >= ROUNDS) {
+            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + 8 {
                 break;
             }
         }
@@ -310,12 +313,21 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         hits.sort_unstable();
         let mut has_changed = false;
         for own in hits.chunk_by(|a, b| a.course == b.course) {
-            let at = if is_last && own.iter().any(|hit| hit.is_mutual) { 0 } else { own[0].at };
             let mut course = self.sweep.courses[own[0].course as usize];
-            let leg = match is_last {
-                true => None,
-                false => self.carried(paths, &course, own.iter().take_while(|hit| hit.at == at)),
+            let is_pushed = course.carrier != NONE
+                || own.iter().any(|hit| !hit.is_mutual && self.flights.body(self.sweep.courses[hit.by as usize].flight).kind == FlightOf::Kinematic);
+            // What a kinematic body pushes goes with it, through others if there is no other way.
+            if is_last && course.carrier != NONE && own.iter().all(|hit| hit.is_mutual) {
+                continue;
+            }
+            let at = if is_last && is_pushed {
+                own.iter().filter(|hit| !hit.is_mutual).map(|hit| hit.at).min().unwrap_or(own[0].at)
+            } else if is_last && own.iter().any(|hit| hit.is_mutual) {
+                0
+            } else {
+                own[0].at
             };
+            let leg = self.carried(paths, &course, own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual)));
             let before = course.path;
             match leg {
                 Some((carrier, leg)) => {
@@ -324,6 +336,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 }
                 None => {
                     course.path.stop(at);
+                    course.is_stuck = at == 0 && own.iter().any(|hit| hit.at == 0 && !hit.is_mutual);
                     course.carrier = NONE;
                 }
             }
@@ -378,7 +391,7 @@ fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool 
 }
 
 /// An outline for the time of impact.
-fn form<S: Scalar, N: Numerics<S>>(collider: &Collider<S>, part: u32) -> Form {
+pub(super) fn form<S: Scalar, N: Numerics<S>>(collider: &Collider<S>, part: u32) -> Form {
     let of = collider.outline(part);
     let ulps = |v: &Vec2<S>| [N::ulps(v.x), N::ulps(v.y)];
     let (corners, normals) = (of.outline.corners().iter().map(ulps), of.outline.normals().iter().map(ulps));

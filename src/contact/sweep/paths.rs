@@ -15,13 +15,13 @@ use crate::shape::Aabb;
 const GROWTH: i64 = 1 << 14;
 
 /// The paths of bodies after impulses.
-pub(super) struct Paths<'a, S: Scalar> {
-    pub(super) scene: &'a Scene<'a, S>,
-    pub(super) corrections: &'a [Correction<S>],
+pub(in super::super) struct Paths<'a, S: Scalar> {
+    pub(in super::super) scene: &'a Scene<'a, S>,
+    pub(in super::super) corrections: &'a [Correction<S>],
 }
 
 impl<S: Scalar> Paths<'_, S> {
-    pub(super) fn path<N: Numerics<S>>(&self, place: &Place<N::Pose>, of: &N::Flight, flight: u32) -> Path {
+    pub(in super::super) fn path<N: Numerics<S>>(&self, place: &Place<N::Pose>, of: &N::Flight, flight: u32) -> Path {
         let motion = &self.scene.bodies.columns.motion;
         let Some(start) = self.scene.starts.get(flight as usize) else {
             let dense = self.scene.bodies.index_in(place.slot).unwrap_or(0);
@@ -52,7 +52,8 @@ impl<S: Scalar> Paths<'_, S> {
                 (at.map(N::from_ulps), angle)
             }
         };
-        Stop { dense: start.dense, position: Vec2::new(position[0], position[1]), angle: N::from_turn(angle) }
+        let is_held = course.path.stopped_at() == Some(0);
+        Stop { dense: start.dense, position: Vec2::new(position[0], position[1]), angle: N::from_turn(angle), is_held, is_stuck: is_held && course.is_stuck }
     }
 
     pub(super) fn is_bullet(&self, slot: u32) -> bool {
