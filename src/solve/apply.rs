@@ -57,6 +57,7 @@ impl Total {
         (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
     }
 
+    /// Adds an impulse of impacts, which is part of `impulse`.
     fn add_struck(&mut self, impulse: [i128; 3]) {
         (0..3).for_each(|i| self.struck[i] += impulse[i]);
     }
@@ -176,11 +177,15 @@ impl Solver {
             let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.weighted), lengths);
             self.totals[a].add(true, of_a);
             self.totals[b].add(true, of_b);
-            let struck = of(&group.struck);
-            if struck != [0; 3] {
-                let [of_a, of_b] = on_bodies(group, lane, place.exponent, struck, lengths);
-                self.totals[a].add_struck(of_a);
-                self.totals[b].add_struck(of_b);
+        }
+        for strike in &self.impacts.strikes {
+            let place = &self.places[strike.place as usize];
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            let bodies = contacts[place.contact as usize].bodies.map(|body| body as usize);
+            let lengths = bodies.map(|body| self.bodies[body].length);
+            let changes = on_bodies(group, lane, place.exponent, strike.impulses, lengths);
+            for (body, change) in bodies.into_iter().zip(changes) {
+                self.totals[body].add_struck(change);
             }
         }
         self.rolls.apply(&self.groups, contacts, &mut self.totals);

@@ -61,7 +61,7 @@ pub(crate) struct Group {
     pub(super) friction: Pairs,
     /// Change of the slip by both normal impulses, in 2^-30.
     pub(super) coupling: Pairs,
-    /// Velocity of the surfaces against each other along the tangent; the second word is unused.
+    /// Velocity of the surfaces against each other along the tangent, and the speed of the slowest impact.
     pub(super) surface: Pairs,
     /// Impulses of the sub-step: both normal ones and friction.
     pub(super) impulses: [[i64; GROUP]; 3],
@@ -69,10 +69,6 @@ pub(crate) struct Group {
     pub(super) applied: [[i64; GROUP]; 3],
     /// Sums over sub-steps of the impulses applied up to the move.
     pub(super) weighted: [[i64; GROUP]; 3],
-    /// Sums of the impulses of impacts, which are part of `applied`.
-    pub(super) struck: [[i64; GROUP]; 3],
-    /// The speed from which on an open point is left to the impacts.
-    pub(super) threshold: Pairs,
     /// The number of lanes that hold a contact. It stands last, so that all vectors are aligned.
     pub(super) count: usize,
 }
@@ -107,8 +103,6 @@ impl Group {
             impulses: [[0; GROUP]; 3],
             applied: [[0; GROUP]; 3],
             weighted: [[0; GROUP]; 3],
-            struck: [[0; GROUP]; 3],
-            threshold: pairs,
         }
     }
 }
@@ -263,7 +257,7 @@ impl Group {
         let mu = shifted_word(contact.friction.to_bits(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane][1] = mu;
         let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
-        self.surface[lane] = [clamped_word(surface, SURFACE), 0];
+        self.surface[lane] = [clamped_word(surface, SURFACE), scale.impact_speed];
         soft.compliance
     }
 

@@ -13,7 +13,7 @@
 
 use alloc::vec::Vec;
 
-use super::number::clamped_word;
+use super::number::{clamped, clamped_word};
 use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Quads, Row};
 
 /// The largest component of a velocity.
@@ -42,6 +42,8 @@ struct Progress {
     before: Vector,
     /// The part of that correction below the unit.
     rest: Gain,
+    /// Half of the speed of the slowest impact: of two bodies that meet so fast, one is as fast as this.
+    fast: i32,
 }
 
 /// All bodies of the solver.
@@ -59,11 +61,11 @@ impl Rows {
         self.progress.clear();
     }
 
-    /// Adds a body. Returns its row.
-    pub(super) fn push(&mut self, flight: FlightRow) -> u32 {
+    /// Adds a body, for impacts from this speed on. Returns its row.
+    pub(super) fn push(&mut self, flight: FlightRow, impact_speed: i32) -> u32 {
         self.rows.push(Row::default());
         self.flights.push(flight);
-        self.progress.push(Progress { flight: flight.start, ..Progress::default() });
+        self.progress.push(Progress { flight: flight.start, fast: impact_speed / 2, ..Progress::default() });
         self.rows.len() as u32 - 1
     }
 
@@ -89,19 +91,31 @@ impl Rows {
         (progress.before, progress.rest)
     }
 
-    /// Changes the velocity of a body by an impact, in 2^-30, and its place.
-    pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, by: [i64; 3], moved: [i128; 3]) {
-        let (before, rest) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
-        let at = &mut self.rows[row as usize];
-        (0..3).for_each(|i| at.gain[i] += by[i]);
+    /// The number of rows.
+    pub(super) fn len(&self) -> u32 {
+        self.rows.len() as u32
+    }
+
+    /// Returns true if a body may have an impact in a sub-step: any bound of the speeds of its points will do.
+    pub(super) fn is_fast(&self, row: u32) -> bool {
+        let (flight, progress) = (&self.flights[row as usize], &self.progress[row as usize]);
+        let speed = |i: usize| (flight.start[i] + progress.before[i]).unsigned_abs() + flight.change[i].unsigned_abs();
+        speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
+    }
+
+    /// Changes the velocity of a body by impacts, in 2^-30, and takes it back by a way.
+    pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, change: [i64; 3], back: [i128; 3]) {
+        let (velocity, gain) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
+        (0..3).for_each(|i| self.rows[row as usize].gain[i] += change[i]);
         self.apply_gains(lanes, &[row]);
-        let (at, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
+        let (struck, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
         for i in 0..3 {
-            progress.before[i] += at.velocity[i] - before[i];
-            progress.rest[i] += at.gain[i] - rest[i];
-            at.displacement[i] -= moved[i] as i32;
+            progress.before[i] += struck.velocity[i] - velocity[i];
+            progress.rest[i] += struck.gain[i] - gain[i];
+            let displacement = i128::from(struck.displacement[i]) - back[i];
+            struck.displacement[i] = clamped(displacement, DISPLACEMENT.into());
         }
-        at.velocity[3] = at.displacement[2];
+        struck.velocity[3] = struck.displacement[2];
     }
 
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.
