@@ -12,9 +12,6 @@ use alloc::vec::Vec;
 
 use crate::body::{Bodies, BodyDef, BodyKind, Change, FactorTable, Key, Locks, Mass};
 use crate::collider::ColliderDef;
-#[cfg(feature = "float")]
-use crate::contact::FloatContacts;
-use crate::contact::{ContactEngine, FxContacts};
 use crate::error::Error;
 use crate::force::{AppliedForce, ForceField};
 use crate::fx::Fx;
@@ -23,6 +20,9 @@ use crate::replay::{Difference, HashTree};
 use crate::scalar::Scalar;
 use crate::shape::{Geometry, Part, Shape};
 use crate::slots::{BodyId, ColliderId, FieldId};
+#[cfg(feature = "float")]
+use crate::solve::FloatSolver;
+use crate::solve::{ContactSolver, Solver};
 use crate::world::{
     ApplyOptions, BodyRef, Command, Created, ForceOrImpulse, InputResult, Inputs, Preview, Trace, World, WorldDef,
 };
@@ -33,9 +33,9 @@ macro_rules! compiled {
         /// Functions of the engine that the library holds compiled. A scalar of a test takes them as they are.
         #[doc(hidden)]
         pub trait Compiled<S: Scalar> {
-            /// The contacts of worlds of this scalar.
+            /// The solver of the contacts of worlds of this scalar.
             #[doc(hidden)]
-            type Contacts: ContactEngine<S>;
+            type Solver: ContactSolver;
 
             $(
                 #[doc(hidden)]
@@ -43,17 +43,17 @@ macro_rules! compiled {
             )*
         }
 
-        compiled!(impl Fx, FxContacts: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl Fx, Solver: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
         #[cfg(feature = "float")]
-        compiled!(impl f32, FloatContacts<f32>: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl f32, FloatSolver: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
         #[cfg(feature = "float")]
-        compiled!(impl f64, FloatContacts<f64>: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
+        compiled!(impl f64, FloatSolver: $(fn $name($($argument: $type),*) $(-> $result)? $body)*);
     };
-    (impl $scalar:ty, $contacts:ty: $($functions:item)*) => {
+    (impl $scalar:ty, $solver:ty: $($functions:item)*) => {
         const _: () = {
             type S = $scalar;
             impl Compiled<S> for S {
-                type Contacts = $contacts;
+                type Solver = $solver;
 
                 $($functions)*
             }

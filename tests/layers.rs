@@ -293,7 +293,7 @@ fn one_file_names_the_crate_fixed() {
 fn may_have_floats(path: &str) -> bool {
     FLOATS.contains(&path)
         || path == "force/submerged/tests.rs"
-        || path.starts_with("contact/float/")
+        || path.starts_with("solve/float/")
         || path.starts_with("solve/tests/")
         || path.starts_with("solve/joint/tests/")
 }

@@ -17,12 +17,7 @@ pub(super) struct Axes<P, const N: usize> {
 }
 
 /// Returns true if a core reaches over the part of an edge that is on the surface, or beyond an end of it.
-pub(super) fn reaches<P: Product, const N: usize>(
-    link: &Link<[i32; 2]>,
-    end: Option<usize>,
-    core: &Core<P, N>,
-    k: u32,
-) -> bool {
+pub(super) fn reaches<P: Product, const N: usize>(link: &Link, end: Option<usize>, core: &Core<P, N>, k: u32) -> bool {
     let Some(part) = link.part else { return true };
     let place = |p: [i64; 2]| P::dot(across(link.normal), p);
     let [low, high] = part.map(|end| place(end.map(|part| P::coordinate(part, k))));
@@ -62,7 +57,7 @@ impl<P: Product, const N: usize> Axes<P, N> {
         b: &Core<P, N>,
         k: u32,
         limit: &Limit,
-        surface: Surface<'_, [i32; 2]>,
+        surface: Surface<'_>,
     ) -> Option<Self> {
         let slack = slack(a, b, k);
         let (mut along_a, mut along_b) = ([P::LEAST; N], [P::LEAST; N]);

@@ -16,44 +16,18 @@
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 
 use super::axes::{Axes, reaches};
-use super::cores::{Core, Product, across};
+use super::cores::{Core, Product};
 use super::frame::{Direction, Frame, Pair};
 use super::place::View;
 use super::points::Ends;
 use super::span::Facing;
-use super::surface::{Normal, Surface};
+use super::surface::Surface;
 use super::{Manifold, ManifoldPoint, Margin, collide_placed, swapped_feature, unit};
 use crate::limits::CORNERS;
 
 /// A body whose middle is farther behind a segment than this is not pushed by it, in ulps: 2 cm, which is more than a thin body sinks in at
 /// rest.
 const BEHIND: i64 = (1 << 32) / 50;
-
-/// The sine of the angle by which a direction may be off, in units of 2^-60: 2^-20. Normals err by 2^-30, directions between corners
-/// by 1.5 ulp over their distance, which is 2^-7 m at least where it counts.
-const SLACK: i64 = 1 << 40;
-
-/// Unit vectors in units of 2^-30: products are below 2^61.1, their sums below 2^62.1.
-impl Normal for [i32; 2] {
-    /// In ulps.
-    type Point = [i64; 2];
-
-    fn opposite(self) -> Self {
-        self.map(|part| -part)
-    }
-
-    fn across(self) -> Self {
-        across(self)
-    }
-
-    fn is_between(self, [from, to]: [Self; 2]) -> bool {
-        let cross = |a: Self, b: Self| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0]);
-        let dot = |a: Self, b: Self| i64::from(a[0]) * i64::from(b[0]) + i64::from(a[1]) * i64::from(b[1]);
-        cross(from, self) >= -SLACK
-            && cross(self, to) >= -SLACK
-            && i128::from(dot(self, from)) + i128::from(dot(self, to)) > 0
-    }
-}
 
 /// Twice the sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp: over the middle of
 /// its ends, as a mirror image has them in the opposite order.
@@ -69,12 +43,7 @@ fn height(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64;
 
 /// The manifold of a segment of a chain or of a polygon among others, A, with another core.
 #[cold]
-pub(super) fn collide_surface(
-    a: View<'_>,
-    surface: Surface<'_, [i32; 2]>,
-    b: View<'_>,
-    margin: Margin,
-) -> Option<Manifold> {
+pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
     let offset = a.offset_to(&b)?;
     let limit = margin.limit(a.placed.radius + b.placed.radius);
     if limit.is_below(a.gap(&b, offset)) {
@@ -98,14 +67,14 @@ pub(super) fn collide_surface(
     }
 }
 
-fn within<const N: usize>(ends: &Ends<'_>, surface: Surface<'_, [i32; 2]>) -> Option<Manifold> {
+fn within<const N: usize>(ends: &Ends<'_>, surface: Surface<'_>) -> Option<Manifold> {
     match unit(ends) {
         (k, true) => of_cores::<i64, N>(ends, surface, k),
         (_, false) => of_cores::<i128, N>(ends, surface, 0),
     }
 }
 
-fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_, [i32; 2]>, k: u32) -> Option<Manifold> {
+fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_>, k: u32) -> Option<Manifold> {
     let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
@@ -150,5 +119,5 @@ pub(super) fn swapped(of: Manifold) -> Manifold {
     if of.count == 2 {
         points.reverse();
     }
-    Manifold { normal: of.normal.map(|part| -part), count: of.count, points, is_moved: of.is_moved }
+    Manifold { normal: of.normal.map(|part| -part), count: of.count, points }
 }

@@ -36,6 +36,11 @@ impl Pose {
         self.position
     }
 
+    /// The pose moved by a vector. *Domain* the position stays within 2^31 m.
+    pub(crate) fn shifted(&self, by: Vec2<Fx>) -> Self {
+        Self { position: self.position + by, ..*self }
+    }
+
     /// A unit vector in the axes of the body, from units of 2^-32 to world axes in units of 2^-30; at most 2^30 + 1.
     pub(crate) fn turned(&self, v: Vec2<Fx>) -> [i32; 2] {
         turned_normal(v, self)
@@ -220,7 +225,7 @@ pub struct Cores {
     placed: Vec<(Placed, usize, bool)>,
     /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
     surfaces: Vec<(usize, bool, usize)>,
-    links: Vec<Link<[i32; 2]>>,
+    links: Vec<Link>,
 }
 
 impl Cores {
@@ -275,7 +280,7 @@ impl Cores {
         collide_placed(self.view(a), self.view(b), margin)
     }
 
-    fn surface(&self, i: usize) -> Option<Surface<'_, [i32; 2]>> {
+    fn surface(&self, i: usize) -> Option<Surface<'_>> {
         let at = self.surfaces.binary_search_by_key(&i, |(own, ..)| *own).ok()?;
         let from = if at == 0 { 0 } else { self.surfaces[at - 1].2 };
         let (_, is_one_sided, to) = self.surfaces[at];

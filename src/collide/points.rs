@@ -76,7 +76,7 @@ impl Ends<'_> {
             (Some(only), None) | (None, Some(only)) => (1, [only, ManifoldPoint::default()]),
             (None, None) => return None,
         };
-        Some(Manifold { normal: frame.n, count, points, is_moved: false })
+        Some(Manifold { normal: frame.n, count, points })
     }
 
     /// The point at an end of the overlap of two edges, if the cores are near enough there and it is not left out.
@@ -189,6 +189,6 @@ impl Ends<'_> {
             return None;
         }
         let point = self.point(normal, At::Both(i, j), separation, feature([i; 2], [j; 2]));
-        Some(Manifold { normal, count: 1, points: [point, ManifoldPoint::default()], is_moved: false })
+        Some(Manifold { normal, count: 1, points: [point, ManifoldPoint::default()] })
     }
 }

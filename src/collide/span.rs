@@ -1,4 +1,4 @@
-//! The parts of two cores that face each other, and the corners of their points, by the rules that integers and floats share.
+//! The parts of two cores that face each other, and the corners of their points.
 
 use core::cmp::Ordering;
 
@@ -6,18 +6,18 @@ use super::feature;
 
 /// An edge, or a corner as an edge of no length, in order of place.
 #[derive(Clone, Copy)]
-pub(crate) struct Span<T> {
-    pub(crate) corners: [usize; 2],
-    pub(crate) places: [T; 2],
+pub(super) struct Span<T> {
+    pub(super) corners: [usize; 2],
+    pub(super) places: [T; 2],
 }
 
 impl<T: Copy + PartialOrd> Span<T> {
     #[inline(always)]
-    pub(crate) fn is_corner(&self) -> bool {
+    pub(super) fn is_corner(&self) -> bool {
         self.corners[0] == self.corners[1]
     }
 
-    pub(crate) fn in_order(self) -> Self {
+    pub(super) fn in_order(self) -> Self {
         let ([i, j], [from, to]) = (self.corners, self.places);
         if from <= to { self } else { Self { corners: [j, i], places: [to, from] } }
     }
@@ -25,7 +25,7 @@ impl<T: Copy + PartialOrd> Span<T> {
 
 /// The parts of two cores that face each other.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Facing {
+pub(super) enum Facing {
     /// The edges overlap.
     Edges,
     /// These corners, of A and of B, are nearest, and the cores are apart.
@@ -38,7 +38,7 @@ pub(crate) enum Facing {
 
 /// The corner that a point is at.
 #[derive(Clone, Copy)]
-pub(crate) enum At {
+pub(super) enum At {
     A(usize),
     B(usize),
     /// One of each, at the same place.
@@ -47,7 +47,7 @@ pub(crate) enum At {
 
 /// The corner at an end of the overlap of two edges, and the name of the point there. `ahead` says which of the two edges ends first.
 #[inline(always)]
-pub(crate) fn end_of_overlap<T: Copy + PartialOrd>(a: &Span<T>, b: &Span<T>, end: usize, ahead: Ordering) -> (At, u32) {
+pub(super) fn end_of_overlap<T: Copy + PartialOrd>(a: &Span<T>, b: &Span<T>, end: usize, ahead: Ordering) -> (At, u32) {
     let (i, j) = (a.corners[end], b.corners[end]);
     // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
     let (is_corner_of_a, is_corner_of_b) = (a.is_corner(), b.is_corner());

@@ -1,52 +1,53 @@
-//! The directions in which a segment of a chain pushes, or a polygon among others, by the rules that integers and floats share.
+//! The directions in which a segment of a chain pushes, or a polygon among others.
 
-use core::fmt::Debug;
-
+use super::cores::across;
 use super::span::At;
 use crate::shape::Neighbour;
 
-/// A unit vector.
-pub(crate) trait Normal: Copy {
-    /// A point, in the scalar's coordinates.
-    type Point: Copy + Debug;
-    /// The opposite direction.
-    fn opposite(self) -> Self;
-    /// The vector turned by a quarter counter-clockwise.
-    fn across(self) -> Self;
-    /// Returns true for a direction between two others, counter-clockwise, less than half a turn apart, within rounding.
-    fn is_between(self, cone: [Self; 2]) -> bool;
+/// A unit vector in units of 2^-30: products are below 2^61.1, their sums below 2^62.1.
+type Unit = [i32; 2];
+
+/// The sine of the angle by which a direction may be off, in units of 2^-60: 2^-20. Normals err by 2^-30, directions between corners
+/// by 1.5 ulp over their distance, which is 2^-7 m at least where it counts.
+const SLACK: i64 = 1 << 40;
+
+/// Returns true for a direction between two others, counter-clockwise, less than half a turn apart, within rounding.
+fn is_between(n: Unit, [from, to]: [Unit; 2]) -> bool {
+    let cross = |a: Unit, b: Unit| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0]);
+    let dot = |a: Unit, b: Unit| i64::from(a[0]) * i64::from(b[0]) + i64::from(a[1]) * i64::from(b[1]);
+    cross(from, n) >= -SLACK && cross(n, to) >= -SLACK && i128::from(dot(n, from)) + i128::from(dot(n, to)) > 0
 }
 
 /// An edge on a surface, and the directions in which it pushes, in world axes.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Link<V: Normal> {
+pub(super) struct Link {
     /// The corners at its ends, by number.
-    pub(crate) corners: [usize; 2],
-    pub(crate) normal: V,
+    pub(super) corners: [usize; 2],
+    pub(super) normal: Unit,
     /// At its first and at its second corner the directions from one to another, counter-clockwise.
-    cones: [[V; 2]; 2],
+    cones: [[Unit; 2]; 2],
     /// The normals of neighbours at outward corners.
-    pub(crate) outer: [Option<V>; 2],
+    pub(super) outer: [Option<Unit>; 2],
     /// The surface goes on straight at this corner.
     is_straight: [bool; 2],
     /// The surface goes on along the same polygon at this corner.
     is_own: [bool; 2],
     /// Another polygon covers the edge at this corner.
     is_covered: [bool; 2],
-    /// The ends of the part of the edge that is on the surface, if that is not all of it.
-    pub(crate) part: Option<[V::Point; 2]>,
+    /// The ends of the part of the edge that is on the surface, if that is not all of it, ulps.
+    pub(super) part: Option<[[i64; 2]; 2]>,
 }
 
-impl<V: Normal> Link<V> {
-    pub(crate) fn new(
+impl Link {
+    pub(super) fn new(
         corners: [usize; 2],
-        normal: V,
-        [before, after]: [Neighbour<V>; 2],
-        part: Option<[V::Point; 2]>,
+        normal: Unit,
+        [before, after]: [Neighbour<Unit>; 2],
+        part: Option<[[i64; 2]; 2]>,
     ) -> Self {
-        let along = normal.across();
+        let along = across(normal);
         let is_straight = [before, after].map(|neighbour| match neighbour {
-            Neighbour::Inner(other) | Neighbour::Outer(other) => other.is_between([normal; 2]),
+            Neighbour::Inner(other) | Neighbour::Outer(other) => is_between(other, [normal; 2]),
             _ => false,
         });
         let outer = [0, 1].map(|end| match [before, after][end] {
@@ -58,7 +59,7 @@ impl<V: Normal> Link<V> {
             Neighbour::Own(next) => next,
             _ => outer[end].unwrap_or(normal),
         };
-        let cones = [[reach(0, before, along.opposite()), normal], [normal, reach(1, after, along)]];
+        let cones = [[reach(0, before, along.map(|part| -part)), normal], [normal, reach(1, after, along)]];
         let is_own = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Own(_)));
         let is_covered = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Covered));
         Self { corners, normal, cones, outer, is_straight, is_own, is_covered, part }
@@ -71,58 +72,58 @@ impl<V: Normal> Link<V> {
 
 /// The surface of an outline: the segment of a chain, or the edges of a polygon that others do not cover.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface<'a, V: Normal> {
-    pub(crate) links: &'a [Link<V>],
+pub(super) struct Surface<'a> {
+    pub(super) links: &'a [Link],
     /// True for a segment of a chain, which bodies pass from behind.
-    pub(crate) is_one_sided: bool,
+    pub(super) is_one_sided: bool,
 }
 
-impl<V: Normal> Surface<'_, V> {
+impl Surface<'_> {
     /// Returns true if the surface may push in a direction, a normal of the other core.
     ///
     /// `reaches` says of an edge if the other core is over the part of it that is on the surface, or, where an end is given, beyond that
     /// end. At a corner of one polygon both edges have to be near in that way: the other core may be beside one of them where that is
     /// covered.
-    pub(crate) fn has(&self, n: V, reaches: impl Fn(&Link<V>, Option<usize>) -> bool) -> bool {
-        let is_at_end = |link: &Link<V>, end: usize| {
+    pub(super) fn has(&self, n: Unit, reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
+        let is_at_end = |link: &Link, end: usize| {
             let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);
-            n.is_between(link.cones[end]) && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
+            is_between(n, link.cones[end]) && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)) && reaches(link, None))
     }
 
     /// Returns true if the surface may push in a direction at a corner.
-    pub(crate) fn has_at(&self, corner: usize, n: V) -> bool {
-        let is_at_end = |link: &Link<V>, end: usize| {
-            link.corners[end] == corner && !link.is_covered[end] && n.is_between(link.cones[end])
+    pub(super) fn has_at(&self, corner: usize, n: Unit) -> bool {
+        let is_at_end = |link: &Link, end: usize| {
+            link.corners[end] == corner && !link.is_covered[end] && is_between(n, link.cones[end])
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)))
     }
 
     /// The normals of neighbours at outward corners.
-    pub(crate) fn outer(&self) -> impl Iterator<Item = V> + '_ {
+    pub(super) fn outer(&self) -> impl Iterator<Item = Unit> + '_ {
         self.links.iter().flat_map(|link| link.outer).flatten()
     }
 
     /// Returns true for a point where an edge of the other core lies over a corner at which the surface goes on straight.
-    pub(crate) fn is_seam(&self, at: At) -> bool {
+    pub(super) fn is_seam(&self, at: At) -> bool {
         matches!(at, At::A(corner) if self.links.iter().any(|link| link.is_at(corner, link.is_straight)))
     }
 
     /// Returns true for a corner at which the surface goes on along the same polygon.
-    pub(crate) fn is_own(&self, corner: usize) -> bool {
+    pub(super) fn is_own(&self, corner: usize) -> bool {
         self.links.iter().any(|link| link.is_at(corner, link.is_own))
     }
 
     /// Returns true for a corner, or for an edge between two, that is on the surface where the other core is: see [`has`](Self::has).
-    pub(crate) fn has_edge(&self, corners: [usize; 2], reaches: impl Fn(&Link<V>, Option<usize>) -> bool) -> bool {
-        let is_there = |link: &Link<V>| link.corners == corners && reaches(link, None);
+    pub(super) fn has_edge(&self, corners: [usize; 2], reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
+        let is_there = |link: &Link| link.corners == corners && reaches(link, None);
         self.is_one_sided || corners[0] == corners[1] || self.links.iter().any(is_there)
     }
 }
 
 /// Returns true if places that a core has along an edge, from `least` to `most`, reach the part from `low` to `high` of it, or, where an
 /// end of the edge is given, what is beyond that part in its direction.
-pub(crate) fn is_reached<T: PartialOrd>([least, most]: [T; 2], [low, high]: [T; 2], end: Option<usize>) -> bool {
+pub(super) fn is_reached<T: PartialOrd>([least, most]: [T; 2], [low, high]: [T; 2], end: Option<usize>) -> bool {
     (end == Some(1) || least <= high) && (end == Some(0) || low <= most)
 }

@@ -193,9 +193,28 @@ impl<S: Scalar> Material<S> {
         MaterialPair { friction, restitution, rolling_resistance }.check()?;
         within(self.surface_speed, [-limits::SURFACE_SPEED, limits::SURFACE_SPEED], Quantity::SurfaceSpeed)
     }
+}
+
+impl Material {
+    /// The coefficients of the contact of two surfaces, by their rules.
+    pub(crate) fn mixed(&self, other: &Self) -> MaterialPair {
+        let [friction, restitution] = self.rules(other);
+        MaterialPair {
+            friction: mixed(friction, self.friction, other.friction),
+            restitution: mixed(restitution, self.restitution, other.restitution),
+            rolling_resistance: self.rolling_resistance.max(other.rolling_resistance),
+        }
+    }
+
+    /// The velocity that a second body takes up against this one's along the tangent (n.y, −n.x) of a contact with the normal n from this
+    /// surface to the other, m/s: within 2^11.
+    pub(crate) fn surface_speed_against(&self, other: &Self) -> Fx {
+        // Counter-clockwise is against the tangent on this surface, and along it on the other.
+        -(self.surface_speed + other.surface_speed)
+    }
 
     /// The rules for friction and restitution with another surface, which are not [`MixRule::Standard`].
-    pub(crate) fn rules(&self, other: &Self) -> [MixRule; 2] {
+    fn rules(&self, other: &Self) -> [MixRule; 2] {
         let [friction, restitution] =
             [self.friction_rule.max(other.friction_rule), self.restitution_rule.max(other.restitution_rule)];
         [
@@ -203,11 +222,28 @@ impl<S: Scalar> Material<S> {
             if restitution == MixRule::Standard { MixRule::Maximum } else { restitution },
         ]
     }
+}
 
-    /// The velocity that a second body takes up against this one's along the tangent (n.y, −n.x) of a contact with the normal n from this
-    /// surface to the other, m/s: within 2^11.
-    pub(crate) fn surface_speed_against(&self, other: &Self) -> S {
-        // Counter-clockwise is against the tangent on this surface, and along it on the other.
-        -(self.surface_speed + other.surface_speed)
+/// Two coefficients as one. *Domain* from 0 to 32.
+fn mixed(rule: MixRule, a: Fx, b: Fx) -> Fx {
+    let bits = [a, b].map(|coefficient| u128::from(coefficient.to_bits().unsigned_abs()));
+    match rule {
+        MixRule::Minimum => a.min(b),
+        MixRule::Maximum => a.max(b),
+        MixRule::Mean => Fx::from_bits(((bits[0] + bits[1] + 1) >> 1) as i64),
+        // Below 2^74.
+        MixRule::Product => Fx::from_bits(((bits[0] * bits[1] + (1 << 31)) >> 32) as i64).min(limits::FRICTION),
+        MixRule::GeometricMean | MixRule::Standard => geometric_mean(a, b),
     }
+}
+
+/// The geometric mean of two coefficients, rounded to nearest.
+fn geometric_mean(a: Fx, b: Fx) -> Fx {
+    if a == b {
+        return a;
+    }
+    let product = u128::from(a.to_bits().unsigned_abs()) * u128::from(b.to_bits().unsigned_abs());
+    let root = product.isqrt();
+    // The middle between root and root + 1 has the square root² + root + 1/4.
+    Fx::from_bits((root + u128::from(product - root * root > root)) as i64)
 }

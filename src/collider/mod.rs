@@ -3,6 +3,7 @@
 
 mod chunks;
 mod filter;
+mod fixed;
 mod mass;
 mod material;
 mod one_way;

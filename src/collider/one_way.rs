@@ -88,7 +88,7 @@ impl<S: Scalar> OneWay<S> {
 
 /// The side from which a collider holds, in the axes of its body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<S> {
+pub(crate) struct Side<S = Fx> {
     /// A unit vector.
     pub(crate) direction: Vec2<S>,
     /// The least cosine of the angle between the direction and a normal that holds.

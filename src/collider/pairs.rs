@@ -78,6 +78,9 @@ impl<S: Scalar> ColliderSet<S> {
     /// Sets or removes an entry of the table. *Domain* it was checked.
     pub(crate) fn set_material_pair(&mut self, ids: [u32; 2], pair: Option<MaterialPair<S>>) {
         let ids = sorted(ids);
+        if let Some(image) = &mut self.image {
+            image.set_material_pair(ids, pair.map(MaterialPair::to_fx));
+        }
         match (self.pairs.find(ids), pair) {
             (Ok(at), Some(pair)) => self.pairs.0[at].pair = pair,
             (Ok(at), None) => drop(self.pairs.0.remove(at)),

@@ -1,14 +1,16 @@
 //! The colliders of a world and their handles.
 
+use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Deref;
 
 use super::chunks::Chunks;
 use super::pairs::MaterialPairs;
-use super::{ColliderDef, Side};
+use super::{ColliderDef, Side, fixed};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
+use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
@@ -18,8 +20,8 @@ use crate::slots::{BodyId, ColliderId, NONE, Slots, push};
 /// The colliders. Copies of a world share them until one is changed.
 ///
 /// The time to add, replace, find or remove a collider does not depend on the number of others, except those of its body.
-#[derive(Debug, Default)]
-pub(crate) struct ColliderSet<S: Scalar> {
+#[derive(Debug)]
+pub(crate) struct ColliderSet<S: Scalar = Fx> {
     /// The index of each collider in the list.
     slots: Slots<ColliderId>,
     /// The colliders in no order.
@@ -36,6 +38,24 @@ pub(crate) struct ColliderSet<S: Scalar> {
     kinds: Kinds,
     /// The coefficients of pairs of materials.
     pub(super) pairs: MaterialPairs<S>,
+    /// The same colliders rounded to fixed point, in a world of floats: see [`fixed`](Self::fixed).
+    pub(super) image: Option<Box<ColliderSet<Fx>>>,
+}
+
+impl<S: Scalar> Default for ColliderSet<S> {
+    fn default() -> Self {
+        Self {
+            slots: Slots::default(),
+            list: Chunks::default(),
+            first: Vec::new(),
+            revision: 0,
+            changes: Vec::new(),
+            more_outlines: 0,
+            kinds: Kinds::default(),
+            pairs: MaterialPairs::default(),
+            image: fixed::image::<S>(),
+        }
+    }
 }
 
 /// The numbers of colliders of some kinds: a step does nothing for a kind that is not there.
@@ -63,7 +83,7 @@ const CHANGES: usize = 64;
 
 /// A collider, with values that follow from its definition.
 #[derive(Clone, Debug)]
-pub(crate) struct Collider<S: Scalar> {
+pub(crate) struct Collider<S: Scalar = Fx> {
     pub(crate) slot: u32,
     pub(crate) body: BodyId,
     /// The slots of the neighbours in the list of the body's colliders, or [`NONE`].
@@ -88,7 +108,7 @@ pub(crate) struct Collider<S: Scalar> {
 
 /// An outline of a collider in the axes of its body, relative to the body's centre of mass.
 #[derive(Clone, Debug)]
-pub(crate) struct BodyOutline<S: Scalar> {
+pub(crate) struct BodyOutline<S: Scalar = Fx> {
     pub(crate) outline: Outline<S>,
     /// The least box around the corners of the outline.
     pub(crate) corners: Aabb<S>,
@@ -131,7 +151,7 @@ pub(crate) struct OutlineId {
     pub(crate) part: u32,
 }
 
-clone_by_field!(ColliderSet { slots, list, first, revision, changes, more_outlines, kinds, pairs });
+clone_by_field!(ColliderSet { slots, list, first, revision, changes, more_outlines, kinds, pairs, image });
 
 impl<S: Scalar> ColliderSet<S> {
     pub(crate) fn len(&self) -> usize {
@@ -208,6 +228,9 @@ impl<S: Scalar> ColliderSet<S> {
 
     /// Adds a collider. *Domain* it was checked, and there is room.
     pub(crate) fn insert(&mut self, body: BodyId, def: ColliderDef<S>) -> ColliderId {
+        if let Some(image) = &mut self.image {
+            image.insert(body, def.to_fx());
+        }
         let slot = self.slots.reuse().unwrap_or_else(|| self.slots.open(0));
         self.place(slot, body, def);
         self.slots.handle(slot)
@@ -215,6 +238,9 @@ impl<S: Scalar> ColliderSet<S> {
 
     /// Adds the colliders of a new body: their slots ascend in the order of the list. *Domain* as [`insert`](Self::insert).
     pub(crate) fn insert_all(&mut self, body: BodyId, defs: Vec<ColliderDef<S>>) {
+        if let Some(image) = &mut self.image {
+            image.insert_all(body, defs.iter().map(ColliderDef::to_fx).collect());
+        }
         let mut slots: Vec<u32> =
             defs.iter().map(|_| self.slots.reuse().unwrap_or_else(|| self.slots.open(0))).collect();
         slots.sort_unstable();
@@ -267,6 +293,9 @@ impl<S: Scalar> ColliderSet<S> {
     /// Replaces the definition of a collider.
     pub(crate) fn replace(&mut self, id: ColliderId, def: ColliderDef<S>) -> Result<(), Error> {
         let index = self.find(id)?;
+        if let Some(image) = &mut self.image {
+            image.replace(id, def.to_fx())?;
+        }
         if let Some(collider) = self.list.get_mut(index) {
             let Collider { slot, body, previous, next, def: ref before, .. } = *collider;
             self.more_outlines = self.more_outlines - more_outlines(before) + more_outlines(&def);
@@ -280,6 +309,9 @@ impl<S: Scalar> ColliderSet<S> {
 
     pub(crate) fn remove(&mut self, id: ColliderId) -> Result<(), Error> {
         let index = self.find(id)?;
+        if let Some(image) = &mut self.image {
+            image.remove(id)?;
+        }
         let Some(Collider { body, previous, next, def, .. }) = self.list.swap_remove(index) else {
             return Err(Error::NoSuchCollider { collider: id });
         };
@@ -345,8 +377,22 @@ impl<S: Scalar> ColliderSet<S> {
         self.slots.free()
     }
 
+    /// Adds all colliders to a hash, and the state of their slots.
+    pub(crate) fn write(&self, sink: &mut StateHasher) {
+        codec::count(sink, self.slots.len());
+        for (generation, collider) in self.slots() {
+            generation.write(sink);
+            collider.map(|collider| collider.digest).write(sink);
+        }
+        codec::count(sink, self.slots.free().len());
+        sink.all(self.slots.free(), u32::to_le_bytes);
+        self.write_material_pairs(sink);
+    }
+}
+
+impl ColliderSet<Fx> {
     /// Adds a slot from a snapshot. *Domain* the collider was checked.
-    pub(crate) fn rebuild(&mut self, generation: u32, collider: Option<(BodyId, ColliderDef<S>)>) -> Result<(), Error> {
+    pub(crate) fn rebuild(&mut self, generation: u32, collider: Option<(BodyId, ColliderDef)>) -> Result<(), Error> {
         self.check_room(1, collider.as_ref().map_or(0, |(_, def)| more_outlines(def)))?;
         let slot = self.slots.open(generation);
         if let Some((body, def)) = collider {
@@ -361,18 +407,6 @@ impl<S: Scalar> ColliderSet<S> {
     /// [`Error::Inconsistent`] if one has a collider or is listed twice.
     pub(crate) fn set_free(&mut self, free: Vec<u32>) -> Result<(), Error> {
         if self.slots.set_free(free) { Ok(()) } else { Err(Error::Inconsistent) }
-    }
-
-    /// Adds all colliders to a hash, and the state of their slots.
-    pub(crate) fn write(&self, sink: &mut StateHasher) {
-        codec::count(sink, self.slots.len());
-        for (generation, collider) in self.slots() {
-            generation.write(sink);
-            collider.map(|collider| collider.digest).write(sink);
-        }
-        codec::count(sink, self.slots.free().len());
-        sink.all(self.slots.free(), u32::to_le_bytes);
-        self.write_material_pairs(sink);
     }
 }
 

@@ -7,13 +7,11 @@
 
 use alloc::vec::Vec;
 
-use super::{ContactRecord, ContactSet};
-use crate::body::Bodies;
+use super::{ContactBodies, ContactRecord, ContactSet};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::{Collider, ColliderSet};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId};
 
 /// The two colliders of an event, with their handles and keys. If a call has removed one of them since the step before, these are the
@@ -61,13 +59,9 @@ type Rank = [(u64, u64, ColliderId); 2];
 
 impl ColliderPair {
     /// The pair of the colliders in two slots, in this order; `None` if one is not there.
-    pub(crate) fn new<S: Scalar>(
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
-        [first, second]: [u32; 2],
-    ) -> Option<Self> {
+    pub(crate) fn new(bodies: &dyn ContactBodies, colliders: &ColliderSet, [first, second]: [u32; 2]) -> Option<Self> {
         let own = [colliders.at(first)?, colliders.at(second)?];
-        let key = |body: BodyId| bodies.find(body).map_or(0, |dense| bodies.info(dense).key);
+        let key = |body: BodyId| bodies.index_of(body).map_or(0, |dense| bodies.contact_info(dense).key);
         Some(Self {
             colliders: [first, second].map(|slot| colliders.id(slot)),
             bodies: own.map(|collider| collider.body),
@@ -77,11 +71,7 @@ impl ColliderPair {
     }
 
     /// The pair of a contact, in an order that does not depend on slots where keys differ.
-    pub(crate) fn of_contact<S: Scalar>(
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
-        slots: [u32; 2],
-    ) -> Option<Self> {
+    pub(crate) fn of_contact(bodies: &dyn ContactBodies, colliders: &ColliderSet, slots: [u32; 2]) -> Option<Self> {
         let pair = Self::new(bodies, colliders, slots)?;
         let [first, second] = pair.rank();
         if first <= second { Some(pair) } else { Self::new(bodies, colliders, [slots[1], slots[0]]) }
@@ -179,15 +169,12 @@ impl Read for EndedPair {
 }
 
 /// Returns true if the contacts of two colliders have events.
-pub(crate) fn has_events<S: Scalar>([a, b]: [&Collider<S>; 2]) -> bool {
+pub(crate) fn has_events([a, b]: [&Collider; 2]) -> bool {
     a.def.contact_events || b.def.contact_events
 }
 
 /// The pairs of slots of colliders that touch and have events, in the order of records.
-fn pairs<'a, S: Scalar>(
-    records: &'a [ContactRecord],
-    colliders: &'a ColliderSet<S>,
-) -> impl Iterator<Item = [u32; 2]> + 'a {
+fn pairs<'a>(records: &'a [ContactRecord], colliders: &'a ColliderSet) -> impl Iterator<Item = [u32; 2]> + 'a {
     let slots = records.iter().map(|record| record.pair().map(|outline| outline.slot));
     slots.filter(|&[a, b]| match [colliders.at(a), colliders.at(b)] {
         [Some(a), Some(b)] => has_events([a, b]),
@@ -196,7 +183,7 @@ fn pairs<'a, S: Scalar>(
 }
 
 /// Lists pairs of slots of colliders that touch and have events, sorted, each once.
-pub(crate) fn list_pairs<S: Scalar>(records: &[ContactRecord], colliders: &ColliderSet<S>, list: &mut Vec<[u32; 2]>) {
+pub(crate) fn list_pairs(records: &[ContactRecord], colliders: &ColliderSet, list: &mut Vec<[u32; 2]>) {
     list.clear();
     list.extend(pairs(records, colliders));
     list.sort_unstable();
@@ -229,7 +216,7 @@ pub(crate) fn compare<T: Copy + Ord>(
 
 impl ContactSet {
     /// Keeps the pairs that the next step reports as the end of the contacts and of the overlaps of a collider.
-    pub(super) fn keep_ends<S: Scalar>(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, slot: u32) {
+    pub(super) fn keep_ends(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, slot: u32) {
         if colliders.any_contact_events() {
             let any_asleep = self.asleep.touching(slot).next().is_some();
             self.keep_ends_of(bodies, colliders, any_asleep, |slots| slots.contains(&slot));
@@ -242,10 +229,10 @@ impl ContactSet {
 
     /// Keeps what the next step reports as the end of the contacts with events of some pairs of slots of colliders: of those of awake
     /// bodies, or of all.
-    pub(crate) fn keep_ends_of<S: Scalar>(
+    pub(crate) fn keep_ends_of(
         &mut self,
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
+        bodies: &dyn ContactBodies,
+        colliders: &ColliderSet,
         with_asleep: bool,
         is_one: impl Fn([u32; 2]) -> bool,
     ) {

@@ -3,7 +3,6 @@
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::numerics::Numerics;
 use super::still::Still;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
@@ -11,7 +10,6 @@ use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
 use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Scalar};
 use crate::slots::{BodyId, NONE};
 
 /// The time for which [`World::exclude_pair`](crate::World::exclude_pair) keeps two bodies from touching each other.
@@ -91,19 +89,14 @@ impl ContactSet {
     }
 }
 
-impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+impl Engine {
     /// Returns true if two bodies are an excluded pair in this step.
     pub(super) fn are_excluded(&self, [a, b]: [BodyId; 2]) -> bool {
         !self.excluded.is_empty() && self.excluded.binary_search_by_key(&sorted(a, b), |pair| pair.bodies).is_ok()
     }
 
     /// Leaves out the pairs of bodies that are excluded, and lists those bodies that stay so.
-    pub(super) fn leave_out_excluded(
-        &mut self,
-        scene: &Scene<'_, S>,
-        contacts: &ContactSet,
-        pairs: &mut Vec<[u32; 2]>,
-    ) {
+    pub(super) fn leave_out_excluded(&mut self, scene: &Scene<'_>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
         self.excluded.clear();
         if contacts.excluded.is_empty() {
             return;
@@ -141,11 +134,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Returns true if a body was looked for among those that may touch.
-    fn takes_part(&self, scene: &Scene<'_, S>, slot: u32) -> bool {
+    fn takes_part(&self, scene: &Scene<'_>, slot: u32) -> bool {
         let Some(dense) = scene.bodies.index_in(slot) else { return true };
         let is_still = match scene.bodies.activity(dense) {
             Activity::Asleep => true,
-            Activity::Awake => scene.bodies.info(dense).kind == BodyKind::Static,
+            Activity::Awake => scene.bodies.contact_info(dense).kind == BodyKind::Static,
             Activity::Disabled | Activity::Quarantined => return false,
         };
         // A body at fault has no flight.
@@ -153,7 +146,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Returns true if two bodies that stand still, one of them asleep, are near each other: no list of pairs has them.
-    fn are_near_at_rest(&mut self, scene: &Scene<'_, S>, bodies: [u32; 2]) -> bool {
+    fn are_near_at_rest(&mut self, scene: &Scene<'_>, bodies: [u32; 2]) -> bool {
         let state = |slot: u32| scene.bodies.index_in(slot).map(|dense| (dense, scene.bodies.activity(dense)));
         let moves = |(dense, _): (usize, Activity)| dense < scene.bodies.moving();
         let states = bodies.map(state);
@@ -195,7 +188,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all
     /// directions out tie, such as two discs with one centre: the shift tells these from outlines that are apart. The four shifts are their
     /// own mirror image.
-    fn is_near(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
+    fn is_near(&mut self, scene: &Scene<'_>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
         /// 2^-10 m
         const SHIFT: Fx = Fx::from_bits(1 << 22);
         if self.manifold_of(scene, numbers, pair).is_some() {
@@ -203,25 +196,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
         let colliders = [a, b];
-        let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
-        let (position, angle) = match scene.starts.get(ends[0] as usize) {
-            Some(start) => (start.position, start.angle),
-            None => {
-                let Some(dense) = scene.bodies.index_in(a.body.slot) else { return false };
-                let motion = &scene.bodies.columns.motion;
-                (motion.position.get(dense), motion.angle[dense])
-            }
-        };
+        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let other = self.core(scene, (numbers[1], b), &outlines[1], ends[1]);
-        let by = S::from_fx(SHIFT);
-        let shifts = [(by, S::ZERO), (-by, S::ZERO), (S::ZERO, by), (S::ZERO, -by)];
+        let other = self.start_core(scene, (numbers[1], b), &outlines[1], ends[1]);
+        let pose = self.flights.start_pose(scene, ends[0]).unwrap_or(self.flights.body(ends[0]).pose);
+        let zero = Fx::ZERO;
+        let shifts = [(SHIFT, zero), (-SHIFT, zero), (zero, SHIFT), (zero, -SHIFT)];
         shifts.into_iter().any(|(x, y)| {
-            let moved = |c: S::Accumulator, by: S| c.plus(S::Accumulator::from_scalar(by));
-            let pose = N::pose(Vec2::new(moved(position.x, x), moved(position.y, y)), angle);
-            let core = self.numerics.place(&outlines[0].outline, &pose);
+            let core = self.cores.push(&outlines[0].outline, &pose.shifted(Vec2::new(x, y)));
             let flights = ends.map(|flight| self.flights.flight(flight));
-            self.numerics.collide([core, other], flights, [outlines[0].radius, outlines[1].radius]).is_some()
+            let margin = self.margin(flights, [outlines[0].radius, outlines[1].radius]);
+            self.cores.collide(core, other, margin).is_some()
         })
     }
 }

@@ -2,12 +2,17 @@
 
 use alloc::vec::Vec;
 
-use super::numerics::Numerics;
+use super::bodies::resting;
+use super::moment::{mean_beginning, pose_at};
 use super::stamped::Stamped;
 use super::{Scene, Start};
 use crate::body::{Activity, BodyKind};
-use crate::scalar::Scalar;
+use crate::collide::Pose;
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::slots::NONE;
+use crate::solve::Flight;
 
 /// The part that a body takes in contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,11 +25,11 @@ pub(super) enum FlightOf {
     Static,
 }
 
-/// A body: its slot, its pose at the start and its kind.
+/// A body: its slot, its kind, and its pose at the mean of the beginnings of sub-steps, which manifolds are of.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place<P> {
+pub(super) struct Place {
     pub(super) slot: u32,
-    pub(super) pose: P,
+    pub(super) pose: Pose,
     pub(super) kind: FlightOf,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
@@ -39,70 +44,67 @@ pub(super) struct Place<P> {
 
 /// The flights of a step: moving bodies in the order of `Scene::starts`, then bodies that stand still, in the order in which pairs name
 /// them.
-#[derive(Debug)]
-pub(super) struct Flights<F, P> {
-    flights: Vec<F>,
+#[derive(Debug, Default)]
+pub(super) struct Flights {
+    flights: Vec<Flight>,
     /// The body of each flight.
-    places: Vec<Place<P>>,
+    places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
 
-impl<F, P> Default for Flights<F, P> {
-    fn default() -> Self {
-        Self { flights: Vec::new(), places: Vec::new(), of: Stamped::default(), followers: Vec::new() }
-    }
+/// The pose of a body.
+pub(super) fn pose(position: Vec2<FxAccumulator>, angle: Turn) -> Pose {
+    Pose::new(position.map(FxAccumulator::value), angle)
 }
 
-impl<F, P> Flights<F, P> {
+impl Flights {
     /// Lists the bodies that move.
-    pub(super) fn begin<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, scene: &Scene<'_, S>) {
+    pub(super) fn begin(&mut self, scene: &Scene<'_>) {
         self.flights.clear();
         self.places.clear();
         self.of.clear();
         self.followers.clear();
         for start in scene.starts {
-            self.push_moving::<S, N>(scene, start);
+            self.push_moving(scene, start);
         }
     }
 
-    fn push_moving<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, scene: &Scene<'_, S>, start: &Start<S>) {
-        let (bodies, dense) = (scene.bodies, start.dense);
-        let slot = bodies.id(dense).slot;
+    fn push_moving(&mut self, scene: &Scene<'_>, start: &Start) {
+        let slot = scene.bodies.id(start.dense).slot;
         let (mut shows_angle, mut reach, mut width) = (false, 0, i64::MAX);
         for collider in scene.colliders.solid_of_slot(slot) {
             // Discs around the centre look alike at all angles.
             if !collider.is_central_disc() {
-                (shows_angle, reach) = (true, N::ulps(collider.radius).max(reach));
+                (shows_angle, reach) = (true, collider.radius.to_bits().max(reach));
             }
-            width = N::ulps(collider.width).min(width);
+            width = collider.width.to_bits().min(width);
         }
-        let pose = N::pose(start.position, if shows_angle { start.angle } else { S::Angle::default() });
-        self.flights.push(N::moving(scene, start, &pose));
-        let info = bodies.info(dense);
+        let flight = scene.bodies.flight(start, scene.time_step);
+        let (angle, moment) = (if shows_angle { start.angle } else { Turn::default() }, mean_beginning(scene.settings.substeps));
+        let pose = if shows_angle {
+            pose_at(start.position, angle, &flight, moment)
+        } else {
+            pose_at(start.position, angle, &Flight { rotation: Fx::ZERO, ..flight }, moment)
+        };
+        self.flights.push(flight);
+        let info = scene.bodies.contact_info(start.dense);
         let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
         self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
     #[cold]
-    fn push_still<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
-        &mut self,
-        scene: &Scene<'_, S>,
-        slot: u32,
-        dense: usize,
-    ) -> u32 {
-        let motion = &scene.bodies.columns.motion;
-        let position = motion.position.get(dense);
-        self.flights.push(N::still(position));
+    fn push_still(&mut self, scene: &Scene<'_>, slot: u32, dense: usize) -> u32 {
+        let pose = pose(scene.bodies.position(dense), scene.bodies.angle(dense));
+        self.flights.push(resting(pose.position()));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
-        let pose = N::pose(position, motion.angle[dense]);
         self.place(Place { slot, pose, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
     }
 
-    fn place(&mut self, place: Place<P>) -> u32 {
+    fn place(&mut self, place: Place) -> u32 {
         let flight = self.places.len() as u32;
         self.of.set(place.slot, flight);
         self.places.push(place);
@@ -110,23 +112,18 @@ impl<F, P> Flights<F, P> {
     }
 
     /// Completes a flight of which a contact is found.
-    pub(super) fn complete<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
-        &mut self,
-        scene: &Scene<'_, S>,
-        flight: u32,
-    ) {
+    pub(super) fn complete(&mut self, scene: &Scene<'_>, flight: u32) {
         let at = flight as usize;
         if let (false, Some(start)) = (self.places[at].is_complete, scene.starts.get(at)) {
-            N::complete(scene, start, &mut self.flights[at]);
+            scene.bodies.complete(start, &mut self.flights[at]);
+            let radii = scene.colliders.solid_of_slot(self.places[at].slot).map(|collider| collider.radius);
+            self.flights[at].radius = radii.max().unwrap_or(Fx::ONE);
             self.places[at].is_complete = true;
         }
     }
 
     /// The flights of a contact, which are complete. For two dynamic bodies of unlike dominance, a follower stands for the higher one.
-    pub(super) fn by_dominance<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, ends: [u32; 2]) -> [u32; 2]
-    where
-        P: Copy,
-    {
+    pub(super) fn by_dominance(&mut self, ends: [u32; 2]) -> [u32; 2] {
         let [a, b] = ends.map(|flight| &self.places[flight as usize]);
         let dynamic = FlightOf::Dynamic;
         if a.dominance == b.dominance || a.kind != dynamic || b.kind != dynamic {
@@ -134,15 +131,13 @@ impl<F, P> Flights<F, P> {
         }
         let side = usize::from(a.dominance < b.dominance);
         let mut ends = ends;
-        ends[side] = self.follower::<S, N>(ends[side]);
+        ends[side] = self.follower(ends[side]);
         ends
     }
 
+    /// The follower of a flight: it moves as its leader does, and no contact moves it.
     #[cold]
-    fn follower<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(&mut self, leader: u32) -> u32
-    where
-        P: Copy,
-    {
+    fn follower(&mut self, leader: u32) -> u32 {
         self.followers.resize(self.flights.len() + 1, NONE);
         if self.followers[leader as usize] != NONE {
             return self.followers[leader as usize];
@@ -150,7 +145,13 @@ impl<F, P> Flights<F, P> {
         let follower = self.flights.len() as u32;
         self.followers[leader as usize] = follower;
         self.followers[follower as usize] = leader;
-        self.flights.push(N::follower(&self.flights[leader as usize], leader));
+        let fixed = FxFactor::ZERO;
+        self.flights.push(Flight {
+            inverse_mass: Vec2::new(fixed, fixed),
+            inverse_inertia: fixed,
+            leader: Some(leader),
+            ..self.flights[leader as usize]
+        });
         self.places.push(Place { kind: FlightOf::Kinematic, ..self.places[leader as usize] });
         follower
     }
@@ -159,23 +160,24 @@ impl<F, P> Flights<F, P> {
     pub(super) fn leader(&self, flight: u32) -> u32 {
         // Leaders have lower numbers than their followers.
         match self.followers.get(flight as usize) {
-            Some(&other) if other < flight => other,
+            Some(&leader) if leader < flight => leader,
             _ => flight,
         }
     }
 
     /// The flight of a body.
     #[inline(always)]
-    pub(super) fn of<S: Scalar, N: Numerics<S, Flight = F, Pose = P>>(
-        &mut self,
-        scene: &Scene<'_, S>,
-        slot: u32,
-    ) -> u32 {
+    pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {
         match self.of.get(slot) {
             // A pair names only colliders whose bodies exist.
-            NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still::<S, N>(scene, slot, dense)),
+            NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// The pose of a moving body at the start of the step; `None` for one that does not move.
+    pub(super) fn start_pose(&self, scene: &Scene<'_>, flight: u32) -> Option<Pose> {
+        scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
     }
 
     /// Returns true if the body in a slot has a flight.
@@ -187,15 +189,15 @@ impl<F, P> Flights<F, P> {
         self.flights.len()
     }
 
-    pub(super) fn all(&self) -> &[F] {
+    pub(super) fn all(&self) -> &[Flight] {
         &self.flights
     }
 
-    pub(super) fn flight(&self, flight: u32) -> &F {
+    pub(super) fn flight(&self, flight: u32) -> &Flight {
         &self.flights[flight as usize]
     }
 
-    pub(super) fn body(&self, flight: u32) -> &Place<P> {
+    pub(super) fn body(&self, flight: u32) -> &Place {
         &self.places[flight as usize]
     }
 }

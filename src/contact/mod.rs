@@ -4,34 +4,34 @@
 //!   sleeping bodies.
 //! - `view`: contacts as the interface shows them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
-//! - `engine`: pairs, manifolds and records of any scalar; `numerics` names the computations that depend on the scalar.
+//! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
+//! - `engine`: pairs, manifolds and records.
+//! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
+//! - `reach`: how far outlines come in a step.
+//! - `surfaces`: contacts as the solver takes them.
+//! - `approach`: how fast points approach each other.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
 //! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
 //! - `tiles`: static polygons beside each other, as one surface.
 //! - `flights`: the bodies of a step.
 //! - `split`: islands under heavy loads, in finer sub-steps.
 //! - `sweep`: the paths of fast bodies.
-//! - `integer`: the computations in [`Fx`](crate::Fx).
-//! - `float`: the same in floats.
+//!
+//! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
+//! error of 2^-32 m, which is far below what floats are compared for. Only the solver depends on the scalar.
 
-#![allow(
-    private_interfaces,
-    unreachable_pub,
-    reason = "the trait is public only because `Scalar` is; nothing outside can call it"
-)]
-
+mod approach;
 mod asleep;
+mod bodies;
 mod engine;
 mod events;
 mod excluded;
 mod flights;
-#[cfg(feature = "float")]
-mod float;
-mod integer;
+mod moment;
 mod numbers;
-mod numerics;
 mod passes;
+mod reach;
 mod records;
 mod seams;
 mod sensors;
@@ -39,36 +39,51 @@ mod set;
 mod split;
 mod stamped;
 mod still;
+mod surfaces;
 mod sweep;
 mod tiles;
 mod view;
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::fmt::Debug;
+use core::any::Any;
 
 use crate::body::{Activity, Bodies};
-use crate::collide::broad::{PairLimits, Statics};
-use crate::collider::{ColliderSet, ContactSettings, OutlineId};
+use crate::collide::broad::PairLimits;
+use crate::collider::{ColliderSet, ContactSettings};
+use crate::fx::Fx;
 use crate::limits::PARTS;
 use crate::math::{TimeStep, Vec2};
-use crate::scalar::Scalar;
-use crate::shape::Outline;
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Scalar, Turn};
 use crate::slots::BodyId;
+use crate::solve::{self, SolverOptions};
 
+pub(crate) use bodies::ContactBodies;
+pub(crate) use engine::Engine;
 pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};
 pub use excluded::Exclusion;
 pub(crate) use excluded::{ExcludedPair, sorted};
-#[cfg(feature = "float")]
-pub use float::FloatContacts;
-pub use integer::FxContacts;
 pub(crate) use passes::PassRecord;
 pub(crate) use records::ContactRecord;
 pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
+pub(crate) use split::Solvers;
 pub(crate) use still::Disturbed;
 pub use view::{Contact, ContactPoint};
+
+/// Shapes have a manifold if they are nearer than this plus the distance by which they approach in the step, m.
+pub(crate) const MARGIN: Fx = crate::fx!(0.02);
+
+impl From<&ContactSettings> for SolverOptions {
+    fn from(settings: &ContactSettings) -> Self {
+        Self {
+            substeps: settings.substeps,
+            push_speed: settings.push_speed,
+            restitution_speed: settings.restitution_speed,
+            ..Self::default()
+        }
+    }
+}
 
 /// Returns true if the body of the collider in a slot is asleep.
 pub(crate) fn is_asleep<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, slot: u32) -> bool {
@@ -78,7 +93,7 @@ pub(crate) fn is_asleep<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S
 
 /// The limits on pairs. The parts of a compound may all overlap each other: so 128 overlaps for each outline of the world, half of the
 /// [`PARTS`] that a compound may have, come on top of those that go with the number of pairs.
-fn pair_limits<S: Scalar>(settings: &ContactSettings<S>, colliders: &ColliderSet<S>) -> PairLimits {
+fn pair_limits(settings: &ContactSettings, colliders: &ColliderSet) -> PairLimits {
     let pairs = settings.max_pairs as usize;
     let outlines = colliders.len().saturating_add(colliders.more_outlines());
     PairLimits {
@@ -90,7 +105,7 @@ fn pair_limits<S: Scalar>(settings: &ContactSettings<S>, colliders: &ColliderSet
 
 /// The motion of a body at the start of a step.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Start<S: Scalar> {
+pub(crate) struct Start<S: Scalar = Fx> {
     /// The index of the body in the columns.
     pub(crate) dense: usize,
     pub(crate) position: Vec2<S::Accumulator>,
@@ -113,6 +128,23 @@ impl<S: Scalar> Start<S> {
         }
     }
 
+    /// The starts in fixed point: these themselves in a world of [`Fx`], else copies in `memory`.
+    pub(crate) fn all_fixed<'a>(starts: &'a Vec<Self>, memory: &'a mut Vec<Start>) -> &'a [Start] {
+        if let Some(starts) = (starts as &dyn Any).downcast_ref::<Vec<Start>>() {
+            return starts;
+        }
+        memory.clear();
+        memory.extend(starts.iter().map(|start| Start {
+            dense: start.dense,
+            position: start.position.map(|part| part.to_fixed()),
+            velocity: start.velocity.map(|part| part.to_fixed()),
+            angle: start.angle.to_turn(),
+            angular_velocity: start.angular_velocity.to_fixed(),
+            ticks_at_rest: start.ticks_at_rest,
+        }));
+        memory
+    }
+
     /// Takes the body back to the start, at rest for no tick.
     pub(crate) fn restore(&self, bodies: &mut Bodies<S>) {
         let motion = &mut bodies.columns.motion;
@@ -126,29 +158,43 @@ impl<S: Scalar> Start<S> {
 
 /// The change of a body by all impulses of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Correction<S: Scalar> {
+pub(crate) struct Correction {
     /// True if there was an impulse, also where the changes add up to nothing.
     pub(crate) is_pushed: bool,
     /// m/s
-    pub(crate) velocity: Vec2<S::Accumulator>,
+    pub(crate) velocity: Vec2<FxAccumulator>,
     /// rad/s
-    pub(crate) angular_velocity: S::Accumulator,
+    pub(crate) angular_velocity: FxAccumulator,
     /// m
-    pub(crate) displacement: Vec2<S::Accumulator>,
+    pub(crate) displacement: Vec2<FxAccumulator>,
     /// rad
-    pub(crate) rotation: S::Accumulator,
+    pub(crate) rotation: FxAccumulator,
+}
+
+impl From<&solve::Correction> for Correction {
+    fn from(change: &solve::Correction) -> Self {
+        Self {
+            is_pushed: *change != solve::Correction::default(),
+            velocity: change.velocity,
+            angular_velocity: change.angular_velocity,
+            displacement: change.displacement,
+            rotation: change.rotation,
+        }
+    }
 }
 
 /// The pose in which the path of a body ends before the end of the tick.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stop<S: Scalar> {
+pub(crate) struct Stop {
     /// The index of the body in the columns.
     pub(crate) dense: usize,
-    pub(crate) position: Vec2<S::Accumulator>,
-    pub(crate) angle: S::Angle,
+    /// The index of its start.
+    pub(crate) start: usize,
+    pub(crate) position: Vec2<FxAccumulator>,
+    pub(crate) angle: Turn,
     /// True if it stays where it was at the start.
     pub(crate) is_held: bool,
-    /// True if what does not give way keeps it there.
+    /// True if a body that does not give way keeps it there.
     pub(crate) is_stuck: bool,
 }
 
@@ -194,7 +240,7 @@ impl Changed {
     }
 
     /// The slots of the colliders of which the pose, the activity or the definition may have changed.
-    fn all<S: Scalar>(&self, colliders: &ColliderSet<S>) -> impl Iterator<Item = u32> {
+    fn all(&self, colliders: &ColliderSet) -> impl Iterator<Item = u32> {
         let of_bodies = self.bodies.iter().flat_map(|&body| colliders.of_slot(body));
         of_bodies.map(|collider| collider.slot).chain(self.colliders.iter().copied())
     }
@@ -202,131 +248,18 @@ impl Changed {
 
 /// The parts of a world that contacts depend on.
 #[derive(Clone, Copy)]
-pub(crate) struct Scene<'a, S: Scalar> {
+pub(crate) struct Scene<'a> {
     /// The bodies at the end of their free flight.
-    pub(crate) bodies: &'a Bodies<S>,
-    pub(crate) colliders: &'a ColliderSet<S>,
+    pub(crate) bodies: &'a dyn ContactBodies,
+    pub(crate) colliders: &'a ColliderSet,
     /// The moving bodies with colliders, without those at fault.
-    pub(crate) starts: &'a [Start<S>],
+    pub(crate) starts: &'a [Start],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,
     /// The changes since the contacts were last found; `None` if anything may have changed.
     pub(crate) changed: Option<&'a Changed>,
-    pub(crate) settings: &'a ContactSettings<S>,
+    pub(crate) settings: &'a ContactSettings,
     pub(crate) time_step: TimeStep,
-}
-
-/// The contacts of worlds of one scalar: the arithmetic of finding and solving them, and its memory. No result depends on
-/// earlier steps through it.
-#[doc(hidden)]
-pub trait ContactEngine<S: Scalar>: Debug + Default + Send + Sync {
-    /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
-    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs.
-    /// If there are any, the contacts found are incomplete: the step wakes or quarantines the bodies and calls this again.
-    fn detect(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
-
-    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
-    /// `scene.starts` woke since contacts were found, and the step knows of no other change.
-    fn spread(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, found: &mut Detected);
-
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
-    /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
-    fn list(&self, colliders: &ColliderSet<S>, contacts: &mut ContactSet);
-
-    /// Lists the hits of contacts that were solved.
-    fn hits(&self, scene: &Scene<'_, S>, hits: &mut Vec<ContactHit<S>>);
-
-    /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
-    fn touching(&self, colliders: &ColliderSet<S>, found: impl FnMut([u32; 2], bool));
-
-    /// Solves the contacts that were found, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
-    /// impulse.
-    fn solve(&mut self, scene: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>);
-
-    /// Finds bodies whose paths end early, lest they cross something: `scene` holds the bodies as impulses left them, by these corrections.
-    /// Bodies at fault are left out.
-    fn sweep(
-        &mut self,
-        scene: &Scene<'_, S>,
-        corrections: &[Correction<S>],
-        is_faulty: &dyn Fn(usize) -> bool,
-        stops: &mut Vec<Stop<S>>,
-    );
-
-    /// The manifold of two outlines that are near each other: the normal from the first to the second one, the points and their number.
-    fn touch(a: Placed<'_, S>, b: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)>;
-
-    /// The static colliders as they were found last, if they belong to these colliders.
-    fn statics(&self, _colliders: &ColliderSet<S>) -> Option<&Arc<Statics>> {
-        None
-    }
-
-    /// The colliders of sleeping bodies as they were found last, likewise.
-    fn sleepers(&self, _colliders: &ColliderSet<S>) -> Option<&Statics> {
-        None
-    }
-
-    /// An outline by its number in [`statics`](Self::statics) and [`sleepers`](Self::sleepers).
-    fn outline(&self, number: u32) -> OutlineId {
-        OutlineId { slot: number, part: 0 }
-    }
-
-    /// The number of the first outline of the collider in a slot, likewise.
-    fn number(&self, slot: u32) -> u32 {
-        slot
-    }
-
-    /// Finds contacts ahead of time or not, for tests.
-    #[cfg(feature = "selftest")]
-    fn set_discrete(&mut self, _is_discrete: bool) {}
-
-    /// Takes over the caches of the contacts of another world, of which this world is a copy.
-    fn clone_cached_from(&mut self, source: &Self);
-}
-
-/// An outline of a body, with the position and the angle of the body.
-pub(crate) type Placed<'a, S> = (&'a Outline<S>, (Vec2<<S as Scalar>::Accumulator>, <S as Scalar>::Angle));
-
-/// A point of a manifold.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct TouchPoint<S: Scalar> {
-    /// The position, m.
-    pub(crate) position: Vec2<S>,
-    pub(crate) separation: S,
-    pub(crate) feature: u32,
-}
-
-/// No contacts, for the scalars of tests.
-#[cfg(feature = "selftest")]
-#[doc(hidden)]
-#[derive(Debug, Default)]
-pub struct NoContacts;
-
-#[cfg(feature = "selftest")]
-impl<S: Scalar> ContactEngine<S> for NoContacts {
-    fn detect(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
-
-    fn spread(&mut self, _: &Scene<'_, S>, _: &ContactSet, _: &mut Detected) {}
-
-    fn list(&self, _: &ColliderSet<S>, _: &mut ContactSet) {}
-
-    fn hits(&self, _: &Scene<'_, S>, _: &mut Vec<ContactHit<S>>) {}
-
-    fn touching(&self, _: &ColliderSet<S>, _: impl FnMut([u32; 2], bool)) {}
-
-    fn solve(&mut self, _: &Scene<'_, S>, corrections: &mut Vec<Correction<S>>) {
-        corrections.clear();
-    }
-
-    fn sweep(&mut self, _: &Scene<'_, S>, _: &[Correction<S>], _: &dyn Fn(usize) -> bool, stops: &mut Vec<Stop<S>>) {
-        stops.clear();
-    }
-
-    fn touch(_: Placed<'_, S>, _: Placed<'_, S>) -> Option<(Vec2<S>, [TouchPoint<S>; 2], usize)> {
-        None
-    }
-
-    fn clone_cached_from(&mut self, _: &Self) {}
 }
 
 /// Bodies that stand in the way of solving.

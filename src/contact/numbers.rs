@@ -4,7 +4,6 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::collider::{Collider, ColliderSet, OutlineId};
-use crate::scalar::Scalar;
 
 /// A number for each outline of a world: sorted by number they are sorted by collider and part.
 ///
@@ -19,13 +18,13 @@ pub(super) struct Numbers {
 }
 
 /// The numbers that a slot takes: one without a collider takes one, so that numbers stay when a collider of one outline comes or goes.
-fn count<S: Scalar>(collider: Option<&Collider<S>>) -> u32 {
+fn count(collider: Option<&Collider>) -> u32 {
     collider.map_or(1, Collider::outline_count)
 }
 
 impl Numbers {
     /// Numbers the outlines anew where colliders have changed. Returns true if outlines may have other numbers than before.
-    pub(super) fn update<S: Scalar>(&mut self, colliders: &ColliderSet<S>) -> bool {
+    pub(super) fn update(&mut self, colliders: &ColliderSet) -> bool {
         let is_simple = colliders.more_outlines() == 0;
         if is_simple && self.first.is_empty() || !is_simple && self.revision == colliders.revision() {
             return false;
@@ -48,7 +47,7 @@ impl Numbers {
     }
 
     /// Returns true if no collider that changed has another number of outlines than the one before it in its slot.
-    fn are_kept<S: Scalar>(&self, colliders: &ColliderSet<S>) -> bool {
+    fn are_kept(&self, colliders: &ColliderSet) -> bool {
         let is_kept = |slot: u32| {
             let first = self.first.get(slot as usize);
             // New slots follow.
@@ -67,7 +66,7 @@ impl Numbers {
     }
 
     /// Returns true if these colliders are numbered: a copy of a world numbers them when it steps.
-    pub(super) fn is_of<S: Scalar>(&self, colliders: &ColliderSet<S>) -> bool {
+    pub(super) fn is_of(&self, colliders: &ColliderSet) -> bool {
         if colliders.more_outlines() == 0 { self.outlines.is_empty() } else { self.revision == colliders.revision() }
     }
 

@@ -8,12 +8,11 @@ use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::flights::FlightOf;
-use super::numerics::{MARGIN, Numerics};
-use super::{ContactSet, Disturbed, Scene};
+use super::{ContactSet, Disturbed, MARGIN, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
-use crate::scalar::Scalar;
+use crate::fx::Fx;
 use crate::slots::BodyId;
 
 /// The answer of a one-way collider for a body near it. *Domain* the part is below 2^16.
@@ -63,10 +62,10 @@ impl Read for PassRecord {
 
 /// A manifold of a one-way outline and a body.
 #[derive(Debug)]
-pub(super) struct Near<S> {
+pub(super) struct Near {
     place: Place,
     /// The least separation, m.
-    separation: S,
+    separation: Fx,
     /// True if the normal is within the tolerance.
     is_facing: bool,
 }
@@ -74,20 +73,19 @@ pub(super) struct Near<S> {
 /// Returns true if a body passes. `separation` is that of its nearest manifold, and `is_facing` is true if that faces the side that holds;
 /// `before` is the answer of the step before. Asked again with its own answer as `before`, it answers the same, so that a body at rest does
 /// not alternate.
-fn passes<S: Scalar>(before: Option<bool>, separation: S, is_facing: bool) -> bool {
-    let margin = S::from_fx(MARGIN);
+fn passes(before: Option<bool>, separation: Fx, is_facing: bool) -> bool {
     match before {
-        Some(true) => separation <= S::ZERO || !is_facing,
-        Some(false) => separation > margin && !is_facing,
-        None => separation < -margin || !is_facing,
+        Some(true) => separation <= Fx::ZERO || !is_facing,
+        Some(false) => separation > MARGIN && !is_facing,
+        None => separation < -MARGIN || !is_facing,
     }
 }
 
-impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+impl Engine {
     /// Leaves out the pairs of one-way colliders and of bodies that pass, and lists the answers of all one-way colliders.
     pub(super) fn leave_out_passing(
         &mut self,
-        scene: &Scene<'_, S>,
+        scene: &Scene<'_>,
         (contacts, disturbed): (&ContactSet, &Disturbed),
         pairs: &mut Vec<[u32; 2]>,
     ) {
@@ -102,8 +100,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
         near.sort_unstable_by_key(|near| near.place);
         for group in near.chunk_by(|a, b| a.place == b.place) {
-            let least = |least: S, near: &Near<S>| if near.separation < least { near.separation } else { least };
-            let separation = group.iter().fold(group[0].separation, least);
+            let separation = group.iter().fold(group[0].separation, |least, near| near.separation.min(least));
             let mut nearest = group.iter().filter(|near| near.separation == separation);
             let is_facing = nearest.all(|near| near.is_facing);
             let place = group[0].place;
@@ -130,14 +127,14 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Adds the manifold of a pair, once for each of its colliders that is one-way.
-    fn look_at(&mut self, scene: &Scene<'_, S>, numbers: [u32; 2], near: &mut Vec<Near<S>>) {
+    fn look_at(&mut self, scene: &Scene<'_>, numbers: [u32; 2], near: &mut Vec<Near>) {
         let pair = numbers.map(|number| self.numbers.outline(number));
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
         let colliders = [a, b];
         if colliders.iter().all(|collider| collider.side.is_none()) {
             return;
         }
-        let ends = colliders.map(|collider| self.flights.of::<S, N>(scene, collider.body.slot));
+        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let kinds = ends.map(|flight| self.flights.body(flight).kind);
         let moves = |kind: FlightOf| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic);
         let sleeps = kinds.contains(&FlightOf::Asleep);
@@ -152,10 +149,12 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         let Some(manifold) = self.manifold_of(scene, numbers, pair) else { return };
         for side in 0..2 {
             if let Some(holds) = colliders[side].side {
-                let along = N::along(&manifold, &self.flights.body(ends[side]).pose, holds.direction);
+                let pose = self.flights.start_pose(scene, ends[side]);
+                let pose = pose.unwrap_or(self.flights.body(ends[side]).pose);
+                let along = manifold.cosine_with(pose.turned(holds.direction));
                 near.push(Near {
                     place: (pair[side], colliders[1 - side].body.slot),
-                    separation: N::least_separation(&manifold),
+                    separation: manifold.least_separation(),
                     is_facing: if side == 0 { along >= holds.cosine } else { -along >= holds.cosine },
                 });
             }
@@ -171,10 +170,10 @@ fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
 
 /// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Pairs
 /// that were disturbed are looked at again ([`pair_still`](Engine::pair_still)).
-fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord, disturbed: &Disturbed) -> bool {
+fn is_still(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;
-        Some((scene.bodies.activity(dense), scene.bodies.info(dense).kind))
+        Some((scene.bodies.activity(dense), scene.bodies.contact_info(dense).kind))
     };
     let [Some(a), Some(b)] = [state(platform(scene, record)), state(Some(record.body))] else { return false };
     let sleeps = |(activity, _)| activity == Activity::Asleep;
@@ -184,12 +183,12 @@ fn is_still<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord, disturbed: &Di
 }
 
 /// The slot of the body of the one-way collider of a record.
-fn platform<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord) -> Option<u32> {
+fn platform(scene: &Scene<'_>, record: &PassRecord) -> Option<u32> {
     scene.colliders.at(record.collider).map(|collider| collider.body.slot)
 }
 
 /// Returns true if one of the bodies of a record, or a collider of one, may have changed while both stood still.
-pub(super) fn is_disturbed<S: Scalar>(scene: &Scene<'_, S>, record: &PassRecord, disturbed: &Disturbed) -> bool {
+pub(super) fn is_disturbed(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
     let mut bodies = platform(scene, record).into_iter().chain([record.body]);
     scene.may_have_moved_statics && bodies.any(|body| disturbed.has(body))
 }

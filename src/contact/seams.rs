@@ -9,7 +9,7 @@ use core::ops::Range;
 use super::{ContactRecord, ContactSet, Scene};
 use crate::body::BodyKind;
 use crate::collider::OutlineId;
-use crate::scalar::Scalar;
+use crate::fx::Fx;
 use crate::slots::NONE;
 use crate::solve::Impulses;
 
@@ -34,17 +34,12 @@ impl Chains {
     }
 
     /// The records of an outline on a chain. They are listed when they are first asked for.
-    pub(super) fn of<S: Scalar>(
-        &mut self,
-        scene: &Scene<'_, S>,
-        contacts: &ContactSet,
-        chain: u32,
-        on: OutlineId,
-    ) -> Range<usize> {
+    pub(super) fn of(&mut self, scene: &Scene<'_>, contacts: &ContactSet, chain: u32, on: OutlineId) -> Range<usize> {
         if !self.is_listed {
             self.is_listed = true;
-            let is_static =
-                |body| scene.bodies.find(body).is_ok_and(|at| scene.bodies.info(at).kind == BodyKind::Static);
+            let is_static = |body| {
+                scene.bodies.index_of(body).is_some_and(|at| scene.bodies.contact_info(at).kind == BodyKind::Static)
+            };
             let surface = |slot: u32| {
                 let collider = scene.colliders.at(slot)?;
                 let is_chain = collider.def.shape.is_chain();
@@ -85,18 +80,12 @@ fn corner(feature: u32, side: usize) -> Option<u32> {
 
 /// The radius with which a point of two outlines rolls: the radius of the outline that touches with an arc, the smaller one if both do,
 /// zero if neither does.
-pub(super) fn rolling_radius<S: Scalar>(feature: u32, radii: [S; 2]) -> S {
+pub(super) fn rolling_radius(feature: u32, radii: [Fx; 2]) -> Fx {
     // An edge is flat, whatever the radius of its ends.
-    let arc = |side: usize| Some(radii[side]).filter(|radius| corner(feature, side).is_some() && *radius > S::ZERO);
+    let arc = |side: usize| Some(radii[side]).filter(|radius| corner(feature, side).is_some() && *radius > Fx::ZERO);
     match (arc(0), arc(1)) {
-        (Some(a), Some(b)) => {
-            if a < b {
-                a
-            } else {
-                b
-            }
-        }
-        (one, other) => one.or(other).unwrap_or(S::ZERO),
+        (Some(a), Some(b)) => a.min(b),
+        (one, other) => one.or(other).unwrap_or(Fx::ZERO),
     }
 }
 

@@ -12,13 +12,15 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::{ContactEngine as _, pair_limits};
-use crate::body::{Activity, Bodies, BodyKind};
+use super::engine::Engine;
+use super::{ContactBodies, pair_limits};
+use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collide::broad::{PairLimits, Proxy, Statics};
 use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
+use crate::fx::Fx;
 use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
-use crate::scalar::{Accumulator as _, Scalar};
+use crate::scalar::FxAccumulator;
 use crate::shape::Aabb;
 use crate::slots::{BodyId, NONE};
 
@@ -85,27 +87,27 @@ pub(crate) struct Sensors {
 }
 
 /// The parts of a world that sensors look at.
-struct View<'a, S: Scalar> {
-    bodies: &'a Bodies<S>,
-    colliders: &'a ColliderSet<S>,
-    engine: &'a S::Contacts,
+struct View<'a> {
+    bodies: &'a dyn ContactBodies,
+    colliders: &'a ColliderSet,
+    engine: &'a Engine,
 }
 
-impl<S: Scalar> View<'_, S> {
+impl View<'_> {
     /// The place of the body of a collider, its kind and its activity, if it takes part.
-    fn place(&self, collider: &Collider<S>) -> Option<(Placement<S>, BodyKind, Activity)> {
-        let dense = self.bodies.find(collider.body).ok()?;
+    fn place(&self, collider: &Collider) -> Option<(Placement<Fx>, BodyKind, Activity)> {
+        let dense = self.bodies.index_of(collider.body)?;
         let activity = self.bodies.activity(dense);
         if !matches!(activity, Activity::Awake | Activity::Asleep) {
             return None;
         }
-        let motion = &self.bodies.columns.motion;
-        let placement = Placement::new(motion.position.get(dense).map(|part| part.value()), motion.angle[dense]);
-        Some((placement, self.bodies.info(dense).kind, activity))
+        let position = self.bodies.position(dense).map(FxAccumulator::value);
+        let placement = Placement::new(position, self.bodies.angle(dense));
+        Some((placement, self.bodies.contact_info(dense).kind, activity))
     }
 
     /// These outlines of a collider, if its body takes part.
-    fn seen<'a>(&'a self, collider: &'a Collider<S>, parts: Range<u32>) -> impl Iterator<Item = Seen> + 'a {
+    fn seen<'a>(&'a self, collider: &'a Collider, parts: Range<u32>) -> impl Iterator<Item = Seen> + 'a {
         let place = self.place(collider).into_iter();
         place.flat_map(move |(placement, kind, activity)| {
             parts.clone().filter_map(move |part| {
@@ -153,13 +155,13 @@ impl Sensors {
     }
 
     /// Finds all overlaps of sensors; `engine` found the contacts of the step, in which the bodies of `fell_asleep` did so.
-    pub(crate) fn find<S: Scalar>(
+    pub(crate) fn find(
         &mut self,
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
-        engine: &S::Contacts,
+        bodies: &dyn ContactBodies,
+        colliders: &ColliderSet,
+        engine: &Engine,
         fell_asleep: &[BodyId],
-        settings: &ContactSettings<S>,
+        settings: &ContactSettings,
     ) {
         let view = View { bodies, colliders, engine };
         if self.revision != Some(colliders.revision()) {
@@ -175,7 +177,7 @@ impl Sensors {
         if self.sensors.is_empty() {
             return;
         }
-        let moving = bodies.columns.slot[..bodies.moving()].iter().copied();
+        let moving = (0..bodies.moving()).map(|dense| bodies.id(dense).slot);
         for slot in moving.chain(fell_asleep.iter().map(|body| body.slot)) {
             self.movers.extend(
                 colliders.solid_of_slot(slot).flat_map(|collider| view.seen(collider, 0..collider.outline_count())),
@@ -190,7 +192,7 @@ impl Sensors {
     }
 
     /// Puts outlines into the tree, by their index in the list.
-    fn plant<S: Scalar>(&mut self, view: &View<'_, S>, are_sensors: bool) {
+    fn plant(&mut self, view: &View<'_>, are_sensors: bool) {
         let list = if are_sensors { &self.sensors } else { &self.movers };
         self.proxies.clear();
         self.proxies.extend((0..).zip(list).filter_map(|(number, seen)| view.proxy(number, seen)));
@@ -201,7 +203,7 @@ impl Sensors {
 
     /// Lists the pairs of sensors and outlines whose boxes overlap, up to one more than there may be. Returns the number of overlaps, those
     /// included that filters reject, up to one more than there may be.
-    fn pair_all<S: Scalar>(&mut self, view: &View<'_, S>, limits: &PairLimits) -> usize {
+    fn pair_all(&mut self, view: &View<'_>, limits: &PairLimits) -> usize {
         self.plant(view, true);
         let Self { sensors, movers, tree, pairs, .. } = self;
         pairs.clear();
@@ -234,7 +236,7 @@ impl Sensors {
     /// Lists the pairs of the sensors that have the fewest: of those with at most as many as one collider may have, or of the largest number
     /// at which they fit. It counts no pairs of a sensor beyond that. With `are_rejected_counted`, what filters reject counts as pairs do.
     #[cold]
-    fn pair_fewest<S: Scalar>(&mut self, view: &View<'_, S>, limits: &PairLimits, are_rejected_counted: bool) {
+    fn pair_fewest(&mut self, view: &View<'_>, limits: &PairLimits, are_rejected_counted: bool) {
         self.plant(view, false);
         let (most, per_sensor) = (limits.pairs, limits.per_collider as u32);
         let Self { sensors, movers, tree, pairs, degrees, sums, .. } = self;
@@ -282,7 +284,7 @@ impl Sensors {
     }
 
     /// Finds which of the pairs overlap.
-    fn meet<S: Scalar>(&mut self, view: &View<'_, S>) {
+    fn meet(&mut self, view: &View<'_>) {
         let Self { sensors, pairs, sum, found, .. } = self;
         pairs.sort_unstable();
         for same in pairs.chunk_by(|a, b| a.0 == b.0) {

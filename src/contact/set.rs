@@ -4,11 +4,9 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
 use super::asleep::AsleepContacts;
-use super::{ContactRecord, EndedPair, ExcludedPair, Overlap, PassRecord};
-use crate::body::Bodies;
+use super::{ContactBodies, ContactRecord, EndedPair, ExcludedPair, Overlap, PassRecord};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::collider::{ColliderSet, OutlineId};
-use crate::scalar::Scalar;
 use crate::slots::ColliderId;
 use crate::solve::Impulses;
 
@@ -109,7 +107,7 @@ impl ContactSet {
 
     /// Drops the records of a collider, its answers if it is one-way, and its overlaps; what ends with it is kept for the report of the
     /// next step. *Domain* the colliders still have it.
-    pub(crate) fn forget<S: Scalar>(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, collider: ColliderId) {
+    pub(crate) fn forget(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, collider: ColliderId) {
         self.keep_ends(bodies, colliders, collider.slot);
         self.overlaps.retain(|overlap| !overlap.slots().contains(&collider.slot));
         let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| outline.slot != collider.slot);

@@ -14,141 +14,107 @@
 //! body go along the flight that this has found.
 
 use alloc::vec::Vec;
-use core::fmt::Debug;
 
+use crate::fx::Fx;
+use crate::limits::SPEED;
+use crate::math::TimeStep;
+use crate::scalar::{Accumulator as _, FxAccumulator};
 use crate::slots::NONE;
-use crate::solve::Graph;
+use crate::solve::{Contact, ContactSolver, Correction, Flight, Graph, SolverOptions};
 
 /// The sub-steps of islands under heavy loads: the most that a world may have.
-pub(super) const FINE: u32 = 16;
+const FINE: u32 = 16;
 
 /// A load is heavy if a body on top has more than this times the mass of the one that carries it.
-pub(super) const HEAVY: i32 = 64;
+const HEAVY: i64 = 64;
 
-/// A flight of the solver of one scalar.
-pub(super) trait Flying: Copy {
-    /// kg
-    type Mass: Copy + Debug + Default + PartialOrd;
-    /// The change of a flight by the impulses of a step.
-    type Correction: Copy + Debug + Default;
-
-    /// Returns true for one that no impulse changes.
-    fn is_fixed(&self) -> bool;
-    /// The mass; 0 for a fixed one.
-    fn mass(&self) -> Self::Mass;
-    /// Returns true for a mass that is a heavy load on another one.
-    fn is_heavy(load: Self::Mass, mass: Self::Mass) -> bool;
-    /// The flight that this one follows.
-    fn leader(&self) -> Option<u32>;
-    fn set_leader(&mut self, leader: Option<u32>);
-    /// Adds the impulses of the step to its velocity at the end: sub-steps see a fixed flight by its velocities alone.
-    fn correct(&mut self, by: &Self::Correction);
-}
-
-/// A contact of the solver of one scalar.
-pub(super) trait Linking: Copy {
-    /// The numbers of its flights.
-    fn bodies(&self) -> [u32; 2];
-    fn set_bodies(&mut self, bodies: [u32; 2]);
-    /// Makes its impulses those of the same forces over a sub-step of num/den of the length.
-    fn rescale(&mut self, num: u32, den: u32);
+/// Returns true for a mass in kg that is a heavy load on another one.
+fn is_heavy(load: Fx, mass: Fx) -> bool {
+    // Masses are at most 2^56 ulps: a product is at most 2^62.
+    load.to_bits() > mass.to_bits() * HEAVY
 }
 
 /// Contacts that take the same sub-steps, and their flights.
-#[derive(Debug)]
-struct Part<F, C> {
-    flights: Vec<F>,
+#[derive(Debug, Default)]
+struct Part {
+    flights: Vec<Flight>,
     /// The numbers of the flights among all.
     flight_numbers: Vec<u32>,
-    contacts: Vec<C>,
+    contacts: Vec<Contact>,
     /// The numbers of the contacts among all.
     contact_numbers: Vec<u32>,
+    corrections: Vec<Correction>,
 }
 
-impl<F, C> Default for Part<F, C> {
-    fn default() -> Self {
-        Self { flights: Vec::new(), flight_numbers: Vec::new(), contacts: Vec::new(), contact_numbers: Vec::new() }
-    }
-}
-
-/// The contacts of a step, split by the sub-steps that their islands take.
-#[derive(Debug)]
-pub(super) struct Split<F: Flying, C> {
+/// The contacts of a step, split by the sub-steps that their islands take, and a solver for each part.
+#[derive(Debug, Default)]
+pub(crate) struct Solvers<C> {
     graph: Graph,
-    /// The largest mass on top of each body.
-    loads: Vec<F::Mass>,
+    /// The largest mass on top of each body, kg.
+    loads: Vec<Fx>,
     /// By island.
     is_heavy: Vec<bool>,
     /// By flight its number among those of a part, or [`NONE`].
     place: Vec<u32>,
     /// True if the last step had two parts.
     is_split: bool,
-    parts: [Part<F, C>; 2],
-    /// The corrections of a part.
-    corrections: Vec<F::Correction>,
+    parts: [Part; 2],
+    solvers: [C; 2],
+    corrections: Vec<Correction>,
 }
 
-impl<F: Flying, C> Default for Split<F, C> {
-    fn default() -> Self {
-        Self {
-            graph: Graph::default(),
-            loads: Vec::new(),
-            is_heavy: Vec::new(),
-            place: Vec::new(),
-            is_split: false,
-            parts: Default::default(),
-            corrections: Vec::new(),
-        }
-    }
-}
-
-impl<F: Flying, C: Linking> Split<F, C> {
-    /// Solves contacts, those of islands under heavy loads in finer sub-steps than `substeps`, and lists the corrections of all flights.
-    /// `solve` does it for a part, which has a number: in so many sub-steps, for its flights and contacts.
+impl<C: ContactSolver> Solvers<C> {
+    /// Solves contacts, those of islands under heavy loads in finer sub-steps than the options say: writes impulses to the contacts.
+    /// Returns the corrections of all flights.
     pub(super) fn solve(
         &mut self,
-        substeps: u32,
-        (flights, contacts): (&[F], &mut [C]),
-        corrections: &mut Vec<F::Correction>,
-        mut solve: impl FnMut(usize, u32, (&[F], &mut [C]), &mut Vec<F::Correction>),
-    ) {
+        time_step: TimeStep,
+        options: &SolverOptions,
+        flights: &[Flight],
+        contacts: &mut [Contact],
+    ) -> &[Correction] {
+        let substeps = options.substeps;
         self.is_split = substeps < FINE && self.find(flights, contacts);
         if !self.is_split {
-            return solve(0, substeps, (flights, contacts), corrections);
+            self.solvers[0].solve(time_step, options, flights, contacts, &mut self.corrections);
+            return &self.corrections;
         }
-        corrections.clear();
-        corrections.resize(flights.len(), F::Correction::default());
-        for (index, own) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, (flights, contacts), corrections);
-            let part = &mut self.parts[index];
-            part.contacts.iter_mut().for_each(|contact| contact.rescale(substeps, own));
-            solve(index, own, (&part.flights, &mut part.contacts), &mut self.corrections);
+        self.corrections.clear();
+        self.corrections.resize(flights.len(), Correction::default());
+        for (index, part_substeps) in [substeps, FINE].into_iter().enumerate() {
+            self.take(index, flights, contacts);
+            let (part, to, from) = (&mut self.parts[index], u64::from(part_substeps), u64::from(substeps));
+            for contact in &mut part.contacts {
+                contact.impulses = contact.impulses.rescaled(from, to);
+            }
+            let options = SolverOptions { substeps: part_substeps, ..*options };
+            let solver = &mut self.solvers[index];
+            solver.solve(time_step, &options, &part.flights, &mut part.contacts, &mut part.corrections);
             // Fixed bodies, which may be in both parts, have none.
-            for (&number, correction) in part.flight_numbers.iter().zip(&self.corrections) {
-                corrections[number as usize] = *correction;
+            for (&number, correction) in part.flight_numbers.iter().zip(&part.corrections) {
+                self.corrections[number as usize] = *correction;
             }
             for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
-                let all = &mut contacts[number as usize];
-                let bodies = all.bodies();
-                *all = *contact;
-                all.set_bodies(bodies);
-                all.rescale(own, substeps);
+                contacts[number as usize].impulses = contact.impulses.rescaled(to, from);
             }
         }
+        &self.corrections
     }
 
-    /// The number of parts of the last step.
-    pub(super) fn parts(&self) -> usize {
-        if self.is_split { 2 } else { 1 }
-    }
-
-    /// The number among all of a contact of a part.
-    pub(super) fn number(&self, part: usize, contact: u32) -> u32 {
-        if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
+    /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
+    pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
+        let parts = if self.is_split { 2 } else { 1 };
+        (0..parts).flat_map(move |part| {
+            let number = move |contact: u32| match self.is_split {
+                true => self.parts[part].contact_numbers[contact as usize],
+                false => contact,
+            };
+            self.solvers[part].totals().map(move |(contact, sums, exponent)| (number(contact), sums, exponent))
+        })
     }
 
     /// Finds the islands under heavy loads. Returns true if there is one.
-    fn find(&mut self, flights: &[F], contacts: &[C]) -> bool {
+    fn find(&mut self, flights: &[Flight], contacts: &[Contact]) -> bool {
         may_be_heavy(flights, contacts) && {
             self.find_heavy(flights, contacts);
             self.follow_leaders(flights);
@@ -156,25 +122,26 @@ impl<F: Flying, C: Linking> Split<F, C> {
         }
     }
 
-    fn find_heavy(&mut self, flights: &[F], contacts: &[C]) {
-        let Self { graph, loads, is_heavy, .. } = self;
-        let (links, is_fixed) = (contacts.iter().map(C::bodies), |body: u32| flights[body as usize].is_fixed());
+    fn find_heavy(&mut self, flights: &[Flight], contacts: &[Contact]) {
+        let Self { graph, loads, is_heavy: heavy, .. } = self;
+        let (links, is_fixed) =
+            (contacts.iter().map(|contact| contact.bodies), |body: u32| flights[body as usize].is_fixed());
         // Islands that no fixed body holds carry nothing: they get no levels.
         graph.build(is_fixed, flights.len(), links, |_, _| {});
-        graph.largest_above(|body| flights[body as usize].mass(), loads);
-        is_heavy.clear();
-        is_heavy.resize(graph.islands(), false);
+        graph.largest_above(|body| flights[body as usize].mass, loads);
+        heavy.clear();
+        heavy.resize(graph.islands(), false);
         for ((body, flight), &load) in (0..).zip(flights).zip(&*loads) {
-            if let Some(island) = graph.island_of(body).filter(|_| F::is_heavy(load, flight.mass())) {
-                is_heavy[island as usize] = true;
+            if let Some(island) = graph.island_of(body).filter(|_| is_heavy(load, flight.mass)) {
+                heavy[island as usize] = true;
             }
         }
     }
 
     /// Gives islands below bodies that dominate them fine sub-steps where these have them.
-    fn follow_leaders(&mut self, flights: &[F]) {
+    fn follow_leaders(&mut self, flights: &[Flight]) {
         let Self { graph, is_heavy, .. } = self;
-        let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader()?)));
+        let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader?)));
         let below = |follower| graph.touched_by(follower).filter_map(|body| graph.island_of(body));
         // Leaders may be below others in turn: at most one round for each number of dominance.
         let mut has_changed = followers().next().is_some();
@@ -193,8 +160,8 @@ impl<F: Flying, C: Linking> Split<F, C> {
     }
 
     /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
-    fn take(&mut self, index: usize, (flights, contacts): (&[F], &[C]), corrections: &[F::Correction]) {
-        let Self { graph, is_heavy, place, parts, .. } = self;
+    fn take(&mut self, index: usize, flights: &[Flight], contacts: &[Contact]) {
+        let Self { graph, is_heavy, place, parts, corrections, .. } = self;
         let part = &mut parts[index];
         place.clear();
         place.resize(flights.len(), NONE);
@@ -203,44 +170,56 @@ impl<F: Flying, C: Linking> Split<F, C> {
         part.contacts.clear();
         part.contact_numbers.clear();
         for (number, contact) in (0..).zip(contacts) {
-            let island = graph.mover(contact.bodies()).and_then(|body| graph.island_of(body));
+            let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
             if island.is_some_and(|island| is_heavy[island as usize]) != (index == 1) {
                 continue;
             }
-            let own = contact.bodies().map(|body| {
-                let own = &mut place[body as usize];
-                if *own == NONE {
-                    *own = part.flights.len() as u32;
+            let bodies = contact.bodies.map(|body| {
+                let at = &mut place[body as usize];
+                if *at == NONE {
+                    *at = part.flights.len() as u32;
                     part.flights.push(flights[body as usize]);
                     part.flight_numbers.push(body);
                 }
-                *own
+                *at
             });
-            let mut contact = *contact;
-            contact.set_bodies(own);
-            part.contacts.push(contact);
+            part.contacts.push(Contact { bodies, ..*contact });
             part.contact_numbers.push(number);
         }
         for flight in &mut part.flights {
-            let Some(leader) = flight.leader() else { continue };
-            let own = place[leader as usize];
-            if own == NONE {
+            let Some(leader) = flight.leader else { continue };
+            let at = place[leader as usize];
+            if at == NONE {
                 // The leader was in the part before, or has no contacts at all.
-                flight.correct(&corrections[leader as usize]);
+                correct(flight, &corrections[leader as usize]);
             }
-            flight.set_leader(Some(own).filter(|&own| own != NONE));
+            flight.leader = Some(at).filter(|&at| at != NONE);
         }
     }
 }
 
-/// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.
-fn may_be_heavy<F: Flying>(flights: &[F], contacts: &[impl Linking]) -> bool {
-    let masses = contacts.iter().flat_map(Linking::bodies).map(|body| flights[body as usize].mass());
-    let none = F::Mass::default();
-    let mut range = None;
-    for mass in masses.filter(|&mass| mass > none) {
-        let (least, most) = range.unwrap_or((mass, mass));
-        range = Some((if mass < least { mass } else { least }, if mass > most { mass } else { most }));
+/// Adds the impulses of the step to the velocity of a flight at the end: sub-steps see a fixed flight by its velocities alone.
+fn correct(flight: &mut Flight, correction: &Correction) {
+    // A change by impulses is at most 2^30 and a velocity below 2^26: the sum is below 2^31. No flight ends faster than the limit.
+    let sum = |velocity: Fx, change: FxAccumulator| {
+        FxAccumulator::from_scalar(velocity).plus(change).value().clamp(-SPEED, SPEED)
+    };
+    if *correction == Correction::default() {
+        return;
     }
-    range.is_some_and(|(least, most)| F::is_heavy(most, least))
+    let end = &mut flight.end;
+    end.linear.x = sum(end.linear.x, correction.velocity.x);
+    end.linear.y = sum(end.linear.y, correction.velocity.y);
+    end.angular = sum(end.angular, correction.angular_velocity);
+}
+
+/// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.
+fn may_be_heavy(flights: &[Flight], contacts: &[Contact]) -> bool {
+    let masses = contacts.iter().flat_map(|contact| contact.bodies).map(|body| flights[body as usize].mass);
+    let mut range = None;
+    for mass in masses.filter(|&mass| mass > Fx::ZERO) {
+        let (least, most) = range.unwrap_or((mass, mass));
+        range = Some((mass.min(least), mass.max(most)));
+    }
+    range.is_some_and(|(least, most)| is_heavy(most, least))
 }

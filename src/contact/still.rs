@@ -4,15 +4,16 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use super::bodies;
 use super::engine::Engine;
-use super::numerics::Numerics;
+use super::flights::pose;
 use super::passes::is_disturbed;
+use super::reach;
 use super::{Changed, ContactSet, Detected, Scene, pair_limits, sorted};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
 use crate::collider::Collider;
 use crate::query::place_digest;
-use crate::scalar::{Accumulator as _, Scalar};
 use crate::slots::BodyId;
 
 /// The trees of a world.
@@ -160,9 +161,9 @@ enum State {
     Asleep,
 }
 
-impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
+impl Engine {
     /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
-    pub(super) fn update_still(&mut self, scene: &Scene<'_, S>, are_renumbered: bool, disturbed: &mut Disturbed) {
+    pub(super) fn update_still(&mut self, scene: &Scene<'_>, are_renumbered: bool, disturbed: &mut Disturbed) {
         // Room for all: a step that is taken again may have to list them where it followed changes before.
         self.following.proxies.clear();
         self.following.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
@@ -182,11 +183,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             _ => {
                 disturbed.are_all = true;
                 self.tiles.clear();
-                self.list(scene, State::Static, &mut own.proxies);
+                self.list_resting(scene, State::Static, &mut own.proxies);
                 if !still.statics.are(&own.proxies) {
                     still.statics = Arc::new(Statics::new(own.proxies.clone()));
                 }
-                self.list(scene, State::Asleep, &mut own.proxies);
+                self.list_resting(scene, State::Asleep, &mut own.proxies);
                 if !still.sleepers.are(&own.proxies) {
                     still.sleepers.refill(&own.proxies);
                     still.version += 1;
@@ -199,7 +200,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Lists all colliders that stand still in this way.
-    fn list(&self, scene: &Scene<'_, S>, state: State, proxies: &mut Vec<Proxy>) {
+    fn list_resting(&self, scene: &Scene<'_>, state: State, proxies: &mut Vec<Proxy>) {
         proxies.clear();
         if state == State::Static || scene.bodies.any_asleep() {
             proxies.extend(scene.colliders.list().flat_map(|collider| self.proxies(scene, collider, state)));
@@ -209,7 +210,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Makes the changes of bodies and colliders.
     fn follow(
         &mut self,
-        scene: &Scene<'_, S>,
+        scene: &Scene<'_>,
         changed: &Changed,
         (still, own, disturbed): (&mut Still, &mut Workspace, &mut Disturbed),
         most: &PairLimits,
@@ -265,30 +266,29 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// The boxes of a collider, if its body stands still in this way.
     fn proxies<'a>(
         &self,
-        scene: &Scene<'a, S>,
-        collider: &'a Collider<S>,
+        scene: &Scene<'a>,
+        collider: &'a Collider,
         state: State,
-    ) -> impl Iterator<Item = Proxy> + use<'a, S, N> {
+    ) -> impl Iterator<Item = Proxy> + use<'a> {
         let bodies = scene.bodies;
         let first = self.numbers.first(collider.slot);
         let is_still = |dense: &usize| match (bodies.activity(*dense), state) {
-            (Activity::Awake, State::Static) => bodies.info(*dense).kind == BodyKind::Static,
+            (Activity::Awake, State::Static) => bodies.contact_info(*dense).kind == BodyKind::Static,
             (Activity::Asleep, State::Asleep) => true,
             _ => false,
         };
-        let dense = bodies.find(collider.body).ok().filter(|_| !collider.def.sensor).filter(is_still);
-        let motion = &bodies.columns.motion;
+        let dense = bodies.index_of(collider.body).filter(|_| !collider.def.sensor).filter(is_still);
         dense.into_iter().flat_map(move |dense| {
-            let position = motion.position.get(dense);
-            let pose = N::pose(position, motion.angle[dense]);
-            let digest = place_digest(collider.digest, position.map(|part| part.value()), motion.angle[dense]);
+            let (position, angle) = (bodies.position(dense), bodies.angle(dense));
+            let pose = pose(position, angle);
+            let digest = place_digest(collider.digest, pose.position(), angle);
             (0..collider.outline_count()).map(move |part| Proxy {
                 collider: first + part,
                 body: collider.body.slot,
                 bounds: match state {
-                    State::Static => N::resting(&collider.outline(part), &pose),
+                    State::Static => reach::resting(&collider.outline(part), &pose),
                     // The box that it would have if it were awake and did not move.
-                    State::Asleep => N::swept(&collider.outline(part), &pose, &N::still(position)),
+                    State::Asleep => reach::swept(&collider.outline(part), &pose, &bodies::resting(pose.position())),
                 },
                 filter: collider.def.filter,
                 digest,
@@ -299,7 +299,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// Adds the changes of a tree by the collider in a slot: it came, it left, or it is another one.
     fn list_changes(
         &self,
-        scene: &Scene<'_, S>,
+        scene: &Scene<'_>,
         tree: &Statics,
         (slot, state): (u32, State),
         changes: &mut Vec<(u32, Option<Proxy>)>,
@@ -313,21 +313,22 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
     }
 
-    /// Adds the sleeping bodies that the bodies of `scene.starts` touch to `touched`. See [`ContactEngine::spread`](super::ContactEngine).
-    pub(super) fn touch_sleepers(&mut self, scene: &Scene<'_, S>, contacts: &ContactSet, out: &mut Detected) {
+    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
+    /// `scene.starts` woke since contacts were found, and the step knows of no other change.
+    pub(crate) fn spread(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         // Bodies with too many pairs are at fault before they touch anything.
         if !self.broad.above_cap().is_empty() {
             return;
         }
-        self.numerics.clear();
+        self.cores.clear();
         self.core_of.clear();
-        self.flights.begin::<S, N>(scene);
+        self.flights.begin(scene);
         self.place_movers(scene);
         let Some(Still { sleepers, .. }) = &self.still else { return };
         let numbers = &self.numbers;
         let body = |number: u32| scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body);
         let sleeps = |body: &BodyId| {
-            scene.bodies.find(*body).is_ok_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
+            scene.bodies.index_of(*body).is_some_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
         };
         let mut pairs = self.broad.take_pairs();
         pairs.clear();
@@ -373,7 +374,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     /// collider was, since that follows from all of them.
     pub(super) fn pair_still(
         &self,
-        scene: &Scene<'_, S>,
+        scene: &Scene<'_>,
         (contacts, disturbed): (&ContactSet, &Disturbed),
         pairs: &mut Vec<[u32; 2]>,
     ) {

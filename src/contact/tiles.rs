@@ -8,15 +8,17 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::flights::pose;
 use super::numbers::Numbers;
-use super::numerics::Numerics;
+use super::reach;
 use super::seams::Features;
 use super::stamped::Stamped;
 use super::{ContactRecord, Scene};
+use crate::collide::Pose;
 use crate::collide::broad::{Proxy, Statics};
 use crate::collide::seam::{Face, Polygons};
 use crate::collider::{BodyOutline, Collider};
-use crate::scalar::Scalar;
+use crate::fx::Fx;
 use crate::slots::NONE;
 
 /// The surfaces of static polygons.
@@ -34,8 +36,8 @@ pub(super) struct Tiles {
 const ALONE: u32 = NONE - 1;
 
 /// Returns true for the outline of a sharp polygon.
-fn is_polygon<S: Scalar>(outline: &BodyOutline<S>) -> bool {
-    outline.outline.corners().len() > 2 && outline.outline.radius() == S::ZERO
+fn is_polygon(outline: &BodyOutline) -> bool {
+    outline.outline.corners().len() > 2 && outline.outline.radius() == Fx::ZERO
 }
 
 impl Tiles {
@@ -47,23 +49,23 @@ impl Tiles {
     }
 
     /// The edges of a static outline that are on the surface of its union with others; `None` if it stands alone.
-    pub(super) fn find<S: Scalar, N: Numerics<S>>(
+    pub(super) fn find(
         &mut self,
-        scene: &Scene<'_, S>,
+        scene: &Scene<'_>,
         statics: &Statics,
         numbers: &Numbers,
-        (number, collider): (u32, &Collider<S>),
-        (outline, pose): (&BodyOutline<S>, &N::Pose),
+        (number, collider): (u32, &Collider),
+        (outline, pose): (&BodyOutline, &Pose),
     ) -> Option<&[Face]> {
         if !is_polygon(outline) {
             return None;
         }
         if self.of.get(number) == NONE {
             self.polygons.clear();
-            self.polygons.push(N::corners(outline, pose, pose));
-            statics.near(N::resting(outline, pose), |proxy: &Proxy| {
+            self.polygons.push(pose.corners_from(&outline.outline, pose));
+            statics.near(reach::resting(outline, pose), |proxy: &Proxy| {
                 if proxy.collider != number && proxy.filter == collider.def.filter {
-                    self.push::<S, N>(scene, numbers, (proxy, collider), pose);
+                    self.push(scene, numbers, (proxy, collider), pose);
                 }
             });
             let from = self.faces.len();
@@ -79,22 +81,15 @@ impl Tiles {
     }
 
     /// Adds the polygon of a static collider that holds from the same sides as another one, in coordinates relative to that one's body.
-    fn push<S: Scalar, N: Numerics<S>>(
-        &mut self,
-        scene: &Scene<'_, S>,
-        numbers: &Numbers,
-        (of, beside): (&Proxy, &Collider<S>),
-        from: &N::Pose,
-    ) {
+    fn push(&mut self, scene: &Scene<'_>, numbers: &Numbers, (of, beside): (&Proxy, &Collider), from: &Pose) {
         let id = numbers.outline(of.collider);
         let (Some(collider), Some(dense)) = (scene.colliders.at(id.slot), scene.bodies.index_in(of.body)) else {
             return;
         };
         let outline = collider.outline(id.part);
-        if is_polygon::<S>(&outline) && collider.def.one_way == beside.def.one_way {
-            let motion = &scene.bodies.columns.motion;
-            let pose = N::pose(motion.position.get(dense), motion.angle[dense]);
-            self.polygons.push(N::corners(&outline, &pose, from));
+        if is_polygon(&outline) && collider.def.one_way == beside.def.one_way {
+            let pose = pose(scene.bodies.position(dense), scene.bodies.angle(dense));
+            self.polygons.push(pose.corners_from(&outline.outline, from));
         }
     }
 

@@ -1,12 +1,13 @@
 //! Contacts as the interface shows them.
 
+use crate::collide::Manifold;
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Factor as _, Scalar};
+use crate::scalar::{FxFactor, Scalar};
 use crate::slots::{BodyId, ColliderId};
 
+use super::ContactRecord;
 use super::seams::rolling_radius;
-use super::{ContactRecord, TouchPoint};
 
 /// A contact: two colliders, or a part of each, that pushed each other at the end of the last step, seen at the present poses of their
 /// bodies. [`World::contacts`](crate::World::contacts) lists them.
@@ -78,45 +79,55 @@ impl<S: Scalar> Contact<S> {
         &self.points[..self.count]
     }
 
-    /// The contact of a record, with the points of a manifold.
+    /// The contact of a record, with a manifold of two outlines of these radii; the first one is of a body at this position.
     pub(crate) fn new(
         record: &ContactRecord,
         (colliders, bodies): ([ColliderId; 2], [BodyId; 2]),
         parts: [u32; 2],
-        radii: [S; 2],
-        (normal, points): (Vec2<S>, &[TouchPoint<S>]),
+        radii: [Fx; 2],
+        position: Vec2,
+        manifold: &Manifold,
     ) -> Self {
         let features = record.features();
         let is_rolling = record.count() == 1;
+        let rolling = if is_rolling { at_lever(record, rolling_radius(features[0], radii)) } else { Fx::ZERO };
+        // From 2^-30 to 2^-32.
+        let [x, y] = manifold.normal.map(|part| S::from_fx(Fx::from_bits(i64::from(part) << 2)));
         let mut contact = Self {
             colliders,
             bodies,
             parts,
-            normal,
-            tangent_impulse: newton_seconds(record.impulses[2], record.exponent()),
-            rolling_impulse: if is_rolling { at_lever(record, rolling_radius(features[0], radii)) } else { S::ZERO },
+            normal: Vec2::new(x, y),
+            tangent_impulse: S::from_fx(newton_seconds(record.impulses[2], record.exponent())),
+            rolling_impulse: S::from_fx(rolling),
             points: Default::default(),
-            count: points.len(),
+            count: manifold.count,
         };
-        for (place, point) in contact.points.iter_mut().zip(points) {
+        for (place, point) in contact.points.iter_mut().zip(&manifold.points).take(manifold.count) {
             let known = (0..record.count()).find(|&k| features[k] == point.feature);
-            let impulse = known.map_or(S::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
-            *place = ContactPoint { position: point.position, separation: point.separation, normal_impulse: impulse };
+            let impulse = known.map_or(Fx::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
+            // Positions are within 2^31 m, arms within 2^15 m.
+            let (x, y) = (position.x.saturating_add(point.arm_a.x), position.y.saturating_add(point.arm_a.y));
+            *place = ContactPoint {
+                position: Vec2::new(S::from_fx(x), S::from_fx(y)),
+                separation: S::from_fx(point.separation),
+                normal_impulse: S::from_fx(impulse),
+            };
         }
         contact
     }
 }
 
 /// The angular impulse of rolling resistance at a radius, N·m·s; the largest number if it does not fit.
-fn at_lever<S: Scalar>(record: &ContactRecord, radius: S) -> S {
+fn at_lever(record: &ContactRecord, radius: Fx) -> Fx {
     let impulse = record.impulses[1];
-    let size = S::Factor::from_scalar(newton_seconds::<S>(impulse.abs(), record.exponent()));
-    let turn = size.times(S::Factor::from_scalar(radius)).to_scalar().unwrap_or(S::from_fx(Fx::MAX));
+    let size = FxFactor::from_scalar(newton_seconds(impulse.abs(), record.exponent()));
+    let turn = size.times(FxFactor::from_scalar(radius)).to_scalar().unwrap_or(Fx::MAX);
     if impulse < 0 { -turn } else { turn }
 }
 
 /// An impulse in units of 2^exponent N·s, rounded to nearest, halves away from zero; the largest number if it does not fit.
-pub(super) fn newton_seconds<S: Scalar>(impulse: i64, exponent: i32) -> S {
+pub(super) fn newton_seconds(impulse: i64, exponent: i32) -> Fx {
     let size = u128::from(impulse.unsigned_abs());
     // To units of 2^-32: below 2^63 · 2^64 where it fits at all.
     let bits = match exponent + 32 {
@@ -127,5 +138,5 @@ pub(super) fn newton_seconds<S: Scalar>(impulse: i64, exponent: i32) -> S {
         _ => 0,
     };
     let bits = i64::try_from(bits).unwrap_or(i64::MAX);
-    S::from_fx(Fx::from_bits(if impulse < 0 { -bits } else { bits }))
+    Fx::from_bits(if impulse < 0 { -bits } else { bits })
 }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::{Point, cross, edge, from_to};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Angle, Scalar, Wide};
+use crate::scalar::{Angle, Scalar, Turn, Wide};
 use crate::shape::Outline;
 
 /// Nothing is looked at from this distance on along an axis, 2^53 ulps: [`limits::QUERY`](crate::limits::QUERY), and twice 2^15 m for
@@ -33,7 +33,7 @@ impl<S: Scalar> Placement<S> {
 }
 
 /// A hash of a collider, by its digest, at a place of its body: where two are alike, queries find the same.
-pub(crate) fn place_digest<S: Scalar>(collider: u64, position: Vec2<S>, angle: S::Angle) -> u64 {
+pub(crate) fn place_digest(collider: u64, position: Vec2, angle: Turn) -> u64 {
     let [x, y] = ulps(position).map(|part| part as u64);
     // The golden ratio; both halves of the product depend on all bits.
     let fold = |hash: u64, word: u64| {

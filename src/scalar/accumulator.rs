@@ -131,6 +131,16 @@ impl Accumulator<Fx> for FxAccumulator {
     }
 
     #[inline]
+    fn to_fixed(self) -> Self {
+        self
+    }
+
+    #[inline]
+    fn from_fixed(value: Self) -> Self {
+        value
+    }
+
+    #[inline]
     fn is_still(self) -> bool {
         // From −½ to ½ ulp.
         match self.high {

@@ -300,6 +300,11 @@ impl Factor<Fx> for FxFactor {
         fn minus(self: Self, other: Self) -> Self;
     }
 
+    #[inline]
+    fn to_fx_factor(self) -> Self {
+        self
+    }
+
     fn from_wide(value: FxWide) -> Self {
         Self::new(value.to_bits().unsigned_abs(), 64)
     }

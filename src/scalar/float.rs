@@ -6,12 +6,15 @@
 use core::cmp::Ordering;
 
 use super::Offset;
+use super::accumulator::FxAccumulator;
 use super::bulk::Bulk;
+use super::factor::FxFactor;
 use super::forces::{Forces, SpringConstants};
 use super::motion::{KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
 use super::number::{Accumulator, Angle, Arithmetic, Factor, Number, Scalar, Sum, Wide};
 use super::polygon::{AreaMoments, Polygons};
 use super::to_f64::ToF64;
+use super::turn::Turn;
 use crate::fx::Fx;
 use crate::math::Vec2;
 
@@ -48,6 +51,13 @@ macro_rules! float_scalar {
             fn to_bits(self) -> i128 {
                 <$float>::to_bits(self).into()
             }
+            fn to_fixed(self) -> FxAccumulator {
+                // A cast saturates.
+                FxAccumulator::from_bits(libm::rint(libm::scalbn(self.into(), 96)) as i128)
+            }
+            fn from_fixed(value: FxAccumulator) -> Self {
+                value.to_f64() as $float
+            }
         }
 
         impl Factor<$float> for $float {
@@ -56,6 +66,11 @@ macro_rules! float_scalar {
             const PI: Self = core::$float::consts::PI;
             fn from_scalar(value: $float) -> Self {
                 libm::$fabs(value)
+            }
+            fn to_fx_factor(self) -> FxFactor {
+                // Both floats have at most 53 bits.
+                let (mantissa, exponent) = libm::frexp(self.into());
+                FxFactor::new(libm::scalbn(mantissa, 53) as u128, 53 - exponent)
             }
             fn from_wide(value: $float) -> Self {
                 libm::$fabs(value)
@@ -157,6 +172,14 @@ macro_rules! float_scalar {
             }
             fn to_bits(self) -> u64 {
                 <$float>::to_bits(self).into()
+            }
+            fn to_turn(self) -> Turn {
+                let turns = f64::from(self) / core::f64::consts::TAU;
+                // A cast saturates: an angle that rounds to a whole turn is the largest one below it.
+                Turn::from_bits(libm::scalbn(turns - libm::floor(turns), 64) as u64)
+            }
+            fn from_turn(turn: Turn) -> Self {
+                turn.to_f64() as $float
             }
         }
 

@@ -9,10 +9,13 @@ use core::cmp::Ordering;
 use core::fmt::{Debug, Display};
 use core::ops::{Add, Neg, Sub};
 
+use super::accumulator::FxAccumulator;
 use super::bulk::Bulk;
+use super::factor::FxFactor;
 use super::forces::Forces;
 use super::motion::{Motion, Span};
 use super::polygon::Polygons;
+use super::turn::Turn;
 #[doc(hidden)]
 pub use crate::compiled::Compiled;
 use crate::fx::Fx;
@@ -53,6 +56,12 @@ pub trait Accumulator<S: Scalar>: Number {
     /// The bits.
     fn to_bits(self) -> i128;
 
+    /// The value in fixed point, where contacts are found: exactly, or the multiple of 2^-96 nearest to a float.
+    #[doc(hidden)]
+    fn to_fixed(self) -> FxAccumulator;
+    /// The value of an accumulator in fixed point: exactly, or the nearest float.
+    #[doc(hidden)]
+    fn from_fixed(value: FxAccumulator) -> Self;
     /// Returns true if the nearest scalar is zero.
     #[doc(hidden)]
     fn is_still(self) -> bool {
@@ -104,6 +113,9 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
     #[must_use]
     fn minus(self, other: Self) -> Self;
 
+    /// The factor in fixed point: exactly, also that of a float.
+    #[doc(hidden)]
+    fn to_fx_factor(self) -> FxFactor;
     /// The magnitude of `value`.
     #[doc(hidden)]
     fn from_wide(value: S::Wide) -> Self;
@@ -170,6 +182,12 @@ pub trait Angle<S: Scalar>: Number {
     /// The bits.
     fn to_bits(self) -> u64;
 
+    /// The angle as a fraction of a turn: exactly, or the multiple of 2^-64 turns nearest to a float.
+    #[doc(hidden)]
+    fn to_turn(self) -> Turn;
+    /// The angle of a fraction of a turn: exactly, or the nearest float.
+    #[doc(hidden)]
+    fn from_turn(turn: Turn) -> Self;
     /// The factor from an angular velocity in rad/s to the angle passed in this span.
     #[doc(hidden)]
     fn drift_factor(span: Span) -> S::Factor;

@@ -140,6 +140,16 @@ impl Angle<Fx> for Turn {
         fn to_bits(self: Self) -> u64;
     }
 
+    #[inline]
+    fn to_turn(self) -> Self {
+        self
+    }
+
+    #[inline]
+    fn from_turn(turn: Self) -> Self {
+        turn
+    }
+
     fn drift_factor(span: Span) -> FxFactor {
         // weight / 2π in units of 2^-128.
         let per_turn = match span.weight {

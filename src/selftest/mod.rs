@@ -37,8 +37,6 @@ pub use golden::{Golden, golden};
 
 /// Scalars of tests, which round wrongly, have no contacts.
 #[doc(hidden)]
-pub use crate::contact::NoContacts;
-
 use crate::codec::{self, Encoder as _, StateHasher, Write as _};
 use crate::integrate::Integrator;
 use trial::{Played, Trial};

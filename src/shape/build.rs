@@ -68,7 +68,7 @@ impl Shape {
 }
 
 impl<S: Scalar> Shape<S> {
-    fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
+    pub(super) fn of(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
         S::new_shape(geometry, shift, measure, gyration)
     }
 

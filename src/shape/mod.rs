@@ -7,6 +7,7 @@ mod aabb;
 mod build;
 mod bytes;
 mod crossing;
+mod fixed;
 mod mass;
 mod outline;
 #[cfg(feature = "serde")]

@@ -9,6 +9,7 @@
 //! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `contact`: contacts side by side, in groups.
+//! - `contact_solver`: what a step asks of a solver; `float`: one in floats.
 //! - `batch`: rows and factors of a group.
 //! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
@@ -24,7 +25,10 @@
 mod apply;
 mod batch;
 mod contact;
+mod contact_solver;
 mod cut;
+#[cfg(feature = "float")]
+mod float;
 mod follow;
 mod graph;
 mod impact;
@@ -45,6 +49,9 @@ use alloc::vec::Vec;
 use self::apply::{Apply, Path, Total};
 use self::batch::Batch;
 use self::contact::{BodyOf, Group};
+pub use self::contact_solver::ContactSolver;
+#[cfg(feature = "float")]
+pub use self::float::FloatSolver;
 use self::follow::{Follower, follow};
 pub(crate) use self::graph::{Graph, PHASES};
 use self::impact::{Impacts, SubStep};

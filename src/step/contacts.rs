@@ -17,14 +17,14 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactEngine as _, ContactSet, Correction, Detected, Overlap, Scene, Sensors, Start, Stop, is_asleep,
+    Changed, ContactSet, Correction, Detected, Engine, Overlap, Scene, Sensors, Solvers, Start, Stop, is_asleep,
     list_pairs,
 };
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Angle as _, Scalar};
+use crate::scalar::{Accumulator, Angle as _, FxAccumulator, Scalar};
 use crate::slots::BodyId;
 
 /// The colliders and the contacts of a world.
@@ -40,7 +40,8 @@ const MOST_CHANGED: usize = 4096;
 /// Memory that contacts use again.
 #[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
-    engine: S::Contacts,
+    engine: Engine,
+    solvers: Solvers<S::Solver>,
     /// The revision of the colliders at the last step; `None` if what is below belongs to other bodies.
     revision: Option<u64>,
     /// The slots of the moving bodies with colliders.
@@ -52,9 +53,11 @@ pub(super) struct Workspace<S: Scalar> {
     /// True if the engine holds the contacts of this step.
     is_detected: bool,
     starts: Vec<Start<S>>,
-    corrections: Vec<Correction<S>>,
+    /// The starts as contacts see them; empty in a world of `Fx`.
+    fixed_starts: Vec<Start>,
+    corrections: Vec<Correction>,
     detected: Detected,
-    stops: Vec<Stop<S>>,
+    stops: Vec<Stop>,
     /// The bodies at fault, sorted, by their indices in the columns.
     at_fault: Vec<usize>,
     /// The slots of colliders that touch and have events, before and after the step.
@@ -94,8 +97,8 @@ impl<S: Scalar> Workspace<S> {
         &self,
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
-    ) -> Option<(&Arc<Statics>, &S::Contacts)> {
-        let statics = self.engine.statics(colliders)?;
+    ) -> Option<(&Arc<Statics>, &Engine)> {
+        let statics = self.engine.statics(colliders.fixed())?;
         // A body that is not static, and was not when the colliders were last looked at. With a collider more or less, there is another
         // revision.
         let is_other = |slot: u32| {
@@ -181,7 +184,7 @@ impl<S: Scalar> Workspace<S> {
         }
         let is_dynamic =
             |slot: u32| bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Dynamic);
-        self.engine.touching(contacts.colliders, |pair, is_driven| {
+        self.engine.touching(contacts.colliders.fixed(), |pair, is_driven| {
             for [body, other] in [pair, [pair[1], pair[0]]] {
                 if is_dynamic(body) {
                     touching.push(body, other);
@@ -198,9 +201,9 @@ impl<S: Scalar> Workspace<S> {
     pub(super) fn find_overlaps(
         &mut self,
         bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
+        colliders: &ColliderSet,
         fell_asleep: &[BodyId],
-        settings: &ContactSettings<S>,
+        settings: &ContactSettings,
     ) {
         self.sensors.find(bodies, colliders, &self.engine, fell_asleep, settings);
     }
@@ -239,38 +242,34 @@ impl<S: Scalar> Step<'_, S> {
         let Some(mut own) = self.workspace.contacts.take() else { return };
         self.leave_out_faulty(&mut own, 0, 0);
         own.is_detected = true;
-        let stale = own.may_have_moved_statics;
+        let settings = self.contacts.settings.to_fx();
         loop {
             own.detected.touched.clear();
             own.detected.crowded.clear();
-            let Workspace { engine, detected, corrections, starts, changed, are_all_changed, touching_before, .. } =
-                &mut *own;
-            let starts: &[Start<S>] = starts;
             let scene = Scene {
                 bodies: self.bodies,
-                colliders: self.contacts.colliders,
-                starts,
-                may_have_moved_statics: stale,
-                changed: are_all_changed.then_some(&*changed),
-                settings: self.contacts.settings,
+                colliders: self.contacts.colliders.fixed(),
+                starts: Start::all_fixed(&own.starts, &mut own.fixed_starts),
+                may_have_moved_statics: own.may_have_moved_statics,
+                changed: own.are_all_changed.then_some(&own.changed),
+                settings: &settings,
                 time_step: self.settings.time_step,
             };
-            engine.detect(&scene, self.contacts.contacts, detected);
-            if detected.touched.is_empty() && detected.crowded.is_empty() {
-                let (colliders, contacts) = (self.contacts.colliders, &mut *self.contacts.contacts);
-                if colliders.any_contact_events() {
-                    list_pairs(&contacts.records, colliders, touching_before);
+            own.engine.detect(&scene, self.contacts.contacts, &mut own.detected);
+            if own.detected.touched.is_empty() && own.detected.crowded.is_empty() {
+                let contacts = &mut *self.contacts.contacts;
+                if scene.colliders.any_contact_events() {
+                    list_pairs(&contacts.records, scene.colliders, &mut own.touching_before);
                 }
                 let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
-                    engine.list(colliders, contacts);
-                    show(&mut self.probe, StageKind::Detect, self.bodies, self.contacts.contacts);
+                    own.engine.list(scene.colliders, contacts);
+                    show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
                 }
-                engine.solve(&scene, corrections);
-                let contacts = &mut *self.contacts.contacts;
-                engine.list(colliders, contacts);
-                if colliders.any_hit_events() {
-                    engine.hits(&scene, &mut self.workspace.report.hits);
+                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
+                own.engine.list(scene.colliders, contacts);
+                if scene.colliders.any_hit_events() {
+                    own.engine.hits(&scene, &mut self.workspace.report.hits);
                 }
                 let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
                 if is_near || !own.corrections.is_empty() {
@@ -278,15 +277,15 @@ impl<S: Scalar> Step<'_, S> {
                 }
                 self.show(StageKind::Solve);
                 self.correct(&own, constants);
-                self.end_paths(&mut own);
+                self.end_paths(&mut own, &settings);
                 self.show(StageKind::Push);
                 break;
             }
-            // Those who wake may be crowded: then they are found once more.
-            if detected.touched.is_empty() {
+            // Bodies that wake may be crowded: then they are detected once more.
+            if own.detected.touched.is_empty() {
                 self.refuse_crowded(&mut own);
             } else {
-                self.wake_touched(&mut own, constants, schedule);
+                self.wake_touched(&mut own, &settings, constants, schedule);
             }
         }
         own.changed.clear();
@@ -296,14 +295,14 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// The scene of these bodies, since contacts were found.
-    fn unchanged<'a>(&'a self, starts: &'a [Start<S>]) -> Scene<'a, S> {
+    fn unchanged<'a>(&'a self, starts: &'a [Start], settings: &'a ContactSettings) -> Scene<'a> {
         Scene {
             bodies: self.bodies,
-            colliders: self.contacts.colliders,
+            colliders: self.contacts.colliders.fixed(),
             starts,
             may_have_moved_statics: false,
             changed: Some(Changed::NONE),
-            settings: self.contacts.settings,
+            settings,
             time_step: self.settings.time_step,
         }
     }
@@ -321,7 +320,13 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Wakes sleeping bodies that are touched, those that they touch then, and so on, and lets them fly freely over the step.
-    fn wake_touched(&mut self, own: &mut Workspace<S>, constants: &Constants<'_, S>, schedule: Schedule) {
+    fn wake_touched(
+        &mut self,
+        own: &mut Workspace<S>,
+        settings: &ContactSettings,
+        constants: &Constants<'_, S>,
+        schedule: Schedule,
+    ) {
         loop {
             own.detected.touched.sort_unstable();
             own.detected.touched.dedup();
@@ -338,7 +343,8 @@ impl<S: Scalar> Step<'_, S> {
             self.fly(indices, constants, schedule);
             self.leave_out_faulty(own, from, known);
             own.detected.touched.clear();
-            own.engine.spread(&self.unchanged(&own.starts[from..]), self.contacts.contacts, &mut own.detected);
+            let starts = &Start::all_fixed(&own.starts, &mut own.fixed_starts)[from..];
+            own.engine.spread(&self.unchanged(starts, settings), self.contacts.contacts, &mut own.detected);
             if own.detected.touched.is_empty() {
                 break;
             }
@@ -388,6 +394,7 @@ impl<S: Scalar> Step<'_, S> {
     /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
     fn correct(&mut self, own: &Workspace<S>, constants: &Constants<'_, S>) {
         let colliders = self.contacts.colliders;
+        let from_fixed = <S::Accumulator as Accumulator<S>>::from_fixed;
         for (start, by) in own.starts.iter().zip(&own.corrections) {
             if !by.is_pushed {
                 continue;
@@ -395,11 +402,13 @@ impl<S: Scalar> Step<'_, S> {
             let i = start.dense;
             let bodies = &mut *self.bodies;
             let motion = &mut bodies.columns.motion;
-            let sum = |a: Vec2<S::Accumulator>, b: Vec2<S::Accumulator>| Vec2::new(a.x.plus(b.x), a.y.plus(b.y));
+            let sum = |from: Vec2<S::Accumulator>, change: Vec2<FxAccumulator>| {
+                Vec2::new(from.x.plus(from_fixed(change.x)), from.y.plus(from_fixed(change.y)))
+            };
             motion.position.set(i, sum(motion.position.get(i), by.displacement));
             motion.velocity.set(i, sum(motion.velocity.get(i), by.velocity));
-            motion.angular_velocity[i] = motion.angular_velocity[i].plus(by.angular_velocity);
-            motion.angle[i] = motion.angle[i].turned(by.rotation);
+            motion.angular_velocity[i] = motion.angular_velocity[i].plus(from_fixed(by.angular_velocity));
+            motion.angle[i] = motion.angle[i].turned(from_fixed(by.rotation));
             if constants.any_capped {
                 cap(&mut bodies.block(i..i + 1), BlockFactors::Each(constants.rows));
             }
@@ -431,37 +440,36 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Ends the paths of fast bodies where they would cross something. Their velocities stay: the next step solves the contact.
-    fn end_paths(&mut self, own: &mut Workspace<S>) {
+    fn end_paths(&mut self, own: &mut Workspace<S>, settings: &ContactSettings) {
         #[cfg(feature = "selftest")]
         if own.is_blind {
             return;
         }
-        let Workspace { engine, corrections, starts, stops, at_fault, .. } = own;
+        let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = own;
         list_faulty(&self.workspace.found.faults, at_fault);
-        engine.sweep(&self.unchanged(starts), corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
+        let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
+        engine.sweep_paths(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
         if !stops.is_empty() {
             self.contacts.contacts.pushed_at = self.settings.tick;
         }
         for stop in stops {
             let motion = &mut self.bodies.columns.motion;
-            motion.position.set(stop.dense, stop.position);
-            motion.angle[stop.dense] = stop.angle;
+            motion.position.set(stop.dense, stop.position.map(S::Accumulator::from_fixed));
+            motion.angle[stop.dense] = S::Angle::from_turn(stop.angle);
             motion.ticks_at_rest[stop.dense] = 0;
-            if stop.is_held {
-                // It must not gain speed where it stays: the next step begins with the velocity that this one began with.
-                if stop.is_stuck {
-                    // It would be there for ever.
-                    motion.velocity.set(stop.dense, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
-                    motion.angular_velocity[stop.dense] = S::Accumulator::default();
-                } else if let Some(start) = starts.iter().find(|start| start.dense == stop.dense) {
-                    motion.velocity.set(stop.dense, start.velocity);
-                    motion.angular_velocity[stop.dense] = start.angular_velocity;
-                }
+            let start = &starts[stop.start];
+            if stop.is_stuck {
+                // It would stay for ever.
+                motion.velocity.set(stop.dense, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
+                motion.angular_velocity[stop.dense] = S::Accumulator::default();
+            } else if stop.is_held {
+                // A body that stays gains no speed: the next step begins with the velocity that this one began with.
+                motion.velocity.set(stop.dense, start.velocity);
+                motion.angular_velocity[stop.dense] = start.angular_velocity;
             }
             // What a fast kinematic body carries along may leave the allowed range.
             if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
-                let start = starts.iter().find(|start| start.dense == stop.dense);
-                start.expect("what is stopped has a start").restore(self.bodies);
+                start.restore(self.bodies);
             }
             self.note_pushed(stop.dense);
         }

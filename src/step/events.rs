@@ -32,7 +32,7 @@ impl<S: Scalar> Step<'_, S> {
         if !any_contacts && !any_overlaps && contacts.ended.is_empty() {
             return;
         }
-        let (workspace, bodies) = (&mut *self.workspace, &*self.bodies);
+        let (workspace, bodies, colliders) = (&mut *self.workspace, &*self.bodies, colliders.fixed());
         let report = &mut workspace.report;
         if !contacts.ended.is_empty() {
             contacts.pushed_at = self.settings.tick;
@@ -49,7 +49,7 @@ impl<S: Scalar> Step<'_, S> {
                 compare(lists, |slots| ended.extend(pair(slots)), |slots| began.extend(pair(slots)));
             }
             if any_overlaps {
-                own.find_overlaps(bodies, colliders, &report.fell_asleep, settings);
+                own.find_overlaps(bodies, colliders, &report.fell_asleep, &settings.to_fx());
                 let pair = |overlap: Overlap| ColliderPair::new(bodies, colliders, overlap.slots());
                 let lists = [&contacts.overlaps[..], own.overlaps()];
                 let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);

@@ -1,10 +1,11 @@
 //! Contacts as calls read them.
 
 use super::World;
+use crate::collide::{Pose, collide};
 use crate::collider::Collider;
-use crate::contact::{ColliderPair, Contact, ContactEngine as _, ContactRecord};
+use crate::contact::{ColliderPair, Contact, ContactRecord, MARGIN};
 use crate::error::Error;
-use crate::scalar::Scalar;
+use crate::scalar::{Accumulator as _, Angle as _, Scalar};
 use crate::shape::Geometry;
 use crate::slots::BodyId;
 
@@ -68,29 +69,34 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn sensor_overlaps(&self) -> impl Iterator<Item = ColliderPair> {
-        let pair = |slots| ColliderPair::new(&self.bodies, &self.colliders, slots);
+        let pair = |slots| ColliderPair::new(&self.bodies, self.colliders.fixed(), slots);
         self.contacts.overlaps.iter().filter_map(move |overlap| pair(overlap.slots()))
     }
 
     fn contact(&self, record: &ContactRecord) -> Option<Contact<S>> {
-        let pair = record.pair();
-        let [a, b] = pair.map(|outline| self.colliders.at(outline.slot));
-        let (a, b) = (a?, b?);
+        let (pair, colliders) = (record.pair(), self.colliders.fixed());
+        let [a, b] = pair.map(|outline| colliders.at(outline.slot));
+        let pair_of_colliders = [a?, b?];
         let motion = &self.bodies.columns.motion;
-        let pose = |body| self.bodies.find(body).ok().map(|dense| (motion.position.get(dense), motion.angle[dense]));
-        let poses = [pose(a.body)?, pose(b.body)?];
+        let pose = |collider: &Collider| {
+            let dense = self.bodies.find(collider.body).ok()?;
+            let position = motion.position.get(dense).map(|part| part.to_fixed().value());
+            Some(Pose::new(position, motion.angle[dense].to_turn()))
+        };
+        let [first, second] = pair_of_colliders;
+        let poses = [pose(first)?, pose(second)?];
         let touch = |parts: [u32; 2]| {
-            let (own, other) = (a.outline(parts[0]), b.outline(parts[1]));
-            let found = S::Contacts::touch((&own.outline, poses[0]), (&other.outline, poses[1]))?;
-            Some((parts, found))
+            let outlines = [first.outline(parts[0]), second.outline(parts[1])];
+            let manifold = collide(&outlines[0].outline, &poses[0], &outlines[1].outline, &poses[1], MARGIN)?;
+            Some((parts, manifold))
         };
         let parts = pair.map(|outline| outline.part);
-        let side = [a, b].iter().position(|collider| collider.def.shape.is_chain());
-        let near = || side.and_then(|side| nearest_segment([a, b][side], side, parts, touch));
-        let (parts, (normal, points, count)) = touch(parts).or_else(near)?;
-        let handles = (pair.map(|outline| self.colliders.id(outline.slot)), [a.body, b.body]);
-        let radii = [a.outline(parts[0]).outline.radius(), b.outline(parts[1]).outline.radius()];
-        Some(Contact::new(record, handles, parts, radii, (normal, &points[..count])))
+        let side = pair_of_colliders.iter().position(|collider| collider.def.shape.is_chain());
+        let near = || side.and_then(|side| nearest_segment(pair_of_colliders[side], side, parts, touch));
+        let (parts, manifold) = touch(parts).or_else(near)?;
+        let handles = (pair.map(|outline| colliders.id(outline.slot)), pair_of_colliders.map(|collider| collider.body));
+        let radii = [0, 1].map(|side| pair_of_colliders[side].outline(parts[side]).outline.radius());
+        Some(Contact::new(record, handles, parts, radii, poses[0].position(), &manifold))
     }
 }
 
@@ -98,8 +104,8 @@ impl<S: Scalar> World<S> {
 const SEGMENTS: u32 = 16;
 
 /// The contact with the segment of a chain that is next to one in the chain: a body may have gone over seams in the step.
-fn nearest_segment<S: Scalar, T>(
-    chain: &Collider<S>,
+fn nearest_segment<T>(
+    chain: &Collider,
     side: usize,
     parts: [u32; 2],
     touch: impl Fn([u32; 2]) -> Option<([u32; 2], T)>,

@@ -45,7 +45,7 @@ impl<S: Scalar> World<S> {
             Ok(index) => contacts.excluded[index] = pair,
             Err(index) => contacts.excluded.insert(index, pair),
         }
-        let colliders = &self.colliders;
+        let colliders = self.colliders.fixed();
         let is_one = |slots: [u32; 2]| match slots.map(|slot| colliders.at(slot).map(|collider| collider.body)) {
             [Some(first), Some(second)] => sorted(first, second) == pair.bodies,
             _ => true,

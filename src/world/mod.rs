@@ -308,6 +308,10 @@ impl World {
 impl<S: Scalar> World<S> {
     /// An empty world with numbers of the type of its definition: of [`Fx`], or of floats to compare with.
     ///
+    /// A world of floats takes the contacts that integers find, at its poses rounded to [`Fx`]: their error of 2^-32 m is far below what
+    /// floats are compared for. The free flight and the solver compute in floats. For contacts as a whole, Box2D and Rapier are the
+    /// references in floats.
+    ///
     /// # Errors
     /// As [`WorldDef::check`].
     ///

@@ -9,7 +9,7 @@ use umbra_physics::scalar::internals::{
     AreaMoments, Arithmetic, Bulk, Compiled, Forces, Motion, Number, Polygons, Span, Sum,
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor, FxSum, Scalar, Wide};
-use umbra_physics::selftest::NoContacts;
+use umbra_physics::solve::Solver;
 use umbra_physics::{Fx, FxAccumulator, FxFactor, FxWide, SpringConstants, Turn, Vec2};
 
 type Offset = Vec2<FxWide>;
@@ -128,6 +128,12 @@ impl Accumulator<Twin> for TwinAccumulator {
     fn is_within(self, limit: Twin) -> bool {
         FxAccumulator::from_bits(self.0).is_within(limit.0)
     }
+    fn to_fixed(self) -> FxAccumulator {
+        FxAccumulator::from_bits(self.0)
+    }
+    fn from_fixed(value: FxAccumulator) -> Self {
+        Self(Accumulator::<Fx>::to_bits(value))
+    }
     fn to_bits(self) -> i128 {
         self.0
     }
@@ -139,6 +145,9 @@ impl Factor<Twin> for FxFactor {
     const PI: Self = <Self as Factor<Fx>>::PI;
     fn from_scalar(value: Twin) -> Self {
         Factor::<Fx>::from_scalar(value.0)
+    }
+    fn to_fx_factor(self) -> Self {
+        self
     }
     fn from_wide(value: FxWide) -> Self {
         Factor::<Fx>::from_wide(value)
@@ -230,6 +239,12 @@ impl Angle<Twin> for Turn {
     fn to_bits(self) -> u64 {
         Angle::<Fx>::to_bits(self)
     }
+    fn to_turn(self) -> Self {
+        self
+    }
+    fn from_turn(turn: Self) -> Self {
+        turn
+    }
 }
 
 fn corners(corners: &[Vec2<Twin>]) -> Vec<Vec2> {
@@ -309,7 +324,7 @@ impl Motion<Twin> for Twin {
 impl Bulk<Twin> for Twin {}
 
 impl Compiled<Twin> for Twin {
-    type Contacts = NoContacts;
+    type Solver = Solver;
 }
 
 impl Forces<Twin> for Twin {

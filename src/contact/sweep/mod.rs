@@ -10,28 +10,30 @@
 //! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
 //! to two places, it stops: it is squeezed, as is one that is carried into something.
 
+mod legs;
 mod paths;
 
 use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::flights::{FlightOf, Place};
-use super::numerics::Numerics;
 use super::{Correction, Scene, Stop};
 use crate::collide::broad::{Proxy, Statics};
 use crate::collide::sweep::{END, Form, Leg, Path, Sweep};
 use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::Scalar;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
+use legs::moved;
 pub(super) use paths::Paths;
 use paths::around;
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
+/// The rounds after these, in which paths end at the start.
+const LAST_ROUNDS: u32 = 8;
 
 /// The least motion that counts, ulps: 2^-12 m.
 const LEAST: i64 = 1 << 20;
@@ -61,7 +63,7 @@ struct Course {
     changed: Option<u64>,
     /// The flight that carries it, or [`NONE`].
     carrier: u32,
-    /// True if what does not give way keeps it at its start.
+    /// True if a body that does not give way keeps it at its start.
     is_stuck: bool,
 }
 
@@ -74,7 +76,7 @@ fn overlap(a: &Aabb<Fx>, b: &Aabb<Fx>) -> bool {
 }
 
 /// The outlines of a pair, and the flights and the bodies that they belong to.
-type Ends<P> = ([OutlineId; 2], [(u32, Place<P>); 2]);
+type Ends = ([OutlineId; 2], [(u32, Place); 2]);
 
 /// A body that meets something.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -87,14 +89,15 @@ struct Hit {
     is_mutual: bool,
 }
 
-impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
-    /// Finds the bodies whose paths end before the end of the tick, and their poses then.
-    pub(super) fn sweep_paths(
+impl Engine {
+    /// Finds the bodies whose paths end before the end of the tick, lest they cross something, and their poses then. `scene` holds the bodies
+    /// as impulses left them, by these corrections. Bodies at fault are left out.
+    pub(crate) fn sweep_paths(
         &mut self,
-        scene: &Scene<'_, S>,
-        corrections: &[Correction<S>],
+        scene: &Scene<'_>,
+        corrections: &[Correction],
         is_faulty: &dyn Fn(usize) -> bool,
-        stops: &mut Vec<Stop<S>>,
+        stops: &mut Vec<Stop>,
     ) {
         stops.clear();
         self.find_fast(scene, corrections, is_faulty);
@@ -106,24 +109,20 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         self.run_rounds(&paths);
         for course in &self.sweep.courses {
             if course.path.len() > 1 {
-                stops.push(paths.stop::<N>(course));
+                stops.push(paths.stop(course));
             }
         }
         stops.sort_unstable_by_key(|stop| stop.dense);
     }
 
     /// Lists the bodies that moved far.
-    fn find_fast(&mut self, scene: &Scene<'_, S>, corrections: &[Correction<S>], is_faulty: &dyn Fn(usize) -> bool) {
+    fn find_fast(&mut self, scene: &Scene<'_>, corrections: &[Correction], is_faulty: &dyn Fn(usize) -> bool) {
         self.sweep.fast.clear();
-        let motion = &scene.bodies.columns.motion;
         for (i, start) in scene.starts.iter().enumerate() {
             let place = self.flights.body(i as u32);
             let rotation = corrections.get(i).map(|by| by.rotation);
-            let moved = N::moved(
-                [start.position, motion.position.get(start.dense)],
-                (self.flights.flight(i as u32), rotation),
-                place.reach,
-            );
+            let ends = [start.position, scene.bodies.position(start.dense)];
+            let moved = moved(ends, self.flights.flight(i as u32), rotation, place.reach);
             if moved > (place.width >> 2).max(LEAST) && !is_faulty(start.dense) {
                 self.sweep.fast.push(i as u32);
             }
@@ -131,7 +130,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
-    fn find_pairs(&mut self, paths: &Paths<'_, S>, is_faulty: &dyn Fn(usize) -> bool) {
+    fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
         self.sweep.of.clear();
         self.sweep.courses.clear();
@@ -148,11 +147,11 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         for i in 0..self.sweep.fast.len() {
             let flight = self.sweep.fast[i];
             let place = *self.flights.body(flight);
-            let path = paths.path::<N>(&place, self.flights.flight(flight), flight);
+            let path = paths.path(&place, self.flights.flight(flight), flight);
             for collider in scene.colliders.solid_of_slot(place.slot) {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
-                    let bounds = around(&path, N::ulps(collider.outline(part).radius));
+                    let bounds = around(&path, collider.outline(part).radius.to_bits());
                     let (number, filter) = (first + part, collider.def.filter);
                     let mut found = core::mem::take(&mut self.sweep.pairs);
                     let mut visit = |other: u32| {
@@ -193,7 +192,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
 
     /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each
     /// other. A one-way collider without an answer in this step had no manifold with the body, and lets it pass.
-    fn may_meet(&self, scene: &Scene<'_, S>, pair: [u32; 2]) -> bool {
+    fn may_meet(&self, scene: &Scene<'_>, pair: [u32; 2]) -> bool {
         let outlines = pair.map(|number| self.numbers.outline(number));
         let [Some(a), Some(b)] = outlines.map(|outline| scene.colliders.at(outline.slot)) else { return false };
         a.body != b.body
@@ -205,7 +204,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Lists the boxes of what moves and may be in the way of fast bodies.
-    fn list_movers(&mut self, paths: &Paths<'_, S>) {
+    fn list_movers(&mut self, paths: &Paths<'_>) {
         let place = |flight: u32| self.flights.body(flight);
         let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
         let kind = |flight: u32| place(flight).kind;
@@ -223,13 +222,13 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             if !is_wanted {
                 continue;
             }
-            let path = paths.path::<N>(place(flight), self.flights.flight(flight), flight);
+            let path = paths.path(place(flight), self.flights.flight(flight), flight);
             for collider in paths.scene.colliders.solid_of_slot(place(flight).slot) {
                 let first = self.numbers.first(collider.slot);
                 proxies.extend((0..collider.outline_count()).map(|part| Proxy {
                     collider: first + part,
                     body: collider.body.slot,
-                    bounds: around(&path, N::ulps(collider.outline(part).radius)),
+                    bounds: around(&path, collider.outline(part).radius.to_bits()),
                     filter: collider.def.filter,
                     digest: 0,
                 }));
@@ -239,29 +238,29 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// The outlines and the bodies of a pair.
-    fn ends(&mut self, paths: &Paths<'_, S>, pair: [u32; 2]) -> Option<Ends<N::Pose>> {
+    fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
         let outlines = pair.map(|number| self.numbers.outline(number));
         let [a, b] = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
-        let flights = [a?, b?].map(|collider| self.flights.of::<S, N>(paths.scene, collider.body.slot));
+        let flights = [a?, b?].map(|collider| self.flights.of(paths.scene, collider.body.slot));
         Some((outlines, flights.map(|flight| (flight, *self.flights.body(flight)))))
     }
 
     /// The course of a body, made when it is first asked for.
-    fn course(&mut self, paths: &Paths<'_, S>, flight: u32) -> usize {
+    fn course(&mut self, paths: &Paths<'_>, flight: u32) -> usize {
         let at = flight as usize;
         if self.sweep.of.len() <= at {
             self.sweep.of.resize(at + 1, NONE);
         }
         if self.sweep.of[at] == NONE {
             self.sweep.of[at] = self.sweep.courses.len() as u32;
-            let path = paths.path::<N>(self.flights.body(flight), self.flights.flight(flight), flight);
+            let path = paths.path(self.flights.body(flight), self.flights.flight(flight), flight);
             self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE, is_stuck: false });
         }
         self.sweep.of[at] as usize
     }
 
     /// Ends paths at times of impact.
-    fn run_rounds(&mut self, paths: &Paths<'_, S>) {
+    fn run_rounds(&mut self, paths: &Paths<'_>) {
         let pairs = core::mem::take(&mut self.sweep.pairs);
         for round in 0.. {
             self.sweep.hits.clear();
@@ -269,7 +268,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
                 self.find_impact(paths, pair);
             }
             self.sweep.courses.iter_mut().for_each(|course| course.changed = None);
-            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + 8 {
+            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + LAST_ROUNDS {
                 break;
             }
         }
@@ -277,7 +276,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Finds the time of impact of a pair, if the path of one of the two is new.
-    fn find_impact(&mut self, paths: &Paths<'_, S>, pair: [u32; 2]) {
+    fn find_impact(&mut self, paths: &Paths<'_>, pair: [u32; 2]) {
         let Some((mut outlines, [mut a, mut b])) = self.ends(paths, pair) else { return };
         // The one that gives way comes first.
         if a.1.kind != FlightOf::Dynamic {
@@ -292,7 +291,7 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         }
         let colliders = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let [Some(first), Some(second)] = colliders else { return };
-        let forms = [form::<S, N>(first, outlines[0].part), form::<S, N>(second, outlines[1].part)];
+        let forms = [form(first, outlines[0].part), form(second, outlines[1].part)];
         let sweep = Sweep {
             forms: [&forms[0], &forms[1]],
             paths: [&courses[0].path, &courses[1].path],
@@ -308,18 +307,17 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
     }
 
     /// Ends the paths that meet something at their times of impact, or after the last round at the start. Returns true if a path changed.
-    fn end_paths(&mut self, paths: &Paths<'_, S>, is_last: bool) -> bool {
+    fn end_paths(&mut self, paths: &Paths<'_>, is_last: bool) -> bool {
         let mut hits = core::mem::take(&mut self.sweep.hits);
         hits.sort_unstable();
         let mut has_changed = false;
         for own in hits.chunk_by(|a, b| a.course == b.course) {
             let mut course = self.sweep.courses[own[0].course as usize];
-            let is_pushed = course.carrier != NONE
-                || own.iter().any(|hit| !hit.is_mutual && self.flights.body(self.sweep.courses[hit.by as usize].flight).kind == FlightOf::Kinematic);
-            // What a kinematic body pushes goes with it, through others if there is no other way.
+            // A body that a kinematic one pushes goes with it, through others if there is no other way.
             if is_last && course.carrier != NONE && own.iter().all(|hit| hit.is_mutual) {
                 continue;
             }
+            let is_pushed = course.carrier != NONE || own.iter().any(|hit| self.is_kinematic(hit));
             let at = if is_last && is_pushed {
                 own.iter().filter(|hit| !hit.is_mutual).map(|hit| hit.at).min().unwrap_or(own[0].at)
             } else if is_last && own.iter().any(|hit| hit.is_mutual) {
@@ -327,7 +325,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             } else {
                 own[0].at
             };
-            let leg = self.carried(paths, &course, own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual)));
+            let meets = own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual));
+            let leg = self.carried(paths, &course, meets);
             let before = course.path;
             match leg {
                 Some((carrier, leg)) => {
@@ -350,10 +349,16 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         has_changed
     }
 
+    /// Returns true if a body meets a kinematic one.
+    fn is_kinematic(&self, hit: &Hit) -> bool {
+        let course = &self.sweep.courses[hit.by as usize];
+        !hit.is_mutual && self.flights.body(course.flight).kind == FlightOf::Kinematic
+    }
+
     /// How kinematic bodies carry a body along that they meet, and one of them; `None` if none does, or if they disagree.
     fn carried<'a>(
         &self,
-        paths: &Paths<'_, S>,
+        paths: &Paths<'_>,
         course: &Course,
         hits: impl Iterator<Item = &'a Hit>,
     ) -> Option<(u32, Leg)> {
@@ -379,21 +384,21 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
 }
 
 /// Returns true if a body is dynamic, awake or asleep. A kinematic one that sleeps is in the way as a static one is.
-fn is_dynamic<S: Scalar, P>(of: &Place<P>, paths: &Paths<'_, S>) -> bool {
+fn is_dynamic(of: &Place, paths: &Paths<'_>) -> bool {
     of.kind == FlightOf::Dynamic || of.kind == FlightOf::Asleep && !paths.is_kinematic(of.slot)
 }
 
 /// Returns true if the paths of two bodies are looked at where one of them is fast.
-fn is_swept<S: Scalar, P>([a, b]: [&Place<P>; 2], paths: &Paths<'_, S>) -> bool {
+fn is_swept([a, b]: [&Place; 2], paths: &Paths<'_>) -> bool {
     let is_awake = a.kind == FlightOf::Dynamic || b.kind == FlightOf::Dynamic;
     let are_dynamic = is_dynamic(a, paths) && is_dynamic(b, paths);
     is_awake && (!are_dynamic || paths.is_bullet(a.slot) || paths.is_bullet(b.slot))
 }
 
 /// An outline for the time of impact.
-pub(super) fn form<S: Scalar, N: Numerics<S>>(collider: &Collider<S>, part: u32) -> Form {
+pub(super) fn form(collider: &Collider, part: u32) -> Form {
     let of = collider.outline(part);
-    let ulps = |v: &Vec2<S>| [N::ulps(v.x), N::ulps(v.y)];
+    let ulps = |v: &Vec2| [v.x.to_bits(), v.y.to_bits()];
     let (corners, normals) = (of.outline.corners().iter().map(ulps), of.outline.normals().iter().map(ulps));
-    Form::new(corners, normals, N::ulps(of.outline.radius()), N::ulps(of.width), collider.def.shape.is_chain())
+    Form::new(corners, normals, of.outline.radius().to_bits(), of.width.to_bits(), collider.def.shape.is_chain())
 }

@@ -1,18 +1,71 @@
-//! Steps of the solver beside a twin in doubles.
+//! Steps of the solver beside the solver in floats, its twin in doubles.
 //!
 //! No formula bounds how far rounding may lead: points that open or close, and bodies split among many contacts, amplify it. So
 //! the twin runs again with roundings of its own, at random and of the size of the solver's; the solver has to be about as
 //! close to the exact twin as those are.
+//!
+//! The twin has the solver's clamps by design: couplings and compliances are at most a quarter of a unit of velocity for a unit of impulse,
+//! as all factors of velocities are. Velocities and displacements do not saturate there: the unit has to leave room for them.
 
 use alloc::vec::Vec;
 
 use super::made::Ranges;
-use super::twin::{Twin, Vector};
+use super::scene::Scene;
 use crate::math::Random;
-use crate::scalar::FxAccumulator;
+use crate::scalar::ToF64 as _;
+use crate::solve::float::rounding::{BodyUnits, ContactUnits, Rounding};
+use crate::solve::unit::FINEST;
+use crate::solve::{ContactSolver as _, Correction, FloatSolver, PHASES, Solver};
 
-fn exact(value: FxAccumulator) -> f64 {
-    value.to_bits() as f64 / 2f64.powi(96)
+/// Components x, y and angular.
+type Vector = [f64; 3];
+
+/// The resolutions of the solver in a scene.
+fn rounding(scene: &Scene) -> Rounding {
+    let mut solver = Solver::default();
+    solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
+    let bodies = scene.flights.iter().zip(&solver.unit_of).map(|(flight, &unit)| {
+        // Bodies that are fixed or touch nothing have no unit.
+        let (unit, length) = (2f64.powi(if unit == 0 { FINEST } else { unit }), 2f64.powi(flight.length()));
+        BodyUnits { velocity: [unit, unit, unit / length], length }
+    });
+    let bodies: Vec<_> = bodies.collect();
+    let contacts = scene.contacts.iter().enumerate().map(|(index, contact)| {
+        assert!(solver.graph.phase(contact.bodies) < PHASES, "one body of each contact can be moved");
+        let place = solver.places.iter().find(|place| place.contact as usize == index).expect("all have places");
+        let mover = solver.graph.mover(contact.bodies).expect("one can be moved");
+        ContactUnits {
+            velocity: bodies[mover as usize].velocity[0],
+            impulse: 2f64.powi(place.exponent),
+            angular_shift: solver.groups[place.group as usize].angular_shift[place.lane as usize] as i32,
+        }
+    });
+    let contacts = contacts.collect();
+    Rounding { random: None, bodies, contacts }
+}
+
+/// The corrections of the exact twin, or of one that rounds at random.
+fn twin(scene: &Scene, seed: Option<u64>) -> Vec<Correction> {
+    let mut rounding = rounding(scene);
+    rounding.random = seed.map(Random::seeded);
+    let mut solver = FloatSolver::default();
+    solver.rounding = rounding;
+    let (mut contacts, mut corrections) = (scene.contacts.clone(), Vec::new());
+    solver.solve(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
+    corrections
+}
+
+/// The changes of velocities and of displacements of all bodies, in units of the solver.
+fn in_units(scene: &Scene, corrections: &[Correction]) -> Vec<[Vector; 2]> {
+    let (num, den) = scene.time_step.seconds();
+    let step = f64::from(num) / f64::from(den);
+    let units = rounding(scene).bodies;
+    let change = |(correction, BodyUnits { velocity: unit, .. }): (&Correction, &BodyUnits)| {
+        let velocity = [correction.velocity.x, correction.velocity.y, correction.angular_velocity];
+        let moved = [correction.displacement.x, correction.displacement.y, correction.rotation];
+        [[0, 1, 2].map(|i| velocity[i].to_f64() / unit[i]), [0, 1, 2].map(|i| moved[i].to_f64() / (step * unit[i]))]
+    };
+    corrections.iter().zip(&units).map(change).collect()
 }
 
 /// The largest difference of one of many quantities.
@@ -32,17 +85,11 @@ fn steps_follow_a_twin_in_doubles() {
         let contacts = 1 + random.below(6) as usize;
         let mut scene = ranges.scene(&mut random, 4, contacts);
         scene.options.substeps = 1 + random.below(16) as u32;
-        let twin = Twin::new(&scene, None);
         let solution = scene.solve();
         assert_eq!(solution.counts.cut, 0, "case {case}");
-        let ours = solution.corrections.iter().enumerate().map(|(body, of)| {
-            let velocity = [of.velocity.x, of.velocity.y, of.angular_velocity].map(exact);
-            let moved = [of.displacement.x, of.displacement.y, of.rotation].map(exact);
-            twin.in_units(body, [velocity, moved])
-        });
-        let ours: Vec<_> = ours.collect();
-        let exactly = twin.run();
-        let rounded = (0..24).map(|seed| apart(&exactly, &Twin::new(&scene, Some(seed)).run()));
+        let ours = in_units(&scene, &solution.corrections);
+        let exactly = in_units(&scene, &twin(&scene, None));
+        let rounded = (0..24).map(|seed| apart(&exactly, &in_units(&scene, &twin(&scene, Some(seed)))));
         let (off, most) = (apart(&exactly, &ours), rounded.fold(0.0, f64::max));
         assert!(off <= 2.0 * most + 2.0, "case {case}: {off} units from the twin, where rounding explains {most}");
         touching += u32::from(solution.corrections.iter().any(|of| of.velocity.x.to_bits() != 0));

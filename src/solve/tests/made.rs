@@ -3,7 +3,6 @@
 use alloc::vec::Vec;
 
 use super::scene::{Scene, body, by_exponent, contact, fixed, fx, signed, unit};
-use super::twin::real;
 use crate::fx::Fx;
 use crate::math::{Random, TimeStep};
 use crate::scalar::FxFactor;
@@ -84,7 +83,9 @@ impl Ranges {
             of.impulses =
                 Impulses { values: [values[0], if count == 2 { values[1] } else { 0 }, values[2]], exponent: -24 };
             if of.rolling_resistance > Fx::ZERO {
-                of.impulses.values[1] = (real(of.rolling_resistance) * signed(random) * values[0] as f64) as i64;
+                of.impulses.values[1] = ((of.rolling_resistance.to_bits() as f64 / 2f64.powi(32))
+                    * signed(random)
+                    * values[0] as f64) as i64;
             }
         }
         of

@@ -3,6 +3,7 @@
 mod bounce;
 mod cases;
 mod conserve;
+#[cfg(feature = "float")]
 mod doubles;
 mod extremes;
 mod fair;
@@ -10,5 +11,4 @@ mod graph;
 mod made;
 mod paths;
 mod scene;
-mod twin;
 mod wide;

@@ -12,7 +12,7 @@ use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{CoreAt, CoreTree, Path, PlacedCore, Proxy, Statics};
 use crate::collider::{Collider, OutlineId};
-use crate::contact::ContactEngine as _;
+use crate::contact::Engine;
 use crate::fx::Fx;
 use crate::query::{Core, Line, Placement, Point, beside};
 use crate::scalar::{Accumulator as _, Scalar};
@@ -69,7 +69,7 @@ pub struct Queries<'a, S: Scalar = Fx> {
     world: &'a World<S>,
     statics: Arc<Statics>,
     /// The engine of contacts that numbered the outlines in `statics`; without one they are in `outlines`.
-    engine: Option<&'a S::Contacts>,
+    engine: Option<&'a Engine>,
     /// The outlines of `statics` as they were when their tree was built, those that changed since, and those that may move.
     trees: [Arc<CoreTree>; 3],
     /// The outlines by the numbers that they have here.

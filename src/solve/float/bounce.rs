@@ -3,123 +3,111 @@
 
 use alloc::vec::Vec;
 
-use super::body::{Body, Flight};
-use super::number::{Float, Pair, Vector};
-use super::rows::{Contact, Rows};
-use super::solver::Clock;
-use crate::solve::{Graph, PHASES};
+use super::body::Body;
+use super::rows::Rows;
+use super::{Clock, Pair, Vector, within};
+use crate::scalar::ToF64 as _;
+use crate::solve::{Flight, Graph, PHASES};
 
 /// The buffers of restitution.
 #[derive(Debug, Default)]
-pub(super) struct Bounces<F> {
+pub(super) struct Bounces {
     /// Contacts with impacts: their phase and their place in it, and the impulses that both points return.
-    impacts: Vec<(usize, usize, Pair<F>)>,
+    impacts: Vec<(usize, usize, Pair)>,
     /// Sums of the returned impulses, by body.
-    impulses: Vec<Option<Vector<F>>>,
+    impulses: Vec<Option<Vector>>,
     /// Energies by island.
-    energies: Vec<Energy<F>>,
+    energies: Vec<Energy>,
 }
 
 /// Twice the kinetic energy of the bodies of an island that bounce, as a polynomial of the factor of the impulses.
 #[derive(Clone, Copy, Debug, Default)]
-struct Energy<F> {
+struct Energy {
     /// The energy of the free flight above that before the bounce.
-    room: F,
-    linear: F,
-    square: F,
+    room: f64,
+    linear: f64,
+    square: f64,
 }
 
-impl<F: Float> Energy<F> {
+impl Energy {
     /// Adds a component of a velocity.
-    fn add(&mut self, mass: F, free: F, before: F, change: F) {
+    fn add(&mut self, mass: f64, free: f64, before: f64, change: f64) {
         self.room += mass * (free - before) * (free + before);
-        self.linear += F::of(2.0) * mass * before * change;
+        self.linear += 2.0 * mass * before * change;
         self.square += mass * change * change;
     }
 
     /// Adds twice the work that a fixed body does by the impulses before and by those that are returned, at its velocity along the row.
-    fn add_work(&mut self, velocity: F, before: F, returned: F) {
-        self.room += F::of(-2.0) * before * velocity;
-        self.linear += F::of(2.0) * returned * velocity;
+    fn add_work(&mut self, velocity: f64, before: f64, returned: f64) {
+        self.room += -2.0 * before * velocity;
+        self.linear += 2.0 * returned * velocity;
     }
 
     /// The largest factor up to 1 that adds no energy.
-    fn largest_factor(&self) -> F {
+    fn largest_factor(&self) -> f64 {
         let Self { room, linear, square } = *self;
-        let room = room.or_more(F::of(0.0));
+        let room = room.max(0.0);
         if linear + square <= room {
-            return F::of(1.0);
+            return 1.0;
         }
         // A convex function that is not positive at 0: the root above.
-        let root = (linear * linear + F::of(4.0) * square * room).root();
-        let factor = if linear > F::of(0.0) {
-            F::of(2.0) * room / (linear + root)
-        } else {
-            (root - linear) / (F::of(2.0) * square)
-        };
-        if factor.is_finite() { factor.or_less(F::of(1.0)) } else { F::of(0.0) }
+        let root = libm::sqrt(linear * linear + 4.0 * square * room);
+        let factor = if linear > 0.0 { 2.0 * room / (linear + root) } else { (root - linear) / (2.0 * square) };
+        if factor.is_finite() { factor.min(1.0) } else { 0.0 }
     }
 }
 
 /// An impact at a point. Separations are over the length of a sub-step.
-struct Impact<F> {
+struct Impact {
     /// The impulse that it has had.
-    impulse: F,
+    impulse: f64,
     /// The relative velocity at the start, negative: the points close.
-    closing: F,
+    closing: f64,
     /// Its change by the free flight over the step.
-    change: F,
+    change: f64,
     /// The separation at the start and at the end.
-    separations: Pair<F>,
+    separations: Pair,
     /// True if only the last relax pass acted on it.
     is_late: bool,
 }
 
-impl<F: Float> Impact<F> {
+impl Impact {
     /// The impulse that is returned, for a step of `substeps`.
-    fn returned(&self, restitution: F, substeps: u32) -> F {
-        let zero = F::of(0.0);
-        let gained = |separation: F| F::of(2.0) * self.change * separation.or_more(zero) / F::of(substeps.into());
+    fn returned(&self, restitution: f64, substeps: u32) -> f64 {
+        let gained = |separation: f64| 2.0 * self.change * separation.max(0.0) / f64::from(substeps);
         // A relax pass stops what would overlap in the next sub-step, above the surface.
-        let gap = if self.is_late { self.separations[1].or_more(zero) } else { zero };
-        let arrived = (self.closing * self.closing - gained(self.separations[0])).or_more(zero);
+        let gap = if self.is_late { self.separations[1].max(0.0) } else { 0.0 };
+        let arrived = (self.closing * self.closing - gained(self.separations[0])).max(0.0);
         // The velocity at the end of the free flight, or that of the impact if the flight slows down after it.
         let free = -(self.closing + self.change);
-        let slows_down = self.change > zero && !self.is_late;
-        let most = if slows_down { free.or_more(arrived.root()) } else { free };
+        let slows_down = self.change > 0.0 && !self.is_late;
+        let most = if slows_down { free.max(libm::sqrt(arrived)) } else { free };
         let taken = most - gap;
         let left = restitution * restitution * arrived + gained(gap);
-        if taken <= zero || taken < most * F::of(0.125) || (gap > zero && left <= zero) {
+        if taken <= 0.0 || taken < most * 0.125 || (gap > 0.0 && left <= 0.0) {
             return -self.impulse;
         }
-        let aim = left.or_more(zero).root();
+        let aim = libm::sqrt(left.max(0.0));
         // More than this is asked for only by fields that stop a body within the step.
-        (self.impulse * (aim + gap) / taken).or_less(F::of(16.0) * self.impulse)
+        (self.impulse * (aim + gap) / taken).min(16.0 * self.impulse)
     }
 }
 
-/// Bodies and contacts after the passes.
-#[derive(Clone, Copy)]
-pub(super) struct Passed<'a, F> {
-    pub(super) flights: &'a [Flight<F>],
-    pub(super) bodies: &'a [Body<F>],
-    pub(super) contacts: &'a [Contact<F>],
-}
-
-impl<F: Float> Bounces<F> {
-    /// Returns a part of the impulses of impacts.
+impl Bounces {
+    /// Returns a part of the impulses of impacts that closed faster than `threshold` m/s.
     pub(super) fn run(
         &mut self,
-        (clock, threshold): (Clock<F>, F),
+        clock: Clock,
+        threshold: f64,
         graph: &Graph,
-        Passed { flights, bodies, contacts }: Passed<'_, F>,
-        phases: &mut [Vec<Rows<F>>; PHASES],
+        flights: &[Flight],
+        bodies: &[Body],
+        phases: &mut [Vec<Rows>; PHASES],
     ) {
         self.impacts.clear();
         for (phase, rows) in phases.iter().enumerate() {
             for (at, row) in rows.iter().enumerate() {
-                let contact = &contacts[row.contact as usize];
-                if let Some(returned) = returned(row, contact, bodies, clock, threshold) {
+                if let Some(returned) = returned(row, bodies, clock, threshold) {
                     self.impacts.push((phase, at, returned));
                 }
             }
@@ -132,31 +120,25 @@ impl<F: Float> Bounces<F> {
             let row = &mut phases[phase][at];
             let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
             let factor = self.energies[island as usize].largest_factor();
-            for (k, returned) in returned.into_iter().enumerate().filter(|(_, returned)| *returned != F::of(0.0)) {
+            for (k, returned) in returned.into_iter().enumerate().filter(|(_, returned)| *returned != 0.0) {
                 row.applied[k] += returned * factor;
                 // The points part, so that the next step does not start from this impulse.
-                row.impulses[k] = F::of(0.0);
+                row.impulses[k] = 0.0;
             }
             // Friction stays within its cone.
             let limit = row.friction * (row.impulses[0] + row.impulses[1]);
-            row.impulses[2] = row.impulses[2].within(limit);
+            row.impulses[2] = within(row.impulses[2], limit);
         }
     }
 
     /// Sums up the returned impulses by body, and the energies of islands before and after.
-    fn add_energies(
-        &mut self,
-        graph: &Graph,
-        flights: &[Flight<F>],
-        bodies: &[Body<F>],
-        phases: &[Vec<Rows<F>>; PHASES],
-    ) {
+    fn add_energies(&mut self, graph: &Graph, flights: &[Flight], bodies: &[Body], phases: &[Vec<Rows>; PHASES]) {
         self.impulses.clear();
         self.impulses.resize(flights.len(), None);
         for &(phase, at, [p1, p2]) in &self.impacts {
             let row = &phases[phase][at];
-            for (body, on) in row.bodies.into_iter().zip(row.on_bodies([p1, p2, F::of(0.0)])) {
-                let sums = self.impulses[body as usize].get_or_insert([F::of(0.0); 3]);
+            for (body, on) in row.bodies.into_iter().zip(row.on_bodies([p1, p2, 0.0])) {
+                let sums = self.impulses[body as usize].get_or_insert([0.0; 3]);
                 (0..3).for_each(|c| sums[c] += on[c]);
             }
         }
@@ -166,7 +148,7 @@ impl<F: Float> Bounces<F> {
             let row = &phases[phase][at];
             let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
             let carried = row.bodies.map(|body| match graph.island_of(body) {
-                Some(_) => [F::of(0.0); 3],
+                Some(_) => [0.0; 3],
                 None => bodies[body as usize].start,
             });
             for (k, returned) in returned.into_iter().enumerate() {
@@ -178,41 +160,35 @@ impl<F: Float> Bounces<F> {
             let (Some(impulses), Some(island)) = (impulses, graph.island_of(i as u32)) else { continue };
             let energy = &mut self.energies[island as usize];
             for (c, impulse) in impulses.iter().enumerate() {
-                let (free, change) = (body.start[c] + body.change[c], *impulse * body.inverse[c]);
-                energy.add(flights[i].mass[c], free, body.velocity[c], change);
+                let mass = if c < 2 { flights[i].mass.to_f64() } else { flights[i].inertia.to_f64() };
+                let (free, change) = (body.start[c] + body.change[c], *impulse * body.inverse_mass[c]);
+                energy.add(mass, free, body.velocity[c], change);
             }
         }
     }
 }
 
 /// The impulses that the points of a contact return which have met at speed.
-fn returned<F: Float>(
-    row: &Rows<F>,
-    contact: &Contact<F>,
-    bodies: &[Body<F>],
-    clock: Clock<F>,
-    threshold: F,
-) -> Option<Pair<F>> {
-    let zero = F::of(0.0);
-    if contact.restitution <= zero {
+fn returned(row: &Rows, bodies: &[Body], clock: Clock, threshold: f64) -> Option<Pair> {
+    if row.restitution <= 0.0 {
         return None;
     }
     let sides = row.bodies.map(|body| &bodies[body as usize]);
-    let mut returned = [zero; 2];
-    for (k, returned) in returned.iter_mut().enumerate().take(contact.manifold.count) {
+    let mut returned = [0.0; 2];
+    for (k, returned) in returned.iter_mut().enumerate().take(if row.is_double { 2 } else { 1 }) {
         let closing = row.along(k, sides.map(|body| body.start));
-        if closing < -threshold && row.applied[k] > zero {
+        if closing < -threshold && row.applied[k] > 0.0 {
             let moved = row.along(k, sides.map(|body| body.displacement));
             let separation = row.separation[k];
             let impact = Impact {
                 impulse: row.applied[k],
                 closing,
                 change: row.along(k, sides.map(|body| body.change)),
-                separations: [separation, separation + moved].map(|s| s / clock.substep),
-                is_late: row.weighted[k] == zero,
+                separations: [separation, separation + moved].map(|s| s / clock.length),
+                is_late: row.weighted[k] == 0.0,
             };
-            *returned = impact.returned(contact.restitution, clock.substeps);
+            *returned = impact.returned(row.restitution, clock.substeps);
         }
     }
-    (returned != [zero; 2]).then_some(returned)
+    (returned != [0.0; 2]).then_some(returned)
 }

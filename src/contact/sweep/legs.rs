@@ -1,15 +1,14 @@
-//! The paths of bodies after impulses.
+//! How far bodies move over a tick, and the legs of their paths.
 
 use crate::collide::sweep::{END, Leg};
 use crate::contact::Start;
-use crate::fx::Fx;
 use crate::kernel::wide::mul_shift;
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, Turn};
 use crate::solve::Flight;
 
 /// A position in ulps.
-pub(super) fn ulps(position: Vec2<FxAccumulator>) -> [i64; 2] {
+fn ulps(position: Vec2<FxAccumulator>) -> [i64; 2] {
     [position.x.value().to_bits(), position.y.value().to_bits()]
 }
 
@@ -22,7 +21,8 @@ fn turned(flight: &Flight, rotation: Option<FxAccumulator>) -> i128 {
 #[inline]
 pub(super) fn moved(
     [from, to]: [Vec2<FxAccumulator>; 2],
-    (flight, rotation): (&Flight, Option<FxAccumulator>),
+    flight: &Flight,
+    rotation: Option<FxAccumulator>,
     reach: i64,
 ) -> i64 {
     let way = |from: FxAccumulator, to: FxAccumulator| {
@@ -44,8 +44,9 @@ pub(super) fn moved(
 
 /// The path from the start to a pose.
 pub(super) fn leg(
-    start: &Start<Fx>,
-    (position, angle): (Vec2<FxAccumulator>, Turn),
+    start: &Start,
+    position: Vec2<FxAccumulator>,
+    angle: Turn,
     flight: &Flight,
     rotation: Option<FxAccumulator>,
 ) -> Leg {
@@ -59,6 +60,11 @@ pub(super) fn leg(
     let rest = about - shortest;
     let turns = ((rest.abs() + (1 << 63)) >> 64) * rest.signum();
     Leg::new(from, way, start.angle, shortest + (turns << 64))
+}
+
+/// The path of a body that does not move.
+pub(super) fn resting(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
+    Leg::new(ulps(position), [0; 2], angle, 0)
 }
 
 /// The part of the way from one coordinate to another, rounded to nearest, ties to even.

@@ -1,0 +1,63 @@
+//! Two surfaces that touch, as the solver takes them.
+
+use crate::collide::{Manifold, ManifoldPoint};
+use crate::collider::MaterialPair;
+use crate::fx::Fx;
+use crate::kernel::round::shr_round;
+use crate::math::Vec2;
+use crate::solve::{Contact, Impulses, Point};
+
+/// Two surfaces that touch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surfaces {
+    pub(super) coefficients: MaterialPair,
+    /// The radius at which one rolls on the other, m; zero if neither is round there.
+    pub(super) rolling_radius: Fx,
+    /// The velocity of the second one against the first one along the tangent, m/s.
+    pub(super) speed: Fx,
+}
+
+impl Surfaces {
+    /// The contact of two flights, with the impulses that it starts from.
+    pub(super) fn contact(&self, flights: [u32; 2], manifold: &Manifold, start: Impulses) -> Contact {
+        let [first, second] = &manifold.points;
+        Contact {
+            bodies: flights,
+            normal: manifold.normal,
+            count: manifold.count,
+            points: [on_surfaces(manifold.normal, first), on_surfaces(manifold.normal, second)],
+            friction: self.coefficients.friction,
+            restitution: self.coefficients.restitution,
+            rolling_resistance: self.coefficients.rolling_resistance,
+            rolling_radius: self.rolling_radius,
+            surface_speed: self.speed,
+            impulses: start,
+        }
+    }
+}
+
+/// A point with arms to the surface of each body: an open gap closes within the step.
+#[inline(always)]
+fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> Point {
+    let gap = point.separation.to_bits();
+    let (mut arms, separation) = ([point.arm_a, point.arm_b], point.separation);
+    if gap > 0 {
+        // Half of the gap along the normal.
+        let (x, y) = (half_along(normal[0], gap), half_along(normal[1], gap));
+        let half = Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+        arms = [arms[0] - half, arms[1] + half];
+    }
+    Point { arms, separation }
+}
+
+/// Half of a gap times a component of a normal in units of 2^-30, to nearest, ties to even. *Domain* a gap below 2^57.
+#[inline(always)]
+fn half_along(n: i32, gap: i64) -> i64 {
+    if gap >> 32 != 0 {
+        return shr_round(i128::from(n) * i128::from(gap), 31) as i64;
+    }
+    // Below 2^62.1. As `shr_round`, in words.
+    let product = i64::from(n) * gap;
+    let floor = product >> 31;
+    floor + i64::from((product & ((1 << 31) - 1)) > (1 << 30) - (floor & 1))
+}

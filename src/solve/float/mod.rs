@@ -1,0 +1,249 @@
+//! The solver in floats: TGS soft on top of the free flight, with the formulas and the limits of the solver in integers, in plain
+//! quantities: m, m/s, N·s. Worlds of floats compare with it; in tests, where it rounds as the other one does, it is the twin of it.
+//!
+//! - `body`: bodies through the sub-steps.
+//! - `rows`: contacts, their matrices, and impulses after a pass.
+//! - `bounce`: restitution, once a step.
+//! - `rounding`: errors of rounding, for tests.
+
+mod body;
+mod bounce;
+pub(super) mod rounding;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+use alloc::vec::Vec;
+
+use self::body::Body;
+use self::bounce::Bounces;
+use self::rounding::Rounding;
+use self::rows::Rows;
+use super::prepare::graph_start;
+use super::{Contact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
+use crate::math::TimeStep;
+use crate::scalar::ToF64 as _;
+
+/// Two numbers: of two points, or a vector in the plane.
+type Pair = [f64; 2];
+/// Components x, y and angular.
+type Vector = [f64; 3];
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A value within ±limit.
+fn within(value: f64, limit: f64) -> f64 {
+    value.min(limit).max(-limit)
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    WarmStart,
+    Solve,
+    Relax,
+}
+
+/// The sub-steps of a step.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    /// The length of a sub-step, s.
+    length: f64,
+    substeps: u32,
+}
+
+impl Clock {
+    fn new(time_step: TimeStep, substeps: u32) -> Self {
+        let (num, den) = time_step.seconds();
+        Self { length: f64::from(num) / f64::from(den) / f64::from(substeps), substeps }
+    }
+
+    fn count(&self) -> f64 {
+        self.substeps.into()
+    }
+}
+
+/// The buffers of the solver. Results do not depend on what it solved before.
+#[doc(hidden)]
+#[derive(Debug, Default)]
+pub struct FloatSolver {
+    graph: Graph,
+    bodies: Vec<Body>,
+    phases: [Vec<Rows>; PHASES],
+    /// The bodies with contacts, by phase.
+    touched: [Vec<u32>; PHASES],
+    /// The bodies whose rolling contacts resist, by phase.
+    rolling: [Vec<u32>; PHASES],
+    /// The number of contacts of a phase, by body.
+    shares: Vec<u32>,
+    bounces: Bounces,
+    /// Bodies with their leaders.
+    followers: Vec<[u32; 2]>,
+    pub(super) rounding: Rounding,
+}
+
+impl ContactSolver for FloatSolver {
+    fn solve(
+        &mut self,
+        time_step: TimeStep,
+        options: &SolverOptions,
+        flights: &[Flight],
+        contacts: &mut [Contact],
+        corrections: &mut Vec<Correction>,
+    ) {
+        let clock = Clock::new(time_step, options.substeps);
+        self.prepare(clock, options, flights, contacts);
+        for k in 1..=clock.substeps {
+            self.bodies.iter_mut().for_each(|body| body.begin(k, clock.substeps, &mut self.rounding));
+            self.follow();
+            if k == 1 {
+                self.pass(clock.length, Pass::WarmStart);
+            }
+            self.pass(clock.length, Pass::Solve);
+            self.bodies.iter_mut().for_each(|body| body.advance(clock.length));
+            self.follow();
+            self.pass(clock.length, Pass::Relax);
+        }
+        let threshold = options.restitution_speed.to_f64();
+        self.bounces.run(clock, threshold, &self.graph, flights, &self.bodies, &mut self.phases);
+        self.apply(contacts);
+        corrections.clear();
+        corrections.extend(self.bodies.iter().map(|body| body.correction(clock.length)));
+    }
+
+    fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
+        self.phases.iter().flatten().map(|rows| {
+            let Impulses { values: [first, second, _], exponent } = in_units(rows.applied);
+            (rows.contact, [first, second], exponent)
+        })
+    }
+}
+
+impl FloatSolver {
+    /// Finds phases, and makes the rows of contacts.
+    fn prepare(&mut self, clock: Clock, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) {
+        let links = contacts.iter().map(|contact| contact.bodies);
+        let is_fixed = |body: u32| flights[body as usize].is_fixed();
+        self.graph.build(is_fixed, flights.len(), links, |members, queue| graph_start(flights, members, queue));
+        self.bodies.clear();
+        for (index, flight) in flights.iter().enumerate() {
+            let units = self.rounding.body(index);
+            self.bodies.push(Body::new(flight, units, clock, &mut self.rounding));
+        }
+        self.followers.clear();
+        self.followers.extend((0..).zip(flights).filter_map(|(body, flight)| Some([body, flight.leader?])));
+        for phase in 0..PHASES {
+            self.phases[phase].clear();
+            self.count_shares(phase, contacts);
+            for (index, contact) in (0..).zip(contacts) {
+                if self.graph.phase(contact.bodies) == phase {
+                    let bodies = contact.bodies.map(|body| &self.bodies[body as usize]);
+                    let shares = contact.bodies.map(|body| f64::from(self.shares[body as usize]));
+                    let rows = Rows::new(index, contact, bodies, shares, options, &mut self.rounding);
+                    self.phases[phase].extend(rows);
+                }
+            }
+            self.share_rolls(phase);
+        }
+    }
+
+    /// Counts the contacts of a phase by body.
+    fn count_shares(&mut self, phase: usize, contacts: &[Contact]) {
+        let in_phase = contacts.iter().filter(|contact| self.graph.phase(contact.bodies) == phase);
+        count(
+            in_phase.flat_map(|contact| contact.bodies),
+            self.bodies.len(),
+            &mut self.shares,
+            &mut self.touched[phase],
+        );
+    }
+
+    /// Shares the rolling resistance of a phase among the contacts of each body.
+    fn share_rolls(&mut self, phase: usize) {
+        let rolling = self.phases[phase].iter().filter(|rows| rows.roll.resists());
+        count(rolling.flat_map(|rows| rows.bodies), self.bodies.len(), &mut self.shares, &mut self.rolling[phase]);
+        for rows in self.phases[phase].iter_mut().filter(|rows| rows.roll.resists()) {
+            let shares = rows.bodies.map(|body| f64::from(self.shares[body as usize]));
+            rows.share_roll(rows.bodies.map(|body| &self.bodies[body as usize]), shares);
+        }
+    }
+
+    /// A pass over the contacts of all phases. Those of a phase do not see each other.
+    fn pass(&mut self, substep: f64, pass: Pass) {
+        let Self { bodies, rounding, .. } = self;
+        for phase in 0..PHASES {
+            for rows in &mut self.phases[phase] {
+                rows.run(bodies, substep, pass, rounding);
+            }
+            self.touched[phase].iter().for_each(|&body| bodies[body as usize].take_gain(rounding));
+            if pass != Pass::Solve {
+                for rows in self.phases[phase].iter_mut().filter(|rows| rows.roll.resists()) {
+                    rows.run_roll(bodies, pass, rounding);
+                }
+                self.rolling[phase].iter().for_each(|&body| bodies[body as usize].take_gain(rounding));
+            }
+            follow(&self.followers, bodies);
+        }
+    }
+
+    /// Sets followers to the motion of their leaders.
+    fn follow(&mut self) {
+        follow(&self.followers, &mut self.bodies);
+    }
+
+    /// Writes the impulses of contacts and adds the sums of bodies.
+    fn apply(&mut self, contacts: &mut [Contact]) {
+        contacts.iter_mut().for_each(|contact| contact.impulses = Impulses::default());
+        for rows in self.phases.iter().flatten() {
+            // A contact that bounced starts with a smaller normal impulse.
+            let roll = within(rows.roll.impulse, rows.roll_limit());
+            let [first, second, tangent] = rows.impulses;
+            contacts[rows.contact as usize].impulses =
+                in_units([first, if rows.is_double { second } else { roll }, tangent]);
+            let (applied, weighted) = (rows.on_bodies(rows.applied), rows.on_bodies(rows.weighted));
+            let turns = [rows.roll.turns(rows.roll.applied), rows.roll.turns(rows.roll.weighted)];
+            for (side, body) in rows.bodies.into_iter().enumerate() {
+                let body = &mut self.bodies[body as usize];
+                (0..3).for_each(|c| body.applied[c] += applied[side][c]);
+                (0..3).for_each(|c| body.weighted[c] += weighted[side][c]);
+                body.applied[2] += turns[0][side];
+                body.weighted[2] += turns[1][side];
+            }
+        }
+    }
+}
+
+/// Counts how often each body is named, and lists those that are.
+fn count(named: impl Iterator<Item = u32>, bodies: usize, shares: &mut Vec<u32>, list: &mut Vec<u32>) {
+    list.clear();
+    shares.clear();
+    shares.resize(bodies, 0);
+    for body in named {
+        shares[body as usize] += 1;
+        if shares[body as usize] == 1 {
+            list.push(body);
+        }
+    }
+}
+
+fn follow(followers: &[[u32; 2]], bodies: &mut [Body]) {
+    for &[body, leader] in followers {
+        let motion = bodies[leader as usize].clone();
+        bodies[body as usize].follow(&motion);
+    }
+}
+
+/// Impulses in N·s as multiples of a power of two of which the largest has 62 bits. An impulse that is not finite counts as zero.
+fn in_units(impulses: Vector) -> Impulses {
+    let finite = impulses.map(|impulse| if impulse.is_finite() { impulse } else { 0.0 });
+    let largest = finite.into_iter().fold(0.0, |largest: f64, impulse| largest.max(impulse.abs()));
+    if largest == 0.0 {
+        return Impulses::default();
+    }
+    let (_, above) = libm::frexp(largest);
+    // Records keep exponents of eight bits.
+    let exponent = (above - 62).clamp(-128, 60);
+    let units = |impulse: f64| libm::rint(within(libm::scalbn(impulse, -exponent), rounding::power(62))) as i64;
+    Impulses { values: finite.map(units), exponent }
+}
