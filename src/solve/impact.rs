@@ -93,11 +93,7 @@ fn along(group: &Group, lane: usize, a: [i128; 3], b: [i128; 3]) -> [i128; 3] {
         linear + kb * b[2] - ka * a[2]
     };
     let normal = nx * d[0] + ny * d[1];
-    [
-        (of(0, normal) + (1 << 29)) >> 30,
-        (of(1, normal) + (1 << 29)) >> 30,
-        shifted(of(2, ny * d[0] - nx * d[1]), 30),
-    ]
+    [(of(0, normal) + (1 << 29)) >> 30, (of(1, normal) + (1 << 29)) >> 30, shifted(of(2, ny * d[0] - nx * d[1]), 30)]
 }
 
 /// The change of velocity of a body by the impulses of a contact, in 2^-30.
@@ -239,8 +235,8 @@ impl Solver {
         let closing = along(group, lane, sa, sb);
         let mut is_impact = false;
         for i in 0..limit.count {
-            hit.bounces[i] = closing[i] < -i128::from(limit.threshold)
-                || i64::from(group.separation[lane][i]) > -4 * limit.touch;
+            hit.bounces[i] =
+                closing[i] < -i128::from(limit.threshold) || i64::from(group.separation[lane][i]) > -4 * limit.touch;
             // The true gap: the solver's flight is ahead of it.
             let gap = (i128::from(group.separation_now[lane][i]) << FRACTION) - a[i] * i128::from(k - 1) / 2;
             let threshold = i128::from(limit.threshold) << FRACTION;
@@ -458,7 +454,11 @@ impl Solver {
             let late = [
                 shifted(p1 * moments[0], 30),
                 shifted(p2 * moments[1], 30),
-                if p1 + p2 > 0 { quotient(t * ((p1 * moments[0] + p2 * moments[1]) >> 10), (p1 + p2) << 20) } else { 0 },
+                if p1 + p2 > 0 {
+                    quotient(t * ((p1 * moments[0] + p2 * moments[1]) >> 10), (p1 + p2) << 20)
+                } else {
+                    0
+                },
             ];
             for i in 0..3 {
                 group.applied[i][lane] += hit.impulses[i] as i64;
@@ -479,7 +479,12 @@ impl Solver {
                 let (by, moved) = (own.struck[row], own.moved[row]);
                 (own.struck[row], own.moved[row]) = ([0; 3], [0; 3]);
                 if row != STILL as usize && (by != [0; 3] || moved != [0; 3]) {
-                    self.rows.strike(lanes, row as u32, by.map(|part| part as i64), moved.map(|part| shifted(part, FINE)));
+                    self.rows.strike(
+                        lanes,
+                        row as u32,
+                        by.map(|part| part as i64),
+                        moved.map(|part| shifted(part, FINE)),
+                    );
                 }
             }
         }
@@ -524,9 +529,8 @@ impl Solver {
         }
         // What rounding adds is no energy.
         constant -= hits.iter().map(|hit| hit.impulses.iter().map(|j| j.abs() * 4).sum::<i128>()).sum::<i128>();
-        let adds = |factor: i128| {
-            constant + ((linear * factor) >> 30) + ((((square * factor) >> 30) * factor) >> 30) > 0
-        };
+        let adds =
+            |factor: i128| constant + ((linear * factor) >> 30) + ((((square * factor) >> 30) * factor) >> 30) > 0;
         let mut factor = ONE;
         if adds(ONE) {
             let (mut least, mut most) = (0, ONE);

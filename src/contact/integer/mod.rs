@@ -153,7 +153,9 @@ impl Numerics<Fx> for Fixed {
     }
 
     fn may_close(manifold: &Manifold, flights: [&Flight; 2]) -> bool {
-        manifold.points[..manifold.count].iter().any(|point| pairs::closed(manifold.normal, point, flights, END) >= point.separation.to_bits())
+        manifold.points[..manifold.count]
+            .iter()
+            .any(|point| pairs::closed(manifold.normal, point, flights, END) >= point.separation.to_bits())
     }
 
     fn are_fast(flights: [&Flight; 2], radii: [Fx; 2]) -> bool {

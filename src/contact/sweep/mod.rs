@@ -315,7 +315,10 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
         for own in hits.chunk_by(|a, b| a.course == b.course) {
             let mut course = self.sweep.courses[own[0].course as usize];
             let is_pushed = course.carrier != NONE
-                || own.iter().any(|hit| !hit.is_mutual && self.flights.body(self.sweep.courses[hit.by as usize].flight).kind == FlightOf::Kinematic);
+                || own.iter().any(|hit| {
+                    !hit.is_mutual
+                        && self.flights.body(self.sweep.courses[hit.by as usize].flight).kind == FlightOf::Kinematic
+                });
             // What a kinematic body pushes goes with it, through others if there is no other way.
             if is_last && course.carrier != NONE && own.iter().all(|hit| hit.is_mutual) {
                 continue;
@@ -327,7 +330,8 @@ impl<S: Scalar, N: Numerics<S>> Engine<S, N> {
             } else {
                 own[0].at
             };
-            let leg = self.carried(paths, &course, own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual)));
+            let leg =
+                self.carried(paths, &course, own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual)));
             let before = course.path;
             match leg {
                 Some((carrier, leg)) => {

@@ -53,7 +53,13 @@ impl<S: Scalar> Paths<'_, S> {
             }
         };
         let is_held = course.path.stopped_at() == Some(0);
-        Stop { dense: start.dense, position: Vec2::new(position[0], position[1]), angle: N::from_turn(angle), is_held, is_stuck: is_held && course.is_stuck }
+        Stop {
+            dense: start.dense,
+            position: Vec2::new(position[0], position[1]),
+            angle: N::from_turn(angle),
+            is_held,
+            is_stuck: is_held && course.is_stuck,
+        }
     }
 
     pub(super) fn is_bullet(&self, slot: u32) -> bool {
