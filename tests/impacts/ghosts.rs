@@ -130,6 +130,33 @@ fn a_box_that_flies_past_a_sleeper_leaves_it_asleep() {
     }
 }
 
+/// A bar at rest that crosses the line of a chain beyond the chain's end, 0.36 m and more away from it.
+#[test]
+fn a_bar_beside_the_end_of_a_chain_stays_at_rest() {
+    let shapes = [
+        Shape::segment(vec2(-3, 0), vec2(3, 0)).expect("a rod"),
+        rectangle(fx!(6), fx!(0.1)),
+        Shape::capsule(fx!(6), fx!(0.05)).expect("a capsule"),
+    ];
+    let mut failures = Vec::new();
+    for shape in shapes {
+        for end in [-1, 1] {
+            for lean in [fx!(-0.8), fx!(0.8), fx!(-1.5), fx!(2.2)] {
+                for place in [fx!(1.5), fx!(2.5)] {
+                    let chain = Shape::chain(&[vec2(1, 0), vec2(0, 0), vec2(-1, 0)], false).expect("a chain");
+                    let bar = BodyDef { angle: lean, ..dynamic(shape.clone(), vec2(place * end, 0)) };
+                    if let Some((tick, _)) = first_exchange(floating(), &[fixed(chain, vec2(0, 0)), bar], 10) {
+                        let corners = shape.outlines()[0].corners().len();
+                        failures
+                            .push(format!("{corners} corners, {lean:.1} rad, at {:.1} m: tick {tick}", place * end));
+                    }
+                }
+            }
+        }
+    }
+    conclude(48, &failures);
+}
+
 /// Pairs of random shapes at random places, at any speed and spin, that come close and do not touch: each body moves as it does alone.
 #[test]
 fn random_bodies_that_pass_each_other_exchange_nothing() {
