@@ -22,6 +22,9 @@ pub(crate) use path::{END, Leg, Path};
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;
 
+/// Outlines that overlap by this touch, ulps: a micrometre.
+const TOUCH: i64 = 1 << 12;
+
 /// The most that rounding adds to a distance, ulps: that of corners, of centres and their angles, and of the parts of a bound.
 const ROUNDING: i64 = 16;
 
@@ -387,9 +390,9 @@ impl Sweep<'_> {
         are_alike
     }
 
-    /// The first moment at which the outlines may overlap by 2^-12 m; `None` if they do not in the tick.
+    /// The first moment at which the outlines may overlap by a micrometre; `None` if they do not in the tick.
     pub(crate) fn first_touch(&self) -> Option<u64> {
-        self.reach(1 << 20, 0, &self.at(0))
+        self.reach(TOUCH, 0, &self.at(0))
     }
 
     /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.
