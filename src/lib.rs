@@ -85,6 +85,9 @@ macro_rules! clone_by_field {
 }
 
 mod body;
+#[cfg(test)]
+#[path = "../tests/support/cases.rs"]
+mod cases;
 mod character;
 mod codec;
 mod collider;

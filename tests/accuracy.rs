@@ -69,7 +69,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["sqrt", "checked_sqrt"],
         allowed: 0.5,
         inputs: |_| {
-            let mut random = Random(3);
+            let mut random = Random::seeded(3);
             let from_ties: Vec<_> = (0..TIES).flat_map(|_| hard::sqrt_from_ties(&mut random)).collect();
             singles(from_ties.into_iter().chain(common()))
         },
@@ -84,7 +84,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["checked_hypot"],
         allowed: 0.5,
         inputs: |_| {
-            let mut random = Random(4);
+            let mut random = Random::seeded(4);
             pairs((0..TIES).flat_map(|_| hard::hypot_from_ties(&mut random)).collect())
         },
         error: |_, (x, y)| {
@@ -101,7 +101,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["checked_div", "checked_from_ratio"],
         allowed: 0.5,
         inputs: |_| {
-            let mut random = Random(5);
+            let mut random = Random::seeded(5);
             pairs((0..TIES).flat_map(|_| hard::div_from_ties(&mut random)).collect())
         },
         error: |_, (n, d)| {
@@ -138,7 +138,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["atan2"],
         allowed: 0.5001,
         inputs: |reference| {
-            let mut random = Random(6);
+            let mut random = Random::seeded(6);
             pairs((0..TIES).flat_map(|_| hard::atan2_from_ties(reference, &mut random)).collect())
         },
         error: |reference, (y, x)| {
@@ -155,7 +155,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["exp2"],
         allowed: 0.5001,
         inputs: |reference| {
-            let mut random = Random(7);
+            let mut random = Random::seeded(7);
             let in_range: Vec<_> = (0..*RANDOM).map(|_| random.within(-33 << 32, 31 << 32)).collect();
             let searched = hard::search_exp2(reference, &mut random, SEARCHED, KEPT);
             singles(in_range.into_iter().chain(searched).chain(hard::EXP2).chain(common()))
@@ -172,7 +172,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &[],
         allowed: 0.5001,
         inputs: |_| {
-            let mut random = Random(17);
+            let mut random = Random::seeded(17);
             // The share is 0 from 33·ln 2 on; what is next to the tie of 2^-33 there, and next to none.
             let last = 98_242_467_570;
             let rates = (0..*RANDOM).map(|_| random.within(0, 23 << 32)).collect::<Vec<_>>();
@@ -196,7 +196,7 @@ const FUNCTIONS: [Function; 11] = [
         methods: &["log2"],
         allowed: 0.5001,
         inputs: |reference| {
-            let mut random = Random(8);
+            let mut random = Random::seeded(8);
             let from_ties: Vec<_> = (0..TIES).flat_map(|_| hard::log2_from_ties(reference, &mut random)).collect();
             let near_one = (-DENSE..=DENSE).map(|d| (1 << 32) + d);
             singles(from_ties.into_iter().chain(near_one).chain(common()))
@@ -239,7 +239,7 @@ fn singles(inputs: impl Iterator<Item = i64>) -> Vec<Input> {
 
 /// For any function of one argument: the edges, a dense interval, random ones uniform and uniform in exponent.
 fn common() -> impl Iterator<Item = i64> {
-    let (mut uniform, mut by_exponent) = (Random(1), Random(2));
+    let (mut uniform, mut by_exponent) = (Random::seeded(1), Random::seeded(2));
     let dense = (0..2 * DENSE).map(|d| (3 << 31) + d);
     let uniform = (0..*RANDOM).map(move |_| uniform.next());
     edges().into_iter().chain(dense).chain(uniform).chain((0..*RANDOM).map(move |_| by_exponent.next_by_exponent()))
@@ -252,7 +252,7 @@ fn pairs(hard: Vec<Input>) -> Vec<Input> {
     let corners = edges.iter().flat_map(|&a| edges.iter().map(move |&b| (a, b)));
     let side = DENSE.isqrt();
     let dense = (0..side).flat_map(|a| (0..side).map(move |b| ((1 << 32) + a, (3 << 31) + b)));
-    let (mut uniform, mut by_exponent) = (Random(1), Random(2));
+    let (mut uniform, mut by_exponent) = (Random::seeded(1), Random::seeded(2));
     let uniform = (0..*RANDOM).map(|_| (uniform.next(), uniform.next()));
     let by_exponent = (0..*RANDOM).map(|_| (by_exponent.next_by_exponent(), by_exponent.next_by_exponent()));
     hard.into_iter().chain(corners).chain(dense).chain(uniform).chain(by_exponent).collect()
@@ -261,7 +261,7 @@ fn pairs(hard: Vec<Input>) -> Vec<Input> {
 /// For sine and cosine: beside the common ones, quadrant boundaries near zero and anywhere up to 2^31 rad, the ends of the
 /// range, and the hardest to round.
 fn angles(reference: &Reference) -> Vec<Input> {
-    let mut random = Random(9);
+    let mut random = Random::seeded(9);
     // 2^31 rad are 1367130551.2 quadrants.
     let last = 1_367_130_551;
     let far: Vec<i64> = (0..TIES).map(|_| random.within(0, last)).collect();
@@ -277,7 +277,7 @@ fn angles(reference: &Reference) -> Vec<Input> {
 
 /// For pow: beside the common pairs, bases next to 1 with exponents up to 2^31, results anywhere up to 2^31, and exact ties.
 fn powers(reference: &Reference) -> Vec<Input> {
-    let mut random = Random(10);
+    let mut random = Random::seeded(10);
     let mut inputs: Vec<Input> = (0..TIES).flat_map(|_| hard::pow_from_ties(reference, &mut random)).collect();
     for i in 0..*RANDOM {
         // Half of the bases next to 1, the others of all sizes; the exponent leads to a result of a random size.
@@ -395,7 +395,7 @@ fn plain_cordic_gives_the_same_bits() {
 #[test]
 #[ignore = "minutes of search, for the lists in tests/support/hard.rs"]
 fn search_further() {
-    let (reference, mut random) = (Reference::new(), Random(11));
+    let (reference, mut random) = (Reference::new(), Random::seeded(11));
     println!("SIN_COS: {:?}", hard::search_sin_cos(&mut random, 1_000_000_000, 40));
     println!("EXP2: {:?}", hard::search_exp2(&reference, &mut random, 1_000_000_000, 20));
 }

@@ -34,7 +34,7 @@ fn below(random: &mut Random, count: usize) -> usize {
 fn world(integrator: Integrator) -> (World, Vec<BodyId>) {
     let def = WorldDef { integrator, sleep_after: Some(4), ..WorldDef::default() };
     let mut world = World::new(def).expect("a fair definition");
-    let mut random = Random(5);
+    let mut random = Random::seeded(5);
     let bodies = (0..COUNT).map(|i| {
         let def = BodyDef {
             position: vector(&mut random, 38),
@@ -187,7 +187,7 @@ fn forgetful(world: &World) -> World {
 fn values_cached_between_steps_change_no_result() {
     let (mut slept, mut moved, mut undone) = (0, 0, 0);
     for (integrator, is_reversible) in Integrator::ALL.into_iter().flat_map(|it| [(it, false), (it, true)]) {
-        let mut random = Random(3);
+        let mut random = Random::seeded(3);
         let (mut world, bodies) = world(integrator);
         custom_forces().into_iter().for_each(|force| world.register_custom_force(force).expect("its id is free"));
         if is_reversible {

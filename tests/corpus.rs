@@ -3,6 +3,9 @@
 //! `fuzz/README.md` says what each target asserts. `UMBRA_BLESS=1 cargo test --release --all-features --test corpus -- --ignored
 //! write_seeds` writes inputs to begin with.
 
+#[path = "support/seeds.rs"]
+mod seeds;
+
 #[path = "../fuzz/src/lib.rs"]
 #[allow(
     dead_code,
@@ -156,13 +159,13 @@ fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
     input
 }
 
-/// Runs each target for `UMBRA_SECONDS` (5), two at once, from `UMBRA_SEED` (1) on the same inputs each time. Coverage does not guide the
+/// Runs each target for `UMBRA_SECONDS` (5), two at once, by `UMBRA_SEED` on the same inputs each time. Coverage does not guide the
 /// changes: `.ci/fuzz` does that.
 #[test]
 #[ignore = "takes half a minute: `cargo test --release --all-features --test corpus -- --ignored seconds`"]
 fn seconds_of_mutated_inputs() {
     let number = |name, or| std::env::var(name).map_or(or, |text| text.parse().expect("a number"));
-    let (seed, seconds) = (number("UMBRA_SEED", 1), number("UMBRA_SECONDS", 5));
+    let (seed, seconds) = (seeds::run_seed(1), number("UMBRA_SECONDS", 5));
     let next = AtomicUsize::new(0);
     let work = || {
         while let Some((target, run)) = fuzz::TARGETS.get(next.fetch_add(1, Ordering::Relaxed)) {

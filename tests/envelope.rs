@@ -1,8 +1,12 @@
 //! Nothing overflows or panics: each bound at it and one past it, quarantine, and worlds at the edge of everything.
 
+#[path = "support/cases.rs"]
+mod cases;
+
 use std::cell::Cell;
 use std::sync::Arc;
 
+use cases::cases;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
@@ -962,16 +966,8 @@ fn check(world: &World) {
     let _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.state_hash());
 }
 
-fn config(cases: [u32; 2]) -> ProptestConfig {
-    ProptestConfig {
-        cases: cases[usize::from(!cfg!(debug_assertions))],
-        failure_persistence: None,
-        ..ProptestConfig::default()
-    }
-}
-
 proptest! {
-    #![proptest_config(config([1_500, 12_000]))]
+    #![proptest_config(cases([1_500, 12_000]))]
 
     #[test]
     fn no_world_within_the_bounds_panics_in_a_step(
@@ -1031,7 +1027,7 @@ fn a_step_goes_back_to_the_bit_or_not_at_all() {
     let inputs = (prop::collection::vec((handle(), action()), 0..4), handle(), vector_within(POSITION));
     let strategy = (time_step(), reversible, vector_within(GRAVITY), still, inputs);
     let (undone, refused) = (Cell::new(0), Cell::new(0));
-    let mut runner = TestRunner::new(config([1_500, 12_000]));
+    let mut runner = TestRunner::new(cases([1_500, 12_000]));
     let result = runner.run(&strategy, |(time_step, integrator, gravity, (bodies, fields, rough), inputs)| {
         let def = WorldDef { time_step, integrator, gravity, sleep_after: None, ..WorldDef::default() };
         let Ok(mut world) = World::new(def) else { return Ok(()) };

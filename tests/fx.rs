@@ -1,7 +1,11 @@
 //! `Fx` behaves alike in debug and release, with and without overflow checks: run in both.
 
+#[path = "support/cases.rs"]
+mod cases;
+
 use std::panic::catch_unwind;
 
+use cases::cases;
 use fixed::types::I32F32;
 use proptest::prelude::*;
 use umbra_physics::{Fx, FxAccumulator, FxWide, MathError, ParseFxError, Turn, fx};
@@ -253,6 +257,8 @@ fn any_fx() -> impl Strategy<Value = Fx> {
 }
 
 proptest! {
+    #![proptest_config(cases([256; 2]))]
+
     #[test]
     fn text_reads_back_to_the_same_bits(x in any_fx()) {
         prop_assert_eq!(x.to_string().parse::<Fx>(), Ok(x));

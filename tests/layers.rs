@@ -38,6 +38,9 @@ const LEVELS: [&[&str]; 21] = [
 /// those name all of the engine. A generic method finds its compiled function by the scalar alone.
 const DEFENDED: (&str, &str) = ("scalar/number.rs", "compiled");
 
+/// The module of the unit tests with the seeds and the numbers of random cases; its file stands in `tests/support`.
+const CASES: &str = "cases";
+
 /// The packages beside the library, each with those among ours that it depends on. The compiler holds that they name public items
 /// alone; the tests below hold that there is no way round that.
 const PACKAGES: [(&str, &[&str]); 4] = [
@@ -147,6 +150,7 @@ fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     let mut wrong = Vec::new();
     let mut check = |named: &str| match level(named) {
         Some(level) if named == own || level < own_level || (path, named) == DEFENDED => {}
+        None if named == CASES => {}
         Some(_) => wrong.push(format!("{path}: {own} names {named}")),
         None => wrong.push(format!("{path}: `crate::{named}` is no module: name the one it is in")),
     };
@@ -250,6 +254,22 @@ fn the_checker_sees_an_import_to_the_right_in_every_form() {
     ] {
         assert_eq!(wrong_imports(path, source), [""; 0], "{path}: {source}");
     }
+}
+
+#[test]
+fn proptest_tries_the_same_cases_in_every_run() {
+    let folders = ["src", "tests", "crates"].into_iter().flat_map(sources_below);
+    let (mut blocks, mut wrong) = (0, Vec::new());
+    for (path, source) in folders.filter(|(path, _)| path != "support/cases.rs") {
+        let code = code_of(&source);
+        let here = code.matches("proptest! {").count();
+        let is_wrong = code.matches("#![proptest_config(cases(").count() != here
+            || ["Config::default", "Config::with_cases", "TestRunner::default"].iter().any(|made| code.contains(made));
+        blocks += here;
+        wrong.extend(is_wrong.then_some(path));
+    }
+    assert!(blocks >= 10, "{blocks}");
+    assert!(wrong.is_empty(), "take the configuration from `cases` of tests/support/cases.rs: {wrong:?}");
 }
 
 #[test]

@@ -210,7 +210,7 @@ impl Watched {
 fn an_observer_of_events_and_changes_knows_all_bodies() {
     let mut still = [0; 2];
     for seed in 0..40 {
-        let mut author = Author { random: SplitMix(seed), unfair: 64 };
+        let mut author = Author { random: SplitMix::seeded(seed), unfair: 64 };
         let mut world = world(Some(4));
         for _ in 0..30 {
             _ = world.add_body(author.body());

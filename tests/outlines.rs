@@ -87,7 +87,7 @@ fn are_halves(low: Fx, high: Fx, size: Fx) -> bool {
 
 #[test]
 fn discs_are_points_and_capsules_lines_with_a_radius() {
-    let mut random = SplitMix(1);
+    let mut random = SplitMix::seeded(1);
     for _ in 0..CASES {
         let (length, radius) = (size(&mut random), size(&mut random));
         let shape = Shape::circle(radius).expect("a fair size");
@@ -103,7 +103,7 @@ fn discs_are_points_and_capsules_lines_with_a_radius() {
 
 #[test]
 fn rectangles_have_their_corners_and_the_axes_as_normals() {
-    let mut random = SplitMix(2);
+    let mut random = SplitMix::seeded(2);
     for _ in 0..CASES {
         let (width, height) = (size(&mut random), size(&mut random));
         let shape = Shape::rectangle(width, height).expect("fair sizes");
@@ -118,7 +118,7 @@ fn rectangles_have_their_corners_and_the_axes_as_normals() {
 
 #[test]
 fn polygons_and_segments_keep_their_corners_and_have_exact_normals() {
-    let mut random = SplitMix(3);
+    let mut random = SplitMix::seeded(3);
     for _ in 0..CASES {
         let shape = polygon(&mut random);
         let Geometry::Polygon { corners } = shape.geometry() else { panic!("a polygon") };
@@ -166,7 +166,7 @@ fn turned_to_the_least(outline: &Outline) -> Vec<(Vec2, Vec2)> {
 #[test]
 fn images_of_a_polygon_have_the_images_of_its_outline() {
     let mirror = |v: Vec2| vec2(-v.x, v.y);
-    let mut random = SplitMix(4);
+    let mut random = SplitMix::seeded(4);
     for _ in 0..CASES {
         let shape = polygon(&mut random);
         let Geometry::Polygon { corners } = shape.geometry() else { panic!("a polygon") };
@@ -189,7 +189,7 @@ fn images_of_a_polygon_have_the_images_of_its_outline() {
 
 #[test]
 fn parts_of_a_compound_are_turned_and_moved_to_their_places() {
-    let mut random = SplitMix(5);
+    let mut random = SplitMix::seeded(5);
     let bound = real(51) / real(100) / real(1 << 32);
     for _ in 0..CASES / 10 {
         let given: Vec<Part> = (0..random.between(1, 6))

@@ -1,5 +1,9 @@
 //! A step clock gives real time out in ticks to the last nanosecond, whatever the frames are.
 
+#[path = "support/cases.rs"]
+mod cases;
+
+use cases::cases;
 use dashu_int::UBig;
 use dashu_int::ops::Gcd as _;
 use proptest::prelude::*;
@@ -178,7 +182,7 @@ fn act() -> impl Strategy<Value = Act> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 100 } else { 1_000 }))]
+    #![proptest_config(cases([100, 1_000]))]
 
     #[test]
     fn the_ticks_of_any_frames_are_the_floor_of_their_time(

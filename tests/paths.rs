@@ -35,7 +35,7 @@ fn number(random: &mut inputs::Random, bits: u32) -> Fx {
 
 /// Bodies that fly and spin, one in three not spinning.
 fn bodies() -> impl Iterator<Item = BodyDef> {
-    let mut random = inputs::Random(7);
+    let mut random = inputs::Random::seeded(7);
     (0..COUNT).map(move |i| BodyDef {
         position: Vec2::new(number(&mut random, 45), number(&mut random, 45)),
         velocity: Vec2::new(number(&mut random, 38), number(&mut random, 38)),
@@ -150,7 +150,7 @@ fn up_to(random: &mut inputs::Random, log2: u32) -> Fx {
 /// of it, and some leave it.
 #[test]
 fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
-    let mut random = inputs::Random(23);
+    let mut random = inputs::Random::seeded(23);
     let mut faults = 0;
     let time_steps = [TimeStep::hz(1), TimeStep::hz(2), TimeStep::hz(60), TimeStep::hz(10_000)];
     let dampings = [fx!(0), fx!(0.001), fx!(0.75), fx!(1)].map(Damping::kept_per_second);
@@ -282,7 +282,7 @@ fn worlds_side_by_side_are_worlds_one_by_one() {
 #[cfg(feature = "parallel")]
 #[test]
 fn the_number_of_threads_changes_nothing() {
-    let mut random = inputs::Random(11);
+    let mut random = inputs::Random::seeded(11);
     let mut start = World::new(WorldDef { sleep_after: Some(30), ..def(Integrator::VelocityVerlet) }).expect("fair");
     for i in 0..30_000 {
         let body = BodyDef {

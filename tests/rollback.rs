@@ -240,7 +240,7 @@ fn play_late(author: &mut Author, played: &Match, window: usize, predict: Predic
 
 #[test]
 fn late_inputs_lead_to_the_states_that_inputs_in_time_lead_to() {
-    let mut author = Author { random: SplitMix(3), unfair: 60 };
+    let mut author = Author { random: SplitMix::seeded(3), unfair: 60 };
     let mut counts = Counts::default();
     for run in 0..120 {
         let integrator = Integrator::ALL[run % Integrator::ALL.len()];
@@ -275,7 +275,7 @@ fn tick_with_draws(world: &mut World, inputs: &[(u32, Vec<Command>)]) -> Vec<Com
 #[test]
 fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight_run() {
     const TICKS: u64 = 40;
-    let mut author = Author { random: SplitMix(8), unfair: 40 };
+    let mut author = Author { random: SplitMix::seeded(8), unfair: 40 };
     let (mut kinds, mut redone) = (BTreeSet::new(), 0);
     for run in 0..60 {
         let start = Match::play(&mut author, Integrator::ALL[run % Integrator::ALL.len()], 1, 0).start;

@@ -85,7 +85,7 @@ fn lived(integrator: Integrator, seed: u64, ticks: u32) -> World {
 
 /// Random calls; those that are refused are no matter.
 fn meddle(world: &mut World, seed: u64, tick: u32) {
-    let mut dice = SplitMix(seed ^ u64::from(tick) << 32);
+    let mut dice = SplitMix::seeded(seed ^ u64::from(tick) << 32);
     let number = |dice: &mut SplitMix| Fx::from_bits(dice.between(-3 << 32, 3 << 32));
     let vector = |dice: &mut SplitMix| Vec2::new(number(dice), number(dice));
     for _ in 0..dice.next() % 5 {

@@ -113,7 +113,7 @@ impl Soak {
         for force in &custom_forces {
             world.register_custom_force(force.clone()).expect("each once");
         }
-        let mut author = Author { random: SplitMix(1), unfair: 64 };
+        let mut author = Author { random: SplitMix::seeded(1), unfair: 64 };
         while world.bodies().count() < BODIES {
             // Of an unfair one the next is the remedy.
             _ = world.add_body(author.body());

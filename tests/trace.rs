@@ -37,7 +37,7 @@ fn vector(random: &mut Random, bits: u32) -> Vec2 {
 /// envelope. If fields are to reach all blocks, there is an attractor that a body carries and drags besides, one of them too
 /// stiff for a step backwards.
 fn busy(integrator: Integrator, all: bool) -> (World, Vec<BodyId>) {
-    let mut random = Random(1);
+    let mut random = Random::seeded(1);
     let mut world = World::new(def(integrator)).expect("a fair definition");
     let mut bodies: Vec<BodyDef> = (0..300)
         .map(|i| BodyDef {

@@ -63,7 +63,7 @@ fn big(value: Fx) -> IBig {
 
 #[test]
 fn products_of_vectors_are_the_nearest() {
-    let mut numbers = Numbers(SplitMix(1));
+    let mut numbers = Numbers(SplitMix::seeded(1));
     let (mut fits, mut beyond) = (0, 0);
     for _ in 0..CASES {
         let (a, b) = (numbers.vector(), numbers.vector());
@@ -103,7 +103,7 @@ fn is_nearest_root(value: u64, squares: &UBig) -> bool {
 
 #[test]
 fn lengths_and_distances_are_the_nearest() {
-    let mut numbers = Numbers(SplitMix(2));
+    let mut numbers = Numbers(SplitMix::seeded(2));
     let square = |c: IBig| UBig::try_from(&c * &c).expect("a square");
     // Half an ulp above the greatest number, squared and times four: lengths from there on do not fit.
     let most = (UBig::from(u64::MAX)).pow(2);
@@ -126,7 +126,7 @@ fn lengths_and_distances_are_the_nearest() {
 
 #[test]
 fn unit_vectors_and_shortened_ones_have_the_nearest_components() {
-    let mut numbers = Numbers(SplitMix(3));
+    let mut numbers = Numbers(SplitMix::seeded(3));
     let (mut shortened, mut kept) = (0, 0);
     for _ in 0..CASES {
         let (v, most) = (numbers.vector(), numbers.number().saturating_abs());
@@ -161,7 +161,7 @@ fn unit_vectors_and_shortened_ones_have_the_nearest_components() {
 
 #[test]
 fn points_between_are_the_nearest() {
-    let mut numbers = Numbers(SplitMix(4));
+    let mut numbers = Numbers(SplitMix::seeded(4));
     for i in 0..CASES {
         let (a, b, t) = (numbers.vector(), numbers.vector(), numbers.number());
         let t = if i % 2 == 0 { t } else { Fx::from_bits(t.to_bits() & 0xffff_ffff) };
@@ -175,7 +175,7 @@ fn points_between_are_the_nearest() {
 
 #[test]
 fn operators_of_vectors_are_those_of_their_components() {
-    let mut numbers = Numbers(SplitMix(5));
+    let mut numbers = Numbers(SplitMix::seeded(5));
     let mut tried = 0;
     for _ in 0..CASES / 10 {
         let (a, b, s) = (numbers.vector(), numbers.vector(), numbers.number());
@@ -268,7 +268,7 @@ fn operators_panic_where_a_result_does_not_fit() {
 
 #[test]
 fn integers_and_remainders_are_exact() {
-    let mut numbers = Numbers(SplitMix(6));
+    let mut numbers = Numbers(SplitMix::seeded(6));
     for i in 0..CASES {
         let (a, b) = (numbers.number(), numbers.number());
         let n = match i % 8 {
@@ -311,7 +311,7 @@ fn integers_and_remainders_are_exact() {
 
 #[test]
 fn degrees_are_the_nearest() {
-    let mut numbers = Numbers(SplitMix(7));
+    let mut numbers = Numbers(SplitMix::seeded(7));
     let mut worst = [0.0f64; 2];
     for _ in 0..CASES / 10 {
         let a = numbers.number();

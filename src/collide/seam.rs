@@ -39,12 +39,14 @@ pub(crate) struct Face {
     pub(crate) part: Option<[[i64; 2]; 2]>,
 }
 
-/// Convex polygons, corners counter-clockwise in ulps: below 2^50, as they are relative to a point near them.
+/// A convex polygon and those that may touch it, corners counter-clockwise in ulps: below 2^50, as they are relative to a point near them.
 #[derive(Debug, Default)]
 pub(crate) struct Polygons {
     corners: Vec<[i64; 2]>,
-    /// Behind the corners of each.
+    /// Behind the corners of each polygon.
     ends: Vec<usize>,
+    /// Workspace: the parts of an edge that neighbours cover.
+    covered: Vec<[i64; 2]>,
 }
 
 impl Polygons {
@@ -53,41 +55,45 @@ impl Polygons {
         self.ends.clear();
     }
 
+    /// Adds a polygon. After the first one it is left out if it is too far from that to touch it.
     pub(crate) fn push(&mut self, corners: impl IntoIterator<Item = [i64; 2]>) {
+        let from = self.corners.len();
         self.corners.extend(corners);
-        self.ends.push(self.corners.len());
+        if self.ends.first().is_some_and(|&first| !are_near(&self.corners[..first], &self.corners[from..])) {
+            self.corners.truncate(from);
+        } else {
+            self.ends.push(self.corners.len());
+        }
     }
 
-    pub(crate) fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    fn get(&self, i: usize) -> &[[i64; 2]] {
-        &self.corners[if i == 0 { 0 } else { self.ends[i - 1] }..self.ends[i]]
+    /// The corners of each polygon after the first one.
+    fn neighbours(&self) -> impl Iterator<Item = &[[i64; 2]]> + Clone {
+        self.ends.windows(2).map(|ends| &self.corners[ends[0]..ends[1]])
     }
 
     /// Lists the edges of the first polygon that are on the surface of the union of all. Returns false if no other polygon
-    /// touches it, so that it pushes as one that stands alone.
-    pub(crate) fn faces(&self, faces: &mut Vec<Face>) -> bool {
-        let own = self.get(0);
-        let others: Vec<&[[i64; 2]]> =
-            (1..self.len()).map(|i| self.get(i)).filter(|other| are_near(own, other)).collect();
-        if others.is_empty() {
+    /// touches it, so that it pushes as one that stands alone. *Domain* there is a polygon.
+    pub(crate) fn faces(&mut self, faces: &mut Vec<Face>) -> bool {
+        if self.ends.len() == 1 {
             return false;
         }
+        let mut covered = core::mem::take(&mut self.covered);
+        let own = &self.corners[..self.ends[0]];
         let from = faces.len();
         let count = own.len();
         let mut is_changed = false;
         for i in 0..count {
             let edge = Edge::new(own[i], own[(i + 1) % count]);
-            let Some([low, high]) = edge.exposed(&others) else {
+            covered.clear();
+            covered.extend(self.neighbours().filter_map(|neighbour| edge.covered(neighbour)));
+            let Some([low, high]) = edge.exposed(&mut covered) else {
                 is_changed = true;
                 continue;
             };
             let reaches = [low <= -edge.length + 2 * REACH, high >= edge.length - 2 * REACH];
             let beside = [own[(i + count - 1) % count], own[(i + 2) % count]];
             let ends = [0, 1].map(|end| match reaches[end] {
-                true => edge.beyond(end, beside[end], &others),
+                true => edge.beyond(end, beside[end], self.neighbours()),
                 false => Neighbour::Covered,
             });
             let is_own = |neighbour: &Neighbour<_>| matches!(neighbour, Neighbour::Own(_));
@@ -98,6 +104,7 @@ impl Polygons {
         if !is_changed {
             faces.truncate(from);
         }
+        self.covered = covered;
         is_changed
     }
 }
@@ -161,18 +168,18 @@ impl Edge {
         })
     }
 
-    /// The part of the edge that no other polygon covers, from its first to its last place; `None` if they cover it all.
-    fn exposed(&self, others: &[&[[i64; 2]]]) -> Option<[i64; 2]> {
-        let mut covered: Vec<[i64; 2]> = others.iter().filter_map(|other| self.covered(other)).collect();
+    /// The part of the edge that is left of the parts that other polygons cover, from its first to its last place; `None` if they cover it
+    /// all. Sorts the parts.
+    fn exposed(&self, covered: &mut [[i64; 2]]) -> Option<[i64; 2]> {
         covered.sort_unstable();
         let (mut low, mut high) = (-self.length, self.length);
-        for [from, to] in &covered {
+        for [from, to] in &*covered {
             if *from <= low + REACH {
                 low = low.max(*to);
             }
         }
         covered.sort_unstable_by_key(|&[_, to]| core::cmp::Reverse(to));
-        for [from, to] in &covered {
+        for [from, to] in covered {
             if *to >= high - REACH {
                 high = high.min(*from);
             }
@@ -208,7 +215,12 @@ impl Edge {
     }
 
     /// The edge by which the surface goes on at an end of this one; `own` is the next corner of the same polygon beyond that end.
-    fn beyond(&self, end: usize, own: [i64; 2], others: &[&[[i64; 2]]]) -> Neighbour<[i32; 2]> {
+    fn beyond<'a>(
+        &self,
+        end: usize,
+        own: [i64; 2],
+        others: impl Iterator<Item = &'a [[i64; 2]]>,
+    ) -> Neighbour<[i32; 2]> {
         let (corner, back) =
             if end == 1 { (self.to, minus(self.from, self.to)) } else { (self.from, minus(self.to, self.from)) };
         // From the edge on, outside of the polygon: counter-clockwise at its second corner, clockwise at its first one.

@@ -76,12 +76,13 @@ impl<T> Index<usize> for Chunks<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases::run_seed;
     use crate::math::Random;
 
     /// A list in chunks behaves as one that is not, and shares what no copy changes.
     #[test]
     fn chunks_are_a_list_of_which_copies_share_what_they_do_not_change() {
-        let mut random = Random::seeded(3);
+        let mut random = Random::seeded(run_seed(3));
         let (mut list, mut chunks) = (Vec::new(), Chunks::default());
         for step in 0..20_000_u64 {
             let copy = chunks.clone();

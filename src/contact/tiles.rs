@@ -69,7 +69,7 @@ impl Tiles {
                 }
             });
             let from = self.faces.len();
-            let surface = if self.polygons.len() > 1 && self.polygons.faces(&mut self.faces) {
+            let surface = if self.polygons.faces(&mut self.faces) {
                 self.surfaces.push(from..self.faces.len());
                 self.surfaces.len() as u32 - 1
             } else {

@@ -141,6 +141,7 @@ pub(crate) const fn div_round_by(high: u128, low: u128, d: u128, reciprocal: u64
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases::cases;
     use dashu_int::UBig;
     use proptest::prelude::*;
 
@@ -176,7 +177,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 2_000 } else { 100_000 }))]
+        #![proptest_config(cases([2_000, 100_000]))]
 
         #[test]
         fn the_reciprocal_of_a_word_is_exact(d in word()) {

@@ -174,12 +174,15 @@ pub(crate) const fn mul_ratio(a: u128, (num, den): (u32, u32)) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases::cases;
     use core::cmp::Ordering;
     use dashu_int::UBig;
     use dashu_int::ops::BitTest;
     use proptest::prelude::*;
 
     proptest! {
+        #![proptest_config(cases([256; 2]))]
+
         #[test]
         fn a_ratio_of_a_number_is_rounded_down(a: u128, cut in 0u32..128, num: u32, den in 1u32.., few in 0u32..32) {
             let (a, num, den) = (a >> cut, (num >> few).min(den), den);

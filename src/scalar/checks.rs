@@ -10,6 +10,7 @@ use proptest::prelude::*;
 use super::forces::{Forces, exponential, mean_exponential, near_share, share};
 use super::motion::Motion;
 use super::*;
+use crate::cases::cases;
 use crate::fx::Fx;
 use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
 use crate::math::Vec2;
@@ -129,7 +130,7 @@ fn bits(vector: Option<Offset<Fx>>) -> Option<(i128, i128)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 1_000 } else { 30_000 }))]
+    #![proptest_config(cases([1_000, 30_000]))]
 
     #[test]
     fn a_tension_has_the_bits_of_its_definition(
@@ -168,7 +169,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 500 } else { 5_000 }))]
+    #![proptest_config(cases([500, 5_000]))]
 
     #[test]
     fn factors_multiply_divide_and_add_to_the_nearest(a in factor(), b in factor()) {

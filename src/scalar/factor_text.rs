@@ -249,6 +249,7 @@ impl Natural {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases::cases;
     use alloc::format;
     use dashu_float::{DBig, FBig, round::mode::HalfEven};
     use dashu_int::UBig;
@@ -265,6 +266,8 @@ mod tests {
     }
 
     proptest! {
+        #![proptest_config(cases([256; 2]))]
+
         #[test]
         fn a_decimal_is_rounded_once(digits in "[1-9][0-9]{0,80}", point in 0usize..40, exponent in -20i32..20) {
             let point = point.min(digits.len());

@@ -174,8 +174,7 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
     }
     let mut coupled = pass.all();
     check_bounds_and_rest(&mut coupled, backup, &constants, found);
-    // Stable: the first fault of a body stays its first.
-    found.faults.sort_by_key(|(i, _)| *i);
+    found.sort_faults();
     if constants.restores {
         let first = coupled.first;
         for (i, _) in part_in(&coupled, &found.faults) {

@@ -11,14 +11,13 @@ use super::workspace::Found;
 
 /// Reports the faults in the order of the handles; the first fault of a body is its cause.
 pub(super) fn find<S: Scalar>(bodies: &Bodies<S>, workspace: &mut Workspace<S>) {
-    let Workspace { found: Found { faults: found, .. }, report, .. } = workspace;
-    if found.is_empty() {
+    let Workspace { found, report, .. } = workspace;
+    if found.faults.is_empty() {
         return;
     }
-    // Stable, which matters within a body alone.
-    found.sort_by_key(|(i, _)| *i);
-    found.dedup_by_key(|(i, _)| *i);
-    report.faults.extend(found.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause }));
+    found.sort_faults();
+    found.faults.dedup_by_key(|(i, _)| *i);
+    report.faults.extend(found.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause }));
     report.faults.sort_unstable_by_key(|fault| fault.body);
 }
 

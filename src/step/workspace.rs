@@ -42,9 +42,21 @@ pub(super) struct Found {
     pub(super) faults: Vec<(usize, Cause)>,
     /// Bodies that have been at rest for long enough to try to sleep.
     pub(super) candidates: Vec<usize>,
+    /// Workspace: the faults, each with its place in the list.
+    placed: Vec<(usize, usize, Cause)>,
 }
 
 impl Found {
+    /// Sorts the faults by body; the first fault of a body stays its first. A stable sort would take its memory from the heap.
+    pub(super) fn sort_faults(&mut self) {
+        let Self { faults, placed, .. } = self;
+        placed.clear();
+        placed.extend(faults.iter().enumerate().map(|(place, &(dense, cause))| (dense, place, cause)));
+        placed.sort_unstable_by_key(|&(dense, place, _)| (dense, place));
+        faults.clear();
+        faults.extend(placed.iter().map(|&(dense, _, cause)| (dense, cause)));
+    }
+
     /// Takes over what was found of other bodies.
     #[cfg(feature = "parallel")]
     pub(super) fn append(&mut self, other: &mut Self) {

@@ -114,7 +114,7 @@ pub(crate) fn check(random: &mut SplitMix, case: &Case) -> Option<Manifold> {
 
 #[test]
 fn images_of_random_pairs_have_the_images_of_their_manifolds() {
-    let mut random = SplitMix(41);
+    let mut random = SplitMix::seeded(41);
     let mut counts = [0; 3];
     for i in 0..CASES {
         let kinds = [0, 1].map(|_| KINDS[random.between(0, KINDS.len() as i64) as usize]);
@@ -128,7 +128,7 @@ fn images_of_random_pairs_have_the_images_of_their_manifolds() {
 
 #[test]
 fn images_of_pairs_that_tie_have_the_images_of_their_manifolds() {
-    let mut random = SplitMix(42);
+    let mut random = SplitMix::seeded(42);
     let mut counts = [0; 3];
     for _ in 0..CASES {
         let case = tied_case(&mut random);

@@ -1,5 +1,6 @@
 //! Explosions: closed forms, falloff, symmetry, order of insertion, and refusal as a whole.
 
+use crate::seeds::run_seed;
 use umbra_physics::{
     Activity, BodyDef, BodyId, ColliderDef, Command, Error, Explosion, Filter, Fx, Mass, Part, Quantity, Random, Shape,
     Symmetry, Vec2, World, WorldDef, fx, limits, vec2,
@@ -177,7 +178,7 @@ fn clutter(random: &mut Random, count: u64) -> Vec<BodyDef> {
 #[test]
 fn images_explode_to_images_and_order_makes_no_difference() {
     for seed in 0..30 {
-        let random = &mut Random::seeded(seed);
+        let random = &mut Random::seeded(run_seed(seed));
         let bodies = clutter(random, 16);
         let build = |bodies: &mut dyn Iterator<Item = &BodyDef>| {
             let mut world = world();

@@ -1,12 +1,13 @@
 //! Equal and opposite impulses: the momentum of an isolated pile.
 
 use super::scenes::{def, material, world};
+use crate::seeds::run_seed;
 use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Mass, Random, Shape, Vec2, World, WorldDef, fx, vec2};
 
 /// A hollow square that spins, 16 m wide, with boxes and discs in it: all are free, and what is thrown outwards stays in touch. The walls
 /// are 2 m thick. Masses are 1 and 3 kg in turn.
 fn drum() -> (World, Vec<(BodyId, i128)>) {
-    let mut random = Random::seeded(63);
+    let mut random = Random::seeded(run_seed(63));
     let mut upto = |most: i32| Fx::from_ratio(random.below(2_000) as i64 - 1_000, 1_000) * most;
     let wall = |x: i32, y: i32, width: i32, height: i32| ColliderDef {
         position: vec2(x, y),

@@ -1,6 +1,7 @@
 //! Queries on worlds: against each collider in a world of its own, in restored, copied and shuffled worlds, mirrored, and between changes.
 
 use super::scenes::through_bytes;
+use crate::seeds::run_seed;
 use umbra_physics::{
     Aabb, BodyDef, BodyId, BodyKind, CastHit, ClosestPoint, ColliderDef, ColliderId, Error, Filter, Fx, Part, Quantity,
     Queries, QueryFilter, Random, Shape, Symmetry, Vec2, World, WorldDef, fx, limits, vec2,
@@ -184,7 +185,7 @@ fn name(said: &Said) -> u64 {
 
 #[test]
 fn a_world_finds_what_worlds_with_one_collider_each_find() {
-    let mut random = Random::seeded(1);
+    let mut random = Random::seeded(run_seed(1));
     let mut found = [0; 2];
     for round in 0..60 {
         let bodies = scene(&mut random, 40);
@@ -215,7 +216,7 @@ fn a_world_finds_what_worlds_with_one_collider_each_find() {
 
 #[test]
 fn restored_copied_and_shuffled_worlds_give_the_same_answers() {
-    let mut random = Random::seeded(2);
+    let mut random = Random::seeded(run_seed(2));
     for _ in 0..20 {
         let mut bodies = scene(&mut random, 50);
         let mut world = build(&bodies);
@@ -253,7 +254,7 @@ fn image(said: Said, is_mirrored: bool) -> Said {
 
 #[test]
 fn a_mirrored_world_has_the_mirrored_answers() {
-    let mut random = Random::seeded(3);
+    let mut random = Random::seeded(run_seed(3));
     let mut count = 0;
     for _ in 0..20 {
         let world = build(&scene(&mut random, 50));
@@ -283,7 +284,7 @@ fn a_mirrored_world_has_the_mirrored_answers() {
 
 #[test]
 fn answers_follow_every_change_between_steps() {
-    let mut random = Random::seeded(4);
+    let mut random = Random::seeded(run_seed(4));
     let mut world = build(&scene(&mut random, 30));
     for round in 0..400 {
         let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();

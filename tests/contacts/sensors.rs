@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::events::{Observer, Pair, crowd, quiet, shake};
 use super::scenes::{def, ground, square, through_bytes, world};
+use crate::seeds::run_seed;
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, ContactSettings, Error, Filter, Fx, Mass,
     QueryFilter, Random, Shape, Snapshot, SnapshotError, Symmetry, Vec2, World, WorldDef, fx, vec2,
@@ -60,7 +61,7 @@ fn sensors_report_what_queries_find() {
     let mut counts = [0; 2];
     for seed in 0..10 {
         let (mut world, _) = world(quiet(), watched(seed)).expect("a scene");
-        let (mut observer, mut random) = (Observer::default(), Random::seeded(seed));
+        let (mut observer, mut random) = (Observer::default(), Random::seeded(run_seed(seed)));
         for _ in 0..250 {
             if random.below(4) == 0 {
                 shake(&mut world, &mut random);

@@ -1,13 +1,14 @@
 //! Fairness of the ends of paths: images, order of insertion, restored worlds.
 
 use super::shots::{MISSILES, Missile, ROOMS, Room, scene};
+use crate::seeds::run_seed;
 use umbra_physics::{BodyDef, ColliderDef, Filter, Random, Snapshot, Symmetry, World, WorldDef};
 
 /// Rooms of bodies that also touch each other.
 fn crowds() -> impl Iterator<Item = (Missile, Room, WorldDef, Vec<BodyDef>)> {
     ROOMS.into_iter().flat_map(|room| {
         MISSILES.into_iter().enumerate().map(move |(i, of)| {
-            let (def, mut bodies) = scene(&mut Random::seeded(i as u64), of, room, 12);
+            let (def, mut bodies) = scene(&mut Random::seeded(run_seed(i as u64)), of, room, 12);
             let colliders = bodies.iter_mut().flat_map(|body| &mut body.colliders);
             colliders.for_each(|collider: &mut ColliderDef| collider.filter = Filter::default());
             (of, room, def, bodies)

@@ -2,6 +2,7 @@
 //!
 //! The oracle is exact: a room is closed, so a body whose centre of mass is outside of it has crossed a wall.
 
+use crate::seeds::run_seed;
 use umbra_physics::{
     Activity, BodyDef, BodyId, BodyKind, ColliderDef, Filter, Fx, Mass, Material, Random, Shape, TimeStep, Turn, Vec2,
     World, WorldDef, fx, vec2,
@@ -216,7 +217,7 @@ fn crossing(of: Missile, room: Room, without: Without, shots: usize, ticks: usiz
     const AT_ONCE: usize = 25;
     let mut crossed = 0;
     for seed in 0..shots / AT_ONCE {
-        let mut random = Random::seeded(seed as u64);
+        let mut random = Random::seeded(run_seed(seed as u64));
         let (def, bodies) = scene(&mut random, of, room, AT_ONCE);
         let mut world = World::new(def).expect("a world");
         let ids: Vec<BodyId> = bodies.into_iter().map(|def| world.add_body(def).expect("a body")).collect();

@@ -17,6 +17,10 @@ fn heap() -> World {
     world
 }
 
+fn unit() -> Shape {
+    Shape::rectangle(1, 1).expect("a square")
+}
+
 #[test]
 fn a_step_takes_nothing_from_the_heap_once_there_were_as_many_contacts() {
     let mut world = heap();
@@ -34,6 +38,55 @@ fn a_step_takes_nothing_from_the_heap_once_there_were_as_many_contacts() {
         let taken = measure(|| _ = world.step());
         assert_eq!(taken.count_total, 0, "step {step} of {most} contacts");
     }
+}
+
+/// Allocations of 30 ticks that a world goes over a second time. The tick before takes in the calls.
+fn taken_again(world: &mut World) -> u64 {
+    world.step();
+    let start = world.clone();
+    (0..30).for_each(|_| _ = world.step());
+    let again = measure(|| {
+        world.clone_from(&start);
+        (0..30).for_each(|_| _ = world.step());
+    });
+    again.count_total
+}
+
+/// A box comes near the surface of a floor of tiles, which is found then.
+#[test]
+fn a_surface_of_tiles_that_is_found_again_takes_nothing_from_the_heap() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let tile = |x: i32| BodyDef { position: vec2(x, 0), ..BodyDef::fixed().with_collider(unit()) };
+    (-2..3).for_each(|x| _ = world.add_body(tile(x)).expect("a tile"));
+    let body = BodyDef { position: vec2(0, 1), ..BodyDef::dynamic().with_collider(unit()) };
+    world.add_body(body).expect("a box");
+    assert_eq!(taken_again(&mut world), 0);
+    assert!(world.contacts().count() > 0);
+}
+
+#[test]
+fn many_bodies_that_fall_asleep_again_take_nothing_from_the_heap() {
+    let mut world = World::new(WorldDef { sleep_after: Some(5), ..WorldDef::default() }).expect("a world");
+    for i in 0..600 {
+        let body = BodyDef { position: vec2(3 * i, 0), ..BodyDef::dynamic().with_collider(unit()) };
+        world.add_body(body).expect("a box");
+    }
+    // One goes on, so that steps look for contacts.
+    let body = BodyDef { position: vec2(0, 9), velocity: vec2(1, 0), ..BodyDef::dynamic().with_collider(unit()) };
+    world.add_body(body).expect("a box");
+    assert_eq!(taken_again(&mut world), 0);
+    assert_eq!(world.moving_count(), 1);
+}
+
+#[test]
+fn many_faults_that_are_found_again_take_nothing_from_the_heap() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    for i in 0..2_000 {
+        let position = vec2(fx!(1_073_741_800), i);
+        world.add_body(BodyDef { position, velocity: vec2(1_000, 0), ..BodyDef::dynamic() }).expect("a body");
+    }
+    assert_eq!(taken_again(&mut world), 0);
+    assert_eq!(world.moving_count(), 0);
 }
 
 /// Nothing moves, so that no step looks at what has changed.

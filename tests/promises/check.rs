@@ -14,12 +14,9 @@ use crate::plan::Plan;
 /// Description of the violation.
 pub(crate) type Verdict = Result<(), String>;
 
-/// `PROPTEST_CASES`, or so many; a tenth of them in an unoptimised build.
+/// So many cases, a tenth of them in an unoptimised build.
 pub(crate) fn config(cases: u32) -> Config {
-    let asked = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
-    let cases = asked.unwrap_or(if cfg!(debug_assertions) { cases.div_ceil(10) } else { cases });
-    // What is found is kept as a scene, by us.
-    Config { cases, failure_persistence: None, max_shrink_iters: 20_000, ..Config::default() }
+    Config { max_shrink_iters: 20_000, ..crate::cases::cases([cases.div_ceil(10), cases]) }
 }
 
 /// Enough to find what is false, however few are asked for, and to make little of it.

@@ -9,6 +9,8 @@ mod real;
 #[allow(dead_code, reason = "half of π is the hard inputs'")]
 mod reference;
 
+#[path = "../support/cases.rs"]
+mod cases;
 mod check;
 mod plan;
 

@@ -151,7 +151,7 @@ fn a_net_keeps_its_momentum_to_the_bit_where_nothing_has_to_be_rounded() {
 
 /// Bodies of 0.3 to 20 kg in a ring of springs, under their own gravity.
 fn crowd() -> Scene {
-    let mut random = SplitMix(7);
+    let mut random = SplitMix::seeded(7);
     let mut number = |low: Fx, high: Fx| Fx::from_bits(random.between(low.to_bits(), high.to_bits()));
     let ring = [(20, 0), (14, 14), (0, 20), (-14, 14), (-20, 0), (-14, -14), (0, -20), (14, -14)];
     let bodies: Vec<_> = ring

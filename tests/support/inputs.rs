@@ -1,10 +1,18 @@
 //! Inputs for the kernels, by kind.
 
+#[path = "seeds.rs"]
+mod seeds;
+
 /// SplitMix64 (Steele, Lea and Flood 2014).
 #[derive(Clone)]
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
+    /// The generator of a test, by the usual seed.
+    pub(crate) fn seeded(usual: u64) -> Self {
+        Self(seeds::run_seed(usual))
+    }
+
     pub(crate) fn next(&mut self) -> i64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,7 @@
-//! Random numbers, the same in every run.
+//! Random numbers.
+
+#[path = "seeds.rs"]
+mod seeds;
 
 /// A generator of test inputs (Steele, Lea and Flood 2014).
 pub(crate) struct SplitMix(pub(crate) u64);
@@ -6,6 +9,11 @@ pub(crate) struct SplitMix(pub(crate) u64);
 // Each test takes what it needs.
 #[allow(dead_code, reason = "each test that takes this file in uses a part of it")]
 impl SplitMix {
+    /// The generator of a test, by the usual seed.
+    pub(crate) fn seeded(usual: u64) -> Self {
+        Self(seeds::run_seed(usual))
+    }
+
     pub(crate) fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

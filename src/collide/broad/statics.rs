@@ -96,26 +96,43 @@ impl Statics {
         Self { base: Arc::new(Part::new(proxies)), gone: Vec::new(), added: Part::default() }
     }
 
-    /// Replaces all colliders. A few take nothing from the heap where there were as many before.
+    /// Replaces all colliders. Takes nothing from the heap where there were as many before and no copy shares the tree.
     pub(crate) fn refill(&mut self, proxies: &[Proxy]) {
         self.gone.clear();
         self.added.proxies.clear();
-        if proxies.len() <= CHANGES {
-            if !self.base.proxies.is_empty() {
+        let many = if proxies.len() > CHANGES { proxies } else { &[] };
+        if !many.is_empty() || !self.base.proxies.is_empty() {
+            if Arc::get_mut(&mut self.base).is_none() {
                 self.base = Arc::default();
             }
-            self.added.proxies.extend_from_slice(proxies);
-        } else {
             let base = Arc::make_mut(&mut self.base);
             base.proxies.clear();
-            base.proxies.extend_from_slice(proxies);
+            base.proxies.extend_from_slice(many);
             base.build();
+        }
+        if many.is_empty() {
+            self.added.proxies.extend_from_slice(proxies);
         }
         self.added.build();
     }
 
+    /// Builds the tree anew, of all colliders. Takes nothing from the heap where there were as many before and no copy shares the tree.
+    fn rebuild(&mut self) {
+        if let Some(base) = Arc::get_mut(&mut self.base) {
+            base.proxies.retain(|proxy| self.gone.binary_search(&proxy.collider).is_err());
+            base.proxies.extend_from_slice(&self.added.proxies);
+            base.build();
+        } else {
+            self.base = Arc::new(Part::new(self.iter().copied().collect()));
+        }
+        self.gone.clear();
+        self.added.proxies.clear();
+        self.added.build();
+    }
+
     /// Changes colliders: each number with what stands there now; a number that is there twice has the same change twice. Returns false if
-    /// that is what stood there before. Takes nothing from the heap where there were as many changes before, until the tree is built anew.
+    /// that is what stood there before. Takes nothing from the heap where there were as many changes before, and as
+    /// [`rebuild`](Self::rebuild) says where there are too many of them.
     pub(crate) fn change(&mut self, changes: &[(u32, Option<Proxy>)]) -> bool {
         let mut differs = false;
         for (collider, now) in changes {
@@ -136,7 +153,7 @@ impl Statics {
             }
         }
         if differs && self.gone.len() + self.added.proxies.len() > CHANGES {
-            *self = Self::new(self.iter().copied().collect());
+            self.rebuild();
         } else if differs {
             self.added.build();
         }

@@ -5,6 +5,7 @@ use dashu_int::ops::BitTest;
 use proptest::prelude::*;
 
 use super::*;
+use crate::cases::cases;
 
 /// num · 2^-shift / den to nearest, ties to even, from exact integers.
 fn nearest(num: &UBig, den: &UBig, shift: i32) -> FxFactor {
@@ -39,7 +40,7 @@ fn factor() -> impl Strategy<Value = FxFactor> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 2_000 } else { 50_000 }))]
+    #![proptest_config(cases([2_000, 50_000]))]
 
     #[test]
     fn values_round_to_nearest_and_ties_to_even(mantissa in mantissa(), below: u64, tie in 0u8..4, cut in 0u32..128) {

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 
 use super::super::motion::{Span, Weight};
 use super::*;
+use crate::cases::cases;
 
 /// Velocities of every size, with the low words where roundings turn.
 fn accumulators() -> impl Strategy<Value = Vec<FxAccumulator>> {
@@ -34,7 +35,7 @@ fn alike<T: Copy + PartialEq + core::fmt::Debug>(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(cases([512; 2]))]
 
     #[test]
     fn damping_many_is_damping_each(values in accumulators(), mantissa: u64, close in 0u32..64) {

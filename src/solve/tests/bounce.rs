@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 
 use super::scene::{Scene, body, contact, fixed, fx, signed, unit, vec};
+use crate::cases::run_seed;
 use crate::math::Random;
 use crate::scalar::FxAccumulator;
 use crate::solve::{Contact, Flight, Velocity};
@@ -39,7 +40,7 @@ fn velocities(scene: &Scene) -> Vec<f64> {
 /// bounce in this step, it goes on in free flight.
 #[test]
 fn a_ball_leaves_with_its_share_of_the_energy() {
-    let mut random = Random::seeded(1);
+    let mut random = Random::seeded(run_seed(1));
     let (mut bounced, mut went_on) = (0, 0);
     for case in 0..3000 {
         let (speed, e) = (1.5 + 20.0 * unit(&mut random), unit(&mut random));
@@ -67,7 +68,7 @@ fn a_ball_leaves_with_its_share_of_the_energy() {
 
 #[test]
 fn pairs_part_at_their_share_of_the_speed() {
-    let mut random = Random::seeded(2);
+    let mut random = Random::seeded(run_seed(2));
     for case in 0..1000 {
         let mass = 2f64.powi((case % 21) - 10);
         let (speed, e) = (2.0 + 20.0 * unit(&mut random), unit(&mut random));
@@ -83,7 +84,7 @@ fn pairs_part_at_their_share_of_the_speed() {
 /// Bodies on top of each other that land together, loose ones among them, have no more energy than before.
 #[test]
 fn stacks_that_land_gain_no_energy() {
-    let mut random = Random::seeded(3);
+    let mut random = Random::seeded(run_seed(3));
     for case in 0..1000 {
         let count = 2 + case % 9;
         let masses: Vec<f64> = (0..count).map(|_| 4f64.powf(signed(&mut random))).collect();

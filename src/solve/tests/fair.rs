@@ -5,6 +5,7 @@ use std::thread;
 
 use super::made::Ranges;
 use super::scene::{Image, Scene, Solution};
+use crate::cases::run_seed;
 use crate::kernel::simd::{Job, Portable};
 use crate::math::Random;
 use crate::solve::motion::{Advance, Begin};
@@ -15,7 +16,7 @@ use crate::solve::{Contact, Flight, Impulses, PHASES, Solver, SolverCounts};
 fn scenes(seed: u64, count: u64, most: u64) -> impl Iterator<Item = (Scene, Random)> {
     let ranges = Ranges { restitution: 1.0, ..Ranges::default() };
     (0..count).map(move |index| {
-        let mut random = Random::seeded(seed << 32 | index);
+        let mut random = Random::seeded(run_seed(seed << 32 | index));
         let bodies = 3 + random.below(most);
         let contacts = 1 + random.below(2 * bodies);
         let mut scene = ranges.scene(&mut random, bodies as usize, contacts as usize);

@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use super::made::Ranges;
 use super::scene::{Scene, fixed, signed, unit};
+use crate::cases::run_seed;
 use crate::kernel::simd::{self, GAIN_BITS, Job, Pairs, Portable, Row};
 use crate::math::Random;
 use crate::solve::Solver;
@@ -222,7 +223,7 @@ fn check_rows(case: &Case, after: &Group, pass: Pass) {
 }
 
 fn check(seed: u64, cases: usize, ranges: &Ranges, mut also: impl FnMut(&Case, Pass, &Group, &[Row; 2])) {
-    let mut random = Random::seeded(seed);
+    let mut random = Random::seeded(run_seed(seed));
     let mut whole = 0;
     for _ in 0..cases {
         for pass in [Pass::Solve, Pass::Relax] {

@@ -116,7 +116,7 @@ impl Seen {
 
 /// A share of the pairs, perhaps within rounding of a choice.
 fn check_cases(name: &str, count: usize, is_exact: bool, mut case: impl FnMut(&mut SplitMix) -> Case) -> Seen {
-    let mut random = SplitMix(name.bytes().fold(0, |seed, byte| seed << 5 ^ seed >> 59 ^ u64::from(byte)));
+    let mut random = SplitMix::seeded(name.bytes().fold(0, |seed, byte| seed << 5 ^ seed >> 59 ^ u64::from(byte)));
     let mut seen = Seen::default();
     for _ in 0..count {
         let case = case(&mut random);

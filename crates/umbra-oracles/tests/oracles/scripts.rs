@@ -12,7 +12,7 @@ const RUNS: u64 = if cfg!(debug_assertions) { 18 } else { 30 };
 
 /// A script by an author who sees the world as it is at each tick: bodies and fields come and go, slots are used again.
 fn script(seed: u64, ticks: u64, unfair: u64) -> Script {
-    let mut author = Author { random: SplitMix(seed), unfair };
+    let mut author = Author { random: SplitMix::seeded(seed), unfair };
     let integrator = Integrator::ALL[seed as usize % Integrator::ALL.len()];
     // Steps of one in three can be undone, at first.
     let sleep_after = if seed % 3 == 0 { None } else { Some(5) };

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
+use crate::cases::cases;
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
@@ -248,7 +249,7 @@ fn the_rich_scene_has_every_field() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(if cfg!(debug_assertions) { 400 } else { 5_000 }))]
+    #![proptest_config(cases([400, 5_000]))]
 
     #[test]
     fn arbitrary_text_is_refused_in_one_line(text in "\\PC{0,200}") {

@@ -118,7 +118,7 @@ fn play(author: &mut Author, integrator: Integrator, kinds: &mut BTreeSet<String
 
 #[test]
 fn a_scene_of_commands_has_their_bits_at_every_tick() {
-    let mut author = Author { random: SplitMix(5), unfair: 25 };
+    let mut author = Author { random: SplitMix::seeded(5), unfair: 25 };
     let (mut kinds, mut refused) = (BTreeSet::new(), 0);
     for run in 0..60 {
         let mut played = play(&mut author, Integrator::ALL[run % Integrator::ALL.len()], &mut kinds);

@@ -4,6 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_pairs, bounds, filter, found};
+use crate::cases::run_seed;
 use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
 use crate::fx::Fx;
 use crate::math::Random;
@@ -30,7 +31,7 @@ struct Scene {
 impl Scene {
     fn new(kind: Kind, seed: u64) -> Self {
         let mut free: Vec<u32> = (0..120).collect();
-        let mut random = Random::seeded(seed);
+        let mut random = Random::seeded(run_seed(seed));
         random.shuffle(&mut free);
         let mut scene = Self { kind, random, movers: Vec::new(), fixed: Vec::new(), statics: Arc::default(), free };
         for _ in 0..40 {

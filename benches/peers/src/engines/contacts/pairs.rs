@@ -3,7 +3,7 @@
 use super::bodies::Body;
 use std::sync::Arc;
 use umbra_physics::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
-use umbra_physics::collide::{Cores, Filter, Manifold, Pose};
+use umbra_physics::collide::{Cores, Filter, Manifold, Margin, Pose};
 use umbra_physics::solve::{Contact, Flight, Impulses, Point};
 use umbra_physics::{Aabb, Fx, Outline, Vec2, fx, vec2};
 
@@ -50,11 +50,11 @@ fn turned(flight: &Flight) -> i64 {
     (product >> 32) as i64 + i64::from(product != 0)
 }
 
-/// The largest distance that two bodies close in the step, in ulps.
-fn closing(a: &Flight, b: &Flight) -> i64 {
+/// The largest distance of two bodies that may touch in the step: the margin and what they close. The way is rounded up by the ulp.
+fn closing(a: &Flight, b: &Flight) -> Margin {
     let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
     let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
-    length(x, y) + turned(a) + turned(b)
+    Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a) + turned(b)), [x, y])
 }
 
 /// The geometric mean, rounded to nearest.
@@ -96,7 +96,7 @@ impl Pairs {
             if joined.binary_search(&pair).is_ok() {
                 continue;
             }
-            let margin = Fx::from_bits(MARGIN.to_bits() + closing(&flights[a], &flights[b]));
+            let margin = closing(&flights[a], &flights[b]);
             if let Some(manifold) = self.cores.collide(self.core_of[a], self.core_of[b], margin) {
                 let record = self.record(pair, &manifold);
                 self.contacts.push(contact(&record, &manifold, [&bodies[a], &bodies[b]]));
