@@ -9,8 +9,8 @@ use super::approach::{Approach, approach};
 use super::events::{ColliderPair, ContactHit, has_events};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
-use super::numbers::Numbers;
 use super::moment::take_back;
+use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
@@ -50,13 +50,16 @@ pub(crate) struct Engine {
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
     /// By number of the contact: its outlines, features and the number of its points.
-    found: Vec<([OutlineId; 2], [u32; 2], usize)>,
-    /// The contacts as the solver takes them, in the same order.
-    contacts: Vec<Contact>,
+    pub(super) found: Vec<([OutlineId; 2], [u32; 2], usize)>,
+    /// The contacts as the solver takes them, in the same order, and the impulses that they start from.
+    pub(super) contacts: Vec<Contact>,
+    pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
-    totals: Vec<Impulses>,
+    pub(super) totals: Vec<Impulses>,
+    /// None, in exchange for these while the contacts have the impulses that they start from.
+    pub(super) start_totals: Vec<Impulses>,
     /// The contacts that may be hits, with their numbers.
-    approaches: Vec<(u32, Approach)>,
+    pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
     pub(super) near: Vec<Near>,
@@ -309,8 +312,23 @@ impl Engine {
         if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
             self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
         }
+        self.add_contact(scene, pair, [a, b], ends, &manifold, moment, start);
+    }
+
+    /// Adds the contact of a pair, with a manifold of this moment, for the solver.
+    pub(super) fn add_contact(
+        &mut self,
+        scene: &Scene<'_>,
+        pair: [OutlineId; 2],
+        [a, b]: [&Collider; 2],
+        ends: [u32; 2],
+        manifold: &Manifold,
+        moment: u64,
+        start: Impulses,
+    ) {
         ends.into_iter().for_each(|flight| self.flights.complete(scene, flight));
         let ends = self.flights.by_dominance(ends);
+        let (features, count) = (manifold.features(), manifold.count);
         let materials = [&a.def.material, &b.def.material];
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
@@ -319,21 +337,23 @@ impl Engine {
         };
         let coefficients = defined.unwrap_or_else(|| materials[0].mixed(materials[1]));
         let rolling_radius = if count == 1 && coefficients.rolling_resistance > Fx::ZERO {
-            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(parts[side]).outline.radius()))
+            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(pair[side].part).outline.radius()))
         } else {
             Fx::ZERO
         };
         let speed = materials[0].surface_speed_against(materials[1]);
-        let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, &manifold, start);
-        let flights = ends.map(|flight| self.flights.flight(flight));
-        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, flights, moment));
+        let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, manifold, start);
+        let flights = ends.map(|flight| self.flights.deflected(flight));
+        let ways = [&flights[0], &flights[1]];
+        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways, moment));
         self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
             let flights = ends.map(|flight| self.flights.flight(flight));
-            let mut approach = approach(&manifold, flights, moment, scene.time_step);
+            let mut approach = approach(manifold, flights, moment, scene.time_step);
             approach.leave_out_pressed(&start);
             self.approaches.push((self.found.len() as u32, approach));
         }
+        self.starts.push(start);
         self.found.push((pair, features, count));
     }
 
@@ -343,10 +363,12 @@ impl Engine {
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         self.cores.clear();
         self.contacts.clear();
+        self.starts.clear();
         self.found.clear();
         self.totals.clear();
         self.approaches.clear();
         self.core_of.clear();
+        self.sweep.deflected.clear();
         self.start_core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
@@ -460,6 +482,7 @@ impl Engine {
         corrections: &mut Vec<Correction>,
     ) {
         corrections.clear();
+        self.totals.clear();
         if self.found.is_empty() {
             return;
         }

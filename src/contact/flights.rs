@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::bodies::resting;
 use super::moment::{mean_beginning, pose_at};
 use super::stamped::Stamped;
-use super::{Scene, Start};
+use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
 use crate::collide::Pose;
 use crate::fx::Fx;
@@ -51,6 +51,8 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
+    /// The changes by impulses, by flight, when contacts are found once more in a step.
+    deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
@@ -67,6 +69,7 @@ impl Flights {
         self.places.clear();
         self.of.clear();
         self.followers.clear();
+        self.deflections.clear();
         for start in scene.starts {
             self.push_moving(scene, start);
         }
@@ -83,7 +86,8 @@ impl Flights {
             width = collider.width.to_bits().min(width);
         }
         let flight = scene.bodies.flight(start, scene.time_step);
-        let (angle, moment) = (if shows_angle { start.angle } else { Turn::default() }, mean_beginning(scene.settings.substeps));
+        let (angle, moment) =
+            (if shows_angle { start.angle } else { Turn::default() }, mean_beginning(scene.settings.substeps));
         let pose = if shows_angle {
             pose_at(start.position, angle, &flight, moment)
         } else {
@@ -178,6 +182,25 @@ impl Flights {
     /// The pose of a moving body at the start of the step; `None` for one that does not move.
     pub(super) fn start_pose(&self, scene: &Scene<'_>, flight: u32) -> Option<Pose> {
         scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
+    }
+
+    /// A flight with the changes of the way that impulses made of it, if contacts are found once more in the step.
+    pub(super) fn deflected(&self, flight: u32) -> Flight {
+        let free = self.flights[flight as usize];
+        match self.deflections.get(self.leader(flight) as usize) {
+            Some(change) => Flight {
+                displacement: free.displacement + change.displacement.map(FxAccumulator::value),
+                rotation: free.rotation.saturating_add(change.rotation.value()),
+                ..free
+            },
+            None => free,
+        }
+    }
+
+    /// Takes note of the changes by impulses, by flight; none if contacts are found first.
+    pub(super) fn set_deflections(&mut self, corrections: &[Correction]) {
+        self.deflections.clear();
+        self.deflections.extend_from_slice(corrections);
     }
 
     /// Returns true if the body in a slot has a flight.

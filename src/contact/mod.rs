@@ -3,6 +3,7 @@
 //! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all of a world, `asleep` those of
 //!   sleeping bodies.
 //! - `view`: contacts as the interface shows them.
+//! - `deflected`: contacts that bodies meet on the ways that impulses send them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
 //! - `engine`: pairs, manifolds and records.
@@ -24,6 +25,7 @@
 mod approach;
 mod asleep;
 mod bodies;
+mod deflected;
 mod engine;
 mod events;
 mod excluded;
@@ -58,6 +60,7 @@ use crate::slots::BodyId;
 use crate::solve::{self, SolverOptions};
 
 pub(crate) use bodies::ContactBodies;
+pub(crate) use deflected::ROUNDS;
 pub(crate) use engine::Engine;
 pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};

@@ -98,22 +98,23 @@ impl Engine {
         #[cfg(feature = "selftest")]
         let is_asked = is_asked && !self.is_discrete;
         if is_asked {
-            return self.meet_on_paths(scene, numbers, parts, colliders, ends);
+            let paths = Paths { scene, corrections: &[], is_corrected: false };
+            return self.meet_on_paths(scene, numbers, parts, colliders, ends, &paths);
         }
         let manifold = self.manifold(scene, numbers, parts, colliders, ends)?;
         Some((manifold, mean_beginning(scene.settings.substeps)))
     }
 
-    /// [`meet`](Self::meet) for the moment at which the free flights meet.
-    fn meet_on_paths(
+    /// [`meet`](Self::meet) for the moment at which these paths meet.
+    pub(super) fn meet_on_paths(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
         parts: [u32; 2],
         colliders: [&Collider; 2],
         ends: [u32; 2],
+        paths: &Paths<'_>,
     ) -> Option<(Manifold, u64)> {
-        let paths = Paths { scene, corrections: &[] };
         let path = |side: usize| paths.path(self.flights.body(ends[side]), self.flights.flight(ends[side]), ends[side]);
         let both = [path(0), path(1)];
         let forms = [sweep::form(colliders[0], parts[0]), sweep::form(colliders[1], parts[1])];

@@ -6,7 +6,6 @@ use super::batch::Batch;
 use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
 use super::{Contact, Flight, Impulses, STILL};
-use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Pairs};
 use crate::scalar::FxFactor;
 
@@ -119,6 +118,8 @@ pub(super) struct BodyOf {
     is_held: bool,
     /// True for a fixed body that moves.
     pub(super) is_carrier: bool,
+    /// Its radius over the length, in 2^-30.
+    pub(super) rim: i64,
     /// 1/m along x and y, 1/kg.
     pub(super) inverse_mass: [FxFactor; 2],
     /// 1/I, 1/(kg·m²).
@@ -138,6 +139,7 @@ impl BodyOf {
             is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
             // A body at rest has a speed of 1: angular ones are rounded up.
             is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
+            rim: shifted_word(flight.radius.to_bits(), 2 + length),
             inverse_mass,
             inverse_inertia,
             own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
@@ -167,14 +169,6 @@ pub(super) struct ContactOf<'a> {
     pub(super) rows: [u32; 2],
     /// The number of contacts of the phase, by body: each moves its share.
     pub(super) shares: [u32; 2],
-}
-
-impl ContactOf<'_> {
-    /// Returns true if impulses can turn the bodies and not move their centres.
-    #[inline(always)]
-    pub(super) fn can_only_turn(&self) -> bool {
-        self.bodies.iter().all(|body| body.is_held) && self.bodies.iter().any(|body| !body.inverse_inertia.is_zero())
-    }
 }
 
 /// factor · 2^bits to nearest, ties upwards. *Domain* the result is at most 2^31.
@@ -259,21 +253,6 @@ impl Group {
         let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
         self.surface[lane] = [clamped_word(surface, SURFACE), scale.impact_speed];
         soft.compliance
-    }
-
-    /// Bodies that can only turn are pushed out by at most an eighth of a radian in a sub-step: the lever of a point may be small.
-    #[cold]
-    pub(super) fn limit_push(&mut self, lane: usize, of: &ContactOf<'_>, scale: &Scale<'_>) {
-        let [nx, ny] = of.contact.normal.map(i128::from);
-        let levers = of.contact.points[..of.contact.count].iter().flat_map(|point| {
-            [0, 1].into_iter().filter(|&side| !of.bodies[side].inverse_inertia.is_zero()).map(move |side| {
-                let arm = point.arms[side];
-                ((i128::from(arm.x.to_bits()) * ny - i128::from(arm.y.to_bits()) * nx).abs() >> 33) as i64
-            })
-        });
-        let lever = levers.min().unwrap_or_default();
-        let deepest = scale.clock.length_within(Fx::from_bits(lever), scale.unit, SEPARATION);
-        self.push_out[lane][1] = self.push_out[lane][1].max(-deepest);
     }
 
     /// Writes the impulses that the step begins with, in 2^exponent N·s.

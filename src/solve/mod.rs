@@ -446,7 +446,7 @@ impl Job for SubSteps<'_> {
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
             follow(&solver.followers, &mut solver.rows);
-            solver.solve_impacts(SubStep { k, n, clock, contacts }, lanes);
+            solver.solve_impacts(SubStep { k, n, is_over: false, clock, contacts }, lanes);
             follow(&solver.followers, &mut solver.rows);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
@@ -459,6 +459,7 @@ impl Job for SubSteps<'_> {
             follow(&solver.followers, &mut solver.rows);
             cut += solver.pass(Pass::Relax, lanes);
         }
+        solver.settle(SubStep { k: n, n, is_over: true, clock, contacts }, lanes);
         cut
     }
 }

@@ -103,6 +103,18 @@ impl Rows {
         speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
     }
 
+    /// Returns true if the speed of a body may be above the slowest impact over `part`.
+    pub(super) fn is_moving(&self, row: u32, part: u32) -> bool {
+        let [x, y, angular, _] = self.rows[row as usize].velocity.map(i32::unsigned_abs);
+        x + y + angular > self.progress[row as usize].fast.unsigned_abs() / part
+    }
+
+    /// The velocity of a body, with its part below the unit, in 2^-30.
+    pub(super) fn fine_velocity(&self, row: u32) -> [i64; 3] {
+        let row = &self.rows[row as usize];
+        [0, 1, 2].map(|i| (i64::from(row.velocity[i]) << GAIN_BITS) + row.gain[i])
+    }
+
     /// Changes the velocity of a body by impacts, in 2^-30, and takes it back by a way.
     pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, change: [i64; 3], back: [i128; 3]) {
         let (velocity, gain) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);

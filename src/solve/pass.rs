@@ -116,10 +116,7 @@ fn soft<L: Lanes>(
         choose(lanes, separation, [none_22, first_22, second_22, both_22]),
     ];
     let (_, impact_speed) = lanes.pair(&group.surface, at);
-    let open = [
-        open_bias(lanes, one, velocities[0], impact_speed),
-        open_bias(lanes, two, velocities[1], impact_speed),
-    ];
+    let open = [open_bias(lanes, one, velocities[0], impact_speed), open_bias(lanes, two, velocities[1], impact_speed)];
     (elements, [lanes.if_positive(one, open[0], pressed[0]), lanes.if_positive(two, open[1], pressed[1])])
 }
 

@@ -176,9 +176,6 @@ impl Solver {
             let of = ContactOf { contact, bodies, rows, shares };
             exponents[lane] = unit + self.batch.load(lane, &of);
             self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
-            if of.can_only_turn() {
-                self.groups[at].limit_push(lane, &of, given.scale(unit));
-            }
         }
         let (group, batch) = (&mut self.groups[at], &mut self.batch);
         group.count = indices.len();
@@ -190,7 +187,10 @@ impl Solver {
         for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
             // The unit of masses · 2^-exponent is 2^-(bits + 2).
             let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
-            group.set_impulses(lane, &given.contacts[index as usize], exponent);
+            let contact = &given.contacts[index as usize];
+            group.set_impulses(lane, contact, exponent);
+            let [a, b] = contact.bodies;
+            batch.limit_push(lane, group, [self.bodies[a as usize].rim, self.bodies[b as usize].rim]);
             self.places.push(Place { contact: index, group: at as u32, lane: lane as u32, exponent });
         }
     }

@@ -17,8 +17,8 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Engine, Overlap, Scene, Sensors, Solvers, Start, Stop, is_asleep,
-    list_pairs,
+    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
+    is_asleep, list_pairs,
 };
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
@@ -256,17 +256,28 @@ impl<S: Scalar> Step<'_, S> {
                 time_step: self.settings.time_step,
             };
             own.engine.detect(&scene, self.contacts.contacts, &mut own.detected);
-            if own.detected.touched.is_empty() && own.detected.crowded.is_empty() {
+            let is_complete = own.detected.touched.is_empty() && own.detected.crowded.is_empty();
+            if is_complete {
+                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
+                for _ in 0..ROUNDS {
+                    if !own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
+                        break;
+                    }
+                    own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
+                }
+            }
+            if is_complete && own.detected.touched.is_empty() {
                 let contacts = &mut *self.contacts.contacts;
                 if scene.colliders.any_contact_events() {
                     list_pairs(&contacts.records, scene.colliders, &mut own.touching_before);
                 }
                 let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
+                    own.engine.swap_starts();
                     own.engine.list(scene.colliders, contacts);
                     show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
+                    own.engine.swap_starts();
                 }
-                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
                 own.engine.list(scene.colliders, contacts);
                 if scene.colliders.any_hit_events() {
                     own.engine.hits(&scene, &mut self.workspace.report.hits);

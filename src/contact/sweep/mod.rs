@@ -42,12 +42,14 @@ const LEAST: i64 = 1 << 20;
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     /// The flights of fast bodies, ascending.
-    fast: Vec<u32>,
+    pub(super) fast: Vec<u32>,
+    /// By flight: true for a body that impulses of this step sent elsewhere; empty if there are none.
+    pub(super) deflected: Vec<bool>,
     /// By flight, where it is among the courses; [`NONE`] if it has none.
     of: Vec<u32>,
     courses: Vec<Course>,
     /// The outlines of each pair by number, the lower one first.
-    pairs: Vec<[u32; 2]>,
+    pub(super) pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
     /// The boxes of what moves, and a tree of them where they are many.
     movers: Vec<Proxy>,
@@ -104,7 +106,7 @@ impl Engine {
         if self.sweep.fast.is_empty() {
             return;
         }
-        let paths = Paths { scene, corrections };
+        let paths = Paths { scene, corrections, is_corrected: true };
         self.find_pairs(&paths, is_faulty);
         self.run_rounds(&paths);
         for course in &self.sweep.courses {
@@ -130,7 +132,7 @@ impl Engine {
     }
 
     /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
-    fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
+    pub(super) fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
         self.sweep.of.clear();
         self.sweep.courses.clear();
@@ -185,9 +187,18 @@ impl Engine {
         let takes_part = |flight: u32| scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
         pairs.retain(|&pair| {
             let ends = self.ends(paths, pair).map(|(_, ends)| ends);
-            ends.is_some_and(|[a, b]| takes_part(a.0) && takes_part(b.0) && is_swept([&a.1, &b.1], paths))
+            ends.is_some_and(|[a, b]| {
+                takes_part(a.0)
+                    && takes_part(b.0)
+                    && (is_swept([&a.1, &b.1], paths) || self.is_deflected(a.0) || self.is_deflected(b.0))
+            })
         });
         self.sweep.pairs = pairs;
+    }
+
+    /// Returns true for a body that impulses of this step sent elsewhere.
+    pub(super) fn is_deflected(&self, flight: u32) -> bool {
+        self.sweep.deflected.get(flight as usize).is_some_and(|&is_deflected| is_deflected)
     }
 
     /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each
@@ -208,7 +219,11 @@ impl Engine {
         let place = |flight: u32| self.flights.body(flight);
         let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
         let kind = |flight: u32| place(flight).kind;
-        let wants_all = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight));
+        let wants_all = self
+            .sweep
+            .fast
+            .iter()
+            .any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight) || self.is_deflected(flight));
         let has_dynamic = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Dynamic);
         let mut proxies = core::mem::take(&mut self.sweep.movers);
         proxies.clear();
@@ -238,7 +253,7 @@ impl Engine {
     }
 
     /// The outlines and the bodies of a pair.
-    fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
+    pub(super) fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
         let outlines = pair.map(|number| self.numbers.outline(number));
         let [a, b] = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let flights = [a?, b?].map(|collider| self.flights.of(paths.scene, collider.body.slot));

@@ -7,7 +7,7 @@ use crate::body::{BodyKind, Locks};
 use crate::collide::sweep::{END, Path};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::FxAccumulator;
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator};
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
@@ -18,6 +18,8 @@ const GROWTH: i64 = 1 << 14;
 pub(in super::super) struct Paths<'a> {
     pub(in super::super) scene: &'a Scene<'a>,
     pub(in super::super) corrections: &'a [Correction],
+    /// True if the bodies of the scene are where the corrections left them; else they are at the ends of their free flights.
+    pub(in super::super) is_corrected: bool,
 }
 
 impl Paths<'_> {
@@ -27,8 +29,15 @@ impl Paths<'_> {
             let dense = bodies.index_in(place.slot).unwrap_or(0);
             return Path::new(legs::resting(bodies.position(dense), bodies.angle(dense)));
         };
-        let rotation = self.corrections.get(number as usize).map(|correction| correction.rotation);
-        Path::new(legs::leg(start, bodies.position(start.dense), bodies.angle(start.dense), flight, rotation))
+        let correction = self.corrections.get(number as usize);
+        let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
+        if let (Some(correction), false) = (correction, self.is_corrected) {
+            let moved = correction.displacement;
+            position = Vec2::new(position.x.plus(moved.x), position.y.plus(moved.y));
+            angle = angle.turned(correction.rotation);
+        }
+        let rotation = correction.map(|correction| correction.rotation);
+        Path::new(legs::leg(start, position, angle, flight, rotation))
     }
 
     /// The pose at the end of a path that ended early.

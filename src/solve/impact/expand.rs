@@ -1,7 +1,7 @@
 //! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
 
-use super::super::{STILL, Solver};
 use super::super::number::shifted;
+use super::super::{STILL, Solver};
 use super::shock::{along, gain, wide};
 use super::{FINE, FRACTION, Impacts, ONE, Strike, SubStep};
 use crate::kernel::simd::Lanes;
@@ -194,7 +194,8 @@ impl super::shock::Shock {
             let element = [0, 2][point];
             let whole = i128::from(self.elements[0][element]) + i128::from(self.elements[1][element]);
             let change = (whole >> 8) * i128::from(self.impulses[point]);
-            let is_struck = self.moments[point].is_some() || shifted(change, FINE - FRACTION - 8) > i128::from(self.threshold);
+            let is_struck =
+                self.moments[point].is_some() || shifted(change, FINE - FRACTION - 8) > i128::from(self.threshold);
             if !is_struck || !self.bounces[point] {
                 return 0;
             }

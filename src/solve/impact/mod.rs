@@ -24,6 +24,7 @@
 
 mod compress;
 mod expand;
+mod settle;
 mod shock;
 
 use alloc::vec::Vec;
@@ -131,6 +132,13 @@ impl Impacts {
         }
     }
 
+    /// Forgets the bodies of a sub-step.
+    fn leave_bodies(&mut self) {
+        for body in self.bodies.drain(..) {
+            self.body_of[body.row as usize] = NONE;
+        }
+    }
+
     /// Adds up the impulses of impacts by contact.
     pub(super) fn sum_strikes(&mut self) {
         self.strikes.sort_unstable_by_key(|strike| strike.place);
@@ -145,11 +153,13 @@ impl Impacts {
     }
 }
 
-/// What a sub-step knows beside the rows: its number `k` of `n`, and the contacts.
+/// A sub-step: its number `k` of `n`, and the contacts.
 #[derive(Clone, Copy)]
 pub(super) struct SubStep<'a> {
     pub(super) k: u32,
     pub(super) n: u32,
+    /// True at its end, after the passes; else it is at its beginning.
+    pub(super) is_over: bool,
     pub(super) clock: &'a Clock,
     pub(super) contacts: &'a [Contact],
 }
@@ -174,9 +184,7 @@ impl Solver {
                 }
                 self.solve_round(&mut impacts, substep, round == ROUNDS, lanes);
             }
-            for body in impacts.bodies.drain(..) {
-                impacts.body_of[body.row as usize] = NONE;
-            }
+            impacts.leave_bodies();
         }
         self.impacts = impacts;
     }

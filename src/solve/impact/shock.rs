@@ -89,7 +89,8 @@ impl Shock {
         }
         self.shares = shares;
         let shared = |i: usize| {
-            i128::from(shares[0]) * i128::from(self.elements[0][i]) + i128::from(shares[1]) * i128::from(self.elements[1][i])
+            i128::from(shares[0]) * i128::from(self.elements[0][i])
+                + i128::from(shares[1]) * i128::from(self.elements[1][i])
         };
         self.matrix = [shared(0), shared(1), shared(2), shared(3), shared(4), shared(5)];
         let largest = self.matrix[0].max(self.matrix[2]).max(self.matrix[5]).max(1);
@@ -163,10 +164,13 @@ impl Solver {
         (place, &self.groups[place.group as usize], place.lane as usize)
     }
 
-    /// The velocity of a body at the beginning of a sub-step, before its contacts, in 2^-[`FINE`].
+    /// The velocity of a body at the beginning of a sub-step, before its contacts, or at its end; in 2^-[`FINE`].
     pub(super) fn velocity_before(&self, row: u32, substep: SubStep<'_>) -> [i64; 3] {
         if row == STILL {
             return [0; 3];
+        }
+        if substep.is_over {
+            return self.rows.fine_velocity(row);
         }
         let flight = self.rows.flight(row);
         let (before, rest) = self.rows.before(row);
@@ -211,7 +215,7 @@ impl Solver {
         along(group, lane, a, b, FINE - FRACTION)
     }
 
-    /// Returns true if a contact that is not among the shocks touches and closes, so that it joins them.
+    /// Returns true if a contact that is not among the shocks touches and closes, or pushes and opens, so that it joins them.
     pub(super) fn closes(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> bool {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
@@ -220,11 +224,13 @@ impl Solver {
         });
         let velocities = along(group, lane, a, b, FINE - FRACTION);
         let slowest = ((i64::from(group.surface[lane][1]) << FRACTION) / SLOWEST).max(2 << FRACTION);
-        if velocities[0] >= -slowest && velocities[1] >= -slowest {
+        if velocities[0].abs().max(velocities[1].abs()) <= slowest {
             return false;
         }
         let shock = self.shock(place, velocities, substep);
-        (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
+        let closes = |point: usize| shock.joined[point] && velocities[point] < -slowest;
+        let pushes = |point: usize| shock.impulses[point] > 0 && velocities[point] > slowest;
+        (0..2).any(|point| closes(point) || pushes(point))
     }
 
     /// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.
@@ -242,7 +248,8 @@ impl Solver {
         let rows = [group.a[lane], group.b[lane]];
         let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
         let (closing, threshold) = (along(group, lane, start_a, start_b, 0), i64::from(group.surface[lane][1]));
-        let touches = |i: usize| i < contact.count && group.separation_now[lane][i] <= touch;
+        let impulses = if substep.is_over { [0, 1, 2].map(|row| group.impulses[row][lane]) } else { [0; 3] };
+        let touches = |i: usize| i < contact.count && (group.separation_now[lane][i] <= touch || impulses[i] > 0);
         let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
         Shock {
             place,
@@ -265,7 +272,7 @@ impl Solver {
             shares: [0; 2],
             before,
             least: [0; 2],
-            impulses: [0; 3],
+            impulses,
             last: [0; 3],
             from: [0; 3],
             compressed: [0; 3],
@@ -290,7 +297,15 @@ impl Solver {
         if body == NONE {
             body = impacts.bodies.len() as u32;
             impacts.body_of[row as usize] = body;
-            impacts.bodies.push(Struck { row, is_in_set: false, share: 0, start: [0; 3], velocity: [0; 3], back: [0; 3], moment: 0 });
+            impacts.bodies.push(Struck {
+                row,
+                is_in_set: false,
+                share: 0,
+                start: [0; 3],
+                velocity: [0; 3],
+                back: [0; 3],
+                moment: 0,
+            });
         }
         let struck = &mut impacts.bodies[body as usize];
         if !struck.is_in_set {
