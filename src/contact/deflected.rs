@@ -14,6 +14,9 @@ use crate::fx::Fx;
 use crate::scalar::FxAccumulator;
 use crate::solve::Impulses;
 
+/// Bodies of which impulses change the way by less than this, 8 mm, are not deflected: they overlap by no more in the next step.
+const DEFLECTION: i64 = 1 << 25;
+
 /// The most times that the solver runs again in a step.
 pub(crate) const ROUNDS: u32 = 8;
 
@@ -44,7 +47,7 @@ impl Engine {
         true
     }
 
-    /// Lists the dynamic bodies that move by more than a quarter of their width, and of which impulses change the way by half of that.
+    /// Lists the dynamic bodies that move, and of which impulses change the way.
     fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
         self.sweep.fast.clear();
         for (flight, correction) in corrections.iter().enumerate() {
@@ -55,7 +58,7 @@ impl Engine {
             let free = self.flights.flight(flight as u32);
             let change = correction.displacement.map(FxAccumulator::value);
             let way = size(free.displacement.x.saturating_add(change.x), free.displacement.y.saturating_add(change.y));
-            if size(change.x, change.y) > place.width >> 3 && way > place.width >> 2 {
+            if size(change.x, change.y) > DEFLECTION && way > DEFLECTION {
                 self.sweep.fast.push(flight as u32);
                 self.sweep.deflected.resize(scene.starts.len(), false);
                 self.sweep.deflected[flight] = true;

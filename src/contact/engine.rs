@@ -289,7 +289,7 @@ impl Engine {
             return;
         }
         let parts = pair.map(|outline| outline.part);
-        let pressed = record.is_some_and(|record| !record.is_slack());
+        let pressed = record.is_some_and(|record| !record.is_slack()) || contacts.presses_nearby(pair, [a, b]);
         let Some((manifold, moment)) = self.meet(scene, numbers, parts, [a, b], ends, pressed) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell

@@ -14,10 +14,10 @@ use super::engine::Engine;
 use super::flights::FlightOf;
 use super::reach::approach_bound;
 use super::sweep::{self, Paths};
-use super::{MARGIN, Scene};
+use super::{ContactRecord, ContactSet, MARGIN, Scene};
 use crate::collide::sweep::{END, Sweep};
 use crate::collide::{Manifold, Pose};
-use crate::collider::Collider;
+use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift;
 use crate::math::Vec2;
@@ -74,6 +74,23 @@ pub(super) fn take_back(point: &mut Point, normal: [i32; 2], flights: [&Flight; 
     if moment != 0 {
         let way = closed(normal, point.arms, flights, moment);
         point.separation = Fx::from_bits(point.separation.to_bits().saturating_add(way));
+    }
+}
+
+impl ContactSet {
+    /// Returns true if one outline of a pair is a segment of a chain, and the other one pressed a segment near it in the step before: a body
+    /// that rolls from segment to segment touches the next one as it touched the last one.
+    pub(super) fn presses_nearby(&self, pair: [OutlineId; 2], colliders: [&Collider; 2]) -> bool {
+        /// Segments on both sides.
+        const NEAR: u32 = 4;
+        let Some(side) = (0..2).find(|&side| colliders[side].def.shape.is_chain()) else { return false };
+        let part = pair[side].part;
+        (part.saturating_sub(NEAR)..=part.saturating_add(NEAR)).any(|part| {
+            let mut neighbours = pair;
+            neighbours[side].part = part;
+            let record = self.records.binary_search_by_key(&neighbours, ContactRecord::pair);
+            record.is_ok_and(|index| !self.records[index].is_slack())
+        })
     }
 }
 

@@ -63,7 +63,8 @@ impl Solver {
     /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
     pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
         let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
-        impacts.tolerance = (fastest >> 14).max(2 << FRACTION);
+        impacts.tolerance = (fastest >> 20).max(1 << (FRACTION - 2));
+        impacts.slowest = (fastest >> 10).max(2 << FRACTION);
         impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
         self.compress(impacts, substep);
         for shock in &mut impacts.shocks {

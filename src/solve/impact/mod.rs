@@ -48,8 +48,6 @@ const ROUNDS: u32 = 8;
 const AT_ONCE: i64 = ONE / 8;
 /// Points up to this distance apart touch, m.
 const TOUCH: Fx = fx!(0.001);
-/// A contact that touches joins where it closes by more than the threshold of impacts over this: slower ones are left to the passes.
-const SLOWEST: i64 = 64;
 /// No index.
 const NONE: u32 = u32::MAX;
 
@@ -104,8 +102,10 @@ pub(super) struct Impacts {
     set: Vec<u32>,
     /// By row.
     first_moment: Vec<i64>,
-    /// Residuals up to this end a compression, in 2^-[`FRACTION`].
+    /// Residuals up to this end a compression, and contacts that close by more than this join: a thousandth of the fastest impact. In
+    /// 2^-[`FRACTION`].
     tolerance: i64,
+    slowest: i64,
     /// The exponent above those of all shocks.
     exponent: i32,
     /// Sorted by contact when the sub-steps are done.

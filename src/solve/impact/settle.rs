@@ -38,7 +38,8 @@ impl Solver {
             impacts.set.clear();
             island.iter().for_each(|shock| self.join(&mut impacts, shock.clone(), substep));
             let fastest = island.iter().flat_map(|shock| shock.before).map(i64::abs).max().unwrap_or(0);
-            impacts.tolerance = (fastest >> 10).max(2 << FRACTION);
+            impacts.tolerance = (fastest >> 12).max(2 << FRACTION);
+            impacts.slowest = (fastest >> 8).max(2 << FRACTION);
             impacts.exponent = island.iter().map(|shock| shock.exponent).max().unwrap_or(0);
             self.compress(&mut impacts, substep);
             self.release(&mut impacts, lanes);

@@ -4,7 +4,7 @@ use super::super::contact::Group;
 use super::super::motion::Vector;
 use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
-use super::{FINE, FRACTION, Impacts, NONE, ONE, SLOWEST, Struck, SubStep, TOUCH};
+use super::{FINE, FRACTION, Impacts, NONE, ONE, Struck, SubStep, TOUCH};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
 type Elements = [i64; 6];
@@ -223,7 +223,7 @@ impl Solver {
             _ => self.velocity_before(row, substep),
         });
         let velocities = along(group, lane, a, b, FINE - FRACTION);
-        let slowest = ((i64::from(group.surface[lane][1]) << FRACTION) / SLOWEST).max(2 << FRACTION);
+        let slowest = impacts.slowest;
         if velocities[0].abs().max(velocities[1].abs()) <= slowest {
             return false;
         }
