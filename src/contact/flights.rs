@@ -203,6 +203,11 @@ impl Flights {
         self.deflections.extend_from_slice(corrections);
     }
 
+    /// The flight of the body in a slot, if it has one.
+    pub(super) fn at(&self, slot: u32) -> Option<u32> {
+        Some(self.of.get(slot)).filter(|&flight| flight != NONE)
+    }
+
     /// Returns true if the body in a slot has a flight.
     pub(super) fn has(&self, slot: u32) -> bool {
         self.of.get(slot) != NONE

@@ -72,6 +72,7 @@ pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub(crate) use split::Solvers;
 pub(crate) use still::Disturbed;
+pub(crate) use sweep::{Paths, between};
 pub use view::{Contact, ContactPoint};
 
 /// Shapes have a manifold if they are nearer than this plus the distance by which they approach in the step, m.
@@ -195,9 +196,9 @@ pub(crate) struct Stop {
     pub(crate) start: usize,
     pub(crate) position: Vec2<FxAccumulator>,
     pub(crate) angle: Turn,
-    /// True if it stays where it was at the start.
-    pub(crate) is_held: bool,
-    /// True if a body that does not give way keeps it there.
+    /// The moment at which it stops on its own path, in 2^-62 of the step; `None` if another body carries it along.
+    pub(crate) at: Option<u64>,
+    /// True if a body that does not give way keeps it at the start.
     pub(crate) is_stuck: bool,
 }
 

@@ -17,8 +17,8 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
-    is_asleep, list_pairs,
+    Changed, ContactSet, Correction, Detected, Engine, Overlap, Paths, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
+    between, is_asleep, list_pairs,
 };
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
@@ -89,6 +89,30 @@ fn list_faulty(faults: &[(usize, Cause)], bodies: &mut Vec<usize>) {
 /// Finds whether a body left the allowed range; then it is at fault.
 fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, found: &mut Found) -> bool {
     bounds::is_out_of_bounds(&bodies.columns.motion, dense, &mut found.faults)
+}
+
+/// A component of the change of velocity by forces after a moment of the step, from the velocities at the start and at the end and from the
+/// change by impulses.
+fn change_after<S: Scalar>(
+    at: u64,
+    start: S::Accumulator,
+    end: S::Accumulator,
+    impulse: FxAccumulator,
+) -> FxAccumulator {
+    let by_forces = end.to_fixed().plus(start.to_fixed().negated()).plus(impulse.negated());
+    between(by_forces, FxAccumulator::default(), at)
+}
+
+/// Returns true if a change has made a velocity larger: if the velocity without it is the smaller one.
+///
+/// # Ranges
+/// Velocities are below 2^21 m/s, or rad/s: products are below 2^110.
+fn has_grown<const N: usize>(velocity: [FxAccumulator; N], change: [FxAccumulator; N]) -> bool {
+    let product = |i: usize| {
+        let [now, by] = [velocity[i], change[i]].map(|part| i128::from(part.value().to_bits()));
+        by * (2 * now - by)
+    };
+    (0..N).map(product).sum::<i128>() > 0
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -172,6 +196,7 @@ impl<S: Scalar> Workspace<S> {
     pub(super) fn begin(&mut self, bodies: &Bodies<S>) {
         self.is_detected = false;
         self.touching_before.clear();
+        self.sensors.begin();
         self.starts.clear();
         let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
         self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
@@ -211,6 +236,11 @@ impl<S: Scalar> Workspace<S> {
     /// The overlaps of sensors that were found, sorted.
     pub(super) fn overlaps(&self) -> &[Overlap] {
         &self.sensors.found
+    }
+
+    /// What crossed sensors within the step and overlaps them no more, sorted.
+    pub(super) fn crossed(&self) -> &[Overlap] {
+        &self.sensors.crossed
     }
 
     /// Returns true if nothing can touch anything.
@@ -288,7 +318,8 @@ impl<S: Scalar> Step<'_, S> {
                 }
                 self.show(StageKind::Solve);
                 self.correct(&own, constants);
-                self.end_paths(&mut own, &settings);
+                self.end_paths(&mut own, &settings, constants);
+                self.follow_paths(&mut own, &settings);
                 self.show(StageKind::Push);
                 break;
             }
@@ -450,8 +481,9 @@ impl<S: Scalar> Step<'_, S> {
         }
     }
 
-    /// Ends the paths of fast bodies where they would cross something. Their velocities stay: the next step solves the contact.
-    fn end_paths(&mut self, own: &mut Workspace<S>, settings: &ContactSettings) {
+    /// Ends the paths of fast bodies where they would cross something. A body that stops keeps what impulses gave it, and forces did not make
+    /// it faster in the time that is lost. The next step solves the contact.
+    fn end_paths(&mut self, own: &mut Workspace<S>, settings: &ContactSettings, constants: &Constants<'_, S>) {
         #[cfg(feature = "selftest")]
         if own.is_blind {
             return;
@@ -469,20 +501,43 @@ impl<S: Scalar> Step<'_, S> {
             motion.angle[stop.dense] = S::Angle::from_turn(stop.angle);
             motion.ticks_at_rest[stop.dense] = 0;
             let start = &starts[stop.start];
-            if stop.is_stuck {
-                // It would stay for ever.
+            let by = corrections.get(stop.start).copied().unwrap_or_default();
+            if stop.is_stuck && !by.is_pushed {
+                // The next step would begin as this one did, for ever.
                 motion.velocity.set(stop.dense, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
                 motion.angular_velocity[stop.dense] = S::Accumulator::default();
-            } else if stop.is_held {
-                // A body that stays gains no speed: the next step begins with the velocity that this one began with.
-                motion.velocity.set(stop.dense, start.velocity);
-                motion.angular_velocity[stop.dense] = start.angular_velocity;
+            } else if let Some(at) = stop.at {
+                let Vec2 { x, y } = motion.velocity.get(stop.dense);
+                let lost_x = change_after::<S>(at, start.velocity.x, x, by.velocity.x);
+                let lost_y = change_after::<S>(at, start.velocity.y, y, by.velocity.y);
+                let without =
+                    |sum: S::Accumulator, change: FxAccumulator| sum.plus(S::Accumulator::from_fixed(change.negated()));
+                if has_grown([x.to_fixed(), y.to_fixed()], [lost_x, lost_y]) {
+                    motion.velocity.set(stop.dense, Vec2::new(without(x, lost_x), without(y, lost_y)));
+                }
+                let spin = motion.angular_velocity[stop.dense];
+                let lost = change_after::<S>(at, start.angular_velocity, spin, by.angular_velocity);
+                if has_grown([spin.to_fixed()], [lost]) {
+                    motion.angular_velocity[stop.dense] = without(spin, lost);
+                }
+                if constants.any_capped {
+                    cap(&mut self.bodies.block(stop.dense..stop.dense + 1), BlockFactors::Each(constants.rows));
+                }
             }
             // What a fast kinematic body carries along may leave the allowed range.
             if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
                 start.restore(self.bodies);
             }
             self.note_pushed(stop.dense);
+        }
+    }
+
+    /// Keeps the paths of fast bodies for sensors.
+    fn follow_paths(&self, own: &mut Workspace<S>, settings: &ContactSettings) {
+        if self.contacts.colliders.any_sensors() {
+            let Workspace { engine, corrections, starts, fixed_starts, sensors, .. } = own;
+            let scene = &self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
+            sensors.follow(&Paths { scene, corrections, is_corrected: true }, engine);
         }
     }
 }

@@ -288,6 +288,8 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub sensors_left: &'a [ColliderPair],
     /// Sensors and the colliders that entered them in the step, sorted likewise.
     pub sensors_entered: &'a [ColliderPair],
+    /// Sensors and the colliders that entered and left them within the step, sorted likewise: both lists before have them, too.
+    pub sensors_crossed: &'a [ColliderPair],
     /// Forces and torques applied to bodies over the tick, in the order of their handles: [`World::step_back`] needs them.
     pub applied: &'a [AppliedForce<S>],
     /// The number of bodies under `Yoshida4` whose drag is too stiff for its backward sub-step, so that the drag acted around the whole
@@ -442,6 +444,7 @@ impl<S: Scalar> World<S> {
             hits: &self.workspace.report.hits,
             sensors_left: &self.workspace.report.sensors_left,
             sensors_entered: &self.workspace.report.sensors_entered,
+            sensors_crossed: &self.workspace.report.sensors_crossed,
             applied: self.applied.done(),
             drag_outside: self.workspace.report.drag_outside,
         }

@@ -373,6 +373,22 @@ fn a_sensor_that_is_crossed_within_a_step_is_entered_and_left() {
     conclude(tried, &failures);
 }
 
+/// The lists of a report and its events agree, and in the events a body is out of the sensor at the end.
+#[test]
+fn what_crosses_a_sensor_enters_before_it_leaves() {
+    let gate = ColliderDef { sensor: true, ..ColliderDef::new(rectangle(fx!(0.1), fx!(2))) };
+    let body = BodyDef { velocity: vec2(200, 0), ..dynamic(disc(fx!(0.1)), vec2(-1, 0)) };
+    let (mut world, _) = build(floating(), [fixed(gate, vec2(0, 0)), body]);
+    let report = world.step();
+    assert_eq!(report.sensors_crossed.len(), 1);
+    assert_eq!([report.sensors_entered, report.sensors_left], [report.sensors_crossed; 2]);
+    let pair = report.sensors_crossed[0];
+    let events: Vec<Event> = report.events().filter(|event| !matches!(event, Event::Added(_))).collect();
+    assert_eq!(events, [Event::SensorEntered(pair), Event::SensorLeft(pair)]);
+    assert_eq!(world.sensor_overlaps().count(), 0);
+    assert!(world.step().sensors_crossed.is_empty());
+}
+
 /// A body that stops at a wall in the step and turns back has crossed no sensor behind the wall.
 #[test]
 fn a_sensor_behind_a_wall_is_not_entered() {

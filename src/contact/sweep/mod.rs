@@ -26,14 +26,17 @@ use crate::math::Vec2;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
+pub(crate) use legs::between;
 use legs::moved;
-pub(super) use paths::Paths;
-use paths::around;
+pub(crate) use paths::Paths;
+pub(super) use paths::{around, resting_path};
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
 /// The rounds after these, in which paths end at the start.
 const LAST_ROUNDS: u32 = 8;
+/// The rounds after these, in which only bodies that do not give way count.
+const WALL_ROUNDS: u32 = 8;
 
 /// The least motion that counts, ulps: 2^-12 m.
 const LEAST: i64 = 1 << 20;
@@ -102,6 +105,8 @@ impl Engine {
         stops: &mut Vec<Stop>,
     ) {
         stops.clear();
+        self.sweep.of.clear();
+        self.sweep.courses.clear();
         self.find_fast(scene, corrections, is_faulty);
         if self.sweep.fast.is_empty() {
             return;
@@ -131,11 +136,35 @@ impl Engine {
         }
     }
 
+    /// The path of a body as far as it went.
+    fn ended_path(&self, paths: &Paths<'_>, flight: u32) -> Path {
+        match self.sweep.of.get(flight as usize) {
+            Some(&course) if course != NONE => self.sweep.courses[course as usize].path,
+            _ => paths.path(self.flights.body(flight), self.flights.flight(flight), flight),
+        }
+    }
+
+    /// Visits the paths of fast bodies, with their slots, after those that end early have ended.
+    pub(super) fn each_fast_path(&self, paths: &Paths<'_>, mut visit: impl FnMut(u32, Path)) {
+        for &flight in &self.sweep.fast {
+            visit(self.flights.body(flight).slot, self.ended_path(paths, flight));
+        }
+    }
+
+    /// The path of a collider's body, if it moved more than a quarter of the collider's least width.
+    pub(super) fn path_if_fast(&self, paths: &Paths<'_>, collider: &Collider) -> Option<Path> {
+        let flight = self.flights.at(collider.body.slot)?;
+        let start = paths.scene.starts.get(flight as usize)?;
+        let rotation = paths.corrections.get(flight as usize).map(|by| by.rotation);
+        let ends = [start.position, paths.scene.bodies.position(start.dense)];
+        let moved = moved(ends, self.flights.flight(flight), rotation, collider.radius.to_bits());
+        let is_fast = moved > (collider.width.to_bits() >> 2).max(LEAST);
+        is_fast.then(|| self.ended_path(paths, flight))
+    }
+
     /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
     pub(super) fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
-        self.sweep.of.clear();
-        self.sweep.courses.clear();
         self.sweep.pairs.clear();
         let still = self.still.take().unwrap_or_default();
         self.list_movers(paths);
@@ -282,8 +311,11 @@ impl Engine {
             for &pair in &pairs {
                 self.find_impact(paths, pair);
             }
+            if round >= ROUNDS + LAST_ROUNDS {
+                self.sweep.hits.retain(|hit| !hit.is_mutual);
+            }
             self.sweep.courses.iter_mut().for_each(|course| course.changed = None);
-            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + LAST_ROUNDS {
+            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + LAST_ROUNDS + WALL_ROUNDS {
                 break;
             }
         }

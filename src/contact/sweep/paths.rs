@@ -7,7 +7,7 @@ use crate::body::{BodyKind, Locks};
 use crate::collide::sweep::{END, Path};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator};
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
@@ -15,11 +15,11 @@ use crate::solve::Flight;
 const GROWTH: i64 = 1 << 14;
 
 /// The paths of bodies after impulses.
-pub(in super::super) struct Paths<'a> {
-    pub(in super::super) scene: &'a Scene<'a>,
-    pub(in super::super) corrections: &'a [Correction],
+pub(crate) struct Paths<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) corrections: &'a [Correction],
     /// True if the bodies of the scene are where the corrections left them; else they are at the ends of their free flights.
-    pub(in super::super) is_corrected: bool,
+    pub(crate) is_corrected: bool,
 }
 
 impl Paths<'_> {
@@ -27,7 +27,7 @@ impl Paths<'_> {
         let bodies = self.scene.bodies;
         let Some(start) = self.scene.starts.get(number as usize) else {
             let dense = bodies.index_in(place.slot).unwrap_or(0);
-            return Path::new(legs::resting(bodies.position(dense), bodies.angle(dense)));
+            return resting_path(bodies.position(dense), bodies.angle(dense));
         };
         let correction = self.corrections.get(number as usize);
         let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
@@ -54,9 +54,9 @@ impl Paths<'_> {
                 Vec2::new(x, y)
             }
         };
-        let is_held = course.path.stopped_at() == Some(0);
-        let is_stuck = is_held && course.is_stuck;
-        Stop { dense: start.dense, start: course.flight as usize, position, angle, is_held, is_stuck }
+        let at = course.path.stopped_at();
+        let is_stuck = at == Some(0) && course.is_stuck;
+        Stop { dense: start.dense, start: course.flight as usize, position, angle, at, is_stuck }
     }
 
     pub(super) fn is_bullet(&self, slot: u32) -> bool {
@@ -75,8 +75,13 @@ impl Paths<'_> {
     }
 }
 
+/// The path of a body that does not move.
+pub(in super::super) fn resting_path(position: Vec2<FxAccumulator>, angle: Turn) -> Path {
+    Path::new(legs::resting(position, angle))
+}
+
 /// The box around an outline of this reach on a path.
-pub(super) fn around(path: &Path, reach: i64) -> Aabb<Fx> {
+pub(in super::super) fn around(path: &Path, reach: i64) -> Aabb<Fx> {
     let (low, high) = path.ends();
     let by = reach.saturating_add(GROWTH);
     let at = |ends: [i64; 2], by: i64| {
