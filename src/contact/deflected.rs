@@ -115,7 +115,7 @@ impl Engine {
         for (contact, start) in self.contacts.iter_mut().zip(&mut self.starts) {
             core::mem::swap(&mut contact.impulses, start);
         }
-        core::mem::swap(&mut self.totals, &mut self.start_totals);
+        core::mem::swap(&mut self.touched, &mut self.start_touched);
     }
 }
 

@@ -6,7 +6,6 @@ use alloc::vec::Vec;
 #[cfg(feature = "selftest")]
 use super::MARGIN;
 use super::approach::{Approach, approach};
-use super::events::{ColliderPair, ContactHit, has_events};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::moment::take_back;
@@ -20,13 +19,11 @@ use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
 use super::tiles::Tiles;
-use super::view::newton_seconds;
 use super::{ContactRecord, ContactSet, Correction, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collide::{Cores, Manifold, Margin};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::scalar::Scalar;
 use crate::slots::NONE;
 use crate::solve::{Contact, ContactSolver, Flight, Impulses};
 
@@ -56,9 +53,11 @@ pub(crate) struct Engine {
     pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
     pub(super) totals: Vec<Impulses>,
+    /// By the number of the contact: true if it has events and touched in the step; empty where no collider has such events.
+    pub(super) touched: Vec<bool>,
     /// None, in exchange for these while the contacts have the impulses that they start from.
-    pub(super) start_totals: Vec<Impulses>,
-    /// The contacts that may be hits, with their numbers.
+    pub(super) start_touched: Vec<bool>,
+    /// The contacts that may be hits, with their numbers, which rise.
     pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
@@ -348,9 +347,7 @@ impl Engine {
         contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways, moment));
         self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
-            let flights = ends.map(|flight| self.flights.flight(flight));
-            let mut approach = approach(manifold, flights, moment, scene.time_step);
-            approach.leave_out_pressed(&start);
+            let approach = approach(scene, manifold, moment, &contact, ends.map(|flight| self.flights.flight(flight)));
             self.approaches.push((self.found.len() as u32, approach));
         }
         self.starts.push(start);
@@ -366,6 +363,7 @@ impl Engine {
         self.starts.clear();
         self.found.clear();
         self.totals.clear();
+        self.touched.clear();
         self.approaches.clear();
         self.core_of.clear();
         self.sweep.deflected.clear();
@@ -409,58 +407,15 @@ impl Engine {
 
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
     /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
-    pub(crate) fn list(&self, colliders: &ColliderSet, contacts: &mut ContactSet) {
+    pub(crate) fn list(&self, contacts: &mut ContactSet) {
         contacts.records.clear();
-        let all = self.contacts.iter().zip(&self.found);
-        let record = |(contact, (pair, features, count)): (&Contact, &([OutlineId; 2], [u32; 2], usize))| {
-            ContactRecord::new(*pair, *features, *count, contact.impulses)
-        };
-        if self.totals.is_empty() || !colliders.any_contact_events() {
-            contacts.records.extend(all.filter(|(contact, _)| contact.impulses.values != [0; 3]).map(record));
-        } else {
-            let has_touched = |contact: &Contact, outlines: [OutlineId; 2], total: &Impulses| {
-                let pair = outlines.map(|outline| colliders.at(outline.slot));
-                let is_reported = matches!(pair, [Some(a), Some(b)] if has_events([a, b]));
-                contact.impulses.values != [0; 3] || is_reported && total.values != [0; 3]
-            };
-            let touched =
-                all.zip(&self.totals).filter(|((contact, found), total)| has_touched(contact, found.0, total));
-            contacts.records.extend(touched.map(|(found, _)| record(found)));
+        for (number, (contact, (pair, features, count))) in self.contacts.iter().zip(&self.found).enumerate() {
+            if contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true) {
+                contacts.records.push(ContactRecord::new(*pair, *features, *count, contact.impulses));
+            }
         }
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
-    }
-
-    /// Lists the hits of contacts that were solved.
-    pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
-        for (number, approach) in &self.approaches {
-            let number = *number as usize;
-            let (Some((outlines, ..)), Some(total)) = (self.found.get(number), self.totals.get(number)) else {
-                continue;
-            };
-            let slots = outlines.map(|outline| outline.slot);
-            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
-            let is_swapped = pair.colliders[0].slot != slots[0];
-            let Some((approach_speed, point)) = approach.fastest(total, usize::from(is_swapped)) else { continue };
-            if approach_speed < scene.settings.hit_speed {
-                continue;
-            }
-            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
-            if is_swapped {
-                parts.reverse();
-                normal = normal.map(|part| -part);
-            }
-            let impulse = newton_seconds(total.values[0].saturating_add(total.values[1]), total.exponent);
-            hits.push(ContactHit {
-                pair,
-                parts,
-                approach_speed: S::from_fx(approach_speed),
-                normal: normal.map(S::from_fx),
-                point: point.map(S::from_fx),
-                normal_impulse: S::from_fx(impulse),
-            });
-        }
-        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
     }
 
     /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
@@ -483,6 +438,7 @@ impl Engine {
     ) {
         corrections.clear();
         self.totals.clear();
+        self.touched.clear();
         if self.found.is_empty() {
             return;
         }
@@ -490,13 +446,7 @@ impl Engine {
         let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
         // Moving bodies have the first flights.
         corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
-        if scene.colliders.any_contact_events() || !self.approaches.is_empty() {
-            self.totals.resize(self.found.len(), Impulses::default());
-            for (number, [first, second], exponent) in solvers.totals() {
-                let second = if self.contacts[number as usize].count == 2 { second } else { 0 };
-                self.totals[number as usize] = Impulses { values: [first, second, 0], exponent };
-            }
-        }
+        self.find_touches(solvers, scene);
         for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
             for body in contact.bodies {
                 // A body that pushes others is not at rest, even if they do not move it.

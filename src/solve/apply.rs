@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use super::contact::Group;
 use super::number::{shifted, shifted_word};
 use super::unit::Clock;
-use super::{Contact, Correction, Flight, Impulses, Joint, Solver};
+use super::{Contact, ContactImpact, Correction, Flight, Impulses, Joint, Solver};
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 use crate::kernel::wide::mul_shift_64;
@@ -205,6 +205,19 @@ impl Solver {
             let applied = &self.groups[place.group as usize].applied;
             let lane = place.lane as usize;
             (place.contact, [applied[0][lane], applied[1][lane]], place.exponent)
+        })
+    }
+
+    /// The impacts in the step of these contacts, which are those that were solved.
+    pub(crate) fn impacts_of<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        self.impacts.strikes.iter().filter_map(|strike| {
+            let place = &self.places[strike.place as usize];
+            let mover = self.graph.mover(contacts[place.contact as usize].bodies)?;
+            // Units are from 2^-22 to 2^13 m/s, and speeds below 2^31 units.
+            let up = 32 + self.unit_of[mover as usize];
+            let metres = |speed: i64| Fx::from_bits((i128::from(speed) << up).min(i64::MAX.into()) as i64);
+            let ([first, second, _], speeds) = (strike.impulses, strike.speeds.map(metres));
+            Some(ContactImpact { contact: place.contact, impulses: [first, second], exponent: place.exponent, speeds })
         })
     }
 

@@ -49,7 +49,7 @@ use alloc::vec::Vec;
 use self::apply::{Apply, Path, Total};
 use self::batch::Batch;
 use self::contact::{BodyOf, Group};
-pub use self::contact_solver::ContactSolver;
+pub use self::contact_solver::{ContactImpact, ContactSolver};
 #[cfg(feature = "float")]
 pub use self::float::FloatSolver;
 use self::follow::{Follower, follow};

@@ -304,16 +304,17 @@ impl<S: Scalar> Step<'_, S> {
                 let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
                     own.engine.swap_starts();
-                    own.engine.list(scene.colliders, contacts);
+                    own.engine.list(contacts);
                     show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
                     own.engine.swap_starts();
                 }
-                own.engine.list(scene.colliders, contacts);
+                own.engine.list(contacts);
                 if scene.colliders.any_hit_events() {
                     own.engine.hits(&scene, &mut self.workspace.report.hits);
                 }
                 let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
-                if is_near || !own.corrections.is_empty() {
+                // Contacts that touched without an impulse are state that the step before does not have.
+                if is_near || !own.corrections.is_empty() || !contacts.records.is_empty() {
                     contacts.pushed_at = self.settings.tick;
                 }
                 self.show(StageKind::Solve);
