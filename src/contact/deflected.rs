@@ -70,7 +70,7 @@ impl Engine {
     fn meet_deflected(&mut self, paths: &Paths<'_>, numbers: [u32; 2], known: usize, out: &mut Detected) {
         let scene = paths.scene;
         let Some((pair, ends)) = self.ends(paths, numbers) else { return };
-        if self.found[..known].binary_search_by_key(&pair, |contact| contact.0).is_ok() {
+        if self.found[..known].binary_search_by_key(&pair, |contact| contact.pair).is_ok() {
             return;
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
@@ -91,8 +91,8 @@ impl Engine {
     /// start from. It moves all that come behind, for each: such contacts are few.
     fn sort_contacts(&mut self, known: usize) {
         for last in known..self.found.len() {
-            let pair = self.found[last].0;
-            let place = self.found[..last].partition_point(|contact| contact.0 < pair);
+            let pair = self.found[last].pair;
+            let place = self.found[..last].partition_point(|contact| contact.pair < pair);
             self.found[place..=last].rotate_right(1);
             self.contacts[place..=last].rotate_right(1);
             self.starts[place..=last].rotate_right(1);

@@ -13,19 +13,19 @@ use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
-use super::split::Solvers;
+use super::solved::FoundContact;
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
 use super::tiles::Tiles;
-use super::{ContactRecord, ContactSet, Correction, Detected, Scene, pair_limits};
+use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collide::{Cores, Manifold, Margin};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::slots::NONE;
-use crate::solve::{Contact, ContactSolver, Flight, Impulses};
+use crate::solve::{Contact, Flight, Impulses};
 
 /// The contacts of a world: the search for them, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
@@ -46,9 +46,8 @@ pub(crate) struct Engine {
     pub(super) statics_revision: u64,
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
-    /// By number of the contact: its outlines, features and the number of its points.
-    pub(super) found: Vec<([OutlineId; 2], [u32; 2], usize)>,
-    /// The contacts as the solver takes them, in the same order, and the impulses that they start from.
+    pub(super) found: Vec<FoundContact>,
+    /// The same contacts as the solver takes them, and the impulses that they start from.
     pub(super) contacts: Vec<Contact>,
     pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
@@ -184,17 +183,12 @@ impl Engine {
             }
             let mut near = numbers;
             near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            let found = self.manifold_of(scene, near, before);
+            let manifold = self.manifold_of(scene, near, before);
             if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record) {
                 continue;
             }
-            take_over(
-                &mut terms,
-                features,
-                &record,
-                found.map(|manifold| (manifold.features(), manifold.count)),
-                other,
-            );
+            let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
+            take_over(&mut terms, features, &record, features_there, other);
         }
         seams::add(start, &terms);
         self.chains.terms = terms;
@@ -351,7 +345,7 @@ impl Engine {
             self.approaches.push((self.found.len() as u32, approach));
         }
         self.starts.push(start);
-        self.found.push((pair, features, count));
+        self.found.push(FoundContact { pair, features, count });
     }
 
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
@@ -403,61 +397,6 @@ impl Engine {
             }
         }
         self.broad.return_pairs(pairs);
-    }
-
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
-    /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
-    pub(crate) fn list(&self, contacts: &mut ContactSet) {
-        contacts.records.clear();
-        for (number, (contact, (pair, features, count))) in self.contacts.iter().zip(&self.found).enumerate() {
-            if contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true) {
-                contacts.records.push(ContactRecord::new(*pair, *features, *count, contact.impulses));
-            }
-        }
-        contacts.passes.clone_from(&self.passes);
-        contacts.excluded.clone_from(&self.excluded);
-    }
-
-    /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
-    pub(crate) fn touching(&self, colliders: &ColliderSet, mut found: impl FnMut([u32; 2], bool)) {
-        for (pair, ..) in &self.found {
-            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
-                let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
-                found([a.body.slot, b.body.slot], is_driven);
-            }
-        }
-    }
-
-    /// Solves the contacts that were found, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
-    /// impulse.
-    pub(crate) fn solve<C: ContactSolver>(
-        &mut self,
-        solvers: &mut Solvers<C>,
-        scene: &Scene<'_>,
-        corrections: &mut Vec<Correction>,
-    ) {
-        corrections.clear();
-        self.totals.clear();
-        self.touched.clear();
-        if self.found.is_empty() {
-            return;
-        }
-        let options = scene.settings.into();
-        let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
-        // Moving bodies have the first flights.
-        corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
-        self.find_touches(solvers, scene);
-        for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
-            for body in contact.bodies {
-                // A body that pushes others is not at rest, even if they do not move it.
-                if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
-                    correction.is_pushed = true;
-                }
-            }
-        }
-        if !corrections.iter().any(|correction| correction.is_pushed) {
-            corrections.clear();
-        }
     }
 
     /// The static colliders as they were found last, if they belong to these colliders.

@@ -8,6 +8,7 @@
 use alloc::vec::Vec;
 
 use super::engine::Engine;
+use super::solved::FoundContact;
 use super::{ContactBodies, ContactRecord, ContactSet, Scene, Solvers};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::{Collider, ColliderSet};
@@ -207,7 +208,7 @@ impl Engine {
 
     /// Returns true if a contact has events and touched in the step.
     fn touches(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let (pair, ..) = self.found[number];
+        let FoundContact { pair, .. } = self.found[number];
         let is_reported = match pair.map(|outline| scene.colliders.at(outline.slot)) {
             [Some(a), Some(b)] => has_events([a, b]),
             _ => false,
@@ -218,7 +219,7 @@ impl Engine {
     /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell: they were taken back to
     /// the start along rows that do not turn.
     fn overlaps(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let (pair, _, count) = self.found[number];
+        let FoundContact { pair, count, .. } = self.found[number];
         if self.contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
             return false;
         }
@@ -231,7 +232,9 @@ impl Engine {
     pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
         for (number, approach) in &self.approaches {
             let number = *number as usize;
-            let (Some((outlines, ..)), Some(total)) = (self.found.get(number), self.totals.get(number)) else {
+            let (Some(FoundContact { pair: outlines, .. }), Some(total)) =
+                (self.found.get(number), self.totals.get(number))
+            else {
                 continue;
             };
             let slots = outlines.map(|outline| outline.slot);

@@ -6,7 +6,7 @@
 //! - `deflected`: contacts that bodies meet on the ways that impulses send them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
-//! - `engine`: pairs, manifolds and records.
+//! - `engine`: pairs and manifolds; `solved`: the contacts that were found, through the solver to records and hits.
 //! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
@@ -38,6 +38,7 @@ mod records;
 mod seams;
 mod sensors;
 mod set;
+mod solved;
 mod split;
 mod stamped;
 mod still;

@@ -63,7 +63,9 @@ fn closed(normal: [i32; 2], arms: [Vec2; 2], flights: [&Flight; 2], moment: u64)
         let bits = |value: Fx| i128::from(part(value, moment).to_bits());
         // n · (φ × r), from 2^-94 to 2^-62.
         let lever = ny * i128::from(arm.x.to_bits()) - nx * i128::from(arm.y.to_bits());
-        let turned = if flight.rotation == Fx::ZERO { 0 } else { (lever / (1 << 16) * bits(flight.rotation)) >> 16 };
+        // Oddly, as a lever changes its sign where the bodies change places.
+        let turned =
+            if flight.rotation == Fx::ZERO { 0 } else { lever / (1 << 16) * bits(flight.rotation) / (1 << 16) };
         nx * bits(flight.displacement.x) + ny * bits(flight.displacement.y) + turned
     };
     ((along(flights[0], arms[0]) - along(flights[1], arms[1])) >> 30) as i64

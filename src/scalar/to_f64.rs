@@ -101,6 +101,8 @@ mod tests {
     use core::f64::consts::TAU;
 
     use super::*;
+    use crate::math::Random;
+    use crate::scalar::{Accumulator, Angle, Factor};
 
     #[test]
     fn both_ends_of_the_range_come_back_from_doubles() {
@@ -119,5 +121,22 @@ mod tests {
             assert!((0.0..TAU).contains(&radians), "{below}: {radians}");
         }
         assert_eq!(Turn::from_bits(u64::MAX - 2047).to_f64(), TAU * (1.0 - f64::EPSILON / 2.0));
+    }
+
+    /// Contacts take floats in fixed point: accumulators and factors to the bit, angles within the rounding of a product with 2π.
+    #[test]
+    fn floats_go_to_fixed_point_and_come_back() {
+        let mut random = Random::seeded(1);
+        for _ in 0..10_000 {
+            let size = libm::scalbn(1.0, random.below(60) as i32 - 30);
+            let value = size * (random.below(1 << 32) as f64 / f64::from(1 << 31) - 1.0);
+            assert_eq!(<f64 as Accumulator<f64>>::from_fixed(Accumulator::<f64>::to_fixed(value)), value);
+            assert_eq!(Factor::<f64>::to_fx_factor(value.abs()).to_f64(), value.abs());
+            let angle: f64 = Angle::<f64>::from_radians(value);
+            let back = <f64 as Angle<f64>>::from_turn(Angle::<f64>::to_turn(angle));
+            assert!((back - angle).abs() < 4e-15, "{angle:e} {back:e}");
+        }
+        assert_eq!(Accumulator::<f32>::to_fixed(f32::NAN), FxAccumulator::default());
+        assert_eq!(Factor::<f32>::to_fx_factor(0.0), FxFactor::ZERO);
     }
 }

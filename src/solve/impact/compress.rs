@@ -32,7 +32,7 @@ impl Shock {
     /// The change of the velocity along row `i` by an impulse along row `j`, in 2^-[`FRACTION`].
     fn coupled(&self, element: usize, impulse: i64) -> i64 {
         // Below 2^68 · 2^60 for velocities that saturate; elements are below 2^46 for one body.
-        let product = (self.matrix[element] >> 8).saturating_mul(i128::from(impulse));
+        let product = shifted(self.matrix[element], 8).saturating_mul(i128::from(impulse));
         shifted(product, 30 - FRACTION - 8).clamp(-(1 << 60), 1 << 60) as i64
     }
 
