@@ -30,7 +30,8 @@ pub(super) struct Approach {
 }
 
 impl Approach {
-    /// Takes the impacts that the solver found, with their speeds. A contact that only passed on the impacts of others is no hit by them.
+    /// Takes the impacts that the solver found, with their speeds. A contact that only passed on the impacts of others
+    /// is no hit by them.
     pub(super) fn set_impact(&mut self, impact: &ContactImpact) {
         if impact.speeds != [Fx::ZERO; 2] {
             self.speeds = impact.speeds;
@@ -56,8 +57,9 @@ impl Approach {
         Some((speed, self.positions[side] + arm))
     }
 
-    /// The impulse of the hit, N·s: that of its impacts. Without an impact, which is for fast bodies, the impulse over the step less those
-    /// that carry: at a point that was pressed before, those of the step before, else those of the last sub-step, from the touch on.
+    /// The impulse of the hit, N·s: that of its impacts. Without an impact, which is for fast bodies, the impulse over
+    /// the step less those that carry: at a point that was pressed before, those of the step before, else those of the
+    /// last sub-step, from the touch on.
     pub(super) fn impulse(&self, total: &Impulses, last: &Impulses, substeps: u32) -> Fx {
         if let Some(ContactImpact { impulses: [first, second], exponent, .. }) = self.impact {
             return newton_seconds(first.saturating_add(second), exponent);
@@ -90,8 +92,8 @@ fn velocity(of: &Velocity, arm: Vec2) -> [i128; 2] {
     [(bits(v.x) << 32) - turn * bits(arm.y), (bits(v.y) << 32) + turn * bits(arm.x)]
 }
 
-/// The speed at which points with these velocities close along a normal, in 2^-32 m/s and within 2^62.5: an exact sum, rounded down, that a
-/// mirror image and the two bodies in the other order have as well.
+/// The speed at which points with these velocities close along a normal, in 2^-32 m/s and within 2^62.5: an exact sum,
+/// rounded down, that a mirror image and the two bodies in the other order have as well.
 fn closing_speed(normal: [i32; 2], [a, b]: [[i128; 2]; 2]) -> i64 {
     /// Faster points count as that, 2^30 m/s: products with the normal are below 2^125.
     const FASTEST: i128 = 1 << 94;
@@ -125,7 +127,8 @@ pub(super) fn approach(
         let start = [0, 1].map(|side| velocity(&flights[side].start, arms[side]));
         let end = [0, 1].map(|side| velocity(&flights[side].end, arms[side]));
         let speeds = [start, end].map(|velocities| closing_speed(manifold.normal, velocities));
-        // A body that arrives in the last sub-step is slowed down there in part, and the step before has reported the hit.
+        // A body that arrives in the last sub-step is slowed down there in part, and the step before has reported the
+        // hit.
         if contact.impulses.values[k] <= 0 {
             let gap = contact.points[k].separation;
             (approach.speeds[k], approach.substeps_left[k]) =
@@ -139,11 +142,12 @@ pub(super) fn approach(
     approach
 }
 
-/// The speed at which a point meets the other surface, m/s, and the sub-steps that are left after the one in which it does: for a gap at the
-/// start and the speeds at both ends of the step. Zero if the point does not approach.
+/// The speed at which a point meets the other surface, m/s, and the sub-steps that are left after the one in which it
+/// does: for a gap at the start and the speeds at both ends of the step. Zero if the point does not approach.
 ///
 /// # Ranges
-/// Speeds are below 2^62.5 and their difference below 2^63.5; the gap is cut off at 2^60 of a step's way: the square is below 2^126.
+/// Speeds are below 2^62.5 and their difference below 2^63.5; the gap is cut off at 2^60 of a step's way: the square is
+/// below 2^126.
 fn touch(speeds: [i64; 2], gap: Fx, time_step: TimeStep, substeps: u32) -> (Fx, u32) {
     let [start, end] = speeds.map(i128::from);
     if start <= 0 && end <= 0 {

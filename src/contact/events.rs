@@ -1,9 +1,10 @@
 //! Events of contacts and of sensors: what a step reports of pairs of colliders.
 //!
-//! Two colliders *touch* in a step if an impulse along the normal acted between them in it, or if they overlapped at its start: one that is
-//! pushed out of another has no impulse in the sum. The records of contacts with events are those that touched in the last step, also where no impulse is left at its end: the contacts that begin and end are the differences of
-//! these records before and after a step, and need no state of their own. Calls that drop such a record keep the pair until
-//! the next step reports its end.
+//! Two colliders *touch* in a step if an impulse along the normal acted between them in it, or if they overlapped at
+//! its start: one that is pushed out of another has no impulse in the sum. The records of contacts with events are
+//! those that touched in the last step, also where no impulse is left at its end: the contacts that begin and end are
+//! the differences of these records before and after a step, and need no state of their own. Calls that drop such a
+//! record keep the pair until the next step reports its end.
 
 use alloc::vec::Vec;
 
@@ -19,7 +20,8 @@ use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId};
 use crate::solve::{ContactSolver, Impulses};
 
-/// Outlines that overlap by more than this touch, m: manifolds of the moment at which flights meet overlap by a micrometre.
+/// Outlines that overlap by more than this touch, m: manifolds of the moment at which flights meet overlap by a
+/// micrometre.
 const OVERLAP: Fx = fx!(0.00001);
 
 /// The two colliders of an event, with their handles and keys. If a call has removed one of them since the step before, these are the
@@ -115,7 +117,8 @@ impl Read for ColliderPair {
     }
 }
 
-/// A hit: a contact that closed fast when an impulse stopped it. The same hit has the same speed and impulse at any moment of the step.
+/// A hit: a contact that closed fast when an impulse stopped it. The same hit has the same speed and impulse at any
+/// moment of the step.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, ColliderDef, ContactHit, Shape, World, WorldDef, fx, vec2};
@@ -142,19 +145,20 @@ pub struct ContactHit<S = Fx> {
     /// The outlines that touch, by their number in each shape, as in [`Contact::parts`](crate::Contact::parts): a compound reports a hit
     /// for each part.
     pub parts: [u32; 2],
-    /// The speed along the normal at which the surfaces met, m/s; where two points hit, or one hits twice in the step, the largest of the
-    /// speeds. *Error* 2^-22 m/s, and 2^-20 of the speeds of all bodies that touch each other; more where a body turns in the step, since
-    /// its points go along straight lines.
+    /// The speed along the normal at which the surfaces met, m/s; where two points hit, or one hits twice in the step,
+    /// the largest of the speeds. *Error* 2^-22 m/s, and 2^-20 of the speeds of all bodies that touch each other; more
+    /// where a body turns in the step, since its points go along straight lines.
     pub approach_speed: S,
     /// The unit vector from the first collider to the second one. *Error* 2^-29 in each component.
     pub normal: Vec2<S>,
     /// The position at which the surfaces met, m: in the middle between two points that hit at the same speed. *Error* half of the way by
     /// which the surfaces slide past each other in the step.
     pub point: Vec2<S>,
-    /// The impulse of the hit along the normal, N·s, restitution included: without the impulses that carry the bodies before and after.
-    /// Bodies that meet at less than [`restitution_speed`](crate::ContactSettings::restitution_speed) come to rest with the contacts that
-    /// carry them: the impulse of their weight in a sub-step may count or not, and what arrives in the last sub-step is stopped in part. The
-    /// next step gives the rest of the impulse then, and reports no second hit.
+    /// The impulse of the hit along the normal, N·s, restitution included: without the impulses that carry the bodies
+    /// before and after. Bodies that meet at less than [`restitution_speed`](crate::ContactSettings::restitution_speed)
+    /// come to rest with the contacts that carry them: the impulse of their weight in a sub-step may count or not, and
+    /// what arrives in the last sub-step is stopped in part. The next step gives the rest of the impulse then, and
+    /// reports no second hit. In worlds of floats this is so at all speeds.
     pub normal_impulse: S,
 }
 
@@ -216,8 +220,8 @@ impl Engine {
         is_reported && (self.totals[number].values != [0; 3] || self.overlaps(scene, number))
     }
 
-    /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell: they were taken back to
-    /// the start along rows that do not turn.
+    /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell:
+    /// they were taken back to the start along rows that do not turn.
     fn overlaps(&mut self, scene: &Scene<'_>, number: usize) -> bool {
         let FoundContact { pair, count, .. } = self.found[number];
         if self.contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {

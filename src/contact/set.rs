@@ -13,8 +13,8 @@ use crate::solve::Impulses;
 /// The state of the contacts of a world.
 #[derive(Debug, Default)]
 pub(crate) struct ContactSet {
-    /// The contacts without a sleeping body that carried an impulse at the end of the last step, or, if they have events, touched in it;
-    /// sorted by pair.
+    /// The contacts without a sleeping body that carried an impulse at the end of the last step, or, if they have
+    /// events, touched in it; sorted by pair.
     pub(crate) records: Vec<ContactRecord>,
     /// The contacts with a body that is asleep.
     pub(super) asleep: AsleepContacts,

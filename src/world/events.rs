@@ -30,8 +30,8 @@ pub enum Event<S = Fx> {
     /// Two colliders no longer touch, or one of them was removed, replaced or disabled. One of them has
     /// [`contact_events`](crate::ColliderDef::contact_events).
     ContactEnded(ColliderPair),
-    /// Two colliders touch that did not touch in the step before: an impulse along the normal acted between them, or they overlap. One of
-    /// them has [`contact_events`](crate::ColliderDef::contact_events).
+    /// Two colliders touch that did not touch in the step before: an impulse along the normal acted between them, or
+    /// they overlap. One of them has [`contact_events`](crate::ColliderDef::contact_events).
     ContactBegan(ColliderPair),
     /// Two colliders hit each other. One of them has [`hit_events`](crate::ColliderDef::hit_events).
     ContactHit(ContactHit<S>),

@@ -102,7 +102,8 @@ fn bodies_that_part_from_an_overlap_touch_in_it() {
     assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Contact }));
 }
 
-/// Two discs and boxes that overlap by any depth, without gravity: one begin at once, also in a world that was restored.
+/// Two discs and boxes that overlap by any depth, without gravity: one begin at once, also in a world that was
+/// restored.
 #[test]
 fn random_overlaps_begin_at_once() {
     let (mut failures, mut tried) = (Vec::new(), 0);
@@ -250,8 +251,8 @@ fn a_box_that_lands_reports_its_momentum_at_any_moment_of_the_step() {
     conclude(tried, &failures);
 }
 
-/// Below the speed of impacts hits are solved with what carries: their speed is that of the touch, and their impulse is whole unless the
-/// body arrives in the first sub-step, where the step before has a part of it.
+/// Below the speed of impacts hits are solved with what carries: their speed is that of the touch, and their impulse is
+/// whole unless the body arrives in the first sub-step, where the step before has a part of it.
 #[test]
 fn slow_hits_have_their_speed_and_their_impulse() {
     let (mut failures, mut tried) = (Vec::new(), 0);
