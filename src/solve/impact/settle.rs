@@ -2,16 +2,21 @@
 //!
 //! The solve pass pushes overlapping bodies apart, and the relax pass takes that velocity back. Where a body is pushed along two normals
 //! at a small angle, as in a wedge, a pass takes back next to nothing of it: each row sees only the sine of half of the angle.
-//! So contacts that still push at the end of the step while they open are iterated to convergence, as a compression that starts from
-//! their impulses of the last sub-step: a contact that opens gives up its impulse, and pushing out moves bodies without giving them speed.
+//! So contacts of outlines that overlapped at the start of a step, and that open at its end, are iterated to convergence, as a compression
+//! that starts from their impulses of the whole step: a contact that opens gives up its impulse, and pushing out moves bodies without giving
+//! them speed. Contacts with an impact are left as they are.
 
 use super::super::Solver;
 use super::shock::Shock;
 use super::{FRACTION, Impacts, SubStep};
 use crate::kernel::simd::Lanes;
 
+/// Bodies count that are faster than half of the slowest impact over this.
+const SLOWEST: u32 = 8;
 /// Contacts count that open faster than the slowest impact over this.
-const SLOWEST: i64 = 8;
+const OPENING: i64 = 512;
+/// Outlines overlap that do so by more than this times the distance up to which points touch.
+pub(super) const OVERLAP: i32 = 2;
 
 impl Solver {
     /// Settles the contacts of a step, after its last sub-step.
@@ -19,7 +24,7 @@ impl Solver {
         let mut impacts = core::mem::take(&mut self.impacts);
         impacts.pending.clear();
         for row in 0..self.rows.len() {
-            if self.rows.is_moving(row, SLOWEST as u32) {
+            if self.rows.is_moving(row, SLOWEST) {
                 self.index_contacts(&mut impacts);
                 let places = impacts.places_of(row);
                 impacts.pending.extend_from_slice(&impacts.places[places]);
@@ -28,6 +33,8 @@ impl Solver {
         let mut pending = core::mem::take(&mut impacts.pending);
         pending.sort_unstable();
         pending.dedup();
+        impacts.sum_strikes();
+        pending.retain(|place| impacts.strikes.binary_search_by_key(place, |strike| strike.place).is_err());
         impacts.candidates.clear();
         impacts.candidates.extend(pending.iter().filter_map(|&place| self.look_for_push(place, substep)));
         impacts.pending = pending;
@@ -49,12 +56,12 @@ impl Solver {
         self.impacts = impacts;
     }
 
-    /// A contact that pushes bodies apart that overlap, and that open.
+    /// A contact that pushed bodies apart that overlap, and that opens.
     fn look_for_push(&self, place: u32, substep: SubStep<'_>) -> Option<Shock> {
         let velocities = self.rows_before(place, substep);
         let shock = self.shock(place, velocities, substep);
-        let slowest = shock.threshold / SLOWEST;
-        let pushes = |point: usize| shock.impulses[point] > 0 && velocities[point] > slowest;
+        let slowest = (shock.threshold / OPENING).max(2 << FRACTION);
+        let pushes = |point: usize| shock.pushes[point] && velocities[point] > slowest;
         (pushes(0) || pushes(1)).then_some(shock)
     }
 
@@ -65,9 +72,14 @@ impl Solver {
             let place = &self.places[shock.place as usize];
             let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
             for row in 0..3 {
-                group.applied[row][lane] += shock.impulses[row] - group.impulses[row][lane];
-                group.impulses[row][lane] = shock.impulses[row];
+                let change = shock.impulses[row] - group.applied[row][lane];
+                group.applied[row][lane] += change;
+                let impulse = group.impulses[row][lane] + change;
+                group.impulses[row][lane] = if row < 2 { impulse.max(0) } else { impulse };
             }
+            let [first, second, tangent] = [0, 1, 2].map(|row| group.impulses[row][lane]);
+            let limit = ((i128::from(first) + i128::from(second)) * i128::from(shock.friction)) >> 26;
+            group.impulses[2][lane] = i128::from(tangent).clamp(-limit, limit) as i64;
         }
         for &body in &impacts.set {
             let struck = &mut impacts.bodies[body as usize];

@@ -4,6 +4,7 @@ use super::super::contact::Group;
 use super::super::motion::Vector;
 use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
+use super::settle::OVERLAP;
 use super::{FINE, FRACTION, Impacts, NONE, ONE, Struck, SubStep, TOUCH};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
@@ -37,6 +38,8 @@ pub(super) struct Shock {
     pub(super) gained: [i64; 2],
     /// By point: true if it may bounce. A point that overlapped at the start of the step without closing was pushed out.
     pub(super) bounces: [bool; 2],
+    /// By point: true if it overlapped at the start of the step and pushed in it, when the step is over.
+    pub(super) pushes: [bool; 2],
     /// In 2^-32.
     pub(super) restitution: i64,
     /// The coefficient of friction in 2^-26, and the velocity of the surfaces against each other.
@@ -229,7 +232,7 @@ impl Solver {
         }
         let shock = self.shock(place, velocities, substep);
         let closes = |point: usize| shock.joined[point] && velocities[point] < -slowest;
-        let pushes = |point: usize| shock.impulses[point] > 0 && velocities[point] > slowest;
+        let pushes = |point: usize| shock.pushes[point] && velocities[point] > slowest;
         (0..2).any(|point| closes(point) || pushes(point))
     }
 
@@ -248,7 +251,8 @@ impl Solver {
         let rows = [group.a[lane], group.b[lane]];
         let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
         let (closing, threshold) = (along(group, lane, start_a, start_b, 0), i64::from(group.surface[lane][1]));
-        let impulses = if substep.is_over { [0, 1, 2].map(|row| group.impulses[row][lane]) } else { [0; 3] };
+        let impulses = if substep.is_over { [0, 1, 2].map(|row| group.applied[row][lane]) } else { [0; 3] };
+        let pushes = |i: usize| impulses[i] > 0 && group.separation[lane][i] < -OVERLAP * touch;
         let touches = |i: usize| i < contact.count && (group.separation_now[lane][i] <= touch || impulses[i] > 0);
         let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
         Shock {
@@ -261,6 +265,7 @@ impl Solver {
             speeds: [0; 2],
             gained: [0; 2],
             bounces: [bounces(0), bounces(1)],
+            pushes: [pushes(0), pushes(1)],
             restitution: contact.restitution.to_bits(),
             friction: group.friction[lane][1].into(),
             surface: i64::from(group.surface[lane][0]) << FRACTION,
