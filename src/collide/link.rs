@@ -4,11 +4,12 @@
 //! The *outer* side of a segment is on its right. At an outward corner of the chain the directions between the normals of the two
 //! segments that join there belong to both; at one that is straight or turns inwards there are none beside the normals; at an end of the
 //! chain those up to the way along the segment. Only these count for the largest separation: a box that slides over a
-//! seam is never pushed back by the end of the next segment. A body that crosses the line of the segment, its middle in front, may be beyond an
-//! end of the chain, as a bar that leans under it: there the directions of that body count all around the end. Where the normal of a
-//! neighbour separates more than any of a segment's own directions, the neighbour has the contact, and the segment has none. So a ball has
-//! one contact with a smooth chain, with the segment that it is above, or two exactly over a seam. Where the chain goes on straight, an
-//! edge that lies over the seam has no point there: it has points at its own ends, as on one long segment.
+//! seam is never pushed back by the end of the next segment. A body that crosses the line of the segment may be beyond an end of it, as a bar
+//! that leans under it: at an end of the chain the directions of that body count all around, and at a neighbour a body that any direction
+//! separates does not touch. Where the normal of a neighbour separates more than any of a segment's own directions, the neighbour has the
+//! contact, and the segment has none. So a ball has one contact with a smooth chain, with the segment that it is above, or two exactly
+//! over a seam. Where the chain goes on straight, an edge that lies over the seam has no point there: it has points at its own ends, as
+//! on one long segment.
 //!
 //! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose
 //! neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a polygon pushes as one that
@@ -65,8 +66,8 @@ pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, ma
     if surface.is_one_sided && heights().next() < Some(-(behind << 30)) {
         return None;
     }
-    let is_in_front = surface.is_one_sided && heights().next() >= Some(0);
-    let is_across = is_in_front && lowest(a.normals[0], ends(0), &b, offset) < -(i128::from(2 * BEHIND) << 30);
+    let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
+    let is_across = surface.is_one_sided && is_behind(lowest(a.normals[0], ends(0), &b, offset));
     let surface = Surface { is_across, ..surface };
     if surface.links.is_empty() {
         // All around are neighbours: only a body that is in the middle of them is pushed, by the nearest edge.

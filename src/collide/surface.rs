@@ -86,8 +86,8 @@ pub(super) struct Surface<'a> {
     pub(super) links: &'a [Link],
     /// True for a segment of a chain, which bodies pass from behind.
     pub(super) is_one_sided: bool,
-    /// True if the middle of the other core is in front of the segment and a corner of it far behind: it crosses the line of the segment,
-    /// perhaps beyond a free end of the chain.
+    /// True if a corner of the other core is far behind the segment and its middle is not: it crosses the line of the segment, perhaps beyond
+    /// an end.
     pub(super) is_across: bool,
 }
 

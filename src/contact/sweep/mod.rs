@@ -5,7 +5,8 @@
 //! In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact
 //! stops at the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a
 //! body along that it meets. Pairs of bodies whose paths changed are looked at again, in up to [`ROUNDS`] rounds; dynamic bodies
-//! that still meet others then stay where they were at the start.
+//! that still meet others then stay where they were at the start, in up to [`LAST_ROUNDS`] more. In [`WALL_ROUNDS`] after these only bodies that do
+//! not give way count: each path is then looked at by itself, so that no wall is crossed for want of rounds.
 //!
 //! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
 //! to two places, it stops: it is squeezed, as is one that is carried into something.
