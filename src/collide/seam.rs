@@ -62,6 +62,11 @@ impl Polygons {
         self.ends.len()
     }
 
+    /// The number of the corners of all.
+    pub(crate) fn corner_count(&self) -> usize {
+        self.corners.len()
+    }
+
     fn get(&self, i: usize) -> &[[i64; 2]] {
         &self.corners[if i == 0 { 0 } else { self.ends[i - 1] }..self.ends[i]]
     }
