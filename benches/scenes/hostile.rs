@@ -433,10 +433,11 @@ fn map_world(count: usize) -> (World, BodyId, Vec<ColliderId>) {
     (world, map, colliders)
 }
 
-/// A map of so many tiles beside as many bodies that move.
-fn map_among_bodies(count: usize) -> (World, BodyId, Vec<ColliderId>) {
-    let (mut world, _) = unlike_world(count);
+/// A map of so many tiles, and bodies that move, of which one has a collider.
+fn map_among(bodies: usize, count: usize) -> (World, BodyId, Vec<ColliderId>) {
+    let (mut world, _) = unlike_world(bodies);
     let (map, colliders) = add_map(&mut world, count);
+    world.add_body(BodyDef::dynamic().with_collider(Shape::circle(1).expect("a shape"))).expect("a body");
     (world, map, colliders)
 }
 
@@ -502,12 +503,12 @@ fn tiles_on_each_other(count: usize) -> Box<dyn FnOnce()> {
 }
 
 fn colliders_removed(count: usize) -> (World, Vec<Command>) {
-    let (world, _, colliders) = map_among_bodies(count);
+    let (world, _, colliders) = map_among(count, count);
     (world, colliders.into_iter().map(Command::RemoveCollider).collect())
 }
 
 fn colliders_set(count: usize) -> (World, Vec<Command>) {
-    let (world, _, colliders) = map_among_bodies(count);
+    let (world, _, colliders) = map_among(count, count);
     (world, colliders.into_iter().take(100).map(set).collect())
 }
 
@@ -521,16 +522,16 @@ fn colliders_of_a_compound_body(count: usize) -> (World, Vec<Command>) {
 }
 
 fn kinds_of_a_map(count: usize) -> (World, Vec<Command>) {
-    let (world, body, _) = map_among_bodies(count);
+    let (world, body, _) = map_among(count, count);
     (world, [BodyKind::Kinematic, BodyKind::Static].map(|kind| Command::SetKind { body, kind }).into())
 }
 
 fn explosions_beside_a_map(count: usize) -> (World, Vec<Command>) {
-    let (world, ..) = map_world(count);
+    let (world, ..) = map_among(500, count);
     (world, [0, 1].map(|x| Command::Explode(Explosion::new(vec2(x, 0), fx!(1)))).into())
 }
 
 fn maps_moved(count: usize) -> (World, Vec<Command>) {
-    let (world, body, _) = map_among_bodies(count);
+    let (world, body, _) = map_among(count, count);
     (world, [0, 1].map(|x| Command::SetPosition { body, position: vec2(x, -1_000) }).into())
 }

@@ -172,6 +172,8 @@ impl ExactSum {
 
 #[cfg(test)]
 mod tests {
+    use alloc::vec::Vec;
+
     use super::*;
     use crate::math::Random;
     use crate::scalar::FxFactor;

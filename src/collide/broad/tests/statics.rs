@@ -26,7 +26,7 @@ fn changed_tiles_are_those_of_a_new_tree() {
         let now = (random.below(3) > 0).then(|| tile(number, random.below(4_000)));
         let before = tiles.iter().position(|tile| tile.collider == number).map(|i| tiles.swap_remove(i));
         tiles.extend(now);
-        let mut changes = vec![(number, now)];
+        let mut changes = Vec::from([(number, now)]);
         statics.sift(&mut changes);
         let next = statics.changed(&changes);
         assert_eq!(next.is_some(), before != now, "{step}");
