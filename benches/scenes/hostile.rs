@@ -527,7 +527,7 @@ fn kinds_of_a_map(count: usize) -> (World, Vec<Command>) {
 }
 
 fn explosions_beside_a_map(count: usize) -> (World, Vec<Command>) {
-    let (world, ..) = map_among(500, count);
+    let (world, ..) = map_among(50, count);
     (world, [0, 1].map(|x| Command::Explode(Explosion::new(vec2(x, 0), fx!(1)))).into())
 }
 
