@@ -314,30 +314,35 @@ pub(crate) fn compare<T: Copy + Ord>(
 }
 
 impl ContactSet {
-    /// Keeps the pairs that the next step reports as the end of the contacts and of the overlaps of a collider.
-    pub(super) fn keep_ends(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, slot: u32) {
+    /// Keeps the pairs that the next step reports as the end of the contacts and of the overlaps of colliders of a body, whose slots are
+    /// sorted.
+    pub(super) fn keep_ends(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, slots: &[u32]) {
+        let ending = |pair: [u32; 2]| pair.into_iter().find(|slot| slots.binary_search(slot).is_ok());
+        let mut ends: Vec<(u32, bool, [u32; 2])> = Vec::new();
         if colliders.any_contact_events() {
-            let any_asleep = self.asleep.touching(slot).next().is_some();
-            self.keep_ends_of(bodies, colliders, any_asleep, |slots| slots.contains(&slot));
+            let asleep = if self.any_asleep_with(slots) { self.asleep.records() } else { &[] };
+            let touching = pairs(&self.records, colliders).chain(pairs(asleep, colliders));
+            ends.extend(touching.filter_map(|pair| Some((ending(pair)?, false, pair))));
         }
-        for overlap in self.overlaps.iter().filter(|overlap| overlap.slots().contains(&slot)) {
-            let pair = ColliderPair::new(bodies, colliders, overlap.slots());
-            self.ended.extend(pair.map(|pair| EndedPair { pair, is_sensor: true }));
-        }
+        let overlapping = self.overlaps.iter().map(|overlap| overlap.slots());
+        ends.extend(overlapping.filter_map(|pair| Some((ending(pair)?, true, pair))));
+        // As if one collider after the other went.
+        ends.sort_unstable();
+        ends.dedup();
+        self.ended.extend(ends.into_iter().filter_map(|(_, is_sensor, slots)| {
+            let pair = if is_sensor { ColliderPair::new } else { ColliderPair::of_contact };
+            Some(EndedPair { pair: pair(bodies, colliders, slots)?, is_sensor })
+        }));
     }
 
-    /// Keeps what the next step reports as the end of the contacts with events of some pairs of slots of colliders: of those of awake
-    /// bodies, or of all.
+    /// Keeps what the next step reports as the end of the contacts with events of some pairs of slots of colliders of awake bodies.
     pub(crate) fn keep_ends_of(
         &mut self,
         bodies: &dyn ContactBodies,
         colliders: &ColliderSet,
-        with_asleep: bool,
         is_one: impl Fn([u32; 2]) -> bool,
     ) {
-        let asleep = if with_asleep { self.asleep.records() } else { &[] };
-        let own = pairs(&self.records, colliders).chain(pairs(asleep, colliders));
-        let mut own: Vec<[u32; 2]> = own.filter(|slots| is_one(*slots)).collect();
+        let mut own: Vec<[u32; 2]> = pairs(&self.records, colliders).filter(|slots| is_one(*slots)).collect();
         own.sort_unstable();
         own.dedup();
         let own = own.into_iter().filter_map(|slots| ColliderPair::of_contact(bodies, colliders, slots));
