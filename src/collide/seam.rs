@@ -78,12 +78,12 @@ impl Polygons {
             return false;
         }
         let mut covered = core::mem::take(&mut self.covered);
-        let own = &self.corners[..self.ends[0]];
+        let polygon = &self.corners[..self.ends[0]];
         let from = faces.len();
-        let count = own.len();
+        let count = polygon.len();
         let mut is_changed = false;
         for i in 0..count {
-            let edge = Edge::new(own[i], own[(i + 1) % count]);
+            let edge = Edge::new(polygon[i], polygon[(i + 1) % count]);
             covered.clear();
             covered.extend(self.neighbours().filter_map(|neighbour| edge.covered(neighbour)));
             let Some([low, high]) = edge.exposed(&mut covered) else {
@@ -91,7 +91,7 @@ impl Polygons {
                 continue;
             };
             let reaches = [low <= -edge.length + 2 * REACH, high >= edge.length - 2 * REACH];
-            let beside = [own[(i + count - 1) % count], own[(i + 2) % count]];
+            let beside = [polygon[(i + count - 1) % count], polygon[(i + 2) % count]];
             let ends = [0, 1].map(|end| match reaches[end] {
                 true => edge.beyond(end, beside[end], self.neighbours()),
                 false => Neighbour::Covered,

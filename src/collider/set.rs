@@ -38,7 +38,7 @@ pub(crate) struct ColliderSet<S: Scalar = Fx> {
     kinds: Kinds,
     /// The coefficients of pairs of materials.
     pub(super) pairs: MaterialPairs<S>,
-    /// The same colliders rounded to fixed point, in a world of floats: see [`fixed`](Self::fixed).
+    /// The colliders rounded to fixed point, in a world of floats: see [`fixed`](Self::fixed).
     pub(super) image: Option<Box<ColliderSet<Fx>>>,
 }
 

@@ -147,10 +147,10 @@ fn rotation(from: Turn, to: Turn, velocities: [FxAccumulator; 2], time_step: Tim
     let way = i128::from(from.way_to(to).to_scalar().unwrap_or(Fx::ZERO).to_bits());
     let (num, den) = time_step.seconds();
     // Velocities are below 2^21 rad/s, a step takes at most a second: below 2^54 · 2^32. Up to 2 ulp more than the sum of the two.
-    let most: u64 =
+    let speeds: u64 =
         velocities.iter().map(|velocity| (velocity.to_bits() >> 64) as i64).map(|v| v.unsigned_abs() + 1).sum();
     // A way and a mean velocity of at most a radian: no turn is between them.
-    if way.unsigned_abs() <= 1 << 32 && u128::from(most) * u128::from(num) <= u128::from(den) << 33 {
+    if way.unsigned_abs() <= 1 << 32 && u128::from(speeds) * u128::from(num) <= u128::from(den) << 33 {
         return Fx::from_bits(way as i64);
     }
     let sum: i128 = velocities.iter().map(|velocity| i128::from(velocity.value().to_bits())).sum();

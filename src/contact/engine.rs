@@ -44,7 +44,7 @@ pub(crate) struct Engine {
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
     pub(super) found: Vec<FoundContact>,
-    /// The same contacts as the solver takes them.
+    /// The contacts in the form that the solver takes, in the order of `found`.
     pub(super) contacts: Vec<Contact>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
     pub(super) totals: Vec<Impulses>,
@@ -103,12 +103,13 @@ impl Engine {
     pub(super) fn core(
         &mut self,
         scene: &Scene<'_>,
-        (number, collider): (u32, &Collider),
+        number: u32,
+        collider: &Collider,
         outline: &BodyOutline,
         flight: u32,
     ) -> usize {
         match self.core_of.get(number) {
-            NONE => self.place(scene, (number, collider), outline, flight),
+            NONE => self.place(scene, number, collider, outline, flight),
             core => core as usize,
         }
     }
@@ -116,7 +117,8 @@ impl Engine {
     fn place(
         &mut self,
         scene: &Scene<'_>,
-        (number, collider): (u32, &Collider),
+        number: u32,
+        collider: &Collider,
         outline: &BodyOutline,
         flight: u32,
     ) -> usize {
@@ -124,8 +126,8 @@ impl Engine {
         let core = self.cores.push(&outline.outline, &body.pose);
         self.core_of.set(number, core as u32);
         if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
-            let (own, place) = ((number, collider), (outline, &body.pose));
-            if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, own, place) {
+            let pose = &body.pose;
+            if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, collider, outline, pose) {
                 self.cores.set_faces(faces);
             }
         }
@@ -193,8 +195,8 @@ impl Engine {
     ) -> Option<Manifold> {
         let (a, b) = (colliders[0].outline(parts[0]), colliders[1].outline(parts[1]));
         let cores = [
-            self.core(scene, (numbers[0], colliders[0]), &a, ends[0]),
-            self.core(scene, (numbers[1], colliders[1]), &b, ends[1]),
+            self.core(scene, numbers[0], colliders[0], &a, ends[0]),
+            self.core(scene, numbers[1], colliders[1], &b, ends[1]),
         ];
         let flights = ends.map(|flight| self.flights.flight(flight));
         self.cores.collide(cores[0], cores[1], self.margin(flights, [a.radius, b.radius]))

@@ -35,19 +35,19 @@ fn way(flight: &Flight, radius: Fx) -> i64 {
 
 /// A box around an outline over the step, grown by half the margin: two outlines that may come within the margin of each other have boxes
 /// that overlap.
-pub(super) fn swept(outline: &BodyOutline<Fx>, pose: &Pose, flight: &Flight) -> Aabb {
+pub(super) fn swept(outline: &BodyOutline, pose: &Pose, flight: &Flight) -> Aabb {
     grown(outline, pose, way(flight, outline.radius))
 }
 
 /// The box around an outline of a body that does not move, grown by half the margin.
-pub(super) fn resting(outline: &BodyOutline<Fx>, pose: &Pose) -> Aabb {
+pub(super) fn resting(outline: &BodyOutline, pose: &Pose) -> Aabb {
     grown(outline, pose, 0)
 }
 
 /// The box around an outline at a pose, grown on all sides by a distance in ulps and by half the margin.
-fn grown(of: &BodyOutline<Fx>, pose: &Pose, by: i64) -> Aabb {
-    let Aabb { min, max } = pose.bounds(&of.corners, of.outline.radius());
-    let by = by + MARGIN.to_bits() / 2 + 1;
-    let moved = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits().saturating_add(by)));
-    Aabb { min: moved(min, -by), max: moved(max, by) }
+fn grown(outline: &BodyOutline, pose: &Pose, distance: i64) -> Aabb {
+    let Aabb { min, max } = pose.bounds(&outline.corners, outline.outline.radius());
+    let growth = distance + MARGIN.to_bits() / 2 + 1;
+    let moved = |corner: Vec2, way: i64| corner.map(|part| Fx::from_bits(part.to_bits().saturating_add(way)));
+    Aabb { min: moved(min, -growth), max: moved(max, growth) }
 }

@@ -54,8 +54,10 @@ impl Tiles {
         scene: &Scene<'_>,
         statics: &Statics,
         numbers: &Numbers,
-        (number, collider): (u32, &Collider),
-        (outline, pose): (&BodyOutline, &Pose),
+        number: u32,
+        collider: &Collider,
+        outline: &BodyOutline,
+        pose: &Pose,
     ) -> Option<&[Face]> {
         if !is_polygon(outline) {
             return None;
@@ -65,7 +67,7 @@ impl Tiles {
             self.polygons.push(pose.corners_from(&outline.outline, pose));
             statics.near(reach::resting(outline, pose), |proxy: &Proxy| {
                 if proxy.collider != number && proxy.filter == collider.def.filter {
-                    self.push(scene, numbers, (proxy, collider), pose);
+                    self.push(scene, numbers, proxy, collider, pose);
                 }
             });
             let from = self.faces.len();
@@ -80,16 +82,15 @@ impl Tiles {
         self.surface(number)
     }
 
-    /// Adds the polygon of a static collider that holds from the same sides as another one, in coordinates relative to that one's body.
-    fn push(&mut self, scene: &Scene<'_>, numbers: &Numbers, (of, beside): (&Proxy, &Collider), from: &Pose) {
-        let id = numbers.outline(of.collider);
-        let (Some(collider), Some(dense)) = (scene.colliders.at(id.slot), scene.bodies.index_in(of.body)) else {
-            return;
-        };
+    /// Adds the polygon of a static collider that holds from the same sides as this tile, in coordinates relative to the tile's body.
+    fn push(&mut self, scene: &Scene<'_>, numbers: &Numbers, neighbour: &Proxy, tile: &Collider, tile_pose: &Pose) {
+        let id = numbers.outline(neighbour.collider);
+        let Some(collider) = scene.colliders.at(id.slot) else { return };
+        let Some(dense) = scene.bodies.index_in(neighbour.body) else { return };
         let outline = collider.outline(id.part);
-        if is_polygon(&outline) && collider.def.one_way == beside.def.one_way {
+        if is_polygon(&outline) && collider.def.one_way == tile.def.one_way {
             let pose = pose(scene.bodies.position(dense), scene.bodies.angle(dense));
-            self.polygons.push(pose.corners_from(&outline.outline, from));
+            self.polygons.push(pose.corners_from(&outline.outline, tile_pose));
         }
     }
 

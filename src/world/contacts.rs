@@ -92,8 +92,11 @@ impl<S: Scalar> World<S> {
         };
         let parts = pair.map(|outline| outline.part);
         let side = pair_of_colliders.iter().position(|collider| collider.def.shape.is_chain());
-        let near = || side.and_then(|side| nearest_segment(pair_of_colliders[side], side, parts, touch));
-        let (parts, manifold) = touch(parts).or_else(near)?;
+        let (parts, manifold) = match (touch(parts), side) {
+            (Some(touched), _) => touched,
+            (None, Some(side)) => nearest_segment(pair_of_colliders[side], side, parts, touch)?,
+            (None, None) => return None,
+        };
         let handles = (pair.map(|outline| colliders.id(outline.slot)), pair_of_colliders.map(|collider| collider.body));
         let radii = [0, 1].map(|side| pair_of_colliders[side].outline(parts[side]).outline.radius());
         Some(Contact::new(record, handles, parts, radii, poses[0].position(), &manifold))

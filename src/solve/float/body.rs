@@ -5,7 +5,7 @@ use super::{Clock, Vector, dot};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, FxAccumulator, ToF64 as _};
-use crate::solve::{Correction, Flight, Velocity};
+use crate::solve::{Correction, Flight};
 
 /// A body through the sub-steps.
 #[derive(Clone, Debug)]
@@ -39,12 +39,12 @@ fn vector(linear: Vec2, angular: Fx) -> Vector {
 
 impl Body {
     pub(super) fn new(flight: &Flight, units: BodyUnits, clock: Clock, rounding: &mut Rounding) -> Self {
-        let of = |velocity: &Velocity| vector(velocity.linear, velocity.angular);
-        let (start, end) = (of(&flight.start), of(&flight.end));
+        let Flight { start, end, .. } = flight;
+        let [start, end] = [start, end].map(|velocity| vector(velocity.linear, velocity.angular));
         let change = [0, 1, 2].map(|i| end[i] - start[i]);
         let flown = vector(flight.displacement, flight.rotation);
         let euler = |i: usize| clock.length * (clock.count() * start[i] + change[i] * (clock.count() + 1.0) / 2.0);
-        let mut rounded = |of: Vector| [0, 1, 2].map(|i| of[i] + rounding.within(units.velocity[i] / 2.0));
+        let mut rounded = |velocity: Vector| [0, 1, 2].map(|i| velocity[i] + rounding.within(units.velocity[i] / 2.0));
         let inverse_mass = [flight.inverse_mass.x, flight.inverse_mass.y, flight.inverse_inertia];
         Self {
             inverse_mass: inverse_mass.map(|factor| factor.to_f64()),

@@ -81,10 +81,10 @@ impl Impact {
         // The velocity at the end of the free flight, or that of the impact if the flight slows down after it.
         let free = -(self.closing + self.change);
         let slows_down = self.change > 0.0 && !self.is_late;
-        let most = if slows_down { free.max(libm::sqrt(arrived)) } else { free };
-        let taken = most - gap;
+        let approach = if slows_down { free.max(libm::sqrt(arrived)) } else { free };
+        let taken = approach - gap;
         let left = restitution * restitution * arrived + gained(gap);
-        if taken <= 0.0 || taken < most * 0.125 || (gap > 0.0 && left <= 0.0) {
+        if taken <= 0.0 || taken < approach * 0.125 || (gap > 0.0 && left <= 0.0) {
             return -self.impulse;
         }
         let aim = libm::sqrt(left.max(0.0));
