@@ -8,6 +8,7 @@ use super::MARGIN;
 use super::approach::{Approach, approach};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
+use super::moment::take_back;
 use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
@@ -37,6 +38,8 @@ pub(crate) struct Engine {
     /// Outlines in world axes, and the index of each by its number.
     pub(super) cores: Cores,
     pub(super) core_of: Stamped,
+    /// The same at the start of the step, for questions about it.
+    start_core_of: Stamped,
     pub(super) broad: BroadPhase,
     pub(super) still: Option<Still>,
     /// The revision of the colliders that `still` was built from.
@@ -46,9 +49,14 @@ pub(crate) struct Engine {
     pub(super) found: Vec<FoundContact>,
     /// The contacts in the form that the solver takes, in the order of `found`.
     pub(super) contacts: Vec<Contact>,
+    pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
     pub(super) totals: Vec<Impulses>,
-    /// The contacts that may be hits, with their numbers.
+    /// By the number of the contact: true if it has events and touched in the step; empty where no collider has such events.
+    pub(super) touched: Vec<bool>,
+    /// None, in exchange for these while the contacts have the impulses that they start from.
+    pub(super) start_touched: Vec<bool>,
+    /// The contacts that may be hits, with their numbers, which rise.
     pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
@@ -63,7 +71,7 @@ pub(crate) struct Engine {
     pub(super) sweep: sweep::Workspace,
     /// No contact is found ahead of time.
     #[cfg(feature = "selftest")]
-    is_discrete: bool,
+    pub(super) is_discrete: bool,
 }
 
 /// An outline of a pair.
@@ -134,6 +142,25 @@ impl Engine {
         core
     }
 
+    /// An outline of a body at the start of the step.
+    pub(super) fn start_core(
+        &mut self,
+        scene: &Scene<'_>,
+        number: u32,
+        collider: &Collider,
+        outline: &BodyOutline,
+        flight: u32,
+    ) -> usize {
+        let Some(pose) = self.flights.start_pose(scene, flight) else {
+            return self.core(scene, number, collider, outline, flight);
+        };
+        if self.start_core_of.get(number) == NONE {
+            let core = self.cores.push(&outline.outline, &pose);
+            self.start_core_of.set(number, core as u32);
+        }
+        self.start_core_of.get(number) as usize
+    }
+
     /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its
     /// points had with other segments or polygons. The surface is at this side of the pair.
     #[cold]
@@ -170,7 +197,7 @@ impl Engine {
         self.chains.terms = terms;
     }
 
-    /// The manifold of two outlines.
+    /// The manifold of two outlines at the start of the step.
     pub(super) fn manifold_of(
         &mut self,
         scene: &Scene<'_>,
@@ -180,12 +207,18 @@ impl Engine {
         let [a, b] = pair.map(|outline| scene.colliders.at(outline.slot));
         let colliders = [a?, b?];
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
-        self.manifold(scene, numbers, pair.map(|outline| outline.part), colliders, ends)
+        let outlines = [colliders[0].outline(pair[0].part), colliders[1].outline(pair[1].part)];
+        let cores = [
+            self.start_core(scene, numbers[0], colliders[0], &outlines[0], ends[0]),
+            self.start_core(scene, numbers[1], colliders[1], &outlines[1], ends[1]),
+        ];
+        let flights = ends.map(|flight| self.flights.flight(flight));
+        self.cores.collide(cores[0], cores[1], self.margin(flights, [outlines[0].radius, outlines[1].radius]))
     }
 
-    /// The manifold of two outlines of these colliders, with these flights.
+    /// The manifold of two outlines of these colliders, with these flights, at the mean of the beginnings of sub-steps.
     #[inline(always)]
-    fn manifold(
+    pub(super) fn manifold(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
@@ -252,7 +285,8 @@ impl Engine {
             return;
         }
         let parts = pair.map(|outline| outline.part);
-        let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
+        let pressed = record.is_some_and(|record| !record.is_slack()) || contacts.presses_nearby(pair, [a, b]);
+        let Some((manifold, moment)) = self.meet(scene, numbers, parts, [a, b], ends, pressed) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.
@@ -274,8 +308,23 @@ impl Engine {
         if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
             self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
         }
+        self.add_contact(scene, pair, [a, b], ends, &manifold, moment, start);
+    }
+
+    /// Adds the contact of a pair, with a manifold of this moment, for the solver.
+    pub(super) fn add_contact(
+        &mut self,
+        scene: &Scene<'_>,
+        pair: [OutlineId; 2],
+        [a, b]: [&Collider; 2],
+        ends: [u32; 2],
+        manifold: &Manifold,
+        moment: u64,
+        start: Impulses,
+    ) {
         ends.into_iter().for_each(|flight| self.flights.complete(scene, flight));
         let ends = self.flights.by_dominance(ends);
+        let (features, count) = (manifold.features(), manifold.count);
         let materials = [&a.def.material, &b.def.material];
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
@@ -284,18 +333,21 @@ impl Engine {
         };
         let coefficients = defined.unwrap_or_else(|| materials[0].mixed(materials[1]));
         let rolling_radius = if count == 1 && coefficients.rolling_resistance > Fx::ZERO {
-            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(parts[side]).outline.radius()))
+            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(pair[side].part).outline.radius()))
         } else {
             Fx::ZERO
         };
         let speed = materials[0].surface_speed_against(materials[1]);
-        self.contacts.push(Surfaces { coefficients, rolling_radius, speed }.contact(ends, &manifold, start));
+        let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, manifold, start);
+        let flights = ends.map(|flight| self.flights.deflected(flight));
+        let ways = [&flights[0], &flights[1]];
+        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways, moment));
+        self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
-            let flights = ends.map(|flight| self.flights.flight(flight));
-            let mut approach = approach(&manifold, flights, scene.time_step);
-            approach.leave_out_pressed(&start);
+            let approach = approach(scene, manifold, moment, &contact, ends.map(|flight| self.flights.flight(flight)));
             self.approaches.push((self.found.len() as u32, approach));
         }
+        self.starts.push(start);
         self.found.push(FoundContact { pair, features, count });
     }
 
@@ -305,10 +357,14 @@ impl Engine {
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         self.cores.clear();
         self.contacts.clear();
+        self.starts.clear();
         self.found.clear();
         self.totals.clear();
+        self.touched.clear();
         self.approaches.clear();
         self.core_of.clear();
+        self.sweep.deflected.clear();
+        self.start_core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin(scene);

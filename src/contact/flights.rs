@@ -3,8 +3,9 @@
 use alloc::vec::Vec;
 
 use super::bodies::resting;
+use super::moment::{mean_beginning, pose_at};
 use super::stamped::Stamped;
-use super::{Scene, Start};
+use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
 use crate::collide::Pose;
 use crate::fx::Fx;
@@ -24,7 +25,7 @@ pub(super) enum FlightOf {
     Static,
 }
 
-/// A body: its slot, its pose at the start and its kind.
+/// A body: its slot, its kind, and its pose at the mean of the beginnings of sub-steps, which manifolds are of.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) slot: u32,
@@ -50,6 +51,8 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
+    /// The changes by impulses, by flight, when contacts are found once more in a step.
+    deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
@@ -66,6 +69,7 @@ impl Flights {
         self.places.clear();
         self.of.clear();
         self.followers.clear();
+        self.deflections.clear();
         for start in scene.starts {
             self.push_moving(scene, start);
         }
@@ -81,8 +85,15 @@ impl Flights {
             }
             width = collider.width.to_bits().min(width);
         }
-        let pose = pose(start.position, if shows_angle { start.angle } else { Turn::default() });
-        self.flights.push(scene.bodies.flight(start, scene.time_step));
+        let flight = scene.bodies.flight(start, scene.time_step);
+        let (angle, moment) =
+            (if shows_angle { start.angle } else { Turn::default() }, mean_beginning(scene.settings.substeps));
+        let pose = if shows_angle {
+            pose_at(start.position, angle, &flight, moment)
+        } else {
+            pose_at(start.position, angle, &Flight { rotation: Fx::ZERO, ..flight }, moment)
+        };
+        self.flights.push(flight);
         let info = scene.bodies.contact_info(start.dense);
         let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
         self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
@@ -166,6 +177,35 @@ impl Flights {
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// The pose of a moving body at the start of the step; `None` for one that does not move.
+    pub(super) fn start_pose(&self, scene: &Scene<'_>, flight: u32) -> Option<Pose> {
+        scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
+    }
+
+    /// A flight with the changes of the way that impulses made of it, if contacts are found once more in the step.
+    pub(super) fn deflected(&self, flight: u32) -> Flight {
+        let free = self.flights[flight as usize];
+        match self.deflections.get(self.leader(flight) as usize) {
+            Some(change) => Flight {
+                displacement: free.displacement + change.displacement.map(FxAccumulator::value),
+                rotation: free.rotation.saturating_add(change.rotation.value()),
+                ..free
+            },
+            None => free,
+        }
+    }
+
+    /// Takes note of the changes by impulses, by flight; none if contacts are found first.
+    pub(super) fn set_deflections(&mut self, corrections: &[Correction]) {
+        self.deflections.clear();
+        self.deflections.extend_from_slice(corrections);
+    }
+
+    /// The flight of the body in a slot, if it has one.
+    pub(super) fn at(&self, slot: u32) -> Option<u32> {
+        Some(self.of.get(slot)).filter(|&flight| flight != NONE)
     }
 
     /// Returns true if the body in a slot has a flight.

@@ -20,7 +20,7 @@ use crate::limits::SPEED;
 use crate::math::TimeStep;
 use crate::scalar::{Accumulator as _, FxAccumulator};
 use crate::slots::NONE;
-use crate::solve::{Contact, ContactSolver, Correction, Flight, Graph, SolverOptions};
+use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
 
 /// The sub-steps of islands under heavy loads: the most that a world may have.
 const FINE: u32 = 16;
@@ -103,14 +103,29 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        let parts = if self.is_split { 2 } else { 1 };
-        (0..parts).flat_map(move |part| {
-            let number = move |contact: u32| match self.is_split {
-                true => self.parts[part].contact_numbers[contact as usize],
-                false => contact,
-            };
-            self.solvers[part].totals().map(move |(contact, sums, exponent)| (number(contact), sums, exponent))
+        (0..self.part_count()).flat_map(move |part| {
+            let totals = self.solvers[part].totals();
+            totals.map(move |(contact, sums, exponent)| (self.number(part, contact), sums, exponent))
         })
+    }
+
+    /// The impacts in the step of these contacts, which are those that were solved.
+    pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        (0..self.part_count()).flat_map(move |part| {
+            let contacts = if self.is_split { &self.parts[part].contacts } else { contacts };
+            let impacts = self.solvers[part].impacts(contacts);
+            impacts.map(move |impact| ContactImpact { contact: self.number(part, impact.contact), ..impact })
+        })
+    }
+
+    /// The number of parts of the last step.
+    fn part_count(&self) -> usize {
+        if self.is_split { 2 } else { 1 }
+    }
+
+    /// The number among all of a contact of a part.
+    fn number(&self, part: usize, contact: u32) -> u32 {
+        if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
     }
 
     /// Finds the islands under heavy loads. Returns true if there is one.

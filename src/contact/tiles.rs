@@ -35,6 +35,10 @@ pub(super) struct Tiles {
 /// Marks a polygon without neighbours.
 const ALONE: u32 = NONE - 1;
 
+/// With more corners than this, a polygon and those near it are a crowd, in which each stands alone: else the work for polygons that lie on
+/// each other would grow with the square of their number. 64 triangles around a point have 192.
+const CROWD: usize = 256;
+
 /// Returns true for the outline of a sharp polygon.
 fn is_polygon(outline: &BodyOutline) -> bool {
     outline.outline.corners().len() > 2 && outline.outline.radius() == Fx::ZERO
@@ -69,9 +73,11 @@ impl Tiles {
                 if proxy.collider != number && proxy.filter == collider.def.filter {
                     self.push(scene, numbers, proxy, collider, pose);
                 }
+                self.polygons.corner_count() <= CROWD
             });
             let from = self.faces.len();
-            let surface = if self.polygons.faces(&mut self.faces) {
+            let is_crowd = self.polygons.corner_count() > CROWD;
+            let surface = if !is_crowd && self.polygons.faces(&mut self.faces) {
                 self.surfaces.push(from..self.faces.len());
                 self.surfaces.len() as u32 - 1
             } else {

@@ -248,6 +248,24 @@ impl Batch {
         self.whole[0][lane] > 0 && self.whole[2][lane] > 0
     }
 
+    /// Limits the velocity at which an overlap is pushed out so that no rim of a body becomes faster than that: where a body turns more
+    /// easily than it moves, as one with locks does, a small lever turns it fast.
+    ///
+    /// # Ranges
+    /// Changes of angular velocities are within 2^31 and rims at most 2^30 · 2^-10: products are below 2^51. Depths are below 2^31.
+    #[inline(always)]
+    pub(super) fn limit_push(&self, lane: usize, group: &mut Group, rims: [i64; 2]) {
+        let limit = group.push_out[lane][1];
+        for (row, element) in [(0, 0), (1, 2)] {
+            let speed = |side: usize| (self.angular[row][side][lane].abs() * (rims[side] >> 10)) >> 20;
+            let (rim, along) = (speed(0).max(speed(1)), self.whole[element][lane]);
+            if rim > along {
+                let deepest = i128::from(limit) * i128::from(along) / i128::from(rim);
+                group.push_out[lane][1] = group.push_out[lane][1].max(deepest as i32);
+            }
+        }
+    }
+
     /// Chooses the bits of a lane, and writes the shift of its angular factors.
     #[inline(always)]
     fn choose_bits(&mut self, lane: usize, group: &mut Group) {

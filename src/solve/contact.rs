@@ -60,7 +60,7 @@ pub(crate) struct Group {
     pub(super) friction: Pairs,
     /// Change of the slip by both normal impulses, in 2^-30.
     pub(super) coupling: Pairs,
-    /// Velocity of the surfaces against each other along the tangent; the second word is unused.
+    /// Velocity of the surfaces against each other along the tangent, and the speed of the slowest impact.
     pub(super) surface: Pairs,
     /// Impulses of the sub-step: both normal ones and friction.
     pub(super) impulses: [[i64; GROUP]; 3],
@@ -118,6 +118,8 @@ pub(super) struct BodyOf {
     is_held: bool,
     /// True for a fixed body that moves.
     pub(super) is_carrier: bool,
+    /// Its radius over the length, in 2^-30.
+    pub(super) rim: i64,
     /// 1/m along x and y, 1/kg.
     pub(super) inverse_mass: [FxFactor; 2],
     /// 1/I, 1/(kg·m²).
@@ -137,6 +139,7 @@ impl BodyOf {
             is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
             // A body at rest has a speed of 1: angular ones are rounded up.
             is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
+            rim: shifted_word(flight.radius.to_bits(), 2 + length),
             inverse_mass,
             inverse_inertia,
             own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
@@ -248,7 +251,7 @@ impl Group {
         let mu = shifted_word(contact.friction.to_bits(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane][1] = mu;
         let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
-        self.surface[lane] = [clamped_word(surface, SURFACE), 0];
+        self.surface[lane] = [clamped_word(surface, SURFACE), scale.impact_speed];
         soft.compliance
     }
 

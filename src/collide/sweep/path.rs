@@ -87,7 +87,7 @@ impl Leg {
 }
 
 /// The most pieces of a path: its own, at rest, carried along, at rest.
-const LEGS: usize = 4;
+const LEGS: usize = 12;
 
 /// The path of a body over a tick.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +106,7 @@ impl Path {
     }
 
     /// The piece at a moment, and the moment at which it ends.
-    pub(super) fn leg(&self, at: u64) -> (&Leg, u64) {
+    pub(crate) fn leg(&self, at: u64) -> (&Leg, u64) {
         let next = self.legs().iter().position(|leg| leg.from > at).unwrap_or(self.count);
         let until = if next < self.count { self.legs[next].from } else { END };
         (&self.legs[next.saturating_sub(1)], until)
