@@ -77,6 +77,12 @@ impl Core {
         self.edges().map(along).fold(f64::MIN, f64::max)
     }
 
+    /// The largest distance of two corners.
+    fn size(&self) -> f64 {
+        let from = |c: &Point| self.corners.iter().map(|&other| length(sub(*c, other))).fold(0.0, f64::max);
+        self.corners.iter().map(from).fold(0.0, f64::max)
+    }
+
     fn extent(&self, centre: Point) -> f64 {
         let far = |c: &Point| (c[0] - centre[0]).abs().max((c[1] - centre[1]).abs());
         self.corners.iter().map(far).fold(0.0, f64::max)
@@ -87,7 +93,6 @@ impl Core {
 struct Pair {
     a: Core,
     b: Core,
-    offset: Point,
     /// The largest separation along a normal.
     separation: f64,
     /// The distance of the cores, if they are apart.
@@ -108,13 +113,17 @@ impl Pair {
         let separation = a.separation(&b).max(b.separation(&a));
         let sharp = a.radius + b.radius == 0.0;
         let far = if sharp { a.extent([0.0; 2]).min(b.extent(offset)) / 2048.0 } else { 0.0 };
-        Self { a, b, offset, separation, distance, far }
+        Self { a, b, separation, distance, far }
     }
 
-    /// The rounding of corners, and of the normal.
+    /// The documented error of a separation.
     fn tolerance(&self) -> f64 {
-        let size = self.a.extent([0.0; 2]).max(self.b.extent(self.offset));
-        2.0 * ULP + size * 2f64.powi(-30)
+        let sizes = [self.a.size(), self.b.size()];
+        // Nearer along every normal than they are: two corners are nearest.
+        let is_between_corners = self.distance > self.separation + ULP;
+        let size = if is_between_corners { sizes[0] + sizes[1] } else { sizes[0].max(sizes[1]) };
+        let distance = if self.separation > 0.0 { self.distance } else { 0.0 };
+        3.0 * ULP + (size + distance) * 2f64.powi(-30)
     }
 
     /// The separation that the manifold's nearest point is due, if it is sure.

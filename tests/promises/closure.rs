@@ -21,9 +21,20 @@ const BYSTANDERS: u32 = 1 << 31;
 /// Number of moving bodies from which a step uses all threads: twice `SHARE` in `src/step/mod.rs`, which is held to be no more.
 const THRONG: i32 = 8_200;
 
-/// The command with colliders that meet those of bystanders alone: no generated filter is in the last category.
+/// The category of the colliders of bystanders: no generated filter is in it.
+const CATEGORY: u32 = 1 << 31;
+
+/// The command with an explosion that does not act on bystanders: it would be refused where one of them left the allowed range.
+fn sparing(mut command: Command) -> Command {
+    if let Command::Explode(explosion) = &mut command {
+        explosion.mask &= !CATEGORY;
+    }
+    command
+}
+
+/// The command with colliders that meet those of bystanders alone.
 fn apart(mut command: Command) -> Command {
-    let filter = Filter { category: 1 << 31, mask: 1 << 31, group: 0 };
+    let filter = Filter { category: CATEGORY, mask: CATEGORY, group: 0 };
     match &mut command {
         Command::AddBody(def) => def.colliders.iter_mut().for_each(|collider| collider.filter = filter),
         Command::AddCollider { def, .. } | Command::SetCollider { def, .. } => def.filter = filter,
@@ -152,7 +163,7 @@ impl Company {
         self.plan
             .due(tick)
             .into_iter()
-            .map(|command| in_groups(command, |force_groups| force_groups & !BYSTANDERS).0)
+            .map(|command| sparing(in_groups(command, |force_groups| force_groups & !BYSTANDERS).0))
             .collect()
     }
 

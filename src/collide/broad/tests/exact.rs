@@ -72,7 +72,7 @@ impl Scene {
     /// Something happens, or nothing.
     fn advance(&mut self) {
         match self.random.below(12) {
-            0 => {
+            0 if !self.free.is_empty() => {
                 let proxy = self.make();
                 self.movers.push(proxy);
             }
@@ -85,7 +85,7 @@ impl Scene {
                     self.movers.push(proxy);
                 }
             }
-            3 => self.change_statics(),
+            3 if self.free.len() > 20 => self.change_statics(),
             4 => self.random.shuffle(&mut self.movers),
             5 => {
                 let at = self.index();
