@@ -52,6 +52,15 @@ fn lowest(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64;
     other.corners.iter().take(other.placed.count).map(over).min().unwrap_or(0)
 }
 
+/// Returns true if a corner of a core is beyond an end of an edge, along the edge.
+fn is_past(ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> bool {
+    let along = |end: usize, corner: &[i64; 2]| {
+        let part = |k: usize| i128::from(corner[k] + offset[k] - ends[end][k]) * i128::from(ends[1][k] - ends[0][k]);
+        part(0) + part(1)
+    };
+    other.corners.iter().take(other.placed.count).any(|corner| along(0, corner) < 0 || along(1, corner) > 0)
+}
+
 /// The manifold of a segment of a chain or of a polygon among others, A, with another core.
 #[cold]
 pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
@@ -67,7 +76,8 @@ pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, ma
         return None;
     }
     let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
-    let is_across = surface.is_one_sided && is_behind(lowest(a.normals[0], ends(0), &b, offset));
+    let is_across =
+        surface.is_one_sided && is_past(ends(0), &b, offset) && is_behind(lowest(a.normals[0], ends(0), &b, offset));
     let surface = Surface { is_across, ..surface };
     if surface.links.is_empty() {
         // All around are neighbours: only a body that is in the middle of them is pushed, by the nearest edge.

@@ -86,8 +86,8 @@ pub(super) struct Surface<'a> {
     pub(super) links: &'a [Link],
     /// True for a segment of a chain, which bodies pass from behind.
     pub(super) is_one_sided: bool,
-    /// True if a corner of the other core is far behind the segment and its middle is not: it crosses the line of the segment, perhaps beyond
-    /// an end.
+    /// True if a corner of the other core is beyond an end of the segment and one is far behind the segment, and its middle is not: it may
+    /// cross the line of the segment beyond the end.
     pub(super) is_across: bool,
 }
 

@@ -1,7 +1,7 @@
 //! How two bodies approach each other at the points of a contact.
 
 use super::Scene;
-use super::moment::position_at;
+use super::moment::Way;
 use super::view::newton_seconds;
 use crate::collide::Manifold;
 use crate::fx::Fx;
@@ -103,18 +103,18 @@ fn closing_speed(normal: [i32; 2], [a, b]: [[i128; 2]; 2]) -> i64 {
     ((closing[0] * nx + closing[1] * ny) >> 62) as i64
 }
 
-/// The approach at the points of a contact, which has this manifold at this moment. Vectors are rounded oddly.
+/// The approach at the points of a contact, which has this manifold at the end of these ways. Vectors are rounded oddly.
 pub(super) fn approach(
     scene: &Scene<'_>,
     manifold: &Manifold,
-    moment: u64,
+    ways: &[Way; 2],
     contact: &Contact,
     flights: [&Flight; 2],
 ) -> Approach {
     let normal = manifold.normal.map(|part| Fx::from_bits(i64::from(part) << 2));
     let mut approach = Approach {
         normal: Vec2::new(normal[0], normal[1]),
-        positions: flights.map(|flight| position_at(flight, moment)),
+        positions: [0, 1].map(|side| ways[side].position(flights[side].position)),
         speeds: [Fx::ZERO; 2],
         substeps_left: [0; 2],
         arms: [[Vec2::ZERO; 2]; 2],

@@ -11,11 +11,12 @@ use super::flights::FlightOf;
 use super::sweep::Paths;
 use super::{Correction, Detected, Scene};
 use crate::fx::Fx;
+use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
 use crate::solve::Impulses;
 
-/// Bodies of which impulses change the way by less than this, 8 mm, are not deflected: they overlap by no more in the next step.
-const DEFLECTION: i64 = 1 << 25;
+/// Bodies of which impulses change the way by less than this, 1 mm, are not deflected: they overlap by no more in the next step.
+const DEFLECTION: i64 = 1 << 22;
 
 /// The most times that the solver runs again in a step.
 pub(crate) const ROUNDS: u32 = 8;
@@ -47,7 +48,8 @@ impl Engine {
         true
     }
 
-    /// Lists the dynamic bodies that move, and of which impulses change the way.
+    /// Lists the dynamic bodies that move, and of which impulses change the way: it is neither the one of the free flight nor, for what
+    /// something carries, that of the velocity of the start.
     fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
         self.sweep.fast.clear();
         for (flight, correction) in corrections.iter().enumerate() {
@@ -55,10 +57,12 @@ impl Engine {
             if !correction.is_pushed || place.kind != FlightOf::Dynamic {
                 continue;
             }
-            let free = self.flights.flight(flight as u32);
+            let free = self.flights.flight(flight as u32).displacement;
             let change = correction.displacement.map(FxAccumulator::value);
-            let way = size(free.displacement.x.saturating_add(change.x), free.displacement.y.saturating_add(change.y));
-            if size(change.x, change.y) > DEFLECTION && way > DEFLECTION {
+            let way = Vec2::new(free.x.saturating_add(change.x), free.y.saturating_add(change.y));
+            let steady = self.flights.steady_way(&scene.starts[flight]);
+            let turned = Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y));
+            if [change, turned, way].into_iter().all(|vector| size(vector.x, vector.y) > DEFLECTION) {
                 self.sweep.fast.push(flight as u32);
                 self.sweep.deflected.resize(scene.starts.len(), false);
                 self.sweep.deflected[flight] = true;
@@ -76,14 +80,14 @@ impl Engine {
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
         let flights = ends.map(|(flight, _)| flight);
         let parts = pair.map(|outline| outline.part);
-        let Some((manifold, moment)) = self.meet_on_paths(scene, numbers, parts, [a, b], flights, paths) else {
+        let Some((manifold, ways)) = self.meet_on_paths(scene, numbers, parts, [a, b], flights, paths) else {
             return;
         };
         let asleep = [a, b].into_iter().zip(ends).filter(|(_, (_, place))| place.kind == FlightOf::Asleep);
         let touched = out.touched.len();
         out.touched.extend(asleep.map(|(collider, _)| collider.body));
         if out.touched.len() == touched {
-            self.add_contact(scene, pair, [a, b], flights, &manifold, moment, Impulses::default());
+            self.add_contact(scene, pair, [a, b], flights, &manifold, &ways, Impulses::default());
         }
     }
 

@@ -8,7 +8,7 @@ use super::MARGIN;
 use super::approach::{Approach, approach};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
-use super::moment::take_back;
+use super::moment::{Way, take_back};
 use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
@@ -18,7 +18,7 @@ use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
-use super::tiles::Tiles;
+use super::tiles::{SLANTED, Tiles};
 use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collide::{Cores, Manifold, Margin};
@@ -33,7 +33,7 @@ pub(crate) struct Engine {
     pub(super) flights: Flights,
     /// The outlines as the broad phase knows them.
     pub(super) numbers: Numbers,
-    chains: Chains,
+    pub(super) chains: Chains,
     pub(super) tiles: Tiles,
     /// Outlines in world axes, and the index of each by its number.
     pub(super) cores: Cores,
@@ -186,8 +186,8 @@ impl Engine {
             }
             let mut near = numbers;
             near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            let manifold = self.manifold_of(scene, near, before);
-            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record) {
+            let manifold = self.mean_manifold(scene, near, before);
+            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record, SLANTED) {
                 continue;
             }
             let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
@@ -198,7 +198,7 @@ impl Engine {
     }
 
     /// The manifold of two outlines at the start of the step.
-    pub(super) fn manifold_of(
+    pub(super) fn start_manifold(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
@@ -214,6 +214,19 @@ impl Engine {
         ];
         let flights = ends.map(|flight| self.flights.flight(flight));
         self.cores.collide(cores[0], cores[1], self.margin(flights, [outlines[0].radius, outlines[1].radius]))
+    }
+
+    /// The manifold of two outlines at the mean of the beginnings of sub-steps.
+    pub(super) fn mean_manifold(
+        &mut self,
+        scene: &Scene<'_>,
+        numbers: [u32; 2],
+        pair: [OutlineId; 2],
+    ) -> Option<Manifold> {
+        let [a, b] = pair.map(|outline| scene.colliders.at(outline.slot));
+        let colliders = [a?, b?];
+        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
+        self.manifold(scene, numbers, pair.map(|outline| outline.part), colliders, ends)
     }
 
     /// The manifold of two outlines of these colliders, with these flights, at the mean of the beginnings of sub-steps.
@@ -284,9 +297,8 @@ impl Engine {
         if is_asleep && (kinds == [FlightOf::Asleep; 2] || !scene.may_have_moved_statics) {
             return;
         }
-        let parts = pair.map(|outline| outline.part);
-        let pressed = record.is_some_and(|record| !record.is_slack()) || contacts.presses_nearby(pair, [a, b]);
-        let Some((manifold, moment)) = self.meet(scene, numbers, parts, [a, b], ends, pressed) else { return };
+        let pressed = record.is_some_and(|record| !record.is_slack());
+        let Some((manifold, ways)) = self.meet(scene, numbers, pair, [a, b], ends, contacts, pressed) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.
@@ -308,10 +320,10 @@ impl Engine {
         if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
             self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
         }
-        self.add_contact(scene, pair, [a, b], ends, &manifold, moment, start);
+        self.add_contact(scene, pair, [a, b], ends, &manifold, &ways, start);
     }
 
-    /// Adds the contact of a pair, with a manifold of this moment, for the solver.
+    /// Adds the contact of a pair, with a manifold of the moment at the end of these ways, for the solver.
     pub(super) fn add_contact(
         &mut self,
         scene: &Scene<'_>,
@@ -319,7 +331,7 @@ impl Engine {
         [a, b]: [&Collider; 2],
         ends: [u32; 2],
         manifold: &Manifold,
-        moment: u64,
+        ways: &[Way; 2],
         start: Impulses,
     ) {
         ends.into_iter().for_each(|flight| self.flights.complete(scene, flight));
@@ -339,12 +351,10 @@ impl Engine {
         };
         let speed = materials[0].surface_speed_against(materials[1]);
         let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, manifold, start);
-        let flights = ends.map(|flight| self.flights.deflected(flight));
-        let ways = [&flights[0], &flights[1]];
-        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways, moment));
+        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
         self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
-            let approach = approach(scene, manifold, moment, &contact, ends.map(|flight| self.flights.flight(flight)));
+            let approach = approach(scene, manifold, ways, &contact, ends.map(|flight| self.flights.flight(flight)));
             self.approaches.push((self.found.len() as u32, approach));
         }
         self.starts.push(start);

@@ -228,7 +228,7 @@ impl Engine {
             return false;
         }
         let numbers = pair.map(|outline| self.numbers.first(outline.slot) + outline.part);
-        let manifold = self.manifold_of(scene, numbers, pair);
+        let manifold = self.start_manifold(scene, numbers, pair);
         manifold.is_some_and(|manifold| manifold.least_separation() < -OVERLAP)
     }
 

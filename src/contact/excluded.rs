@@ -191,15 +191,15 @@ impl Engine {
     fn is_near(&mut self, scene: &Scene<'_>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
         /// 2^-10 m
         const SHIFT: Fx = Fx::from_bits(1 << 22);
-        if self.manifold_of(scene, numbers, pair).is_some() {
+        if self.mean_manifold(scene, numbers, pair).is_some() {
             return true;
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
         let colliders = [a, b];
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let other = self.start_core(scene, numbers[1], b, &outlines[1], ends[1]);
-        let pose = self.flights.start_pose(scene, ends[0]).unwrap_or(self.flights.body(ends[0]).pose);
+        let other = self.core(scene, numbers[1], b, &outlines[1], ends[1]);
+        let pose = self.flights.body(ends[0]).pose;
         let zero = Fx::ZERO;
         let shifts = [(SHIFT, zero), (-SHIFT, zero), (zero, SHIFT), (zero, -SHIFT)];
         shifts.into_iter().any(|(x, y)| {

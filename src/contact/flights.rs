@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::bodies::resting;
-use super::moment::{mean_beginning, pose_at};
+use super::moment::{Way, length, mean_beginning};
 use super::stamped::Stamped;
 use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
@@ -30,6 +30,8 @@ pub(super) enum FlightOf {
 pub(super) struct Place {
     pub(super) slot: u32,
     pub(super) pose: Pose,
+    /// The way from the start to that pose.
+    pub(super) way: Way,
     pub(super) kind: FlightOf,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
@@ -51,6 +53,9 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
+    /// The mean of the beginnings of sub-steps, and the length of the step, in 2^-48 s.
+    mean_beginning: u64,
+    length: u64,
     /// The changes by impulses, by flight, when contacts are found once more in a step.
     deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
@@ -70,6 +75,8 @@ impl Flights {
         self.of.clear();
         self.followers.clear();
         self.deflections.clear();
+        self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
+        self.length = length(scene.time_step);
         for start in scene.starts {
             self.push_moving(scene, start);
         }
@@ -85,18 +92,16 @@ impl Flights {
             }
             width = collider.width.to_bits().min(width);
         }
-        let flight = scene.bodies.flight(start, scene.time_step);
-        let (angle, moment) =
-            (if shows_angle { start.angle } else { Turn::default() }, mean_beginning(scene.settings.substeps));
-        let pose = if shows_angle {
-            pose_at(start.position, angle, &flight, moment)
-        } else {
-            pose_at(start.position, angle, &Flight { rotation: Fx::ZERO, ..flight }, moment)
-        };
-        self.flights.push(flight);
+        self.flights.push(scene.bodies.flight(start, scene.time_step));
         let info = scene.bodies.contact_info(start.dense);
         let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
-        self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
+        let way = Way::steady(start, self.mean_beginning);
+        let pose = if shows_angle {
+            way.pose(start.position, start.angle)
+        } else {
+            way.without_rotation().pose(start.position, Turn::default())
+        };
+        self.place(Place { slot, pose, way, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
     #[cold]
@@ -105,7 +110,8 @@ impl Flights {
         self.flights.push(resting(pose.position()));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
-        self.place(Place { slot, pose, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
+        let way = Way::default();
+        self.place(Place { slot, pose, way, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
     }
 
     fn place(&mut self, place: Place) -> u32 {
@@ -177,6 +183,11 @@ impl Flights {
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// The way of a body in the step at the velocity of the start, m.
+    pub(super) fn steady_way(&self, start: &Start) -> Vec2 {
+        Way::steady(start, self.length).displacement
     }
 
     /// The pose of a moving body at the start of the step; `None` for one that does not move.

@@ -146,7 +146,7 @@ impl Engine {
         if !kinds.into_iter().any(moves) && (are_both || !scene.may_have_moved_statics) {
             return;
         }
-        let Some(manifold) = self.manifold_of(scene, numbers, pair) else { return };
+        let Some(manifold) = self.start_manifold(scene, numbers, pair) else { return };
         for side in 0..2 {
             if let Some(holds) = colliders[side].side {
                 let pose = self.flights.start_pose(scene, ends[side]);

@@ -18,7 +18,7 @@ use alloc::vec::Vec;
 use crate::fx::Fx;
 use crate::limits::SPEED;
 use crate::math::TimeStep;
-use crate::scalar::{Accumulator as _, FxAccumulator};
+use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
 use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
 
@@ -82,7 +82,7 @@ impl<C: ContactSolver> Solvers<C> {
         self.corrections.clear();
         self.corrections.resize(flights.len(), Correction::default());
         for (index, part_substeps) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, flights, contacts);
+            self.take(index, time_step, flights, contacts);
             let (part, to, from) = (&mut self.parts[index], u64::from(part_substeps), u64::from(substeps));
             for contact in &mut part.contacts {
                 contact.impulses = contact.impulses.rescaled(from, to);
@@ -175,7 +175,7 @@ impl<C: ContactSolver> Solvers<C> {
     }
 
     /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
-    fn take(&mut self, index: usize, flights: &[Flight], contacts: &[Contact]) {
+    fn take(&mut self, index: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
         let Self { graph, is_heavy, place, parts, corrections, .. } = self;
         let part = &mut parts[index];
         place.clear();
@@ -206,26 +206,30 @@ impl<C: ContactSolver> Solvers<C> {
             let at = place[leader as usize];
             if at == NONE {
                 // The leader was in the part before, or has no contacts at all.
-                correct(flight, &corrections[leader as usize]);
+                correct(flight, &corrections[leader as usize], time_step);
             }
             flight.leader = Some(at).filter(|&at| at != NONE);
         }
     }
 }
 
-/// Adds the impulses of the step to the velocity of a flight at the end: sub-steps see a fixed flight by its velocities alone.
-fn correct(flight: &mut Flight, correction: &Correction) {
-    // A change by impulses is at most 2^30 and a velocity below 2^26: the sum is below 2^31. No flight ends faster than the limit.
-    let sum = |velocity: Fx, change: FxAccumulator| {
-        FxAccumulator::from_scalar(velocity).plus(change).value().clamp(-SPEED, SPEED)
-    };
+/// Makes a flight one at the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
+/// and an impact of its body has changed these at once.
+fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
     if *correction == Correction::default() {
         return;
     }
-    let end = &mut flight.end;
-    end.linear.x = sum(end.linear.x, correction.velocity.x);
-    end.linear.y = sum(end.linear.y, correction.velocity.y);
-    end.angular = sum(end.angular, correction.angular_velocity);
+    let (num, den) = time_step.seconds();
+    // Ways are below 2^30 m: products are below 2^94. No flight is faster than the limit.
+    let mean = |way: Fx, change: FxAccumulator| {
+        let way = i128::from(way.to_bits()) + i128::from(change.value().to_bits());
+        let limit = i128::from(SPEED.to_bits());
+        Fx::from_bits((way * i128::from(den) / i128::from(num)).clamp(-limit, limit) as i64)
+    };
+    flight.start.linear.x = mean(flight.displacement.x, correction.displacement.x);
+    flight.start.linear.y = mean(flight.displacement.y, correction.displacement.y);
+    flight.start.angular = mean(flight.rotation, correction.rotation);
+    flight.end = flight.start;
 }
 
 /// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.

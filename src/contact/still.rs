@@ -356,7 +356,7 @@ impl Engine {
         self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
         for &numbers in &pairs {
             let pair = numbers.map(|number| self.numbers.outline(number));
-            if self.manifold_of(scene, numbers, pair).is_some() {
+            if self.start_manifold(scene, numbers, pair).is_some() {
                 let bodies = pair.into_iter().filter_map(|outline| scene.colliders.at(outline.slot));
                 out.touched.extend(bodies.map(|collider| collider.body).filter(sleeps));
             }

@@ -243,9 +243,10 @@ impl Batch {
         if side == 0 { of_a } else { of_b }
     }
 
-    /// Returns true if the contact of a lane can move a body along the normal at both points.
+    /// Returns true if the contact of a lane can move a body along the normal at both points, by a change of velocity that rounding of the
+    /// matrix leaves: less is that of a body that can only turn, at a lever below 10^-4 of its length.
     pub(super) fn moves(&self, lane: usize) -> bool {
-        self.whole[0][lane] > 0 && self.whole[2][lane] > 0
+        self.whole[0][lane].min(self.whole[2][lane]) >= 16
     }
 
     /// Limits the velocity at which an overlap is pushed out so that no rim of a body becomes faster than that: where a body turns more
@@ -274,9 +275,11 @@ impl Batch {
         let smallest = if tangent > 0 { normal.min(tangent) } else { normal };
         let bits = |value: i64| i64::from(bits_in(value));
         // All contacts of a phase together change the velocity of a body by no more than one of them alone may: factors of
-        // velocities are at most a quarter, those of angular velocities at most 2^16.
+        // velocities are at most a quarter, those of angular velocities at most 2^16. The coupling is at most a quarter too: friction that
+        // saw less of the change by the normal impulses would turn a body against a small lever, and give it energy.
         let (widest, turning) = (bits(self.widest[0][lane]), bits(self.widest[1][lane]));
-        let bits = widest.max(bits(smallest)).max(turning - 18);
+        let coupling = bits(self.coupling[0][lane].abs().max(self.coupling[1][lane].abs()));
+        let bits = widest.max(bits(smallest)).max(turning - 18).max(coupling);
         self.bits[lane] = bits;
         group.angular_shift[lane] = (turning - bits).max(0);
     }

@@ -43,6 +43,7 @@ mod rolling;
 mod tests;
 mod unit;
 mod vectors;
+mod wedge;
 
 use alloc::vec::Vec;
 
@@ -320,6 +321,8 @@ pub struct Solver {
     /// True if a contact resists rolling.
     has_rolls: bool,
     impacts: Impacts,
+    /// Contacts that push bodies out of what does not give way.
+    pushes: Vec<wedge::Push>,
     /// Impulses by body.
     totals: Vec<Total>,
 }
@@ -370,6 +373,7 @@ impl Solver {
         self.sort_contacts(contacts);
         let scale = Scale::new(&clock, &softness, FINEST);
         simd::run(SetGroups { solver: self, given: Given { softness: &softness, flights, contacts, scale } });
+        self.limit_wedges();
         self.set_followers(flights);
         self.set_rolls(flights, contacts);
         self.set_paths(joints, contacts, &common);
@@ -446,7 +450,7 @@ impl Job for SubSteps<'_> {
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
             follow(&solver.followers, &mut solver.rows);
-            solver.solve_impacts(SubStep { k, n, is_over: false, clock, contacts }, lanes);
+            solver.solve_impacts(SubStep { k, n, clock, contacts }, lanes);
             follow(&solver.followers, &mut solver.rows);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
@@ -459,7 +463,6 @@ impl Job for SubSteps<'_> {
             follow(&solver.followers, &mut solver.rows);
             cut += solver.pass(Pass::Relax, lanes);
         }
-        solver.settle(SubStep { k: n, n, is_over: true, clock, contacts }, lanes);
         cut
     }
 }

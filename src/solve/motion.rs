@@ -13,7 +13,7 @@
 
 use alloc::vec::Vec;
 
-use super::number::{clamped, clamped_word};
+use super::number::{clamped, clamped_word, shifted_word};
 use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Quads, Row};
 
 /// The largest component of a velocity.
@@ -103,18 +103,6 @@ impl Rows {
         speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
     }
 
-    /// Returns true if the speed of a body may be above the slowest impact over `part`.
-    pub(super) fn is_moving(&self, row: u32, part: u32) -> bool {
-        let [x, y, angular, _] = self.rows[row as usize].velocity.map(i32::unsigned_abs);
-        x + y + angular > self.progress[row as usize].fast.unsigned_abs() / part
-    }
-
-    /// The velocity of a body, with its part below the unit, in 2^-30.
-    pub(super) fn fine_velocity(&self, row: u32) -> [i64; 3] {
-        let row = &self.rows[row as usize];
-        [0, 1, 2].map(|i| (i64::from(row.velocity[i]) << GAIN_BITS) + row.gain[i])
-    }
-
     /// Changes the velocity of a body by impacts, in 2^-30, and takes it back by a way.
     pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, change: [i64; 3], back: [i128; 3]) {
         let (velocity, gain) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
@@ -128,6 +116,25 @@ impl Rows {
             struck.displacement[i] = clamped(displacement, DISPLACEMENT.into());
         }
         struck.velocity[3] = struck.displacement[2];
+    }
+
+    /// Gives a follower the correction and the displacement of its leader, in units 2^down times as large. Returns true if the correction
+    /// has changed.
+    pub(super) fn follow_impact(&mut self, row: u32, leader: u32, down: i32) -> bool {
+        let (before, rest) = self.before(leader);
+        let moved = self.displacement(leader).map(|part| shifted_word(part.into(), down) as i32);
+        let (follower, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
+        let mut has_changed = false;
+        for i in 0..3 {
+            let fine = (i64::from(before[i]) << GAIN_BITS) + rest[i];
+            let correction = shifted_word(fine, GAIN_BITS as i32 + down) as i32;
+            has_changed |= correction != progress.before[i];
+            follower.velocity[i] += correction - progress.before[i];
+            progress.before[i] = correction;
+        }
+        follower.displacement = moved;
+        follower.velocity[3] = moved[2];
+        has_changed
     }
 
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.

@@ -176,6 +176,7 @@ impl Solver {
             let of = ContactOf { contact, bodies, rows, shares };
             exponents[lane] = unit + self.batch.load(lane, &of);
             self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
+            self.groups[at].raise_impact_speed(lane, rows.map(|row| self.rows.flight(row).change));
         }
         let (group, batch) = (&mut self.groups[at], &mut self.batch);
         group.count = indices.len();

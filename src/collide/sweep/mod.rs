@@ -390,9 +390,11 @@ impl Sweep<'_> {
         are_alike
     }
 
-    /// The first moment at which the outlines may overlap by a micrometre; `None` if they do not in the tick.
+    /// The first moment at which the outlines may overlap by a micrometre; `None` if they do not in the tick, or if one of them is behind a
+    /// segment of a chain.
     pub(crate) fn first_touch(&self) -> Option<u64> {
-        self.reach(TOUCH, 0, &self.at(0))
+        let start = self.at(0);
+        if self.is_behind(&start) { None } else { self.reach(TOUCH, 0, &start) }
     }
 
     /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.

@@ -348,8 +348,12 @@ impl Engine {
         let Some(at) = sweep.impact(from) else { return };
         let (own, other) = (own as u32, other as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
-        self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
-        if is_mutual {
+        // A dominant body that impulses sent elsewhere does not end its way at those that it dominates.
+        let are_swept = is_swept([&a.1, &b.1], paths);
+        if are_swept || a.1.dominance <= b.1.dominance {
+            self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
+        }
+        if is_mutual && (are_swept || b.1.dominance <= a.1.dominance) {
             self.sweep.hits.push(Hit { course: other, at, by: own, is_mutual });
         }
     }

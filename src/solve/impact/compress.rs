@@ -10,10 +10,21 @@ use super::super::number::shifted;
 use super::shock::{Shock, quotient};
 use super::{FRACTION, Impacts, SubStep};
 
-/// The most iterations.
+/// The most iterations, and the fewest of a large set.
 const ITERATIONS: u32 = 128;
+const LEAST: u32 = 8;
+/// A set of which the largest residual is still more than 2^this times the slowest closing speed that counts has no solution: a body is
+/// clamped between others that do not give way, and its impulses would grow with each iteration. It gets the fewest iterations instead.
+const CLAMPED: u32 = 7;
+/// Iterations times shocks after which a large set is left as it is: bodies that were placed in each other by the hundred.
+const WORK: usize = 1 << 18;
 
 impl Shock {
+    /// Begins a compression from its present impulses.
+    fn begin(&mut self) {
+        (self.last, self.begun) = (self.impulses, self.impulses);
+    }
+
     /// The impulse of one normal row alone that brings its velocity to zero, at least the lower bound, as a change.
     fn alone(&self, row: usize, velocity: i64) -> i64 {
         let change = self.scaled(self.inverse.alone[row], velocity);
@@ -95,22 +106,52 @@ impl Shock {
 }
 
 impl Solver {
-    /// Iterates until no shock closes, and contacts that touch join where they close.
-    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
-        impacts.shocks.iter_mut().for_each(|shock| shock.last = shock.impulses);
-        let mut momentum = 0;
+    /// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
+    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) {
+        impacts.shocks.iter_mut().for_each(Shock::begin);
+        for &body in &impacts.set {
+            let struck = &mut impacts.bodies[body as usize];
+            struck.begun = struck.velocity;
+        }
+        if self.iterate(impacts, substep, grows) <= impacts.slowest << CLAMPED {
+            return;
+        }
+        impacts.is_clamped = true;
+        for shock in &mut impacts.shocks {
+            (shock.impulses, shock.last) = (shock.begun, shock.begun);
+        }
+        for &body in &impacts.set {
+            let struck = &mut impacts.bodies[body as usize];
+            struck.velocity = struck.begun;
+        }
+        for _ in 0..LEAST {
+            self.run_ahead(impacts, 0);
+            self.correct(impacts);
+        }
+    }
+
+    /// The iterations of a compression. Returns the largest residual before the last one.
+    fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> i64 {
+        let (mut momentum, mut work, mut largest, mut has_grown) = (0, 0, 0, false);
         for iteration in 1..=ITERATIONS {
+            work += impacts.shocks.len();
+            if iteration > LEAST && work > WORK {
+                break;
+            }
             self.run_ahead(impacts, momentum);
             let (residual, uphill) = self.correct(impacts);
+            largest = residual;
             momentum = if uphill > 0 { 0 } else { momentum + 1 };
             let is_done = residual <= impacts.tolerance;
-            if is_done || iteration.is_power_of_two() {
-                let has_grown = self.join_closing(impacts, substep);
+            // An impact runs along a row of bodies by one in an iteration.
+            if is_done || has_grown || iteration.is_power_of_two() {
+                has_grown = grows && self.join_closing(impacts, substep);
                 if is_done && !has_grown {
                     break;
                 }
             }
         }
+        largest
     }
 
     /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
@@ -182,12 +223,12 @@ impl Solver {
                 let place = impacts.places[at];
                 if !impacts.is_joined[place as usize] && self.closes(impacts, place, substep) {
                     let before = self.rows_before(place, substep);
-                    self.join(impacts, self.shock(place, before, substep), substep);
+                    self.join(impacts, self.shock(place, before, substep, impacts.moment), substep);
                 }
             }
         }
         for shock in &mut impacts.shocks[before..] {
-            shock.last = shock.impulses;
+            shock.begin();
             impacts.exponent = impacts.exponent.max(shock.exponent);
         }
         impacts.shocks.len() > before

@@ -2,7 +2,7 @@
 
 use super::super::number::shifted;
 use super::super::{STILL, Solver};
-use super::shock::{along, gain, wide};
+use super::shock::{Shock, along, gain, wide};
 use super::{FINE, FRACTION, Impacts, ONE, Strike, SubStep};
 use crate::kernel::simd::Lanes;
 
@@ -63,10 +63,12 @@ impl Solver {
     /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
     pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
         let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
+        impacts.is_clamped = false;
+        impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
         impacts.tolerance = (fastest >> 20).max(1 << (FRACTION - 2));
         impacts.slowest = (fastest >> 10).max(2 << FRACTION);
         impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
-        self.compress(impacts, substep);
+        self.compress(impacts, substep, true);
         for shock in &mut impacts.shocks {
             shock.compressed = shock.impulses;
             shock.more = shock.returned();
@@ -78,7 +80,7 @@ impl Solver {
         for shock in &mut impacts.shocks {
             shock.least = [shock.impulses[0], shock.impulses[1]];
         }
-        self.compress(impacts, substep);
+        self.compress(impacts, substep, false);
         // Normal impulses can only take energy away here; friction may not.
         let mut shocks = core::mem::take(&mut impacts.shocks);
         for shock in &mut shocks {
@@ -164,14 +166,17 @@ impl Solver {
                 for at in impacts.places_of(struck.row) {
                     let place = impacts.places[at];
                     self.renew_separation(place);
-                    impacts.pending.push(place);
+                    // More rounds would not help bodies that have no way to go.
+                    if !impacts.is_clamped {
+                        impacts.pending.push(place);
+                    }
                 }
             }
         }
     }
 
     /// Finds the separations of a contact where its bodies are.
-    fn renew_separation(&mut self, place: u32) {
+    pub(super) fn renew_separation(&mut self, place: u32) {
         let place = &self.places[place as usize];
         let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(self.rows.displacement(row)));
@@ -188,22 +193,12 @@ impl super::shock::Shock {
         [self.before[0] + self.gained[0], self.before[1] + self.gained[1], self.before[2] - self.surface]
     }
 
-    /// The impulses that its points return. A point that was at rest has an impact where its impulse alone would change its velocity by
-    /// more than the threshold.
+    /// The impulses that its points return, also those that were at rest: what an impact passes through returns its share.
     fn returned(&self) -> [i64; 3] {
-        let returned = |point: usize| {
-            let element = [0, 2][point];
-            let whole = i128::from(self.elements[0][element]) + i128::from(self.elements[1][element]);
-            let change = (whole >> 8) * i128::from(self.impulses[point]);
-            let is_struck =
-                self.moments[point].is_some() || shifted(change, FINE - FRACTION - 8) > i128::from(self.threshold);
-            if !is_struck || !self.bounces[point] {
-                return 0;
-            }
-            // Rounded down: below 2^60 · 2^32.
-            ((i128::from(self.impulses[point]) * i128::from(self.restitution)) >> 32) as i64
-        };
-        [returned(0), returned(1), 0]
+        // Rounded down: below 2^60 · 2^32.
+        let share = |impulse: i64| ((i128::from(impulse) * i128::from(self.restitution)) >> 32) as i64;
+        let [first, second] = [0, 1].map(|point| if self.bounces[point] { share(self.impulses[point]) } else { 0 });
+        [first, second, 0]
     }
 
     /// Impulses times their moments. Points that only touched are pushed at the mean moment.

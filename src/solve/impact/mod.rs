@@ -24,11 +24,11 @@
 
 mod compress;
 mod expand;
-mod settle;
 mod shock;
 
 use alloc::vec::Vec;
 
+use super::follow::Follower;
 use super::unit::Clock;
 use super::{Contact, STILL, Solver};
 use crate::fx;
@@ -46,6 +46,8 @@ const ONE: i64 = 1 << 30;
 const ROUNDS: u32 = 8;
 /// Impacts of a body that follow each other within this part of a sub-step are one: a box that lands flat has two.
 const AT_ONCE: i64 = ONE / 8;
+/// The latest moment of an impact that is one with an impact of the sub-step.
+const LATEST: i64 = ONE + AT_ONCE;
 /// Points up to this distance apart touch, m.
 const TOUCH: Fx = fx!(0.001);
 /// No index.
@@ -59,8 +61,9 @@ struct Struck {
     is_in_set: bool,
     /// The number of shocks that share it.
     share: i64,
-    /// The velocity before the round and now, in 2^-[`FINE`].
+    /// The velocity before the round, at the beginning of the compression and now, in 2^-[`FINE`].
     start: [i64; 3],
+    begun: [i64; 3],
     velocity: [i64; 3],
     /// The way to take back for impulses after the beginning of the sub-step, in 2^-[`FINE`].
     back: [i128; 3],
@@ -106,6 +109,10 @@ pub(super) struct Impacts {
     /// 2^-[`FRACTION`].
     tolerance: i64,
     slowest: i64,
+    /// The first moment of the shocks.
+    moment: i64,
+    /// True if the shocks have no solution.
+    is_clamped: bool,
     /// The exponent above those of all shocks.
     exponent: i32,
     /// Sorted by contact when the sub-steps are done.
@@ -158,8 +165,6 @@ impl Impacts {
 pub(super) struct SubStep<'a> {
     pub(super) k: u32,
     pub(super) n: u32,
-    /// True at its end, after the passes; else it is at its beginning.
-    pub(super) is_over: bool,
     pub(super) clock: &'a Clock,
     pub(super) contacts: &'a [Contact],
 }
@@ -242,33 +247,69 @@ impl Solver {
     /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once.
     fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
         let candidates = core::mem::take(&mut impacts.candidates);
-        if !is_last {
-            impacts.find_first_moments(&candidates);
-        }
+        impacts.find_first_moments(&candidates);
         for island in candidates.chunk_by(|a, b| a.island == b.island) {
             impacts.shocks.clear();
             impacts.set.clear();
             for shock in island {
-                if is_last || impacts.is_first(shock) {
+                if impacts.is_first(shock) || is_last && shock.moment() <= ONE {
                     self.join(impacts, shock.clone(), substep);
-                } else {
+                } else if shock.moment() <= ONE {
                     impacts.pending.push(shock.place);
                 }
             }
-            self.solve_shocks(impacts, substep);
-            self.strike(impacts, lanes);
+            if !impacts.shocks.is_empty() {
+                self.solve_shocks(impacts, substep);
+                self.strike(impacts, lanes);
+            }
         }
         impacts.candidates = candidates;
+        self.follow_impacts(impacts);
+    }
+
+    /// Takes the impacts of leaders over to their followers, after all islands of a round.
+    fn follow_impacts(&mut self, impacts: &mut Impacts) {
+        for index in 0..self.followers.len() {
+            let Follower { row, leader, down } = self.followers[index];
+            let (is_struck, moment) = (impacts.body_of[leader as usize] != NONE, impacts.moment_of(leader));
+            if is_struck && self.rows.follow_impact(row, leader, down) {
+                let follower = impacts.body(row);
+                impacts.bodies[follower as usize].moment = moment;
+                for at in impacts.places_of(row) {
+                    let place = impacts.places[at];
+                    self.renew_separation(place);
+                    impacts.pending.push(place);
+                }
+            }
+        }
     }
 }
 
 impl Impacts {
-    /// Finds the moment of the first impact of each row.
+    /// The index of the body of a row.
+    fn body(&mut self, row: u32) -> u32 {
+        if self.body_of[row as usize] == NONE {
+            self.body_of[row as usize] = self.bodies.len() as u32;
+            self.bodies.push(Struck {
+                row,
+                is_in_set: false,
+                share: 0,
+                start: [0; 3],
+                begun: [0; 3],
+                velocity: [0; 3],
+                back: [0; 3],
+                moment: 0,
+            });
+        }
+        self.body_of[row as usize]
+    }
+
+    /// Finds the moment of the first impact of each row in the sub-step.
     fn find_first_moments(&mut self, candidates: &[Shock]) {
         for row in candidates.iter().flat_map(|shock| shock.rows) {
-            self.first_moment[row as usize] = ONE;
+            self.first_moment[row as usize] = LATEST;
         }
-        for shock in candidates {
+        for shock in candidates.iter().filter(|shock| shock.moment() <= ONE) {
             for row in shock.rows {
                 let first = &mut self.first_moment[row as usize];
                 *first = (*first).min(shock.moment());
@@ -276,13 +317,11 @@ impl Impacts {
         }
     }
 
-    /// Returns true for an impact that is the first one of both of its bodies, or follows these at once.
+    /// Returns true for an impact that is the first one of both of its bodies, or follows these at once. Impacts of other bodies at one that
+    /// cannot be moved do not count.
     fn is_first(&self, shock: &Shock) -> bool {
-        // Impacts of other bodies at one that cannot be moved are none of its own.
-        let moments = [0, 1].map(|side| {
-            let row = shock.rows[side] as usize;
-            if shock.is_movable(side) { self.first_moment[row] } else { ONE }
-        });
-        shock.moment() <= moments[0].min(moments[1]).saturating_add(AT_ONCE)
+        let firsts = [0, 1].map(|side| self.first_moment[shock.rows[side] as usize]);
+        let [a, b] = [0, 1].map(|side| if shock.is_movable(side) { firsts[side] } else { LATEST });
+        shock.moment() <= a.min(b).saturating_add(AT_ONCE) && a.min(b) <= ONE
     }
 }

@@ -4,8 +4,7 @@ use super::super::contact::Group;
 use super::super::motion::Vector;
 use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
-use super::settle::OVERLAP;
-use super::{FINE, FRACTION, Impacts, NONE, ONE, Struck, SubStep, TOUCH};
+use super::{FINE, FRACTION, Impacts, LATEST, NONE, ONE, SubStep, TOUCH};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
 type Elements = [i64; 6];
@@ -38,15 +37,11 @@ pub(super) struct Shock {
     pub(super) gained: [i64; 2],
     /// By point: true if it may bounce. A point that overlapped at the start of the step without closing was pushed out.
     pub(super) bounces: [bool; 2],
-    /// By point: true if it overlapped at the start of the step and pushed in it, when the step is over.
-    pub(super) pushes: [bool; 2],
     /// In 2^-32.
     pub(super) restitution: i64,
     /// The coefficient of friction in 2^-26, and the velocity of the surfaces against each other.
     pub(super) friction: i64,
     pub(super) surface: i64,
-    /// The slowest impact.
-    pub(super) threshold: i64,
     /// log2 of the unit of impulses.
     pub(super) exponent: i32,
     pub(super) elements: [Elements; 2],
@@ -57,8 +52,9 @@ pub(super) struct Shock {
     pub(super) before: [i64; 3],
     /// Lower bounds of the normal impulses.
     pub(super) least: [i64; 2],
-    /// Impulses now, before the last iteration, and where this iteration starts.
+    /// Impulses now, at the beginning of the compression, before the last iteration, and where this iteration starts.
     pub(super) impulses: [i64; 3],
+    pub(super) begun: [i64; 3],
     pub(super) last: [i64; 3],
     pub(super) from: [i64; 3],
     /// Impulses of the first compression.
@@ -172,9 +168,6 @@ impl Solver {
         if row == STILL {
             return [0; 3];
         }
-        if substep.is_over {
-            return self.rows.fine_velocity(row);
-        }
         let flight = self.rows.flight(row);
         let (before, rest) = self.rows.before(row);
         [0, 1, 2].map(|i| {
@@ -197,18 +190,25 @@ impl Solver {
             return None;
         }
         let from = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
-        let mut shock = self.shock(place, before, substep);
         let count = substep.contacts[self.places[place as usize].contact as usize].count;
+        let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
+        let impacts = [0, 1].map(|i: usize| {
+            let gap = self.gap(place, i, accelerations[i], substep);
+            let impact = if i < count { impact(before[i].into(), accelerations[i], gap, from) } else { None };
+            impact.filter(|(_, speed)| *speed > threshold)
+        });
+        let first = impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
+        let mut shock = self.shock(place, before, substep, first);
         for i in 0..count {
-            let acceleration = quotient(change[i].into(), substep.n.into());
-            let gap = self.gap(place, i, acceleration, substep);
-            let Some((moment, speed)) = impact(before[i].into(), acceleration, gap, from) else { continue };
-            if speed > threshold {
-                (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
-                shock.gained[i] = -speed - before[i];
+            match impacts[i] {
+                Some((moment, speed)) => {
+                    (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
+                    shock.gained[i] = -speed - before[i];
+                }
+                None => shock.gained[i] = ((accelerations[i] * i128::from(first)) >> 30) as i64,
             }
         }
-        shock.moments.iter().any(Option::is_some).then_some(shock)
+        Some(shock)
     }
 
     /// The velocities along the rows of a contact at the beginning of a sub-step.
@@ -218,7 +218,7 @@ impl Solver {
         along(group, lane, a, b, FINE - FRACTION)
     }
 
-    /// Returns true if a contact that is not among the shocks touches and closes, or pushes and opens, so that it joins them.
+    /// Returns true if a contact that is not among the shocks touches and closes, so that it joins them.
     pub(super) fn closes(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> bool {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
@@ -227,13 +227,11 @@ impl Solver {
         });
         let velocities = along(group, lane, a, b, FINE - FRACTION);
         let slowest = impacts.slowest;
-        if velocities[0].abs().max(velocities[1].abs()) <= slowest {
+        if velocities[0].min(velocities[1]) >= -slowest {
             return false;
         }
-        let shock = self.shock(place, velocities, substep);
-        let closes = |point: usize| shock.joined[point] && velocities[point] < -slowest;
-        let pushes = |point: usize| shock.pushes[point] && velocities[point] > slowest;
-        (0..2).any(|point| closes(point) || pushes(point))
+        let shock = self.shock(place, self.rows_before(place, substep), substep, impacts.moment);
+        (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
     }
 
     /// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.
@@ -242,18 +240,26 @@ impl Solver {
         (i128::from(group.separation_now[lane][point]) << FRACTION) - acceleration * i128::from(substep.k - 1) / 2
     }
 
-    /// A contact with these velocities along its rows, of which no point takes part but those that touch.
-    pub(super) fn shock(&self, place: u32, before: [i64; 3], substep: SubStep<'_>) -> Shock {
+    /// [`TOUCH`] in units of displacements.
+    fn touch(&self, place: u32, substep: SubStep<'_>) -> i32 {
+        let bodies = substep.contacts[self.places[place as usize].contact as usize].bodies;
+        let mover = self.graph.mover(bodies).unwrap_or_default();
+        substep.clock.length_within(TOUCH, self.unit_of[mover as usize], 1 << 29)
+    }
+
+    /// A contact with these velocities along its rows, of which no point takes part but those that touch at this moment.
+    pub(super) fn shock(&self, place: u32, before: [i64; 3], substep: SubStep<'_>, moment: i64) -> Shock {
         let (&Place { contact, exponent, .. }, group, lane) = self.lane_of(place);
         let contact = &substep.contacts[contact as usize];
         let mover = self.graph.mover(contact.bodies).unwrap_or_default();
-        let touch = substep.clock.length_within(TOUCH, self.unit_of[mover as usize], 1 << 29);
+        let touch = self.touch(place, substep);
         let rows = [group.a[lane], group.b[lane]];
         let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
         let (closing, threshold) = (along(group, lane, start_a, start_b, 0), i64::from(group.surface[lane][1]));
-        let impulses = if substep.is_over { [0, 1, 2].map(|row| group.applied[row][lane]) } else { [0; 3] };
-        let pushes = |i: usize| impulses[i] > 0 && group.separation[lane][i] < -OVERLAP * touch;
-        let touches = |i: usize| i < contact.count && (group.separation_now[lane][i] <= touch || impulses[i] > 0);
+        let touches = |i: usize| {
+            let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
+            i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
+        };
         let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
         Shock {
             place,
@@ -265,11 +271,9 @@ impl Solver {
             speeds: [0; 2],
             gained: [0; 2],
             bounces: [bounces(0), bounces(1)],
-            pushes: [pushes(0), pushes(1)],
             restitution: contact.restitution.to_bits(),
             friction: group.friction[lane][1].into(),
             surface: i64::from(group.surface[lane][0]) << FRACTION,
-            threshold: threshold << FRACTION,
             exponent,
             elements: [0, 1].map(|side| elements(group, lane, side)),
             matrix: [0; 6],
@@ -277,7 +281,8 @@ impl Solver {
             shares: [0; 2],
             before,
             least: [0; 2],
-            impulses,
+            impulses: [0; 3],
+            begun: [0; 3],
             last: [0; 3],
             from: [0; 3],
             compressed: [0; 3],
@@ -298,25 +303,12 @@ impl Solver {
 
     /// The index of a body among those of the impacts, in the set of the shocks.
     fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
-        let mut body = impacts.body_of[row as usize];
-        if body == NONE {
-            body = impacts.bodies.len() as u32;
-            impacts.body_of[row as usize] = body;
-            impacts.bodies.push(Struck {
-                row,
-                is_in_set: false,
-                share: 0,
-                start: [0; 3],
-                velocity: [0; 3],
-                back: [0; 3],
-                moment: 0,
-            });
-        }
+        let body = impacts.body(row);
         let struck = &mut impacts.bodies[body as usize];
         if !struck.is_in_set {
             (struck.is_in_set, struck.share) = (true, 0);
             struck.start = self.velocity_before(row, substep);
-            struck.velocity = struck.start;
+            (struck.velocity, struck.begun) = (struck.start, struck.start);
             impacts.set.push(body);
         }
         body
@@ -341,7 +333,7 @@ impl Solver {
     }
 }
 
-/// The moment, not before `from`, at which a point reaches the surface in a sub-step, and its speed then. `None` if it does not. The
+/// The moment, not before `from`, at which a point reaches the surface up to [`LATEST`], and its speed then. `None` if it does not. The
 /// velocity and the gap are those at the beginning, the acceleration is by sub-step; all are in one unit.
 fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i64, i64)> {
     let moved = (velocity * i128::from(from)) >> 30;
@@ -358,7 +350,7 @@ fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i
         return None;
     }
     let moment = ((2 * gap) << 30) / (speed - velocity);
-    (moment <= i128::from(ONE)).then_some((moment.max(from.into()) as i64, speed as i64))
+    (moment <= i128::from(LATEST)).then_some((moment.max(from.into()) as i64, speed as i64))
 }
 
 /// The elements of the matrix of a contact by one body.
@@ -368,6 +360,7 @@ fn elements(group: &Group, lane: usize, side: usize) -> Elements {
         let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
         along(group, lane, a, b, 0)
     };
-    let ([k11, _, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
-    [k11, k12, k22, k1t, k2t, ktt]
+    let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
+    // Both ways, so that the points may come in either order.
+    [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
 }

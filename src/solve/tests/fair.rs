@@ -199,7 +199,7 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     let (mut cut, n) = (0, scene.options.substeps);
     for k in 1..=n {
         Begin { rows: &mut solver.rows, k, n }.run(Portable);
-        solver.solve_impacts(SubStep { k, n, is_over: false, clock: &clock, contacts: &contacts }, Portable);
+        solver.solve_impacts(SubStep { k, n, clock: &clock, contacts: &contacts }, Portable);
         if k == 1 {
             cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
         }
@@ -207,7 +207,6 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
         Advance { rows: &mut solver.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
     }
-    solver.settle(SubStep { k: n, n, is_over: true, clock: &clock, contacts: &contacts }, Portable);
     solver.finish(scene.time_step, &scene.options, &scene.flights, &mut [], &mut contacts, &mut corrections);
     let impulses = contacts.iter().map(|contact| contact.impulses).collect();
     Solution { impulses, corrections, counts: SolverCounts { cut } }
