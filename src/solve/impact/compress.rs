@@ -7,7 +7,7 @@
 
 use super::super::Solver;
 use super::super::number::shifted;
-use super::shock::{Shock, quotient};
+use super::shock::Shock;
 use super::{FRACTION, Impacts, SubStep};
 
 /// The most iterations, and the fewest of a large set.
@@ -15,9 +15,11 @@ const ITERATIONS: u32 = 128;
 const LEAST: u32 = 8;
 /// A set of which the largest residual is still more than 2^this times the slowest closing speed that counts has no solution: a body is
 /// clamped between others that do not give way, and its impulses would grow with each iteration. It gets the fewest iterations instead.
-const CLAMPED: u32 = 7;
-/// Iterations times shocks after which a large set is left as it is: bodies that were placed in each other by the hundred.
-const WORK: usize = 1 << 18;
+const CLAMPED: u32 = 0;
+/// Iterations times shocks after which a large set is left as it is: what is left of an impact in the middle of a pile.
+const WORK: usize = 1 << 10;
+/// Iterations in which a set grows: an impact runs along a row of bodies by one in each.
+const GROWING: u32 = 16;
 
 impl Shock {
     /// Begins a compression from its present impulses.
@@ -81,7 +83,7 @@ impl Shock {
     fn change(&self, velocities: [i64; 3]) -> [i64; 3] {
         let [first, second] = self.normal_change(velocities);
         let slip = velocities[2].saturating_add(self.coupled(3, first)).saturating_add(self.coupled(4, second));
-        let limit = self.friction_limit([self.from[0] + first, self.from[1] + second]);
+        let limit = self.limit;
         let tangent = (self.from[2] + self.scaled(self.inverse.alone[2], slip)).clamp(-limit, limit) - self.from[2];
         [first, second, tangent]
     }
@@ -92,15 +94,15 @@ impl Shock {
         ((pressing * i128::from(self.friction)) >> 26).clamp(0, 1 << 61) as i64
     }
 
-    /// By how much the velocities miss the goal: all of it where an impulse pushes, a closing one where none does.
+    /// By how much the velocities miss the goal: all of a closing one, and of an opening one or of slip what impulses can take back.
     fn residual(&self, velocities: [i64; 3]) -> i64 {
-        let normal = |point: usize| match self.joined[point] {
-            false => 0,
-            true if self.from[point] > self.least[point] => velocities[point].abs(),
-            true => (-velocities[point]).max(0),
+        let normal = |point: usize| match (self.joined[point], velocities[point]) {
+            (false, _) => 0,
+            (true, velocity @ ..0) => -velocity,
+            (true, velocity) => velocity.min(self.coupled([0, 2][point], self.from[point] - self.least[point])),
         };
-        let limit = self.friction_limit([self.from[0], self.from[1]]);
-        let slip = if self.from[2].abs() < limit { velocities[2].abs() } else { 0 };
+        let tangent = self.from[2] + self.scaled(self.inverse.alone[2], velocities[2]);
+        let slip = self.coupled(5, tangent.clamp(-self.limit, self.limit) - self.from[2]).abs();
         normal(0).max(normal(1)).max(slip)
     }
 }
@@ -126,7 +128,7 @@ impl Solver {
         }
         for _ in 0..LEAST {
             self.run_ahead(impacts, 0);
-            self.correct(impacts);
+            self.correct(impacts, true);
         }
     }
 
@@ -136,16 +138,15 @@ impl Solver {
         for iteration in 1..=ITERATIONS {
             work += impacts.shocks.len();
             if iteration > LEAST && work > WORK {
-                break;
+                return 0;
             }
             self.run_ahead(impacts, momentum);
-            let (residual, uphill) = self.correct(impacts);
+            let (residual, uphill) = self.correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
             largest = residual;
-            momentum = if uphill > 0 { 0 } else { momentum + 1 };
-            let is_done = residual <= impacts.tolerance;
-            // An impact runs along a row of bodies by one in an iteration.
+            momentum = if uphill > 0 || residual > largest && momentum > 8 { 0 } else { momentum + 1 };
+            let is_done = residual >> (iteration / 16) <= impacts.tolerance;
             if is_done || has_grown || iteration.is_power_of_two() {
-                has_grown = grows && self.join_closing(impacts, substep);
+                has_grown = grows && iteration <= GROWING && self.join_closing(impacts, substep);
                 if is_done && !has_grown {
                     break;
                 }
@@ -157,12 +158,14 @@ impl Solver {
     /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
     fn run_ahead(&self, impacts: &mut Impacts, momentum: i128) {
         let mut shocks = core::mem::take(&mut impacts.shocks);
+        // In 2^-20.
+        let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
         for shock in &mut shocks {
             shock.from = shock.impulses;
-            if momentum > 1 {
+            if share > 0 {
                 for row in 0..3 {
                     let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
-                    shock.from[row] += quotient(last * (momentum - 1), momentum + 2) as i64;
+                    shock.from[row] += shifted(last * share, 20) as i64;
                 }
                 (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.least[point]));
             }
@@ -176,19 +179,25 @@ impl Solver {
     }
 
     /// One iteration. Returns the largest residual before it, and a positive number if the momentum led uphill.
-    fn correct(&self, impacts: &mut Impacts) -> (i64, i128) {
+    fn correct(&self, impacts: &mut Impacts, renews: bool) -> (i64, i128) {
         let mut shocks = core::mem::take(&mut impacts.shocks);
         let (mut largest, mut uphill) = (0, 0);
         // All changes follow from the same velocities.
         for shock in &mut shocks {
             let velocities = self.velocities(impacts, shock);
+            if renews {
+                shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
+            }
             shock.set_shares(shock.bodies.map(|body| impacts.bodies[body as usize].share));
             largest = largest.max(shock.residual(velocities));
             let change = shock.change(velocities);
             let mut work = 0;
             for row in 0..3 {
                 shock.impulses[row] = shock.from[row] + change[row];
-                work += i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+                if row < 2 {
+                    work +=
+                        i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+                }
             }
             uphill += work >> (impacts.exponent - shock.exponent).clamp(0, 126);
         }

@@ -65,8 +65,8 @@ impl Solver {
         let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
         impacts.is_clamped = false;
         impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
-        impacts.tolerance = (fastest >> 20).max(1 << (FRACTION - 2));
-        impacts.slowest = (fastest >> 10).max(2 << FRACTION);
+        impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
+        impacts.slowest = (fastest >> 3).max(2 << FRACTION);
         impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
         self.compress(impacts, substep, true);
         for shock in &mut impacts.shocks {

@@ -105,7 +105,7 @@ pub(super) struct Impacts {
     set: Vec<u32>,
     /// By row.
     first_moment: Vec<i64>,
-    /// Residuals up to this end a compression, and contacts that close by more than this join: a thousandth of the fastest impact. In
+    /// Residuals up to this end a compression, and contacts that close by more than this join: 2^-12 and 2^-6 of the fastest impact. In
     /// 2^-[`FRACTION`].
     tolerance: i64,
     slowest: i64,

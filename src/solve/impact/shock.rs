@@ -55,6 +55,7 @@ pub(super) struct Shock {
     /// Impulses now, at the beginning of the compression, before the last iteration, and where this iteration starts.
     pub(super) impulses: [i64; 3],
     pub(super) begun: [i64; 3],
+    pub(super) limit: i64,
     pub(super) last: [i64; 3],
     pub(super) from: [i64; 3],
     /// Impulses of the first compression.
@@ -171,8 +172,10 @@ impl Solver {
         let flight = self.rows.flight(row);
         let (before, rest) = self.rows.before(row);
         [0, 1, 2].map(|i| {
-            let flown = quotient((i128::from(flight.change[i]) * i128::from(substep.k - 1)) << FINE, substep.n.into());
-            ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown as i64 + rest[i]
+            // Changes are below 2^28 and there are at most 16 sub-steps. To nearest, halves away from zero.
+            let whole = (i64::from(flight.change[i]) * i64::from(substep.k - 1)) << FINE;
+            let flown = (whole + i64::from(substep.n / 2) * whole.signum()) / i64::from(substep.n);
+            ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown + rest[i]
         })
     }
 
@@ -283,6 +286,7 @@ impl Solver {
             least: [0; 2],
             impulses: [0; 3],
             begun: [0; 3],
+            limit: 0,
             last: [0; 3],
             from: [0; 3],
             compressed: [0; 3],
