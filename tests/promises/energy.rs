@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 use umbra_oracles::Oracle;
-use umbra_physics::{BodyDef, BodyKind, Fx, Integrator, Shape, Vec2, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyKind, Fx, Integrator, Shape, TimeStep, Vec2, WorldDef, vec2};
 
-use crate::check::{check, judge, there_is};
+use crate::check::{judge, there_is};
 use crate::plan::{FAIR, Plan, Taste};
 
 /// Half of the inner width and height of the room, m.
@@ -40,9 +40,11 @@ fn crowds() -> impl Strategy<Value = Plan> {
             Integrator::ExplicitEuler | Integrator::PublishedVerlet => Integrator::VelocityVerlet,
             integrator => integrator,
         };
+        let (num, den) = plan.world.time_step.seconds();
+        let time_step = if 30 * num > den { TimeStep::hz(60) } else { plan.world.time_step };
         let bodies = walls().into_iter().chain(plan.bodies.into_iter().map(passive)).collect();
         let deeds = plan.deeds.into_iter().map(|(tick, command)| (tick / 3, command)).collect();
-        Plan { world: WorldDef { integrator, ..plan.world }, bodies, fields: Vec::new(), deeds, ..plan }
+        Plan { world: WorldDef { integrator, time_step, ..plan.world }, bodies, fields: Vec::new(), deeds, ..plan }
     })
 }
 

@@ -12,6 +12,8 @@ const OVERLAP: Fx = fx!(0.005);
 const SHARE: i128 = 1_000;
 /// The bound allows the energy that lifts each body by a metre divided by this.
 const LIFT: i128 = 200;
+/// Contacts are soft over a sub-step. In longer steps than one of this many a second bodies that fall into them come out higher.
+const RATE: u32 = 30;
 
 /// Bounds the energy after each step by that after the last input.
 #[derive(Default)]
@@ -98,6 +100,10 @@ fn qualify(world: &World) -> Result<(), &'static str> {
     };
     if !is_exact(world.def().integrator) {
         return Err("its integrator gains energy in free flight");
+    }
+    let (num, den) = world.def().time_step.seconds();
+    if u64::from(num) * u64::from(RATE) > u64::from(den) {
+        return Err("its steps are longer than a thirtieth of a second");
     }
     let takes_only = |kind: &FieldKind| matches!(kind, FieldKind::Drag { wind, .. } if *wind == Vec2::ZERO);
     if !world.fields().all(|(_, field)| takes_only(&field.kind)) {

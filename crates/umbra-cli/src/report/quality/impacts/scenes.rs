@@ -62,7 +62,7 @@ pub(super) fn gas(seed: u64) -> Result<Scene, Error> {
     for i in 0..40 {
         let place = vec2(whole(i % 10) * fx!(1.1) - fx!(5), whole(i / 10) * 3 - fx!(4.5));
         let disc = scene.dynamic(place.x, place.y, Shape::circle(radius)?);
-        disc.velocity = Vec2::new(numbers.next() * 8 - 4, numbers.next() * 8 - 4);
+        disc.velocity = Vec2::new(numbers.next() * 8 - fx!(4), numbers.next() * 8 - fx!(4));
     }
     scene.bodies.iter_mut().for_each(|body| set_smooth(body, fx!(1)));
     Ok(scene)
