@@ -2,8 +2,8 @@
 
 use super::drivers::{Inspector, Seen};
 use umbra_physics::{
-    BodyKind, Command, Created, Difference, Error, FieldKind, Fx, FxWide, Integrator, Owner, Stepper, TickPhase, Vec2,
-    World, fx,
+    BodyKind, ColliderDef, Command, ContactSettings, Created, Difference, Error, FieldKind, Fx, FxWide, Integrator,
+    Owner, Stepper, TickPhase, Vec2, World, fx,
 };
 
 /// Where bodies overlap by more at the start, pushing them out may lift them by more than the bound allows, m.
@@ -38,6 +38,7 @@ impl Stepper for EnergyBound {
 
     fn step(&mut self, world: &mut World) {
         let start = self.bound.map_or_else(|| bound(world), Ok);
+        let has_overlaps = self.bound.is_none() && start.is_ok() && overlaps(world);
         let (has_applied, has_faults) = {
             let report = world.step();
             (!report.applied.is_empty(), !report.faults.is_empty())
@@ -45,8 +46,7 @@ impl Stepper for EnergyBound {
         let start = match start {
             Ok(_) if has_applied => Err("forces are applied in each step"),
             Ok(_) if has_faults => Err("bodies leave the envelope in each step"),
-            // The contacts are those at the start of the step.
-            Ok(_) if self.bound.is_none() && overlaps(world) => Err("bodies overlap by more than 5 mm"),
+            Ok(_) if has_overlaps => Err("bodies overlap by more than 5 mm"),
             start => start,
         };
         self.bound = start.ok();
@@ -132,9 +132,23 @@ fn qualify(world: &World) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// Returns true if bodies overlapped by more than 5 mm at the start of the last step.
+/// Returns true if bodies overlap by more than 5 mm.
+///
+/// A world lists the contacts that pushed, and of colliders with contact events those that overlapped at the start of its last step. So
+/// a copy in which nothing moves makes a step with such colliders; what it refuses stays as it is.
 fn overlaps(world: &World) -> bool {
-    world.contacts().any(|contact| contact.points().iter().any(|point| point.separation < -OVERLAP))
+    let mut still = world.clone();
+    _ = still.set_gravity(Vec2::ZERO);
+    _ = still.set_contact_settings(ContactSettings { push_speed: Fx::ZERO, ..world.def().contacts });
+    for body in world.bodies().filter(|body| body.kind() == BodyKind::Dynamic) {
+        _ = still.set_velocity(body.id(), Vec2::ZERO);
+        _ = still.set_angular_velocity(body.id(), Fx::ZERO);
+    }
+    for (collider, def) in world.colliders() {
+        _ = still.set_collider(collider, ColliderDef { contact_events: true, ..def.clone() });
+    }
+    still.step();
+    still.contacts().any(|contact| contact.points().iter().any(|point| point.separation < -OVERLAP))
 }
 
 fn excess(world: &World, bound: FxWide, energy: FxWide) -> Difference {
