@@ -11,7 +11,7 @@ use crate::report::list;
 use crate::umbra;
 
 /// Scenes of the page, with the number of measures of each.
-const SCENES: [(&str, usize); 17] = [
+const SCENES: [(&str, usize); 25] = [
     ("flat_drop", 3),
     ("pyramid40", 5),
     ("tower20", 3),
@@ -29,9 +29,17 @@ const SCENES: [(&str, usize); 17] = [
     ("cradle", 1),
     ("shots", 4),
     ("seams", 2),
+    ("ghosts", 3),
+    ("bounces", 2),
+    ("gas", 2),
+    ("row", 4),
+    ("overhang", 3),
+    ("half_pipe", 2),
+    ("corridor", 2),
+    ("time_error", 2),
 ];
 /// Unoptimised builds leave out the scenes that take minutes there.
-const SLOW: [&str; 7] = ["pyramid40", "tower20", "cards", "arch", "thin_arch", "belt", "mixed"];
+const SLOW: [&str; 9] = ["pyramid40", "tower20", "cards", "arch", "thin_arch", "belt", "mixed", "gas", "time_error"];
 
 fn scratch(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-quality-{name}", std::process::id()))
@@ -151,7 +159,11 @@ fn the_page_needs_nothing_else_and_is_the_same_each_time() {
     for (name, _) in scenes() {
         assert!(html.contains(&format!("<section id=\"{name}\">")), "{name}");
     }
-    assert_eq!(html.matches("<svg").count(), scenes().count(), "a picture each");
+    assert_eq!(html.matches("<svg width=").count(), scenes().count(), "a picture each");
+    // The energies of the gases, and the errors of two problems.
+    let charts = if cfg!(debug_assertions) { 0 } else { 3 };
+    assert_eq!(html.matches("<svg class=\"chart\"").count(), charts);
+    assert!(html.find("id=\"seams\"") < html.find("<section id=\"impacts\">"));
     for text in ["Box2D 3.2.0", "Rapier 0.36.1", "--scene quality", "class=\"open\""] {
         assert!(html.contains(text), "{text}");
     }
