@@ -216,7 +216,7 @@ impl Engine {
         self.cores.collide(cores[0], cores[1], self.margin(flights, [outlines[0].radius, outlines[1].radius]))
     }
 
-    /// The manifold of two outlines at the mean of the beginnings of sub-steps.
+    /// The manifold of two outlines at the moment of manifolds of bodies that press each other.
     pub(super) fn mean_manifold(
         &mut self,
         scene: &Scene<'_>,
@@ -229,7 +229,7 @@ impl Engine {
         self.manifold(scene, numbers, pair.map(|outline| outline.part), colliders, ends)
     }
 
-    /// The manifold of two outlines of these colliders, with these flights, at the mean of the beginnings of sub-steps.
+    /// The manifold of two outlines of these colliders, with these flights, at the moment of manifolds of bodies that press each other.
     #[inline(always)]
     pub(super) fn manifold(
         &mut self,

@@ -25,7 +25,7 @@ pub(super) enum FlightOf {
     Static,
 }
 
-/// A body: its slot, its kind, and its pose at the mean of the beginnings of sub-steps, which manifolds are of.
+/// A body: its slot, its kind, and its pose at the moment of manifolds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) slot: u32,
@@ -53,7 +53,7 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
-    /// The mean of the beginnings of sub-steps, and the length of the step, in 2^-48 s.
+    /// The moment of manifolds, and the length of the step, in 2^-48 s.
     mean_beginning: u64,
     length: u64,
     /// The changes by impulses, by flight, when contacts are found once more in a step.

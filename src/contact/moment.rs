@@ -2,8 +2,8 @@
 //!
 //! The solver holds the normal and the arms of a contact for a step, and moves its points along rows that do not turn. Rows of the start
 //! give energy to a body that turns, rows of the middle take it away: sub-steps of semi-implicit Euler, n of them, keep it with the rows
-//! of the mean of their beginnings, (n − 1)/2n of the step. So manifolds are those of the poses to which the velocities of the start
-//! lead up to then: what is carried does not fall.
+//! of the mean of their beginnings, (n − 1)/2n of the step. So manifolds are those of the poses to which the velocities of the start lead up
+//! to then: what is carried does not fall.
 //!
 //! Bodies that approach fast and did not press each other in the step before have the manifold of the moment at which their free flights
 //! meet, and no contact if they do not meet: a body touches nothing that its path does not touch, and a glancing hit has the normal of the
@@ -40,9 +40,9 @@ pub(super) fn length(time_step: TimeStep) -> u64 {
     ((u128::from(num) << 48) / u128::from(den)) as u64
 }
 
-/// The mean of the beginnings of sub-steps, in 2^-48 s.
+/// The moment of the manifolds of bodies that press each other, in 2^-48 s.
 pub(super) fn mean_beginning(time_step: TimeStep, substeps: u32) -> u64 {
-    length(time_step) / (4 * u64::from(substeps)) * u64::from(2 * substeps - 1)
+    length(time_step) / (2 * u64::from(substeps)) * u64::from(substeps - 1)
 }
 
 /// A part of a value, for a moment in 2^-62 of the step; rounded to nearest, ties to even: oddly.

@@ -47,15 +47,12 @@ pub(super) struct Total {
     weighted: [i128; 3],
     /// The part of `impulse` by impacts.
     struck: [i128; 3],
-    /// True if there was an impulse, also if they cancel: a body that others clamp may fall asleep.
-    is_pushed: bool,
 }
 
 impl Total {
     /// Adds an impulse along x and y and of rotation.
     #[inline(always)]
     pub(super) fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
-        self.is_pushed |= impulse != [0; 3];
         let [x, y, turn] = if is_weighted { &mut self.weighted } else { &mut self.impulse };
         (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
     }
@@ -63,6 +60,10 @@ impl Total {
     /// Adds an impulse of impacts, which is part of `impulse`.
     fn add_struck(&mut self, impulse: [i128; 3]) {
         (0..3).for_each(|i| self.struck[i] += impulse[i]);
+    }
+
+    fn is_zero(&self) -> bool {
+        self.impulse == [0; 3] && self.weighted == [0; 3]
     }
 }
 
@@ -193,11 +194,8 @@ impl Solver {
         // A loop: a closure would not be compiled for the instructions of the job.
         for (body, (flight, total)) in flights.iter().zip(&self.totals).enumerate() {
             let path = *self.paths.get(body).unwrap_or(&Path::Contacts);
-            corrections.push(if total.is_pushed {
-                flight.correction(total, path, clock)
-            } else {
-                Correction::default()
-            });
+            let is_pushed = !total.is_zero();
+            corrections.push(if is_pushed { flight.correction(total, path, clock) } else { Correction::default() });
         }
     }
 

@@ -263,7 +263,7 @@ impl Group {
         soft.compliance
     }
 
-    /// Raises the speed of the slowest impact to the change of the velocity along the normal by the flights of the step.
+    /// Raises the speed of the slowest impact to twice the change of the velocity along the normal by the flights of the step.
     ///
     /// # Ranges
     /// Changes are within 2^28: a sum of two products with normals is below 2^60.
@@ -272,7 +272,7 @@ impl Group {
         let [nx, ny] = self.normal[lane].map(i64::from);
         let change = nx * i64::from(b[0] - a[0]) + ny * i64::from(b[1] - a[1]);
         // As in the passes, the largest speed is 2^28.
-        let speed = (change.abs() >> 30).min(1 << 28) as i32;
+        let speed = (change.abs() >> 29).min(1 << 28) as i32;
         self.surface[lane][1] = self.surface[lane][1].max(speed);
     }
 

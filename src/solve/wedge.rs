@@ -2,8 +2,7 @@
 //!
 //! Overlaps are pushed out at up to [`push_speed`](super::SolverOptions::push_speed) along each normal. Along two normals at an angle θ that
 //! takes a body out between them at that speed over cos(θ/2), which a narrow wedge makes as large as one likes, and which no pass takes
-//! back: each row sees the cosine of it alone. So both push by cos(θ/2) less. A body that others clamp, whose normals are opposite, is not
-//! pushed.
+//! back: each row sees the cosine of it alone. So both push by cos(θ/2) less, at least by 2^-7 of the speed: a body that others clamp rests.
 
 use super::Solver;
 
@@ -57,7 +56,7 @@ impl Solver {
         let cosine = |other: &Push| (push.normal[0] * other.normal[0] + push.normal[1] * other.normal[1]) >> 30;
         let least = body.iter().map(cosine).min().unwrap_or(ONE).clamp(-ONE, ONE);
         // cos(θ/2) = √((1 + cos θ)/2), in 2^-30.
-        let half = ((((ONE + least) / 2) << 30) as u64).isqrt() as i64;
+        let half = (((((ONE + least) / 2) << 30) as u64).isqrt() as i64).max(ONE >> 7);
         let place = &self.places[push.place as usize];
         let deepest = &mut self.groups[place.group as usize].push_out[place.lane as usize][1];
         *deepest = ((i64::from(*deepest) * half) >> 30) as i32;

@@ -10,14 +10,15 @@ use super::super::number::shifted;
 use super::shock::Shock;
 use super::{FRACTION, Impacts, SubStep};
 
-/// The most iterations, and the fewest of a large set.
+/// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
+/// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
+/// iteration.
 const ITERATIONS: u32 = 128;
 const LEAST: u32 = 8;
-/// A set of which the largest residual is still more than 2^this times the slowest closing speed that counts has no solution: a body is
-/// clamped between others that do not give way, and its impulses would grow with each iteration. It gets the fewest iterations instead.
-const CLAMPED: u32 = 0;
 /// Iterations times shocks after which a large set is left as it is: what is left of an impact in the middle of a pile.
-const WORK: usize = 1 << 10;
+const WORK: usize = 1 << 11;
+/// Sets of fewer shocks converge to the tolerance.
+const SMALL: usize = 32;
 /// Iterations in which a set grows: an impact runs along a row of bodies by one in each.
 const GROWING: u32 = 16;
 
@@ -109,16 +110,18 @@ impl Shock {
 
 impl Solver {
     /// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
-    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) {
+    /// Returns true if it has converged.
+    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> bool {
         impacts.shocks.iter_mut().for_each(Shock::begin);
         for &body in &impacts.set {
             let struck = &mut impacts.bodies[body as usize];
             struck.begun = struck.velocity;
         }
-        if self.iterate(impacts, substep, grows) <= impacts.slowest << CLAMPED {
-            return;
+        match self.iterate(impacts, substep, grows) {
+            None => return false,
+            Some(residual) if residual <= impacts.fastest >> 4 => return residual <= impacts.tolerance,
+            Some(_) => impacts.is_clamped = true,
         }
-        impacts.is_clamped = true;
         for shock in &mut impacts.shocks {
             (shock.impulses, shock.last) = (shock.begun, shock.begun);
         }
@@ -130,21 +133,24 @@ impl Solver {
             self.run_ahead(impacts, 0);
             self.correct(impacts, true);
         }
+        false
     }
 
-    /// The iterations of a compression. Returns the largest residual before the last one.
-    fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> i64 {
+    /// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
+    fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> Option<i64> {
         let (mut momentum, mut work, mut largest, mut has_grown) = (0, 0, 0, false);
         for iteration in 1..=ITERATIONS {
             work += impacts.shocks.len();
             if iteration > LEAST && work > WORK {
-                return 0;
+                return None;
             }
             self.run_ahead(impacts, momentum);
             let (residual, uphill) = self.correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
             largest = residual;
             momentum = if uphill > 0 || residual > largest && momentum > 8 { 0 } else { momentum + 1 };
-            let is_done = residual >> (iteration / 16) <= impacts.tolerance;
+            // Large sets are less exact.
+            let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
+            let is_done = residual >> loose <= impacts.tolerance;
             if is_done || has_grown || iteration.is_power_of_two() {
                 has_grown = grows && iteration <= GROWING && self.join_closing(impacts, substep);
                 if is_done && !has_grown {
@@ -152,7 +158,7 @@ impl Solver {
                 }
             }
         }
-        largest
+        Some(largest)
     }
 
     /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
@@ -219,6 +225,7 @@ impl Solver {
     /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
     fn join_closing(&self, impacts: &mut Impacts, substep: SubStep<'_>) -> bool {
         let before = impacts.shocks.len();
+        let slowest = impacts.slowest();
         let mut index = 0;
         // Bodies that join meanwhile have not changed.
         let bodies = impacts.set.len();
@@ -230,7 +237,7 @@ impl Solver {
             }
             for at in impacts.places_of(struck.row) {
                 let place = impacts.places[at];
-                if !impacts.is_joined[place as usize] && self.closes(impacts, place, substep) {
+                if !impacts.is_joined[place as usize] && self.closes(impacts, place, slowest, substep) {
                     let before = self.rows_before(place, substep);
                     self.join(impacts, self.shock(place, before, substep, impacts.moment), substep);
                 }

@@ -66,11 +66,13 @@ impl Solver {
         impacts.is_clamped = false;
         impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
         impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
-        impacts.slowest = (fastest >> 3).max(2 << FRACTION);
+        impacts.fastest = fastest;
         impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
-        self.compress(impacts, substep, true);
+        if !self.compress(impacts, substep, true) {
+            self.take_back_gain(impacts);
+        }
         for shock in &mut impacts.shocks {
-            shock.compressed = shock.impulses;
+            shock.sure = shock.impulses;
             shock.more = shock.returned();
         }
         if impacts.shocks.iter().all(|shock| shock.more == [0; 3]) {
@@ -82,11 +84,17 @@ impl Solver {
         }
         self.compress(impacts, substep, false);
         // Normal impulses can only take energy away here; friction may not.
+        self.take_back_gain(impacts);
+    }
+
+    /// Takes a share of the impulses beyond those that surely do no work back, if all of them do work: friction and a compression that ended
+    /// early may.
+    fn take_back_gain(&self, impacts: &mut Impacts) {
         let mut shocks = core::mem::take(&mut impacts.shocks);
         for shock in &mut shocks {
-            shock.more = difference(shock.impulses, shock.compressed);
+            shock.more = difference(shock.impulses, shock.sure);
             self.push_shock(impacts, shock, shock.more.map(|impulse| -impulse));
-            shock.impulses = shock.compressed;
+            shock.impulses = shock.sure;
         }
         impacts.shocks = shocks;
         self.add_within_energy(impacts);

@@ -105,10 +105,9 @@ pub(super) struct Impacts {
     set: Vec<u32>,
     /// By row.
     first_moment: Vec<i64>,
-    /// Residuals up to this end a compression, and contacts that close by more than this join: 2^-12 and 2^-6 of the fastest impact. In
-    /// 2^-[`FRACTION`].
+    /// The speed of the fastest impact of the shocks. Residuals up to 2^-12 of it end a compression. In 2^-[`FRACTION`].
+    fastest: i64,
     tolerance: i64,
-    slowest: i64,
     /// The first moment of the shocks.
     moment: i64,
     /// True if the shocks have no solution.
@@ -137,6 +136,16 @@ impl Impacts {
             Some(&body) if body != NONE => self.bodies[body as usize].moment,
             _ => 0,
         }
+    }
+
+    /// Contacts that close by more than this join the shocks: 2^-6 of the fastest impact, more where there are many.
+    fn slowest(&self) -> i64 {
+        let bits = match self.shocks.len() {
+            ..32 => 6,
+            32..128 => 4,
+            _ => 3,
+        };
+        (self.fastest >> bits).max(2 << FRACTION)
     }
 
     /// Forgets the bodies of a sub-step.

@@ -58,8 +58,8 @@ pub(super) struct Shock {
     pub(super) limit: i64,
     pub(super) last: [i64; 3],
     pub(super) from: [i64; 3],
-    /// Impulses of the first compression.
-    pub(super) compressed: [i64; 3],
+    /// Impulses that surely do no work.
+    pub(super) sure: [i64; 3],
     /// Impulses to add as far as they do no work, and the velocities along the rows without them.
     pub(super) more: [i64; 3],
     pub(super) after: [i64; 3],
@@ -221,15 +221,15 @@ impl Solver {
         along(group, lane, a, b, FINE - FRACTION)
     }
 
-    /// Returns true if a contact that is not among the shocks touches and closes, so that it joins them.
-    pub(super) fn closes(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> bool {
+    /// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
+    /// joins them.
+    pub(super) fn closes(&self, impacts: &Impacts, place: u32, slowest: i64, substep: SubStep<'_>) -> bool {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
             body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
             _ => self.velocity_before(row, substep),
         });
         let velocities = along(group, lane, a, b, FINE - FRACTION);
-        let slowest = impacts.slowest;
         if velocities[0].min(velocities[1]) >= -slowest {
             return false;
         }
@@ -289,7 +289,7 @@ impl Solver {
             limit: 0,
             last: [0; 3],
             from: [0; 3],
-            compressed: [0; 3],
+            sure: [0; 3],
             more: [0; 3],
             after: [0; 3],
         }
