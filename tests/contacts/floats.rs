@@ -191,9 +191,9 @@ fn alone<S: Scalar>(which: usize) -> (Vec<BodyDef<S>>, f64) {
         0 => (Geometry::Circle { radius: of(fx!(0.4)) }, fx!(0.425), fx!(0), 1e-4),
         // Slides until it stands.
         1 => (brick(), fx!(0.25), fx!(0), 1e-4),
-        // Fall on a corner.
-        2 => (brick(), fx!(0.32), fx!(0.125), 1e-4),
-        _ => (Geometry::Capsule { length: of(fx!(1)), radius: of(fx!(0.25)) }, fx!(0.32), fx!(0.125), 1e-4),
+        // Fall flat.
+        2 => (brick(), fx!(0.275), fx!(0), 1e-4),
+        _ => (Geometry::Capsule { length: of(fx!(1)), radius: of(fx!(0.25)) }, fx!(0.275), fx!(0), 1e-4),
     };
     let velocity = vec(fx!(3), if which == 1 { fx!(0) } else { fx!(-0.25) });
     let def = body(vec(fx!(0.25), height), collider(shape, surface));
