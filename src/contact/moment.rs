@@ -163,11 +163,11 @@ impl Engine {
             return Some((self.manifold(scene, numbers, parts, colliders, ends)?, ways));
         }
         let still = (0..2).find(|&side| kinds[side] == FlightOf::Static);
-        if let Some(side) = still
-            && let Some(manifold) = self.manifold(scene, numbers, parts, colliders, ends)
-            && self.comes_over_seam(scene, numbers, pair, side, contacts, &manifold, SLANTED)
-        {
-            return Some((manifold, ways));
+        let mean = still.and_then(|_| self.manifold(scene, numbers, parts, colliders, ends));
+        if let (Some(side), Some(manifold)) = (still, mean) {
+            if self.comes_over_seam(scene, numbers, pair, side, contacts, &manifold, SLANTED) {
+                return Some((manifold, ways));
+            }
         }
         let paths = Paths { scene, corrections: &[], is_corrected: false };
         let (manifold, ways) = self.meet_on_paths(scene, numbers, parts, colliders, ends, &paths)?;
