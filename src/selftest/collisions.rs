@@ -111,7 +111,7 @@ pub(super) fn loads(trial: &mut Trial) -> Played {
             *deepest = points.fold(*deepest, |deepest, point| deepest.max(-point.separation));
         }
     }
-    happened("a load lands on one that dominates it", landing > fx!(0.005) && landing < fx!(0.05))?;
+    happened("a load lands on one that dominates it", landing > Fx::ZERO && landing < fx!(0.05))?;
     happened("and rests there", world.body(ids[16])?.position().y > fx!(2.495))?;
     happened("the heaviest one presses, and sinks in by less than 5 cm", deepest > fx!(0.01) && deepest < fx!(0.05))?;
     happened("it is still on top", world.body(ids[12])?.position().y > fx!(3.375))?;

@@ -3,7 +3,7 @@
 //! They minimise the kinetic energy over impulses λ ≥ 0 along the normals and |λt| ≤ μ·Σλ along the tangents: the velocity along a row is
 //! zero where its impulse pushes, and not negative where it does not. The iteration is projected Jacobi by contacts (a contact's two
 //! points are one block), with the mass of a body split among the shocks that share it, and accelerated by Nesterov's momentum, begun anew
-//! where it leads uphill. All shocks of an iteration see the same velocities and sums of integers commute, so no order matters.
+//! where it leads uphill. The limits of friction stand still for some iterations, as the problem is convex then. All shocks of an iteration see the same velocities and sums of integers commute, so no order matters.
 
 use super::super::Solver;
 use super::super::number::shifted;
@@ -147,7 +147,7 @@ impl Solver {
             self.run_ahead(impacts, momentum);
             let (residual, uphill) = self.correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
             largest = residual;
-            momentum = if uphill > 0 || residual > largest && momentum > 8 { 0 } else { momentum + 1 };
+            momentum = if uphill > 0 { 0 } else { momentum + 1 };
             // Large sets are less exact.
             let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
             let is_done = residual >> loose <= impacts.tolerance;
@@ -184,7 +184,8 @@ impl Solver {
         impacts.shocks = shocks;
     }
 
-    /// One iteration. Returns the largest residual before it, and a positive number if the momentum led uphill.
+    /// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
+    /// led uphill along the normals.
     fn correct(&self, impacts: &mut Impacts, renews: bool) -> (i64, i128) {
         let mut shocks = core::mem::take(&mut impacts.shocks);
         let (mut largest, mut uphill) = (0, 0);

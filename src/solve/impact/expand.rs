@@ -154,7 +154,10 @@ impl Solver {
                 let back = gain(group, lane, side, late, 1);
                 let struck = &mut bodies[body as usize];
                 (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]));
-                struck.moment = struck.moment.max(moment);
+                // Impacts of other bodies at one that cannot be moved are none of its own.
+                if shock.is_movable(side) {
+                    struck.moment = struck.moment.max(moment);
+                }
             }
             let speeds = shock.speeds.map(|speed| speed >> FRACTION);
             strikes.push(Strike { place: shock.place, impulses: shock.impulses, speeds });
