@@ -3,7 +3,7 @@
 
 mod chunks;
 mod filter;
-mod fixed;
+mod to_fx;
 mod mass;
 mod material;
 mod one_way;

@@ -7,7 +7,7 @@ use core::ops::Deref;
 
 use super::chunks::Chunks;
 use super::pairs::MaterialPairs;
-use super::{ColliderDef, Side, fixed};
+use super::{ColliderDef, Side, to_fx};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::error::Error;
 use crate::fx::Fx;
@@ -53,7 +53,7 @@ impl<S: Scalar> Default for ColliderSet<S> {
             more_outlines: 0,
             kinds: Kinds::default(),
             pairs: MaterialPairs::default(),
-            image: fixed::image::<S>(),
+            image: to_fx::image::<S>(),
         }
     }
 }

@@ -134,6 +134,7 @@ impl<S: Scalar> Start<S> {
     }
 
     /// The starts in fixed point: these themselves in a world of [`Fx`], else copies in `memory`.
+    #[allow(clippy::ptr_arg, reason = "a vector can be asked for its type, a slice cannot")]
     pub(crate) fn all_fixed<'a>(starts: &'a Vec<Self>, memory: &'a mut Vec<Start>) -> &'a [Start] {
         if let Some(starts) = (starts as &dyn Any).downcast_ref::<Vec<Start>>() {
             return starts;

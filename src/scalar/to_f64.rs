@@ -130,7 +130,7 @@ mod tests {
         let mut random = Random::seeded(run_seed(1));
         for _ in 0..10_000 {
             let size = libm::scalbn(1.0, random.below(60) as i32 - 30);
-            let value = size * (random.below(1 << 32) as f64 / f64::from(1 << 31) - 1.0);
+            let value = size * (random.below(1 << 32) as f64 / f64::from(1_u32 << 31) - 1.0);
             assert_eq!(<f64 as Accumulator<f64>>::from_fixed(Accumulator::<f64>::to_fixed(value)), value);
             assert_eq!(Factor::<f64>::to_fx_factor(value.abs()).to_f64(), value.abs());
             let angle: f64 = Angle::<f64>::from_radians(value);

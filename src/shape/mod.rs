@@ -7,7 +7,7 @@ mod aabb;
 mod build;
 mod bytes;
 mod crossing;
-mod fixed;
+mod to_fx;
 mod mass;
 mod outline;
 #[cfg(feature = "serde")]

@@ -221,7 +221,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             // What these are refused for depends on the motion before.
             let depends = matches!(
                 action,
-                SceneAction::Command(Command::Release(_) | Command::MoveTo { .. })
+                SceneAction::Command(Command::Release(_) | Command::MoveTo { .. } | Command::Explode(_))
                     | SceneAction::Command(Command::Apply {
                         action: ForceOrImpulse::Impulse { .. }
                             | ForceOrImpulse::AngularImpulse(_)

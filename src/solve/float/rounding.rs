@@ -76,7 +76,7 @@ impl Rounding {
     pub(super) fn within(&mut self, limit: f64) -> f64 {
         match &mut self.random {
             None => 0.0,
-            Some(random) => limit * (random.below(1 << 32) as f64 / f64::from(1 << 31) - 1.0),
+            Some(random) => limit * (random.below(1 << 32) as f64 / power(31) - 1.0),
         }
     }
 

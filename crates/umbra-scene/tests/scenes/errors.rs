@@ -1,5 +1,6 @@
 //! The errors of a text: all at once, each at its place, with what would be right.
 
+use umbra_physics::Fx;
 use umbra_scene::{Scene, SceneErrors};
 
 fn errors(text: &str) -> SceneErrors {
@@ -314,6 +315,25 @@ fn inputs_that_the_world_refuses_are_all_reported() {
     let found = errors(text);
     let places: Vec<usize> = found.errors().iter().map(|error| error.place.line).collect();
     assert_eq!(places, [2, 3, 4], "{found}");
+}
+
+/// At the start the explosion would take the body beyond the largest speed; the step before it stops the body.
+#[test]
+fn an_explosion_is_refused_by_the_motion_at_its_tick() {
+    let text = |at: u64| {
+        let colliders = r#"[{"shape": {"circle": {"radius": 1}}}]"#;
+        let motion = r#""position": [20, 0], "velocity": [-1048576, 0]"#;
+        let body = format!(r#"{{"name": "a", {motion}, "colliders": {colliders}}}"#);
+        let explosion = format!(r#"{{"at": {at}, "explode": {{"position": [0, 0], "radius": 30, "impulse": -1}}}}"#);
+        format!(r#"{{"damping": {{"linear": {{"kept_per_second": 0}}}}, "bodies": [{body}], "inputs": [{explosion}]}}"#)
+    };
+    let run = |at: u64| {
+        let scene = Scene::parse(&text(at)).expect("a scene");
+        let mut run = scene.start::<Fx>().expect("a start");
+        (0..2).try_for_each(|_| run.advance().map(drop))
+    };
+    assert_eq!(run(0).map_err(|error| error.code()), Err(101));
+    assert_eq!(run(1), Ok(()));
 }
 
 #[test]
