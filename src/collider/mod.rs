@@ -3,13 +3,13 @@
 
 mod chunks;
 mod filter;
-mod to_fx;
 mod mass;
 mod material;
 mod one_way;
 mod pairs;
 mod set;
 mod settings;
+mod to_fx;
 
 use alloc::vec::Vec;
 use core::fmt;

@@ -7,11 +7,11 @@ mod aabb;
 mod build;
 mod bytes;
 mod crossing;
-mod to_fx;
 mod mass;
 mod outline;
 #[cfg(feature = "serde")]
 mod serial;
+mod to_fx;
 
 pub use aabb::Aabb;
 pub use outline::Outline;
