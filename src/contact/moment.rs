@@ -145,7 +145,7 @@ impl Engine {
             cores[side] = if both[side].moves() {
                 let (centre, angle) = both[side].leg(moment).0.pose(moment);
                 let pose = Pose::new(Vec2::new(Fx::from_bits(centre[0]), Fx::from_bits(centre[1])), angle);
-                self.cores.push(&outline.outline, &pose)
+                self.push_core(scene, numbers[side], colliders[side], &outline, ends[side], &pose)
             } else {
                 self.core(scene, numbers[side], colliders[side], &outline, ends[side])
             };
