@@ -19,8 +19,8 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop, is_asleep,
-    list_pairs,
+    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
+    is_asleep, list_pairs,
 };
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
