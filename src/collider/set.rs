@@ -104,7 +104,7 @@ pub(crate) struct Collider<S: Scalar = Fx> {
     pub(crate) digest: u64,
     /// A hash of the definition without the handle of the body.
     pub(crate) physics_digest: u64,
-    /// Of the first collider of a body: the revision after the last change of the body's colliders.
+    /// The revision after the last change of the body's colliders, if this is the first of them.
     body_revision: u64,
 }
 

@@ -228,7 +228,7 @@ fn a_part_with_another_filter_covers_no_edge() {
     }
 }
 
-/// Two bodies side by side are two surfaces: where one of them moves away, the side of the other is there.
+/// Where a part of a platform is removed, the sides of its neighbours are there from the next step on.
 #[test]
 fn parts_of_a_body_that_are_removed_open_their_neighbours() {
     let platform = BodyDef { kind: BodyKind::Kinematic, ..tiles(Surface::Colliders, &[1.0; 5]) };
