@@ -56,6 +56,7 @@ impl Tiles {
     }
 
     /// The edges of a static outline that are on the surface of its union with others; `None` if it stands alone.
+    #[allow(clippy::too_many_arguments, reason = "a tile has a number, a collider, an outline and a pose")]
     pub(super) fn find(
         &mut self,
         scene: &Scene<'_>,
