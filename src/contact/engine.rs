@@ -108,34 +108,19 @@ impl Engine {
 
     /// An outline in world axes, placed when it is first asked for.
     #[inline(always)]
-    pub(super) fn core(
-        &mut self,
-        scene: &Scene<'_>,
-        number: u32,
-        collider: &Collider,
-        outline: &BodyOutline,
-        flight: u32,
-    ) -> usize {
+    pub(super) fn core(&mut self, scene: &Scene<'_>, number: u32, outline: &BodyOutline, flight: u32) -> usize {
         match self.core_of.get(number) {
-            NONE => self.place(scene, number, collider, outline, flight),
+            NONE => self.place(scene, number, outline, flight),
             core => core as usize,
         }
     }
 
-    fn place(
-        &mut self,
-        scene: &Scene<'_>,
-        number: u32,
-        collider: &Collider,
-        outline: &BodyOutline,
-        flight: u32,
-    ) -> usize {
+    fn place(&mut self, scene: &Scene<'_>, number: u32, outline: &BodyOutline, flight: u32) -> usize {
         let body = self.flights.body(flight);
         let core = self.cores.push(&outline.outline, &body.pose);
         self.core_of.set(number, core as u32);
         if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
-            let pose = &body.pose;
-            if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, collider, outline, pose) {
+            if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, outline, &body.pose) {
                 self.cores.set_faces(faces);
             }
         }
@@ -240,10 +225,7 @@ impl Engine {
         ends: [u32; 2],
     ) -> Option<Manifold> {
         let (a, b) = (colliders[0].outline(parts[0]), colliders[1].outline(parts[1]));
-        let cores = [
-            self.core(scene, numbers[0], colliders[0], &a, ends[0]),
-            self.core(scene, numbers[1], colliders[1], &b, ends[1]),
-        ];
+        let cores = [self.core(scene, numbers[0], &a, ends[0]), self.core(scene, numbers[1], &b, ends[1])];
         let flights = ends.map(|flight| self.flights.flight(flight));
         self.cores.collide(cores[0], cores[1], self.margin(flights, [a.radius, b.radius]))
     }

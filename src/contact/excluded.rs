@@ -198,7 +198,7 @@ impl Engine {
         let colliders = [a, b];
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let other = self.core(scene, numbers[1], b, &outlines[1], ends[1]);
+        let other = self.core(scene, numbers[1], &outlines[1], ends[1]);
         let pose = self.flights.body(ends[0]).pose;
         let zero = Fx::ZERO;
         let shifts = [(SHIFT, zero), (-SHIFT, zero), (zero, SHIFT), (zero, -SHIFT)];

@@ -56,14 +56,12 @@ impl Tiles {
     }
 
     /// The edges of a static outline that are on the surface of its union with others; `None` if it stands alone.
-    #[allow(clippy::too_many_arguments, reason = "a tile has a number, a collider, an outline and a pose")]
     pub(super) fn find(
         &mut self,
         scene: &Scene<'_>,
         statics: &Statics,
         numbers: &Numbers,
         number: u32,
-        collider: &Collider,
         outline: &BodyOutline,
         pose: &Pose,
     ) -> Option<&[Face]> {
@@ -71,6 +69,7 @@ impl Tiles {
             return None;
         }
         if self.of.get(number) == NONE {
+            let collider = scene.colliders.at(numbers.outline(number).slot)?;
             self.polygons.clear();
             self.polygons.push(pose.corners_from(&outline.outline, pose));
             statics.near(reach::resting(outline, pose), |proxy: &Proxy| {
