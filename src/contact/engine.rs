@@ -128,16 +128,9 @@ impl Engine {
     }
 
     /// An outline of a body at the start of the step.
-    pub(super) fn start_core(
-        &mut self,
-        scene: &Scene<'_>,
-        number: u32,
-        collider: &Collider,
-        outline: &BodyOutline,
-        flight: u32,
-    ) -> usize {
+    pub(super) fn start_core(&mut self, scene: &Scene<'_>, number: u32, outline: &BodyOutline, flight: u32) -> usize {
         let Some(pose) = self.flights.start_pose(scene, flight) else {
-            return self.core(scene, number, collider, outline, flight);
+            return self.core(scene, number, outline, flight);
         };
         if self.start_core_of.get(number) == NONE {
             let core = self.cores.push(&outline.outline, &pose);
@@ -194,8 +187,8 @@ impl Engine {
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let outlines = [colliders[0].outline(pair[0].part), colliders[1].outline(pair[1].part)];
         let cores = [
-            self.start_core(scene, numbers[0], colliders[0], &outlines[0], ends[0]),
-            self.start_core(scene, numbers[1], colliders[1], &outlines[1], ends[1]),
+            self.start_core(scene, numbers[0], &outlines[0], ends[0]),
+            self.start_core(scene, numbers[1], &outlines[1], ends[1]),
         ];
         let flights = ends.map(|flight| self.flights.flight(flight));
         self.cores.collide(cores[0], cores[1], self.margin(flights, [outlines[0].radius, outlines[1].radius]))

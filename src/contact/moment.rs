@@ -234,7 +234,7 @@ impl Engine {
                 let pose = Pose::new(Vec2::new(Fx::from_bits(centre[0]), Fx::from_bits(centre[1])), angle);
                 self.cores.push(&outline.outline, &pose)
             } else {
-                self.core(scene, numbers[side], colliders[side], &outline, ends[side])
+                self.core(scene, numbers[side], &outline, ends[side])
             };
         }
         let ways = ends.map(|flight| Way::along(&self.flights.deflected(flight), moment));

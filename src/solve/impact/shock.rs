@@ -344,6 +344,10 @@ fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i
     if gap + moved <= 0 {
         return (velocity < 0).then_some((from, -velocity as i64));
     }
+    // It has come out of an overlap since the beginning.
+    if gap <= 0 {
+        return None;
+    }
     // Below 2^94.
     let square = velocity * velocity - 2 * acceleration * gap;
     if square <= 0 {
