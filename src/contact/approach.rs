@@ -30,29 +30,27 @@ pub(super) struct Approach {
 }
 
 impl Approach {
-    /// Takes the impacts that the solver found, with their speeds. A contact that only passed on the impacts of others
-    /// is no hit by them.
-    pub(super) fn set_impact(&mut self, impact: &ContactImpact) {
-        if impact.speeds != [Fx::ZERO; 2] {
-            self.speeds = impact.speeds;
-            self.impact = Some(*impact);
-        }
+    /// Takes the impacts that the solver found, with their speeds, or forgets them. A contact that only passed on the impacts of
+    /// others is no hit by them.
+    pub(super) fn set_impact(&mut self, impact: Option<ContactImpact>) {
+        self.impact = impact.filter(|impact| impact.speeds != [Fx::ZERO; 2]);
     }
 
     /// The speed of the faster one of the points with an impulse, and the place where it meets the other surface, as seen from this body;
     /// the middle of two points that are equally fast. `None` if no point approached.
     pub(super) fn fastest(&self, total: &Impulses, side: usize) -> Option<(Fx, Vec2)> {
-        let is_hit = |&k: &usize| total.values[k] > 0 && self.speeds[k] > Fx::ZERO;
+        let speeds = self.impact.map_or(self.speeds, |impact| impact.speeds);
+        let is_hit = |&k: &usize| total.values[k] > 0 && speeds[k] > Fx::ZERO;
         let mut points = (0..2).filter(is_hit);
         let first = points.next()?;
         let arms = &self.arms[side];
         let (speed, arm) = match points.next() {
-            Some(second) if self.speeds[second] > self.speeds[first] => (self.speeds[second], arms[second]),
-            Some(second) if self.speeds[second] == self.speeds[first] => {
+            Some(second) if speeds[second] > speeds[first] => (speeds[second], arms[second]),
+            Some(second) if speeds[second] == speeds[first] => {
                 let [a, b] = [arms[first], arms[second]];
-                (self.speeds[first], Vec2::new(middle(a.x, b.x), middle(a.y, b.y)))
+                (speeds[first], Vec2::new(middle(a.x, b.x), middle(a.y, b.y)))
             }
-            _ => (self.speeds[first], arms[first]),
+            _ => (speeds[first], arms[first]),
         };
         Some((speed, self.positions[side] + arm))
     }

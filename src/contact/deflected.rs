@@ -2,8 +2,8 @@
 //!
 //! Contacts are found on free flights. A body that an impact turns aside or sets in motion may meet another one that its free flight
 //! does not: so after the solver has run, the paths of these bodies are asked for the moments at which they meet what they have no
-//! contact with, the contacts found are added, and the solver runs again from the start of the step, up to [`ROUNDS`] times. The set of
-//! contacts only grows, and is a function of the scene. Bodies that are deflected still after that are swept as bullets are: they stop at
+//! contact with, the contacts found are added, and their islands are solved again from the start of the step, up to [`ROUNDS`] times. The
+//! set of contacts only grows, and is a function of the scene. Bodies that are deflected still after that are swept as bullets are: they stop at
 //! what they meet, and have the impact in the next step.
 
 use super::engine::Engine;
@@ -15,15 +15,15 @@ use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
 use crate::solve::Impulses;
 
-/// Bodies of which impulses change the way by less than this, 1 mm, are not deflected: they overlap by no more in the next step.
-const DEFLECTION: i64 = 1 << 22;
+/// Bodies of which impulses change the way by less than this, 4 mm, are not deflected: they overlap by no more in the next step.
+const DEFLECTION: i64 = 1 << 24;
 
 /// The most times that the solver runs again in a step.
 pub(crate) const ROUNDS: u32 = 8;
 
 impl Engine {
-    /// Adds the contacts that deflected bodies meet on the paths of these corrections, and to `touched` the sleeping bodies. Returns true
-    /// if there is a contact: then all contacts start once more from the impulses of the step before.
+    /// Adds the contacts that deflected bodies meet on the paths of these corrections, and to `touched` the sleeping bodies. Bodies whose
+    /// paths have not changed since the last time meet nothing new. Returns true if there is a contact.
     pub(crate) fn add_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction], out: &mut Detected) -> bool {
         #[cfg(feature = "selftest")]
         if self.is_discrete {
@@ -44,6 +44,7 @@ impl Engine {
         if self.found.len() == known {
             return false;
         }
+        self.again.added.extend(self.contacts[known..].iter().flat_map(|contact| contact.bodies));
         self.sort_contacts(known);
         true
     }
@@ -54,7 +55,8 @@ impl Engine {
         self.sweep.fast.clear();
         for (flight, correction) in corrections.iter().enumerate() {
             let place = self.flights.body(flight as u32);
-            if !correction.is_pushed || place.kind != FlightOf::Dynamic {
+            let may_meet = place.kind == FlightOf::Dynamic && self.again.may_have_changed(flight as u32);
+            if !correction.is_pushed || !may_meet {
                 continue;
             }
             let free = self.flights.flight(flight as u32).displacement;
@@ -91,8 +93,8 @@ impl Engine {
         }
     }
 
-    /// Takes the contacts from `known` on to their places, in the order of their outlines, and gives all of them the impulses that they
-    /// start from. It moves all that come behind, for each: such contacts are few.
+    /// Takes the contacts from `known` on to their places, in the order of their outlines. It moves all that come behind, for each: such
+    /// contacts are few.
     fn sort_contacts(&mut self, known: usize) {
         for last in known..self.found.len() {
             let pair = self.found[last].pair;
@@ -100,6 +102,9 @@ impl Engine {
             self.found[place..=last].rotate_right(1);
             self.contacts[place..=last].rotate_right(1);
             self.starts[place..=last].rotate_right(1);
+            if !self.totals.is_empty() {
+                self.totals.insert(place, Impulses::default());
+            }
             for (number, _) in &mut self.approaches {
                 match *number as usize {
                     index if index == last => *number = place as u32,
@@ -109,9 +114,6 @@ impl Engine {
             }
         }
         self.approaches.sort_unstable_by_key(|(number, _)| *number);
-        for (contact, start) in self.contacts.iter_mut().zip(&self.starts) {
-            contact.impulses = *start;
-        }
     }
 
     /// Exchanges the impulses of all contacts with those that they start from.

@@ -13,7 +13,7 @@ use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
-use super::solved::FoundContact;
+use super::solved::{Again, FoundContact};
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
@@ -69,6 +69,7 @@ pub(crate) struct Engine {
     /// Workspace: the numbers of outlines near one.
     pub(super) near_numbers: Vec<u32>,
     pub(super) sweep: sweep::Workspace,
+    pub(super) again: Again,
     /// No contact is found ahead of time.
     #[cfg(feature = "selftest")]
     pub(super) is_discrete: bool,
@@ -349,6 +350,7 @@ impl Engine {
         self.approaches.clear();
         self.core_of.clear();
         self.sweep.deflected.clear();
+        self.again.clear();
         self.start_core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();

@@ -10,6 +10,7 @@ use alloc::vec::Vec;
 
 use super::engine::Engine;
 use super::solved::FoundContact;
+use super::split::Part;
 use super::{ContactBodies, ContactRecord, ContactSet, Scene, Solvers};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::{Collider, ColliderSet};
@@ -184,24 +185,37 @@ impl Read for EndedPair {
 }
 
 impl Engine {
-    /// Reads what events need from the solvers: the impulses and the impacts of the step, and which contacts touched.
-    pub(super) fn find_touches<C: ContactSolver>(&mut self, solvers: &Solvers<C>, scene: &Scene<'_>) {
-        let any_events = scene.colliders.any_contact_events();
-        if !any_events && self.approaches.is_empty() {
+    /// Reads what events need from the solvers: the impulses and the impacts of the step, and which contacts touched. The solvers have solved
+    /// all contacts, or the ones of this part.
+    pub(super) fn find_touches<C: ContactSolver>(
+        &mut self,
+        solvers: &Solvers<C>,
+        scene: &Scene<'_>,
+        part: Option<&Part>,
+    ) {
+        let (any_events, any_hits) = (scene.colliders.any_contact_events(), scene.colliders.any_hit_events());
+        if !any_events && !any_hits {
             return;
         }
+        let number = |contact: u32| part.map_or(contact, |part| part.contact_numbers[contact as usize]);
         self.totals.resize(self.found.len(), Impulses::default());
-        for (number, [first, second], exponent) in solvers.totals() {
-            let second = if self.contacts[number as usize].count == 2 { second } else { 0 };
-            self.totals[number as usize] = Impulses { values: [first, second, 0], exponent };
+        for (contact, [first, second], exponent) in solvers.totals() {
+            let number = number(contact) as usize;
+            let second = if self.contacts[number].count == 2 { second } else { 0 };
+            self.totals[number] = Impulses { values: [first, second, 0], exponent };
         }
-        if !self.approaches.is_empty() {
-            for impact in solvers.impacts(&self.contacts) {
-                if let Ok(at) = self.approaches.binary_search_by_key(&impact.contact, |(number, _)| *number) {
-                    self.approaches[at].1.set_impact(&impact);
-                }
+        for (approached, approach) in &mut self.approaches {
+            if part.is_none_or(|part| part.contact_numbers.binary_search(approached).is_ok()) {
+                approach.set_impact(None);
             }
         }
+        for impact in solvers.impacts(part.map_or(&self.contacts, |part| &part.contacts)) {
+            let contact = number(impact.contact);
+            if let Ok(at) = self.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
+                self.approaches[at].1.set_impact(Some(impact));
+            }
+        }
+        self.touched.clear();
         if any_events {
             for number in 0..self.found.len() {
                 let touches = self.touches(scene, number);

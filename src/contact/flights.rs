@@ -175,6 +175,11 @@ impl Flights {
         }
     }
 
+    /// Returns true if a body follows another one.
+    pub(super) fn any_followers(&self) -> bool {
+        !self.followers.is_empty()
+    }
+
     /// The flight of a body.
     #[inline(always)]
     pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {

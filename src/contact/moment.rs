@@ -223,6 +223,10 @@ impl Engine {
     ) -> Option<(Manifold, [Way; 2])> {
         let path = |side: usize| paths.path(self.flights.body(ends[side]), self.flights.flight(ends[side]), ends[side]);
         let both = [path(0), path(1)];
+        let reaches = [0, 1].map(|side: usize| colliders[side].outline(parts[side]).radius.to_bits());
+        if both[0].stays_apart(&both[1], reaches[0].saturating_add(reaches[1])) {
+            return None;
+        }
         let forms = [sweep::form(colliders[0], parts[0]), sweep::form(colliders[1], parts[1])];
         let pair = Sweep { forms: [&forms[0], &forms[1]], paths: [&both[0], &both[1]], is_mutual: true };
         let moment = pair.first_touch()?;

@@ -3,11 +3,12 @@
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::split::Solvers;
+use super::flights::Flights;
+use super::split::{Part, Solvers};
 use super::{ContactRecord, ContactSet, Correction, Scene};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::solve::{ContactSolver, Impulses};
+use crate::solve::{Contact, ContactSolver, Graph, Impulses};
 
 /// A contact that was found: its outlines, and the names and the number of its points.
 #[derive(Clone, Copy, Debug)]
@@ -65,10 +66,45 @@ impl Engine {
         let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
         // Moving bodies have the first flights.
         corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
-        self.find_touches(solvers, scene);
+        self.find_touches(solvers, scene, None);
+        self.mark_pushing(corrections);
+    }
+
+    /// Solves the islands again that the added contacts belong to, from the start of the step.
+    pub(crate) fn solve_again<C: ContactSolver>(
+        &mut self,
+        solvers: &mut Solvers<C>,
+        scene: &Scene<'_>,
+        corrections: &mut Vec<Correction>,
+    ) {
+        let mut again = core::mem::take(&mut self.again);
+        again.take_islands(&self.flights, &self.contacts);
+        let part = &mut again.part;
+        for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
+            contact.impulses = self.starts[number as usize];
+        }
+        let options = scene.settings.into();
+        let changes = solvers.solve(scene.time_step, &options, &part.flights, &mut part.contacts);
+        for (&number, change) in part.flight_numbers.iter().zip(changes) {
+            match corrections.get_mut(number as usize) {
+                Some(correction) if again.is_changed[number as usize] => *correction = Correction::from(change),
+                // A fixed body, which other islands may touch as well.
+                Some(correction) => correction.is_pushed = false,
+                None => {}
+            }
+        }
+        for (contact, &number) in part.contacts.iter().zip(&part.contact_numbers) {
+            self.contacts[number as usize].impulses = contact.impulses;
+        }
+        self.find_touches(solvers, scene, Some(part));
+        self.mark_pushing(corrections);
+        self.again = again;
+    }
+
+    /// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
+    fn mark_pushing(&self, corrections: &mut Vec<Correction>) {
         for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
             for body in contact.bodies {
-                // A body that pushes others is not at rest, even if they do not move it.
                 if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
                     correction.is_pushed = true;
                 }
@@ -76,6 +112,50 @@ impl Engine {
         }
         if !corrections.iter().any(|correction| correction.is_pushed) {
             corrections.clear();
+        }
+    }
+}
+
+/// The islands that got contacts within a step, and memory for solving them again.
+#[derive(Debug, Default)]
+pub(super) struct Again {
+    /// The flights of the contacts that were added last.
+    pub(super) added: Vec<u32>,
+    /// By flight: true for a body of an island with such a contact; empty before the first ones are added.
+    pub(super) is_changed: Vec<bool>,
+    graph: Graph,
+    /// By island.
+    is_taken: Vec<bool>,
+    part: Part,
+}
+
+impl Again {
+    pub(super) fn clear(&mut self) {
+        self.added.clear();
+        self.is_changed.clear();
+    }
+
+    /// Returns true if the path of a body may be another one than before the last contacts were added.
+    pub(super) fn may_have_changed(&self, flight: u32) -> bool {
+        self.is_changed.get(flight as usize).is_none_or(|&is_changed| is_changed)
+    }
+
+    /// Copies the contacts of the islands of the added contacts; all of them where bodies follow others.
+    fn take_islands(&mut self, flights: &Flights, contacts: &[Contact]) {
+        let Self { added, is_changed, graph, is_taken, part } = self;
+        let (links, all) = (contacts.iter().map(|contact| contact.bodies), flights.all());
+        graph.build(|body| all[body as usize].is_fixed(), all.len(), links, |_, _| {});
+        is_taken.clear();
+        is_taken.resize(graph.islands(), flights.any_followers());
+        for island in added.drain(..).filter_map(|body| graph.island_of(body)) {
+            is_taken[island as usize] = true;
+        }
+        is_changed.clear();
+        let is_of_taken = |body: u32| graph.island_of(body).is_some_and(|island| is_taken[island as usize]);
+        is_changed.extend((0..all.len() as u32).map(is_of_taken));
+        part.take(all, contacts, |contact| contact.bodies.into_iter().any(|body| is_changed[body as usize]));
+        for at in 0..part.flights.len() {
+            part.flights[at].leader = part.flights[at].leader.and_then(|leader| part.flight(leader));
         }
     }
 }

@@ -34,16 +34,49 @@ fn is_heavy(load: Fx, mass: Fx) -> bool {
     load.to_bits() > mass.to_bits() * HEAVY
 }
 
-/// Contacts that take the same sub-steps, and their flights.
+/// Contacts of whole islands, and their flights.
 #[derive(Debug, Default)]
-struct Part {
-    flights: Vec<Flight>,
+pub(super) struct Part {
+    pub(super) flights: Vec<Flight>,
     /// The numbers of the flights among all.
-    flight_numbers: Vec<u32>,
-    contacts: Vec<Contact>,
+    pub(super) flight_numbers: Vec<u32>,
+    pub(super) contacts: Vec<Contact>,
     /// The numbers of the contacts among all.
-    contact_numbers: Vec<u32>,
+    pub(super) contact_numbers: Vec<u32>,
+    /// By flight among all its number here, or [`NONE`].
+    place: Vec<u32>,
     corrections: Vec<Correction>,
+}
+
+impl Part {
+    /// Copies contacts, and the flights that they join. Leaders are still those among all.
+    pub(super) fn take(&mut self, flights: &[Flight], contacts: &[Contact], is_taken: impl Fn(&Contact) -> bool) {
+        let Self { place, .. } = self;
+        place.clear();
+        place.resize(flights.len(), NONE);
+        self.flights.clear();
+        self.flight_numbers.clear();
+        self.contacts.clear();
+        self.contact_numbers.clear();
+        for (number, contact) in (0..).zip(contacts).filter(|(_, contact)| is_taken(contact)) {
+            let bodies = contact.bodies.map(|body| {
+                let at = &mut place[body as usize];
+                if *at == NONE {
+                    *at = self.flights.len() as u32;
+                    self.flights.push(flights[body as usize]);
+                    self.flight_numbers.push(body);
+                }
+                *at
+            });
+            self.contacts.push(Contact { bodies, ..*contact });
+            self.contact_numbers.push(number);
+        }
+    }
+
+    /// The number here of a flight among all.
+    pub(super) fn flight(&self, number: u32) -> Option<u32> {
+        self.place.get(number as usize).copied().filter(|&at| at != NONE)
+    }
 }
 
 /// The contacts of a step, split by the sub-steps that their islands take, and a solver for each part.
@@ -54,8 +87,6 @@ pub(crate) struct Solvers<C> {
     loads: Vec<Fx>,
     /// By island.
     is_heavy: Vec<bool>,
-    /// By flight its number among those of a part, or [`NONE`].
-    place: Vec<u32>,
     /// True if the last step had two parts.
     is_split: bool,
     parts: [Part; 2],
@@ -176,39 +207,20 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
     fn take(&mut self, index: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
-        let Self { graph, is_heavy, place, parts, corrections, .. } = self;
+        let Self { graph, is_heavy, parts, corrections, .. } = self;
         let part = &mut parts[index];
-        place.clear();
-        place.resize(flights.len(), NONE);
-        part.flights.clear();
-        part.flight_numbers.clear();
-        part.contacts.clear();
-        part.contact_numbers.clear();
-        for (number, contact) in (0..).zip(contacts) {
+        part.take(flights, contacts, |contact| {
             let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
-            if island.is_some_and(|island| is_heavy[island as usize]) != (index == 1) {
-                continue;
-            }
-            let bodies = contact.bodies.map(|body| {
-                let at = &mut place[body as usize];
-                if *at == NONE {
-                    *at = part.flights.len() as u32;
-                    part.flights.push(flights[body as usize]);
-                    part.flight_numbers.push(body);
-                }
-                *at
-            });
-            part.contacts.push(Contact { bodies, ..*contact });
-            part.contact_numbers.push(number);
-        }
-        for flight in &mut part.flights {
-            let Some(leader) = flight.leader else { continue };
-            let at = place[leader as usize];
-            if at == NONE {
+            island.is_some_and(|island| is_heavy[island as usize]) == (index == 1)
+        });
+        for at in 0..part.flights.len() {
+            let Some(leader) = part.flights[at].leader else { continue };
+            let place = part.flight(leader);
+            if place.is_none() {
                 // The leader was in the part before, or has no contacts at all.
-                correct(flight, &corrections[leader as usize], time_step);
+                correct(&mut part.flights[at], &corrections[leader as usize], time_step);
             }
-            flight.leader = Some(at).filter(|&at| at != NONE);
+            part.flights[at].leader = place;
         }
     }
 }

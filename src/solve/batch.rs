@@ -258,7 +258,8 @@ impl Batch {
     pub(super) fn limit_push(&self, lane: usize, group: &mut Group, rims: [i64; 2]) {
         let limit = group.push_out[lane][1];
         let change = |row: usize, side: usize| {
-            let rim = (self.angular[row][side][lane] * (rims[side] >> 10)) >> 20;
+            // Towards zero: alike in a mirror image.
+            let rim = self.angular[row][side][lane] * (rims[side] >> 10) / (1 << 20);
             let [x, y] = [0, 1].map(|axis: usize| self.linear[0][side][axis][lane]);
             [rim, x, y]
         };

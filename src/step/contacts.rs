@@ -271,7 +271,7 @@ impl<S: Scalar> Step<'_, S> {
                     if !own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
                         break;
                     }
-                    own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
+                    own.engine.solve_again(&mut own.solvers, &scene, &mut own.corrections);
                 }
             }
             if is_complete && own.detected.touched.is_empty() {

@@ -137,6 +137,35 @@ impl Path {
         }
     }
 
+    /// Returns true if the centres of two paths, of one piece each, stay farther apart than `reach`: a bound that may miss some.
+    ///
+    /// # Ranges
+    /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
+    pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
+        let ([own], [others]) = (self.legs(), other.legs()) else { return false };
+        if own.arm != [0; 2] || others.arm != [0; 2] {
+            return false;
+        }
+        let offset = [0, 1].map(|k| i128::from(others.centre[k]) - i128::from(own.centre[k]));
+        let way = [0, 1].map(|k| others.way[k] - own.way[k]);
+        let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
+        let down = (128 - largest.leading_zeros()).saturating_sub(30);
+        // Towards zero: alike in a mirror image.
+        let scaled = |part: i128| (part / (1 << down)) as i64;
+        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
+        let reach = (reach >> down).saturating_add(4);
+        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
+        if dot >= 0 {
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        if dot + square <= 0 {
+            let (x, y) = (x + vx, y + vy);
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        let cross = i128::from(x * vy - y * vx);
+        cross * cross > i128::from(reach.saturating_mul(reach)) * i128::from(square)
+    }
+
     /// Stops the body at a moment.
     pub(crate) fn stop(&mut self, at: u64) {
         let leg = *self.leg(at).0;

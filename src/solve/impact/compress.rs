@@ -16,7 +16,7 @@ use super::{FRACTION, Impacts, SubStep};
 const ITERATIONS: u32 = 128;
 const LEAST: u32 = 8;
 /// Iterations times shocks after which a large set is left as it is: what is left of an impact in the middle of a pile.
-const WORK: usize = 1 << 11;
+const WORK: usize = 1 << 9;
 /// Sets of fewer shocks converge to the tolerance.
 const SMALL: usize = 32;
 /// Iterations in which a set grows: an impact runs along a row of bodies by one in each.

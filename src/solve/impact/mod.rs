@@ -95,6 +95,8 @@ pub(super) struct Impacts {
     /// The impacts of a round, and the contacts to look at in the next one.
     shocks: Vec<Shock>,
     candidates: Vec<Shock>,
+    /// The numbers of the candidates by island, then by contact.
+    order: Vec<u32>,
     pending: Vec<u32>,
     /// By contact: true while it is among the shocks.
     is_joined: Vec<bool>,
@@ -250,17 +252,22 @@ impl Solver {
             }
         }
         impacts.pending = pending;
-        impacts.candidates.sort_unstable_by_key(|shock| (shock.island, shock.place));
+        let Impacts { order, candidates, .. } = impacts;
+        order.clear();
+        order.extend(0..candidates.len() as u32);
+        // They are sorted by contact.
+        order.sort_by_key(|&number| candidates[number as usize].island);
     }
 
     /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once.
     fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
-        let candidates = core::mem::take(&mut impacts.candidates);
+        let (candidates, order) = (core::mem::take(&mut impacts.candidates), core::mem::take(&mut impacts.order));
         impacts.find_first_moments(&candidates);
-        for island in candidates.chunk_by(|a, b| a.island == b.island) {
+        let shock = |number: u32| &candidates[number as usize];
+        for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
             impacts.shocks.clear();
             impacts.set.clear();
-            for shock in island {
+            for shock in island.iter().map(|&number| shock(number)) {
                 if impacts.is_first(shock) || is_last && shock.moment() <= ONE {
                     self.join(impacts, shock.clone(), substep);
                 } else if shock.moment() <= ONE {
@@ -272,7 +279,7 @@ impl Solver {
                 self.strike(impacts, lanes);
             }
         }
-        impacts.candidates = candidates;
+        (impacts.candidates, impacts.order) = (candidates, order);
         self.follow_impacts(impacts);
     }
 

@@ -183,6 +183,9 @@ impl Solver {
     pub(super) fn look(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> Option<Shock> {
         let (_, group, lane) = self.lane_of(place);
         let rows = [group.a[lane], group.b[lane]];
+        if self.is_slow(group, lane, substep) {
+            return None;
+        }
         let [a, b] = rows.map(|row| self.velocity_before(row, substep));
         let before = along(group, lane, a, b, FINE - FRACTION);
         let threshold = i64::from(group.surface[lane][1]) << FRACTION;
@@ -212,6 +215,34 @@ impl Solver {
             }
         }
         Some(shock)
+    }
+
+    /// Returns true if no point of a contact can be faster than the threshold of impacts in a step: in words, with room for rounding.
+    ///
+    /// # Ranges
+    /// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
+    fn is_slow(&self, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
+        let (n, passed) = (i64::from(substep.n), i64::from(substep.k - 1));
+        let [a, b] = [group.a[lane], group.b[lane]].map(|row| {
+            let (flight, (before, _)) = (self.rows.flight(row), self.rows.before(row));
+            [0, 1, 2].map(|i| {
+                let (start, change) = (i64::from(flight.start[i]), i64::from(flight.change[i]));
+                [(start + i64::from(before[i])) * n + change * passed, change * n]
+            })
+        });
+        let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
+        let threshold = i64::from(group.surface[lane][1]) * n;
+        (0..2).all(|point| {
+            let [arm_a, arm_b] = group.arms[point][lane].map(|arm| i64::from(arm) >> 8);
+            let along = |i: usize| {
+                let sum = nx * (b[0][i] - a[0][i]) + ny * (b[1][i] - a[1][i]) + arm_b * b[2][i] - arm_a * a[2][i];
+                sum >> 22
+            };
+            let sizes = (0..3).flat_map(|axis| (0..2).map(move |i| a[axis][i].abs() + b[axis][i].abs()));
+            // Truncated factors are off by up to 2^-22 each.
+            let rounding = (sizes.sum::<i64>() >> 21) + 4 * n;
+            along(0) - along(1).abs() - rounding >= -threshold
+        })
     }
 
     /// The velocities along the rows of a contact at the beginning of a sub-step.

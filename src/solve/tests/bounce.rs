@@ -52,9 +52,9 @@ fn a_ball_leaves_with_its_share_of_the_energy() {
         let displaced = scene.flights[1].displacement.y.to_bits() as f64 / 2f64.powi(32);
         let gap = (separation + displaced + to_f64(correction.displacement.y)).max(0.0);
         let after = velocities(&scene)[1];
-        if after < 0.0 {
+        if correction.velocity.y.to_bits() == 0 {
             went_on += 1;
-            assert!(gap > 0.0 && correction.velocity.y.to_bits() == 0, "case {case}: {after} m/s at {gap} m");
+            assert!(gap > 0.0 && after < 0.0, "case {case}: {after} m/s at {gap} m");
             continue;
         }
         bounced += 1;

@@ -22,7 +22,7 @@ use crate::solve::{ContactSolver as _, Correction, FloatSolver, PHASES, Solver};
 /// Components x, y and angular.
 type Vector = [f64; 3];
 
-/// The resolutions of the solver in a scene.
+/// The resolutions of the solver in a scene, and how fast it pushes overlaps out.
 fn rounding(scene: &Scene) -> Rounding {
     let mut solver = Solver::default();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
@@ -36,10 +36,14 @@ fn rounding(scene: &Scene) -> Rounding {
         assert!(solver.graph.phase(contact.bodies) < PHASES, "one body of each contact can be moved");
         let place = solver.places.iter().find(|place| place.contact as usize == index).expect("all have places");
         let mover = solver.graph.mover(contact.bodies).expect("one can be moved");
+        let (group, lane, unit) =
+            (&solver.groups[place.group as usize], place.lane as usize, bodies[mover as usize].velocity[0]);
+        let [rate, deepest] = group.push_out[lane].map(f64::from);
         ContactUnits {
-            velocity: bodies[mover as usize].velocity[0],
+            velocity: unit,
             impulse: 2f64.powi(place.exponent),
-            angular_shift: solver.groups[place.group as usize].angular_shift[place.lane as usize] as i32,
+            angular_shift: group.angular_shift[lane] as i32,
+            push: -rate * deepest * 2f64.powi(-30) * unit,
         }
     });
     let contacts = contacts.collect();
