@@ -300,14 +300,20 @@ impl Sweep<'_> {
         }
     }
 
-    /// Returns true if a direction counts. A segment touches a chain on the chain's outer side, and has no other side to be told by.
-    fn is_allowed(&self, moment: &Moment, n: [i32; 2]) -> bool {
+    /// The side of the segment of a chain that a line touches it on: a line has no other side to be told by.
+    fn link_of_line(&self) -> Option<usize> {
         let [a, b] = self.forms;
-        let front = match (a.is_link, b.is_link) {
-            (true, _) if b.width == 0 => moment.seen[0].normals()[0],
-            (_, true) if a.width == 0 => moment.seen[1].normals()[0].map(|part| -part),
-            _ => return true,
-        };
+        match (a.is_link, b.is_link) {
+            (true, _) if b.width == 0 => Some(0),
+            (_, true) if a.width == 0 => Some(1),
+            _ => None,
+        }
+    }
+
+    /// Returns true if a direction counts. A line touches a chain on the chain's outer side.
+    fn is_allowed(&self, moment: &Moment, n: [i32; 2]) -> bool {
+        let Some(side) = self.link_of_line() else { return true };
+        let front = moment.seen[side].normals()[0].map(|part| if side == 0 { part } else { -part });
         height(n, front.map(i64::from)) >= 0
     }
 
@@ -328,8 +334,24 @@ impl Sweep<'_> {
         })
     }
 
-    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
+    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. A line that
+    /// comes behind a segment of a chain beside its ends has not crossed it: only from where they touch on does one side count.
     fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
+        if self.link_of_line().is_none() {
+            return self.advance(depth, from, start);
+        }
+        let forms = self.forms.map(|form| form.without_sides());
+        let whole = Sweep { forms: [&forms[0], &forms[1]], ..*self };
+        let whole_start = whole.at(from);
+        if whole_start.distance() <= 0 {
+            return self.advance(depth, from, start);
+        }
+        let touch = whole.advance(0, from, &whole_start)?;
+        self.advance(depth, touch, &self.at(touch))
+    }
+
+    /// [`reach`](Self::reach) by the directions that count.
+    fn advance(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
         // From here on the rest of the way counts as gone.
         // Outlines that overlap at the start have only what is left up to the depth.
         let left = i128::from(depth) + start.distance();
