@@ -62,12 +62,23 @@ impl<S: Scalar> ColliderMass<S> {
 
     /// Without a collider. *Domain* it is among them.
     pub(crate) fn without(mut self, def: &ColliderDef<S>) -> Self {
+        self.remove(def);
+        self.totalled()
+    }
+
+    /// With a collider defined anew. *Domain* it is among them.
+    pub(crate) fn replaced(mut self, def: &ColliderDef<S>, by: &ColliderDef<S>) -> Self {
+        self.remove(def);
+        self.add(by);
+        self.totalled()
+    }
+
+    fn remove(&mut self, def: &ColliderDef<S>) {
         let [mass, inertia] = terms(def);
         self.count -= 1;
         self.chains -= u32::from(def.shape.is_chain());
         self.masses.subtract(mass.to_binary());
         self.inertias.subtract(inertia.to_binary());
-        self.totalled()
     }
 
     fn add(&mut self, def: &ColliderDef<S>) {

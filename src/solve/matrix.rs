@@ -119,7 +119,7 @@ impl Matrices {
     /// Two points close together make the matrix nearly singular. Its diagonal is raised by 2^-13, so that impulses of the two points stay
     /// bounded instead of cancelling each other with large values of opposite sign.
     ///
-    /// Both rows of a body that can only turn are multiples of each other, and all that rounding, by one in each element, leaves of the
+    /// Both rows of a body that can only turn, or only move, are multiples of each other, and all that rounding, by one in each element, leaves of the
     /// determinant is noise. They are solved one by one, each as that of half of the body.
     #[inline(always)]
     fn stiffen(&mut self, batch: &mut Batch) {

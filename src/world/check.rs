@@ -54,8 +54,12 @@ impl<S: Scalar> World<S> {
             def.check_on(self.bodies.info(dense).kind == BodyKind::Dynamic)?;
             self.colliders.check_room(0, more_outlines(def))?;
         }
-        let rest = self.bodies.info(dense).collider_mass().without(&collider.def);
-        let (mass, properties) = self.with_collider_mass(dense, def.map_or(rest, |def| rest.with(def)))?;
+        let mass = self.bodies.info(dense).collider_mass();
+        let next = match def {
+            Some(def) => mass.replaced(&collider.def, def),
+            None => mass.without(&collider.def),
+        };
+        let (mass, properties) = self.with_collider_mass(dense, next)?;
         Ok((body, mass, properties))
     }
 

@@ -65,7 +65,6 @@ impl Clock {
 }
 
 /// The buffers of the solver. Results do not depend on what it solved before.
-#[doc(hidden)]
 #[derive(Debug, Default)]
 pub struct FloatSolver {
     graph: Graph,

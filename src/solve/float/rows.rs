@@ -138,10 +138,19 @@ impl Solution {
         rounding: &mut Rounding,
     ) -> Self {
         let [across, coupled] = if is_double { [split.across, whole.across.max(0.0)] } else { [0.0; 2] };
-        // Two points close together make the matrix nearly singular: it gets a larger diagonal.
+        // Two points close together make the matrix nearly singular: it gets a larger diagonal. Both points of a body that can only turn, or
+        // only move, are solved one by one, each as one of half of the body.
         let product = split.normal[0] * split.normal[1];
-        let is_narrow = product - across * across < product / 64.0;
-        let diagonal = split.normal.map(|k| if is_narrow { k * (1.0 + power(-13)) } else { k });
+        let determinant = product - across * across;
+        let is_single = is_double && determinant <= product * power(-28);
+        let more = if is_single {
+            2.0
+        } else if determinant < product / 64.0 {
+            1.0 + power(-13)
+        } else {
+            1.0
+        };
+        let (diagonal, across) = (split.normal.map(|k| k * more), if is_single { 0.0 } else { across });
         let soft = whole.normal.map(|k| (k + coupled) * softness.compliance + rounding.within(ulp));
         let mut ratio = |k: f64| within(across / k, 4.0) + rounding.within(power(-28));
         Self {
