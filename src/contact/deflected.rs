@@ -15,8 +15,8 @@ use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
 use crate::solve::Impulses;
 
-/// Bodies of which impulses change the way by less than this, 4 mm, are not deflected: they overlap by no more in the next step.
-const DEFLECTION: i64 = 1 << 24;
+/// Bodies of which impulses change the way by less than this, 1 mm, are not deflected: they overlap by no more in the next step.
+const DEFLECTION: i64 = 1 << 22;
 
 /// The most times that the solver runs again in a step.
 pub(crate) const ROUNDS: u32 = 8;

@@ -337,15 +337,16 @@ impl Sweep<'_> {
     /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. A line that
     /// comes behind a segment of a chain beside its ends has not crossed it: only from where they touch on does one side count.
     fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
-        if self.link_of_line().is_none() {
+        let Some(side) = self.link_of_line() else { return self.advance(depth, from, start) };
+        // A line behind the segment at the start, not beside its ends, has crossed it in part.
+        let [x, y] = start.seen[side].normals()[0];
+        let is_beside = [[-y, x], [y, -x]].into_iter().any(|along| start.gap(along).distance > 0);
+        if start.distance() <= 0 && !is_beside {
             return self.advance(depth, from, start);
         }
         let forms = self.forms.map(|form| form.without_sides());
         let whole = Sweep { forms: [&forms[0], &forms[1]], ..*self };
         let whole_start = whole.at(from);
-        if whole_start.distance() <= 0 {
-            return self.advance(depth, from, start);
-        }
         let touch = whole.advance(0, from, &whole_start)?;
         self.advance(depth, touch, &self.at(touch))
     }
