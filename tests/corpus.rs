@@ -95,10 +95,11 @@ fn corpora_are_small() {
 }
 
 /// The least medians of ticks and of touching manifolds in a tick that committed inputs have, by target. Others have no world of their own,
-/// or one without colliders: the bound of `fx_f64` covers no contacts, and `work` is about free flight.
+/// or one without colliders: the bound of `fx_f64` covers no contacts, and `work` is about free flight. In `contact_solver` impacts throw
+/// most bodies apart in the first tick.
 const MEDIANS: [(&str, u64, u64); 7] = [
     ("commands", 20, 10),
-    ("contact_solver", 20, 10),
+    ("contact_solver", 20, 1),
     ("fx_f64", 20, 0),
     ("queries", 20, 10),
     ("replay", 20, 10),

@@ -300,20 +300,14 @@ impl Sweep<'_> {
         }
     }
 
-    /// The side of the segment of a chain that a line touches it on: a line has no other side to be told by.
-    fn link_of_line(&self) -> Option<usize> {
-        let [a, b] = self.forms;
-        match (a.is_link, b.is_link) {
-            (true, _) if b.width == 0 => Some(0),
-            (_, true) if a.width == 0 => Some(1),
-            _ => None,
-        }
-    }
-
-    /// Returns true if a direction counts. A line touches a chain on the chain's outer side.
+    /// Returns true if a direction counts. A segment touches a chain on the chain's outer side, and has no other side to be told by.
     fn is_allowed(&self, moment: &Moment, n: [i32; 2]) -> bool {
-        let Some(side) = self.link_of_line() else { return true };
-        let front = moment.seen[side].normals()[0].map(|part| if side == 0 { part } else { -part });
+        let [a, b] = self.forms;
+        let front = match (a.is_link, b.is_link) {
+            (true, _) if b.width == 0 => moment.seen[0].normals()[0],
+            (_, true) if a.width == 0 => moment.seen[1].normals()[0].map(|part| -part),
+            _ => return true,
+        };
         height(n, front.map(i64::from)) >= 0
     }
 
@@ -334,25 +328,8 @@ impl Sweep<'_> {
         })
     }
 
-    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. A line that
-    /// comes behind a segment of a chain beside its ends has not crossed it: only from where they touch on does one side count.
+    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
     fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
-        let Some(side) = self.link_of_line() else { return self.advance(depth, from, start) };
-        // A line behind the segment at the start, not beside its ends, has crossed it in part.
-        let [x, y] = start.seen[side].normals()[0];
-        let is_beside = [[-y, x], [y, -x]].into_iter().any(|along| start.gap(along).distance > 0);
-        if start.distance() <= 0 && !is_beside {
-            return self.advance(depth, from, start);
-        }
-        let forms = self.forms.map(|form| form.without_sides());
-        let whole = Sweep { forms: [&forms[0], &forms[1]], ..*self };
-        let whole_start = whole.at(from);
-        let touch = whole.advance(0, from, &whole_start)?;
-        self.advance(depth, touch, &self.at(touch))
-    }
-
-    /// [`reach`](Self::reach) by the directions that count.
-    fn advance(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
         // From here on the rest of the way counts as gone.
         // Outlines that overlap at the start have only what is left up to the depth.
         let left = i128::from(depth) + start.distance();
