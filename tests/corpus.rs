@@ -102,7 +102,7 @@ const MEDIANS: [(&str, u64, u64); 7] = [
     ("contact_solver", 20, 1),
     ("fx_f64", 20, 0),
     ("queries", 20, 10),
-    ("replay", 20, 10),
+    ("replay", 20, 9),
     ("snapshot", 20, 10),
     ("threads", 20, 10),
 ];

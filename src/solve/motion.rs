@@ -127,7 +127,7 @@ impl Rows {
         let mut has_changed = false;
         for i in 0..3 {
             let fine = (i64::from(before[i]) << GAIN_BITS) + rest[i];
-            let correction = shifted_word(fine, GAIN_BITS as i32 + down) as i32;
+            let correction = shifted_word(fine, GAIN_BITS + down) as i32;
             has_changed |= correction != progress.before[i];
             follower.velocity[i] += correction - progress.before[i];
             progress.before[i] = correction;

@@ -310,7 +310,7 @@ fn a_glancing_hit_takes_the_normal_of_the_moment_of_contact() {
         let is_static = random.below(3) == 0;
         let other = of_material(dynamic(disc(number(radii[1])), vec2(0, 0)), fx!(0), number(restitution));
         let other = BodyDef { kind: if is_static { BodyKind::Static } else { BodyKind::Dynamic }, ..other };
-        let way = between(random, 0.0, 6.28);
+        let way = 0.01 * between(random, 0.0, 628.0);
         let (sin, cos) = way.sin_cos();
         // Up to 20 steps before they meet, at any moment of a step.
         let distance = reach + speed * between(random, 0.02, 0.3);

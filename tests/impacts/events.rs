@@ -265,7 +265,7 @@ fn slow_hits_have_their_speed_and_their_impulse() {
             mass: Mass::Kilograms(fx!(1)),
             ..of_material(dynamic(rectangle(fx!(1), fx!(1)), point(0.0, 0.5 + drop)), fx!(0.6), fx!(0))
         };
-        let (mut world, _) = build(def.clone(), [eventful(floor()), body]);
+        let (mut world, _) = build(def, [eventful(floor()), body]);
         let hit = first_hit(&mut world, 60).expect("a hit");
         tried += 1;
         let expected = Expected::new(1.0, (20.0 * drop).sqrt(), 0.0);

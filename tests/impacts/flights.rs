@@ -185,5 +185,5 @@ pub(crate) fn random_speed(random: &mut Random, low: f64, high: f64) -> f64 {
 
 /// An angle, rad.
 pub(crate) fn random_angle(random: &mut Random) -> Fx {
-    number(between(random, 0.0, 6.28))
+    number(0.01 * between(random, 0.0, 628.0))
 }

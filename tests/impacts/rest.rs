@@ -100,7 +100,7 @@ fn random_clamped_bodies_come_to_rest() {
             _ => Shape::capsule(number(size), number(size)).expect("a capsule"),
         };
         let speed = of_any_size(random, 0.5, 20.0);
-        let lean = if random.below(2) == 0 { 0.0 } else { between(random, 0.0, 6.28) };
+        let lean = if random.below(2) == 0 { 0.0 } else { 0.01 * between(random, 0.0, 628.0) };
         // The corridor is turned, and the body with it.
         let (sin, cos) = f64::sin_cos(lean);
         let wall = |side: f64| {

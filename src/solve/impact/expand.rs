@@ -145,9 +145,9 @@ impl Solver {
             let place = &self.places[shock.place as usize];
             let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
             let late = shock.late(mean);
-            for row in 0..3 {
+            for (row, late) in late.iter().enumerate() {
                 group.applied[row][lane] += shock.impulses[row];
-                group.weighted[row][lane] -= late[row];
+                group.weighted[row][lane] -= late;
             }
             let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
             for (side, &body) in shock.bodies.iter().enumerate() {
@@ -191,9 +191,9 @@ impl Solver {
         let place = &self.places[place as usize];
         let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(self.rows.displacement(row)));
-        let moved = along(group, lane, a, b, 0);
-        for point in 0..2 {
-            group.separation_now[lane][point] = group.separation[lane][point] + moved[point] as i32;
+        let [first, second, _] = along(group, lane, a, b, 0);
+        for (point, moved) in [first, second].into_iter().enumerate() {
+            group.separation_now[lane][point] = group.separation[lane][point] + moved as i32;
         }
     }
 }
