@@ -111,7 +111,11 @@ impl ContactSet {
             return;
         }
         self.keep_ends(bodies, colliders, slots);
-        let stays = |slot: u32| slots.binary_search(&slot).is_err();
+        // Most calls name one collider.
+        let stays = |slot: u32| match slots {
+            [only] => slot != *only,
+            _ => slots.binary_search(&slot).is_err(),
+        };
         self.overlaps.retain(|overlap| overlap.slots().into_iter().all(stays));
         let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| stays(outline.slot));
         self.records.retain(is_of_others);
