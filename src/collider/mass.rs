@@ -67,9 +67,9 @@ impl<S: Scalar> ColliderMass<S> {
     }
 
     /// With a collider defined anew. *Domain* it is among them.
-    pub(crate) fn replaced(mut self, def: &ColliderDef<S>, by: &ColliderDef<S>) -> Self {
+    pub(crate) fn replaced(mut self, def: &ColliderDef<S>, next: &ColliderDef<S>) -> Self {
         self.remove(def);
-        self.add(by);
+        self.add(next);
         self.totalled()
     }
 

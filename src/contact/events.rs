@@ -355,12 +355,12 @@ impl ContactSet {
         &mut self,
         bodies: &dyn ContactBodies,
         colliders: &ColliderSet,
-        is_one: impl Fn([u32; 2]) -> bool,
+        ends: impl Fn([u32; 2]) -> bool,
     ) {
-        let mut own: Vec<[u32; 2]> = pairs(&self.records, colliders).filter(|slots| is_one(*slots)).collect();
-        own.sort_unstable();
-        own.dedup();
-        let own = own.into_iter().filter_map(|slots| ColliderPair::of_contact(bodies, colliders, slots));
-        self.ended.extend(own.map(|pair| EndedPair { pair, is_sensor: false }));
+        let mut ending: Vec<[u32; 2]> = pairs(&self.records, colliders).filter(|slots| ends(*slots)).collect();
+        ending.sort_unstable();
+        ending.dedup();
+        let ended = ending.into_iter().filter_map(|slots| ColliderPair::of_contact(bodies, colliders, slots));
+        self.ended.extend(ended.map(|pair| EndedPair { pair, is_sensor: false }));
     }
 }

@@ -113,7 +113,7 @@ impl ContactSet {
         self.keep_ends(bodies, colliders, slots);
         // Most calls name one collider.
         let stays = |slot: u32| match slots {
-            [only] => slot != *only,
+            [collider] => slot != *collider,
             _ => slots.binary_search(&slot).is_err(),
         };
         self.overlaps.retain(|overlap| overlap.slots().into_iter().all(stays));

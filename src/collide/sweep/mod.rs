@@ -334,7 +334,7 @@ impl Sweep<'_> {
         // Outlines that overlap at the start have only what is left up to the depth.
         let left = i128::from(depth) + start.distance();
         let way = if left > 0 { left.min(depth.abs().into()) } else { depth.abs().into() };
-        let near = (way >> 2).max(ROUNDING.into());
+        let tolerance = (way >> 2).max(ROUNDING.into());
         let (mut at, mut guess) = (from, END);
         let (mut later, mut moment);
         moment = start;
@@ -343,7 +343,7 @@ impl Sweep<'_> {
             let longest = self.longest(moment, depth, room, guess);
             if longest < room {
                 let widest = moment.widest.unwrap_or(0);
-                if longest <= SHORTEST || widest + i128::from(depth) <= near {
+                if longest <= SHORTEST || widest + i128::from(depth) <= tolerance {
                     return Some(at);
                 }
             }

@@ -142,12 +142,12 @@ impl Path {
     /// # Ranges
     /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
     pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
-        let ([own], [others]) = (self.legs(), other.legs()) else { return false };
-        if own.arm != [0; 2] || others.arm != [0; 2] {
+        let ([first], [second]) = (self.legs(), other.legs()) else { return false };
+        if first.arm != [0; 2] || second.arm != [0; 2] {
             return false;
         }
-        let offset = [0, 1].map(|k| i128::from(others.centre[k]) - i128::from(own.centre[k]));
-        let way = [0, 1].map(|k| others.way[k] - own.way[k]);
+        let offset = [0, 1].map(|k| i128::from(second.centre[k]) - i128::from(first.centre[k]));
+        let way = [0, 1].map(|k| second.way[k] - first.way[k]);
         let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
         let down = (128 - largest.leading_zeros()).saturating_sub(30);
         // Towards zero: alike in a mirror image.

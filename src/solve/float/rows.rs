@@ -295,7 +295,7 @@ impl Rows {
     fn solved(&self, bodies: &[Body], h: f64, pass: Pass, rounding: &mut Rounding) -> Vector {
         let velocities = self.bodies.map(|body| bodies[body as usize].seen);
         let moved = self.bodies.map(|body| bodies[body as usize].displacement);
-        let ContactUnits { velocity: velocity_unit, impulse: impulse_unit, push: fastest, .. } = self.units;
+        let ContactUnits { velocity: velocity_unit, impulse: impulse_unit, push: fastest_push, .. } = self.units;
         let Solution { inverse, ratio, compliance, softness } = &self.solution;
         let before = self.impulses;
         let (mut pressed, mut wanted) = ([0; 2], [0.0; 2]);
@@ -304,7 +304,7 @@ impl Rows {
             let velocity = self.along(k, velocities) + rounding.within(velocity_unit);
             if pass == Pass::Solve && separation <= 0.0 {
                 pressed[k] = 1;
-                let push = (softness.rate * separation / h).max(-softness.push.min(fastest));
+                let push = (softness.rate * separation / h).max(-softness.push.min(fastest_push));
                 wanted[k] = velocity + push + compliance[k] * before[k];
             } else {
                 wanted[k] = velocity + (separation / h).max(0.0);
