@@ -115,7 +115,7 @@ fn fixed_point_and_doubles_agree_for_half_a_second() {
 }
 
 #[test]
-fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
+fn the_pyramid_stands_and_falls_as_its_own_mirror_image() {
     let scene = scene("pyramid");
     let mut run = start(&scene);
     let before = places(&run);
@@ -127,16 +127,18 @@ fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
     let shift = largest_shift(&before, &places(&run));
     assert!(shift < 0.1, "{shift} m");
     let standing = places(&run);
-    advance(&mut run, scene.ticks);
-    assert_eq!(without_image(&run, 0), 0, "after the ball");
+    for tick in [360, 420, scene.ticks] {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 0), 0, "after the balls, tick {tick}");
+    }
     let fallen = places(&run);
     let scattered = standing.iter().filter(|(name, [x, y])| (fallen[*name][0] - x).hypot(fallen[*name][1] - y) > 1.0);
     let scattered = scattered.count();
     assert!(scattered > 40, "{scattered} boxes");
     assert!(fallen.values().all(|[_, y]| *y > 0.0), "all are on the floor or above it");
-    let ball = body(&run, "ball");
-    assert_eq!((ball.position().x, ball.angle()), (fx!(0), fx!(0)));
-    assert!(ball.position().y > fx!(10) && ball.velocity().length() < fx!(0.05), "{ball:?}");
+    let top = body(&run, "box-14-0");
+    assert_eq!((top.position().x, top.angle()), (fx!(0), fx!(0)));
+    assert!(top.position().y > fx!(10) && top.velocity().length() < fx!(0.05), "{top:?}");
 }
 
 #[test]
@@ -363,8 +365,10 @@ fn belts_hand_boxes_over_and_smooth_boxes_slide_down() {
         }
     }
     for (i, most) in farthest.into_iter().enumerate() {
-        let end = body(&run, &format!("rough-{}", i + 1)).position().x.to_f64();
-        assert!(most > 14.0 && end < 3.0, "rough-{}: {most} {end}", i + 1);
+        // On the floor or on a box that lies there, at the end of the last belt; a box that tumbles over another may lie
+        // below the belt.
+        let [x, y] = body(&run, &format!("rough-{}", i + 1)).position().to_f64();
+        assert!(most > 14.0 && x < 4.5 && y < -2.0, "rough-{}: {most} {x} {y}", i + 1);
     }
     assert!(["smooth-1", "smooth-2"].iter().all(|name| body(&run, name).position().x < fx!(-6)));
 }
