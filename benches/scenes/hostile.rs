@@ -4,9 +4,9 @@
 use std::f64::consts::TAU;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, Dump, End, FieldKind, ForceField, ForceOrImpulse, Fx,
-    Input, Inputs, Integrator, Mass, Part, RecordOptions, Recorder, Region, Replay, ReplayLimits, Shape, Snapshot,
-    SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, Damping, Dump, End,
+    Explosion, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs, Integrator, Mass, Part, RecordOptions,
+    Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -43,6 +43,12 @@ impl Hostile {
         disabled_when_woken false,
         goals true,
         pushes true,
+        colliders_removed true,
+        colliders_set true,
+        colliders_of_a_compound_body true,
+        kinds_of_a_map true,
+        explosions_beside_a_map true,
+        maps_moved false,
     ];
 }
 
@@ -73,6 +79,13 @@ impl Growing {
         Self { name: "a_replay_of_one_tick_verified", make: replay_verified },
         Self { name: "a_scene_read", make: scene_read },
         Self { name: "a_scene_moved_on", make: scene_moved_on },
+        Self { name: "colliders_added_to_a_body", make: colliders_added },
+        Self { name: "colliders_of_a_body_set", make: |n| colliders_of_a_map(n, set) },
+        Self { name: "colliders_of_a_body_removed", make: |n| colliders_of_a_map(n, Command::RemoveCollider) },
+        Self { name: "colliders_added_to_a_body_that_moves", make: colliders_added_to_a_dynamic_body },
+        Self { name: "a_map_moved", make: map_moved },
+        Self { name: "a_map_with_contacts_removed", make: map_with_contacts_removed },
+        Self { name: "tiles_on_each_other", make: tiles_on_each_other },
     ];
 }
 
@@ -395,4 +408,130 @@ fn pushes(count: usize) -> (World, Vec<Command>) {
     let action = ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
     let options = ApplyOptions { frame: umbra_physics::Frame::Body, wake: true };
     (world, bodies.iter().map(|&body| Command::Apply { body, action, options }).collect())
+}
+
+/// A tile of a map, 100 to a row.
+fn tile(i: usize) -> ColliderDef {
+    let position = vec2((i % 100) as i32, (i / 100) as i32);
+    ColliderDef { position, ..ColliderDef::new(Shape::rectangle(1, 1).expect("a shape")) }
+}
+
+/// A static body with so many tiles.
+fn add_map(world: &mut World, count: usize) -> (BodyId, Vec<ColliderId>) {
+    let colliders = (0..count).map(tile).collect();
+    let map = world.add_body(BodyDef { colliders, position: vec2(0, -1_000), ..BodyDef::fixed() }).expect("a body");
+    let colliders = world.colliders_of(map).expect("it is there").collect();
+    (map, colliders)
+}
+
+/// A map of so many tiles, and a disc that falls.
+fn map_world(count: usize) -> (World, BodyId, Vec<ColliderId>) {
+    let mut world = world();
+    let (map, colliders) = add_map(&mut world, count);
+    world.add_body(BodyDef::dynamic().with_collider(Shape::circle(1).expect("a shape"))).expect("a body");
+    (0..2).for_each(|_| _ = world.step());
+    (world, map, colliders)
+}
+
+/// A map of so many tiles, and bodies that move, of which one has a collider.
+fn map_among(bodies: usize, count: usize) -> (World, BodyId, Vec<ColliderId>) {
+    let (mut world, _) = unlike_world(bodies);
+    let (map, colliders) = add_map(&mut world, count);
+    world.add_body(BodyDef::dynamic().with_collider(Shape::circle(1).expect("a shape"))).expect("a body");
+    (world, map, colliders)
+}
+
+fn set(collider: ColliderId) -> Command {
+    Command::SetCollider { collider, def: ColliderDef { user_data: 1, ..tile(collider.parts().0 as usize) } }
+}
+
+/// Carries out all commands and a step.
+fn all_and_a_step(mut world: World, commands: Vec<Command>) -> Box<dyn FnOnce()> {
+    Box::new(move || {
+        commands.iter().for_each(|command| _ = world.execute(command).expect("it may be done"));
+        world.step();
+    })
+}
+
+fn colliders_of_a_map(count: usize, command: fn(ColliderId) -> Command) -> Box<dyn FnOnce()> {
+    let (world, _, colliders) = map_world(count);
+    all_and_a_step(world, colliders.into_iter().map(command).collect())
+}
+
+fn colliders_added(count: usize) -> Box<dyn FnOnce()> {
+    let (world, body, _) = map_world(1);
+    all_and_a_step(world, (0..count).map(|i| Command::AddCollider { body, def: tile(i) }).collect())
+}
+
+fn colliders_added_to_a_dynamic_body(count: usize) -> Box<dyn FnOnce()> {
+    let mut world = world();
+    let body = world.add_body(BodyDef::dynamic()).expect("a body");
+    let def = |i: usize| ColliderDef { density: fx!(0.01), ..tile(i) };
+    all_and_a_step(world, (0..count).map(|i| Command::AddCollider { body, def: def(i) }).collect())
+}
+
+fn map_moved(count: usize) -> Box<dyn FnOnce()> {
+    let (world, body, _) = map_world(count);
+    all_and_a_step(world, vec![Command::SetPosition { body, position: vec2(fx!(0.001), -1_000) }])
+}
+
+/// A map with a box above one tile of 16, in rows that are apart.
+fn map_with_contacts_removed(count: usize) -> Box<dyn FnOnce()> {
+    let mut world = world();
+    let place = |i: usize| vec2(2 * (i % 100) as i32, 4 * (i / 100) as i32);
+    let colliders = (0..count).map(|i| ColliderDef { position: place(i), contact_events: true, ..tile(0) }).collect();
+    let map = world.add_body(BodyDef { colliders, ..BodyDef::fixed() }).expect("a body");
+    for i in (0..count).step_by(16) {
+        let [x, y] = place(i).into();
+        let shape = Shape::rectangle(1, 1).expect("a shape");
+        world
+            .add_body(BodyDef { position: vec2(x, y + fx!(1)), ..BodyDef::dynamic().with_collider(shape) })
+            .expect("a body");
+    }
+    (0..2).for_each(|_| _ = world.step());
+    all_and_a_step(world, vec![Command::RemoveBody(map)])
+}
+
+/// A disc on tiles that lie on each other, a quarter as many.
+fn tiles_on_each_other(count: usize) -> Box<dyn FnOnce()> {
+    let mut world = world();
+    let colliders = vec![tile(0); count / 4];
+    world.add_body(BodyDef { colliders, ..BodyDef::fixed() }).expect("a body");
+    let disc = BodyDef::dynamic().with_collider(Shape::circle(1).expect("a shape"));
+    world.add_body(BodyDef { position: vec2(0, fx!(1.5)), ..disc }).expect("a body");
+    all_and_a_step(world, Vec::new())
+}
+
+fn colliders_removed(count: usize) -> (World, Vec<Command>) {
+    let (world, _, colliders) = map_among(count, count);
+    (world, colliders.into_iter().map(Command::RemoveCollider).collect())
+}
+
+fn colliders_set(count: usize) -> (World, Vec<Command>) {
+    let (world, _, colliders) = map_among(count, count);
+    (world, colliders.into_iter().take(100).map(set).collect())
+}
+
+/// Colliders of a dynamic body, whose mass they change.
+fn colliders_of_a_compound_body(count: usize) -> (World, Vec<Command>) {
+    let (mut world, _) = unlike_world(count);
+    let colliders = (0..count).map(|i| ColliderDef { density: fx!(0.01), ..tile(i) }).collect();
+    let body = world.add_body(BodyDef { colliders, ..BodyDef::dynamic() }).expect("a body");
+    let colliders: Vec<ColliderId> = world.colliders_of(body).expect("it is there").collect();
+    (world, colliders.into_iter().map(Command::RemoveCollider).collect())
+}
+
+fn kinds_of_a_map(count: usize) -> (World, Vec<Command>) {
+    let (world, body, _) = map_among(count, count);
+    (world, [BodyKind::Kinematic, BodyKind::Static].map(|kind| Command::SetKind { body, kind }).into())
+}
+
+fn explosions_beside_a_map(count: usize) -> (World, Vec<Command>) {
+    let (world, ..) = map_among(50, count);
+    (world, [0, 1].map(|x| Command::Explode(Explosion::new(vec2(x, 0), fx!(1)))).into())
+}
+
+fn maps_moved(count: usize) -> (World, Vec<Command>) {
+    let (world, body, _) = map_among(count, count);
+    (world, [0, 1].map(|x| Command::SetPosition { body, position: vec2(x, -1_000) }).into())
 }

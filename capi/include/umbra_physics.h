@@ -487,13 +487,13 @@ typedef struct UmbraColliderPair {
 typedef struct UmbraContactHit {
     // The colliders.
     struct UmbraColliderPair pair;
-    // Speed at which they closed along the normal at the start of the step, m/s.
+    // Speed along the normal at which they met, m/s.
     UmbraFx approach_speed;
     // Unit vector from the first collider to the second one; each component within 2^-29.
     struct UmbraVec2 normal;
     // Position at which the surfaces met, m.
     struct UmbraVec2 point;
-    // Impulse along the normal over the step, N·s, restitution included.
+    // Impulse of the hit along the normal, N·s, restitution included, without what carries the bodies.
     UmbraFx normal_impulse;
     // The part of a compound, or the segment of a chain, of each collider; 0 of all others.
     uint32_t parts[2];

@@ -32,13 +32,13 @@ pub struct UmbraColliderPair {
 pub struct UmbraContactHit {
     /// The colliders.
     pub pair: UmbraColliderPair,
-    /// Speed at which they closed along the normal at the start of the step, m/s.
+    /// Speed along the normal at which they met, m/s.
     pub approach_speed: UmbraFx,
     /// Unit vector from the first collider to the second one; each component within 2^-29.
     pub normal: UmbraVec2,
     /// Position at which the surfaces met, m.
     pub point: UmbraVec2,
-    /// Impulse along the normal over the step, N·s, restitution included.
+    /// Impulse of the hit along the normal, N·s, restitution included, without what carries the bodies.
     pub normal_impulse: UmbraFx,
     /// The part of a compound, or the segment of a chain, of each collider; 0 of all others.
     pub parts: [u32; 2],

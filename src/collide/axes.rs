@@ -76,6 +76,8 @@ impl<P: Product, const N: usize> Axes<P, N> {
             let n = b.normals[i].map(|part| -part);
             if surface.has(n, |link, end| reaches(link, end, b, k)) {
                 *along = b.separation(i, a);
+            } else if surface.is_across && b.separation(i, a) > limit.radii_product(k) {
+                return None;
             }
         }
         let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));

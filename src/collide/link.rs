@@ -4,10 +4,12 @@
 //! The *outer* side of a segment is on its right. At an outward corner of the chain the directions between the normals of the two
 //! segments that join there belong to both; at one that is straight or turns inwards there are none beside the normals; at an end of the
 //! chain those up to the way along the segment. Only these count for the largest separation: a box that slides over a
-//! seam is never pushed back by the end of the next segment. Where the normal of a neighbour separates more than any of a segment's own
-//! directions, the neighbour has the contact, and the segment has none. So a ball has one contact with a smooth chain, with the
-//! segment that it is above, or two exactly over a seam. Where the chain goes on straight, an edge that lies over the seam has no point
-//! there: it has points at its own ends, as on one long segment.
+//! seam is never pushed back by the end of the next segment. A body that crosses the line of the segment may be beyond an end of it, as a bar
+//! that leans under it: at an end of the chain the directions of that body count all around, and at a neighbour a body that any direction
+//! separates does not touch. Where the normal of a neighbour separates more than any of a segment's own directions, the neighbour has the
+//! contact, and the segment has none. So a ball has one contact with a smooth chain, with the segment that it is above, or two exactly
+//! over a seam. Where the chain goes on straight, an edge that lies over the seam has no point there: it has points at its own ends, as
+//! on one long segment.
 //!
 //! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose
 //! neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a polygon pushes as one that
@@ -41,6 +43,24 @@ fn height(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64;
     <i128 as Product>::dot(normal, [sum(0), sum(1)])
 }
 
+/// Twice the least height of a corner of a core over the line through an edge, in units of 2^-30 ulp.
+fn lowest(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
+    let over = |corner: &[i64; 2]| {
+        let twice = |part: usize| 2 * (corner[part] + offset[part]) - ends[0][part] - ends[1][part];
+        <i128 as Product>::dot(normal, [twice(0), twice(1)])
+    };
+    other.corners.iter().take(other.placed.count).map(over).min().unwrap_or(0)
+}
+
+/// Returns true if a corner of a core is beyond an end of an edge, along the edge.
+fn is_past(ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> bool {
+    let along = |end: usize, corner: &[i64; 2]| {
+        let part = |k: usize| i128::from(corner[k] + offset[k] - ends[end][k]) * i128::from(ends[1][k] - ends[0][k]);
+        part(0) + part(1)
+    };
+    other.corners.iter().take(other.placed.count).any(|corner| along(0, corner) < 0 || along(1, corner) > 0)
+}
+
 /// The manifold of a segment of a chain or of a polygon among others, A, with another core.
 #[cold]
 pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
@@ -55,6 +75,10 @@ pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, ma
     if surface.is_one_sided && heights().next() < Some(-(behind << 30)) {
         return None;
     }
+    let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
+    let is_across =
+        surface.is_one_sided && is_past(ends(0), &b, offset) && is_behind(lowest(a.normals[0], ends(0), &b, offset));
+    let surface = Surface { is_across, ..surface };
     if surface.links.is_empty() {
         // All around are neighbours: only a body that is in the middle of them is pushed, by the nearest edge.
         return heights().all(|height| height < 0).then(|| collide_placed(a, b, margin)).flatten();

@@ -66,6 +66,11 @@ impl Limit {
         self.margin.ulps((square(x) + square(y)).isqrt() as i64) + self.radii
     }
 
+    /// The sum of the radii in units of products: cores that are farther apart do not touch.
+    pub(super) fn radii_product<P: Product>(&self, k: u32) -> P {
+        P::length(self.radii, k)
+    }
+
     /// Returns true if a separation in ulps is above the limit.
     #[inline(always)]
     pub(super) fn is_below(&self, separation: i64) -> bool {

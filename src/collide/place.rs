@@ -284,7 +284,7 @@ impl Cores {
         let at = self.surfaces.binary_search_by_key(&i, |(own, ..)| *own).ok()?;
         let from = if at == 0 { 0 } else { self.surfaces[at - 1].2 };
         let (_, is_one_sided, to) = self.surfaces[at];
-        Some(Surface { links: &self.links[from..to], is_one_sided })
+        Some(Surface { links: &self.links[from..to], is_one_sided, is_across: false })
     }
 
     #[cold]

@@ -45,6 +45,8 @@ pub(crate) struct Polygons {
     corners: Vec<[i64; 2]>,
     /// Behind the corners of each polygon.
     ends: Vec<usize>,
+    /// The number of the corners of polygons that were left out.
+    left_out: usize,
     /// Workspace: the parts of an edge that neighbours cover.
     covered: Vec<[i64; 2]>,
 }
@@ -53,6 +55,7 @@ impl Polygons {
     pub(crate) fn clear(&mut self) {
         self.corners.clear();
         self.ends.clear();
+        self.left_out = 0;
     }
 
     /// Adds a polygon. After the first one it is left out if it is too far from that to touch it.
@@ -60,10 +63,16 @@ impl Polygons {
         let from = self.corners.len();
         self.corners.extend(corners);
         if self.ends.first().is_some_and(|&first| !are_near(&self.corners[..first], &self.corners[from..])) {
+            self.left_out += self.corners.len() - from;
             self.corners.truncate(from);
         } else {
             self.ends.push(self.corners.len());
         }
+    }
+
+    /// The number of the corners of all polygons, also of those that were left out.
+    pub(crate) fn corner_count(&self) -> usize {
+        self.corners.len() + self.left_out
     }
 
     /// The corners of each polygon after the first one.

@@ -34,6 +34,8 @@ pub(super) struct Link {
     is_own: [bool; 2],
     /// Another polygon covers the edge at this corner.
     is_covered: [bool; 2],
+    /// The surface ends at this corner.
+    is_free: [bool; 2],
     /// The ends of the part of the edge that is on the surface, if that is not all of it, ulps.
     pub(super) part: Option<[[i64; 2]; 2]>,
 }
@@ -62,7 +64,15 @@ impl Link {
         let cones = [[reach(0, before, along.map(|part| -part)), normal], [normal, reach(1, after, along)]];
         let is_own = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Own(_)));
         let is_covered = [before, after].map(|neighbour| matches!(neighbour, Neighbour::Covered));
-        Self { corners, normal, cones, outer, is_straight, is_own, is_covered, part }
+        let is_free = [before, after].map(|neighbour| matches!(neighbour, Neighbour::None));
+        Self { corners, normal, cones, outer, is_straight, is_own, is_covered, is_free, part }
+    }
+
+    /// Returns true for a direction that leads backwards beyond a free end.
+    fn is_beyond(&self, end: usize, n: Unit) -> bool {
+        let back = self.normal.map(|part| -part);
+        let [far, outward] = [self.cones[0][0], self.cones[1][1]];
+        self.is_free[end] && if end == 0 { is_between(n, [back, far]) } else { is_between(n, [outward, back]) }
     }
 
     fn is_at(&self, corner: usize, at_end: [bool; 2]) -> bool {
@@ -76,6 +86,9 @@ pub(super) struct Surface<'a> {
     pub(super) links: &'a [Link],
     /// True for a segment of a chain, which bodies pass from behind.
     pub(super) is_one_sided: bool,
+    /// True if a corner of the other core is beyond an end of the segment and one is far behind the segment, and its middle is not: it may
+    /// cross the line of the segment beyond the end.
+    pub(super) is_across: bool,
 }
 
 impl Surface<'_> {
@@ -87,7 +100,8 @@ impl Surface<'_> {
     pub(super) fn has(&self, n: Unit, reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
         let is_at_end = |link: &Link, end: usize| {
             let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);
-            is_between(n, link.cones[end]) && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
+            let is_between = is_between(n, link.cones[end]) || self.is_across && link.is_beyond(end, n);
+            is_between && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)) && reaches(link, None))
     }
@@ -95,7 +109,8 @@ impl Surface<'_> {
     /// Returns true if the surface may push in a direction at a corner.
     pub(super) fn has_at(&self, corner: usize, n: Unit) -> bool {
         let is_at_end = |link: &Link, end: usize| {
-            link.corners[end] == corner && !link.is_covered[end] && is_between(n, link.cones[end])
+            let is_between = is_between(n, link.cones[end]) || self.is_across && link.is_beyond(end, n);
+            link.corners[end] == corner && !link.is_covered[end] && is_between
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)))
     }

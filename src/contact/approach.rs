@@ -1,50 +1,74 @@
 //! How two bodies approach each other at the points of a contact.
 
+use super::Scene;
+use super::moment::Way;
+use super::view::newton_seconds;
 use crate::collide::Manifold;
 use crate::fx::Fx;
 use crate::math::{TimeStep, Vec2};
-use crate::solve::{Flight, Impulses};
+use crate::solve::{Contact, ContactImpact, Flight, Impulses, Velocity};
 
-/// How the points of a contact approach each other at the start of the step.
+/// How the points of a contact approach each other in a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Approach {
     /// The unit vector from the first to the second body.
     pub(super) normal: Vec2,
-    /// The positions of both bodies, m.
+    /// The positions of both bodies at the moment of the manifold, m.
     positions: [Vec2; 2],
-    /// By point: the speed along the normal, m/s, positive where they close.
+    /// By point: the speed along the normal at which it meets the other surface, m/s; zero where it does not.
     speeds: [Fx; 2],
+    /// By point: the sub-steps that are left after the one in which it meets the other surface.
+    substeps_left: [u32; 2],
     /// By body and point: from the body to where the surfaces meet, m.
     arms: [[Vec2; 2]; 2],
+    /// The number of points.
+    count: usize,
+    /// The impulses that the contact started from.
+    start: Impulses,
+    /// The impacts of the contact, once the step is solved.
+    impact: Option<ContactImpact>,
 }
 
 impl Approach {
-    /// Leaves out the points that had an impulse at the end of the step before. A body that arrives in the last sub-step is slowed down
-    /// there in part, and that step has reported the hit.
-    pub(super) fn leave_out_pressed(&mut self, start: &Impulses) {
-        for (speed, impulse) in self.speeds.iter_mut().zip(start.values) {
-            if impulse > 0 {
-                *speed = Fx::ZERO;
-            }
-        }
+    /// Takes the impacts that the solver found, with their speeds, or forgets them. A contact that only passed on the impacts of
+    /// others is no hit by them.
+    pub(super) fn set_impact(&mut self, impact: Option<ContactImpact>) {
+        self.impact = impact.filter(|impact| impact.speeds != [Fx::ZERO; 2]);
     }
 
     /// The speed of the faster one of the points with an impulse, and the place where it meets the other surface, as seen from this body;
     /// the middle of two points that are equally fast. `None` if no point approached.
     pub(super) fn fastest(&self, total: &Impulses, side: usize) -> Option<(Fx, Vec2)> {
-        let is_hit = |&k: &usize| total.values[k] > 0 && self.speeds[k] > Fx::ZERO;
+        let speeds = self.impact.map_or(self.speeds, |impact| impact.speeds);
+        let is_hit = |&k: &usize| total.values[k] > 0 && speeds[k] > Fx::ZERO;
         let mut points = (0..2).filter(is_hit);
         let first = points.next()?;
         let arms = &self.arms[side];
         let (speed, arm) = match points.next() {
-            Some(second) if self.speeds[second] > self.speeds[first] => (self.speeds[second], arms[second]),
-            Some(second) if self.speeds[second] == self.speeds[first] => {
+            Some(second) if speeds[second] > speeds[first] => (speeds[second], arms[second]),
+            Some(second) if speeds[second] == speeds[first] => {
                 let [a, b] = [arms[first], arms[second]];
-                (self.speeds[first], Vec2::new(middle(a.x, b.x), middle(a.y, b.y)))
+                (speeds[first], Vec2::new(middle(a.x, b.x), middle(a.y, b.y)))
             }
-            _ => (self.speeds[first], arms[first]),
+            _ => (speeds[first], arms[first]),
         };
         Some((speed, self.positions[side] + arm))
+    }
+
+    /// The impulse of the hit, N·s: that of its impacts. Without an impact, which is for fast bodies, the impulse over
+    /// the step less those that carry: at a point that was pressed before, those of the step before, else those of the
+    /// last sub-step, from the touch on.
+    pub(super) fn impulse(&self, total: &Impulses, last: &Impulses, substeps: u32) -> Fx {
+        if let Some(ContactImpact { impulses: [first, second], exponent, .. }) = self.impact {
+            return newton_seconds(first.saturating_add(second), exponent);
+        }
+        let of_point = |k: usize| {
+            let is_pressed = self.start.values[k] > 0;
+            let (carrying, times) = if is_pressed { (&self.start, substeps) } else { (last, self.substeps_left[k]) };
+            let carried = newton_seconds(carrying.values[k], carrying.exponent).saturating_mul(Fx::from(times as i32));
+            newton_seconds(total.values[k], total.exponent).saturating_sub(carried).max(Fx::ZERO)
+        };
+        (0..self.count).fold(Fx::ZERO, |sum, k| sum.saturating_add(of_point(k)))
     }
 }
 
@@ -60,38 +84,83 @@ fn middle(a: Fx, b: Fx) -> Fx {
 }
 
 /// The velocity of a point of a body, in 2^-64 m/s: below 2^86 and 2^100.
-fn velocity(flight: &Flight, arm: Vec2) -> [i128; 2] {
+fn velocity(of: &Velocity, arm: Vec2) -> [i128; 2] {
     let bits = |value: Fx| i128::from(value.to_bits());
-    let (v, turn) = (flight.start.linear, bits(flight.start.angular));
+    let (v, turn) = (of.linear, bits(of.angular));
     [(bits(v.x) << 32) - turn * bits(arm.y), (bits(v.y) << 32) + turn * bits(arm.x)]
 }
 
-/// The approach at the points of a manifold. The speed is an exact sum, rounded down, that a mirror image and the two bodies in the other
-/// order have as well; vectors are rounded oddly.
-pub(super) fn approach(manifold: &Manifold, flights: [&Flight; 2], time_step: TimeStep) -> Approach {
+/// The speed at which points with these velocities close along a normal, in 2^-32 m/s and within 2^62.5: an exact sum,
+/// rounded down, that a mirror image and the two bodies in the other order have as well.
+fn closing_speed(normal: [i32; 2], [a, b]: [[i128; 2]; 2]) -> i64 {
     /// Faster points count as that, 2^30 m/s: products with the normal are below 2^125.
     const FASTEST: i128 = 1 << 94;
+    let closing = [0, 1].map(|axis| (a[axis] - b[axis]).clamp(-FASTEST, FASTEST));
+    let [nx, ny] = normal.map(i128::from);
+    // From 2^-94 to 2^-32 m/s.
+    ((closing[0] * nx + closing[1] * ny) >> 62) as i64
+}
+
+/// The approach at the points of a contact, which has this manifold at the end of these ways. Vectors are rounded oddly.
+pub(super) fn approach(
+    scene: &Scene<'_>,
+    manifold: &Manifold,
+    ways: &[Way; 2],
+    contact: &Contact,
+    flights: [&Flight; 2],
+) -> Approach {
     let normal = manifold.normal.map(|part| Fx::from_bits(i64::from(part) << 2));
     let mut approach = Approach {
         normal: Vec2::new(normal[0], normal[1]),
-        positions: flights.map(|flight| flight.position),
+        positions: [0, 1].map(|side| ways[side].position(flights[side].position)),
         speeds: [Fx::ZERO; 2],
+        substeps_left: [0; 2],
         arms: [[Vec2::ZERO; 2]; 2],
+        count: manifold.count,
+        start: contact.impulses,
+        impact: None,
     };
     for (k, point) in manifold.points.iter().enumerate().take(manifold.count) {
         let arms = [point.arm_a, point.arm_b];
-        let [a, b] = [0, 1].map(|side| velocity(flights[side], arms[side]));
-        let closing = [0, 1].map(|axis| (a[axis] - b[axis]).clamp(-FASTEST, FASTEST));
-        let [nx, ny] = manifold.normal.map(i128::from);
-        // From 2^-94 to 2^-32 m/s.
-        let speed = ((closing[0] * nx + closing[1] * ny) >> 62) as i64;
-        approach.speeds[k] = Fx::from_bits(speed);
-        let way = mean_way([a, b], point.separation, speed, time_step);
+        let start = [0, 1].map(|side| velocity(&flights[side].start, arms[side]));
+        let end = [0, 1].map(|side| velocity(&flights[side].end, arms[side]));
+        let speeds = [start, end].map(|velocities| closing_speed(manifold.normal, velocities));
+        // A body that arrives in the last sub-step is slowed down there in part, and the step before has reported the
+        // hit.
+        if contact.impulses.values[k] <= 0 {
+            let gap = contact.points[k].separation;
+            (approach.speeds[k], approach.substeps_left[k]) =
+                touch(speeds, gap, scene.time_step, scene.settings.substeps);
+        }
+        let way = mean_way(start, point.separation, speeds[0], scene.time_step);
         for (side, arm) in arms.into_iter().enumerate() {
             approach.arms[side][k] = Vec2::new(arm.x.saturating_add(way[0]), arm.y.saturating_add(way[1]));
         }
     }
     approach
+}
+
+/// The speed at which a point meets the other surface, m/s, and the sub-steps that are left after the one in which it
+/// does: for a gap at the start and the speeds at both ends of the step. Zero if the point does not approach.
+///
+/// # Ranges
+/// Speeds are below 2^62.5 and their difference below 2^63.5; the gap is cut off at 2^60 of a step's way: the square is
+/// below 2^126.
+fn touch(speeds: [i64; 2], gap: Fx, time_step: TimeStep, substeps: u32) -> (Fx, u32) {
+    let [start, end] = speeds.map(i128::from);
+    if start <= 0 && end <= 0 {
+        return (Fx::ZERO, 0);
+    }
+    let (num, den) = time_step.seconds();
+    // As a speed: the gap over the length of the step.
+    let gap = (i128::from(gap.max(Fx::ZERO).to_bits()) * i128::from(den) / i128::from(num)).min(1 << 60);
+    // u² = u0² + 2·a·g, and u + u0 is twice the mean speed.
+    let square = (start * start + 2 * (end - start) * gap).max(0);
+    let speed = square.unsigned_abs().isqrt() as i128;
+    let sum = start + speed;
+    let substeps = i128::from(substeps);
+    let number = if sum > 0 { ((2 * gap * substeps + sum - 1) / sum).clamp(1, substeps) } else { substeps };
+    (Fx::from_bits(speed.min(i64::MAX.into()) as i64), (substeps - number) as u32)
 }
 
 /// The way of the middle between two points until the gap between them is closed, at most that of a step.

@@ -8,16 +8,17 @@ use super::MARGIN;
 use super::approach::{Approach, approach};
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
+use super::moment::{Way, take_back};
 use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
-use super::solved::FoundContact;
+use super::solved::{Again, FoundContact};
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
-use super::tiles::Tiles;
+use super::tiles::{SLANTED, Tiles};
 use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
 use crate::collide::{Cores, Manifold, Margin};
@@ -32,11 +33,13 @@ pub(crate) struct Engine {
     pub(super) flights: Flights,
     /// The outlines as the broad phase knows them.
     pub(super) numbers: Numbers,
-    chains: Chains,
+    pub(super) chains: Chains,
     pub(super) tiles: Tiles,
     /// Outlines in world axes, and the index of each by its number.
     pub(super) cores: Cores,
     pub(super) core_of: Stamped,
+    /// The same at the start of the step, for questions about it.
+    start_core_of: Stamped,
     pub(super) broad: BroadPhase,
     pub(super) still: Option<Still>,
     /// The revision of the colliders that `still` was built from.
@@ -46,9 +49,14 @@ pub(crate) struct Engine {
     pub(super) found: Vec<FoundContact>,
     /// The contacts in the form that the solver takes, in the order of `found`.
     pub(super) contacts: Vec<Contact>,
+    pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
     pub(super) totals: Vec<Impulses>,
-    /// The contacts that may be hits, with their numbers.
+    /// By the number of the contact: true if it has events and touched in the step; empty where no collider has such events.
+    pub(super) touched: Vec<bool>,
+    /// None, in exchange for these while the contacts have the impulses that they start from.
+    pub(super) start_touched: Vec<bool>,
+    /// The contacts that may be hits, with their numbers, which rise.
     pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
@@ -61,9 +69,10 @@ pub(crate) struct Engine {
     /// Workspace: the numbers of outlines near one.
     pub(super) near_numbers: Vec<u32>,
     pub(super) sweep: sweep::Workspace,
+    pub(super) again: Again,
     /// No contact is found ahead of time.
     #[cfg(feature = "selftest")]
-    is_discrete: bool,
+    pub(super) is_discrete: bool,
 }
 
 /// An outline of a pair.
@@ -119,6 +128,18 @@ impl Engine {
         core
     }
 
+    /// An outline of a body at the start of the step.
+    pub(super) fn start_core(&mut self, scene: &Scene<'_>, number: u32, outline: &BodyOutline, flight: u32) -> usize {
+        let Some(pose) = self.flights.start_pose(scene, flight) else {
+            return self.core(scene, number, outline, flight);
+        };
+        if self.start_core_of.get(number) == NONE {
+            let core = self.cores.push(&outline.outline, &pose);
+            self.start_core_of.set(number, core as u32);
+        }
+        self.start_core_of.get(number) as usize
+    }
+
     /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its
     /// points had with other segments or polygons. The surface is at this side of the pair.
     #[cold]
@@ -144,8 +165,8 @@ impl Engine {
             }
             let mut near = numbers;
             near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            let manifold = self.manifold_of(scene, near, before);
-            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record) {
+            let manifold = self.mean_manifold(scene, near, before);
+            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record, SLANTED) {
                 continue;
             }
             let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
@@ -155,8 +176,27 @@ impl Engine {
         self.chains.terms = terms;
     }
 
-    /// The manifold of two outlines.
-    pub(super) fn manifold_of(
+    /// The manifold of two outlines at the start of the step.
+    pub(super) fn start_manifold(
+        &mut self,
+        scene: &Scene<'_>,
+        numbers: [u32; 2],
+        pair: [OutlineId; 2],
+    ) -> Option<Manifold> {
+        let [a, b] = pair.map(|outline| scene.colliders.at(outline.slot));
+        let colliders = [a?, b?];
+        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
+        let outlines = [colliders[0].outline(pair[0].part), colliders[1].outline(pair[1].part)];
+        let cores = [
+            self.start_core(scene, numbers[0], &outlines[0], ends[0]),
+            self.start_core(scene, numbers[1], &outlines[1], ends[1]),
+        ];
+        let flights = ends.map(|flight| self.flights.flight(flight));
+        self.cores.collide(cores[0], cores[1], self.margin(flights, [outlines[0].radius, outlines[1].radius]))
+    }
+
+    /// The manifold of two outlines at the moment of manifolds of bodies that press each other.
+    pub(super) fn mean_manifold(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
@@ -168,9 +208,9 @@ impl Engine {
         self.manifold(scene, numbers, pair.map(|outline| outline.part), colliders, ends)
     }
 
-    /// The manifold of two outlines of these colliders, with these flights.
+    /// The manifold of two outlines of these colliders, with these flights, at the moment of manifolds of bodies that press each other.
     #[inline(always)]
-    fn manifold(
+    pub(super) fn manifold(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
@@ -233,8 +273,8 @@ impl Engine {
         if is_asleep && (kinds == [FlightOf::Asleep; 2] || !scene.may_have_moved_statics) {
             return;
         }
-        let parts = pair.map(|outline| outline.part);
-        let Some(manifold) = self.manifold(scene, numbers, parts, [a, b], ends) else { return };
+        let pressed = record.is_some_and(|record| !record.is_slack());
+        let Some((manifold, ways)) = self.meet(scene, numbers, pair, [a, b], ends, contacts, pressed) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
             // asleep in this contact sleeps on.
@@ -256,8 +296,23 @@ impl Engine {
         if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
             self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
         }
+        self.add_contact(scene, pair, [a, b], ends, &manifold, &ways, start);
+    }
+
+    /// Adds the contact of a pair, with a manifold of the moment at the end of these ways, for the solver.
+    pub(super) fn add_contact(
+        &mut self,
+        scene: &Scene<'_>,
+        pair: [OutlineId; 2],
+        [a, b]: [&Collider; 2],
+        ends: [u32; 2],
+        manifold: &Manifold,
+        ways: &[Way; 2],
+        start: Impulses,
+    ) {
         ends.into_iter().for_each(|flight| self.flights.complete(scene, flight));
         let ends = self.flights.by_dominance(ends);
+        let (features, count) = (manifold.features(), manifold.count);
         let materials = [&a.def.material, &b.def.material];
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
@@ -266,18 +321,19 @@ impl Engine {
         };
         let coefficients = defined.unwrap_or_else(|| materials[0].mixed(materials[1]));
         let rolling_radius = if count == 1 && coefficients.rolling_resistance > Fx::ZERO {
-            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(parts[side]).outline.radius()))
+            rolling_radius(features[0], [0, 1].map(|side| [a, b][side].outline(pair[side].part).outline.radius()))
         } else {
             Fx::ZERO
         };
         let speed = materials[0].surface_speed_against(materials[1]);
-        self.contacts.push(Surfaces { coefficients, rolling_radius, speed }.contact(ends, &manifold, start));
+        let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, manifold, start);
+        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
+        self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
-            let flights = ends.map(|flight| self.flights.flight(flight));
-            let mut approach = approach(&manifold, flights, scene.time_step);
-            approach.leave_out_pressed(&start);
+            let approach = approach(scene, manifold, ways, &contact, ends.map(|flight| self.flights.flight(flight)));
             self.approaches.push((self.found.len() as u32, approach));
         }
+        self.starts.push(start);
         self.found.push(FoundContact { pair, features, count });
     }
 
@@ -287,10 +343,15 @@ impl Engine {
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         self.cores.clear();
         self.contacts.clear();
+        self.starts.clear();
         self.found.clear();
         self.totals.clear();
+        self.touched.clear();
         self.approaches.clear();
         self.core_of.clear();
+        self.sweep.deflected.clear();
+        self.again.clear();
+        self.start_core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
         self.chains.clear();
         self.flights.begin(scene);

@@ -191,7 +191,7 @@ impl Engine {
     fn is_near(&mut self, scene: &Scene<'_>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
         /// 2^-10 m
         const SHIFT: Fx = Fx::from_bits(1 << 22);
-        if self.manifold_of(scene, numbers, pair).is_some() {
+        if self.mean_manifold(scene, numbers, pair).is_some() {
             return true;
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };

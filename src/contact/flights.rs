@@ -3,8 +3,9 @@
 use alloc::vec::Vec;
 
 use super::bodies::resting;
+use super::moment::{Way, length, mean_beginning};
 use super::stamped::Stamped;
-use super::{Scene, Start};
+use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
 use crate::collide::Pose;
 use crate::fx::Fx;
@@ -24,11 +25,13 @@ pub(super) enum FlightOf {
     Static,
 }
 
-/// A body: its slot, its pose at the start and its kind.
+/// A body: its slot, its kind, and its pose at the moment of manifolds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) slot: u32,
     pub(super) pose: Pose,
+    /// The way from the start to that pose.
+    pub(super) way: Way,
     pub(super) kind: FlightOf,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
@@ -50,6 +53,11 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
     of: Stamped,
+    /// The moment of manifolds, and the length of the step, in 2^-48 s.
+    mean_beginning: u64,
+    length: u64,
+    /// The changes by impulses, by flight, when contacts are found once more in a step.
+    deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
@@ -66,6 +74,9 @@ impl Flights {
         self.places.clear();
         self.of.clear();
         self.followers.clear();
+        self.deflections.clear();
+        self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
+        self.length = length(scene.time_step);
         for start in scene.starts {
             self.push_moving(scene, start);
         }
@@ -81,11 +92,16 @@ impl Flights {
             }
             width = collider.width.to_bits().min(width);
         }
-        let pose = pose(start.position, if shows_angle { start.angle } else { Turn::default() });
         self.flights.push(scene.bodies.flight(start, scene.time_step));
         let info = scene.bodies.contact_info(start.dense);
         let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
-        self.place(Place { slot, pose, kind, dominance: info.dominance, reach, width, is_complete: false });
+        let way = Way::steady(start, self.mean_beginning);
+        let pose = if shows_angle {
+            way.pose(start.position, start.angle)
+        } else {
+            way.without_rotation().pose(start.position, Turn::default())
+        };
+        self.place(Place { slot, pose, way, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
     #[cold]
@@ -94,7 +110,8 @@ impl Flights {
         self.flights.push(resting(pose.position()));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
-        self.place(Place { slot, pose, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
+        let way = Way::default();
+        self.place(Place { slot, pose, way, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
     }
 
     fn place(&mut self, place: Place) -> u32 {
@@ -158,6 +175,11 @@ impl Flights {
         }
     }
 
+    /// Returns true if a body follows another one.
+    pub(super) fn any_followers(&self) -> bool {
+        !self.followers.is_empty()
+    }
+
     /// The flight of a body.
     #[inline(always)]
     pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {
@@ -166,6 +188,40 @@ impl Flights {
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// The way of a body in the step at the velocity of the start, m.
+    pub(super) fn steady_way(&self, start: &Start) -> Vec2 {
+        Way::steady(start, self.length).displacement
+    }
+
+    /// The pose of a moving body at the start of the step; `None` for one that does not move.
+    pub(super) fn start_pose(&self, scene: &Scene<'_>, flight: u32) -> Option<Pose> {
+        scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
+    }
+
+    /// A flight with the changes of the way that impulses made of it, if contacts are found once more in the step.
+    pub(super) fn deflected(&self, flight: u32) -> Flight {
+        let free = self.flights[flight as usize];
+        match self.deflections.get(self.leader(flight) as usize) {
+            Some(change) => Flight {
+                displacement: free.displacement + change.displacement.map(FxAccumulator::value),
+                rotation: free.rotation.saturating_add(change.rotation.value()),
+                ..free
+            },
+            None => free,
+        }
+    }
+
+    /// Takes note of the changes by impulses, by flight; none if contacts are found first.
+    pub(super) fn set_deflections(&mut self, corrections: &[Correction]) {
+        self.deflections.clear();
+        self.deflections.extend_from_slice(corrections);
+    }
+
+    /// The flight of the body in a slot, if it has one.
+    pub(super) fn at(&self, slot: u32) -> Option<u32> {
+        Some(self.of.get(slot)).filter(|&flight| flight != NONE)
     }
 
     /// Returns true if the body in a slot has a flight.

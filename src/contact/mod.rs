@@ -3,9 +3,11 @@
 //! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all of a world, `asleep` those of
 //!   sleeping bodies.
 //! - `view`: contacts as the interface shows them.
+//! - `deflected`: contacts that bodies meet on the ways that impulses send them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
 //! - `engine`: pairs and manifolds; `solved`: the contacts that were found, through the solver to records and hits.
+//! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
 //! - `surfaces`: contacts as the solver takes them.
@@ -23,10 +25,12 @@
 mod approach;
 mod asleep;
 mod bodies;
+mod deflected;
 mod engine;
 mod events;
 mod excluded;
 mod flights;
+mod moment;
 mod numbers;
 mod passes;
 mod reach;
@@ -57,6 +61,7 @@ use crate::slots::BodyId;
 use crate::solve::{self, SolverOptions};
 
 pub(crate) use bodies::ContactBodies;
+pub(crate) use deflected::ROUNDS;
 pub(crate) use engine::Engine;
 pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};
@@ -68,6 +73,7 @@ pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub(crate) use split::Solvers;
 pub(crate) use still::Disturbed;
+pub(crate) use sweep::{Paths, between};
 pub use view::{Contact, ContactPoint};
 
 /// Shapes have a manifold if they are nearer than this plus the distance by which they approach in the step, m.
@@ -188,8 +194,14 @@ impl From<&solve::Correction> for Correction {
 pub(crate) struct Stop {
     /// The index of the body in the columns.
     pub(crate) dense: usize,
+    /// The index of its start.
+    pub(crate) start: usize,
     pub(crate) position: Vec2<FxAccumulator>,
     pub(crate) angle: Turn,
+    /// The moment at which it stops on its own path, in 2^-62 of the step; `None` if another body carries it along.
+    pub(crate) at: Option<u64>,
+    /// True if a body that does not give way keeps it at the start.
+    pub(crate) is_stuck: bool,
 }
 
 /// Changes of bodies and colliders; any may be there more than once.

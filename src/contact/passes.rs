@@ -146,10 +146,12 @@ impl Engine {
         if !kinds.into_iter().any(moves) && (are_both || !scene.may_have_moved_statics) {
             return;
         }
-        let Some(manifold) = self.manifold_of(scene, numbers, pair) else { return };
+        let Some(manifold) = self.start_manifold(scene, numbers, pair) else { return };
         for side in 0..2 {
             if let Some(holds) = colliders[side].side {
-                let along = manifold.cosine_with(self.flights.body(ends[side]).pose.turned(holds.direction));
+                let pose = self.flights.start_pose(scene, ends[side]);
+                let pose = pose.unwrap_or(self.flights.body(ends[side]).pose);
+                let along = manifold.cosine_with(pose.turned(holds.direction));
                 near.push(Near {
                     place: (pair[side], colliders[1 - side].body.slot),
                     separation: manifold.least_separation(),

@@ -25,6 +25,14 @@ pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
     Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a, radii[0]) + turned(b, radii[1])), [x, y])
 }
 
+/// A bound of the distance by which two outlines of these radii approach in the step, in ulps.
+#[inline]
+pub(super) fn approach_bound([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
+    let way = |a: Fx, b: Fx| (b.to_bits() - a.to_bits()).abs();
+    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
+    x.max(y) + x.min(y) / 2 + turned(a, radii[0]) + turned(b, radii[1])
+}
+
 /// The largest distance that a point of an outline moves in the step, in ulps: for two together at least what they
 /// [close](closing).
 fn way(flight: &Flight, radius: Fx) -> i64 {

@@ -6,7 +6,7 @@ use crate::collider::OutlineId;
 use crate::limits::{CHAIN, COLLIDERS, PARTS};
 use crate::solve::Impulses;
 
-/// A contact that carried an impulse at the end of a step; for colliders with events also one that carried it earlier in the step.
+/// A contact that carried an impulse at the end of a step; for colliders with events also one that touched in the step.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ContactRecord {
     /// The slots of the two colliders, the lower one first, in the lower 24 bits; above them the lower 8 bits of the outline's number.
@@ -95,7 +95,7 @@ impl ContactRecord {
         i32::from((self.packed[0] >> 24) as u8 as i8)
     }
 
-    /// Returns true if no impulse is left: the contact carried one earlier in the step.
+    /// Returns true if no impulse is left: the contact carried one earlier in the step, or overlapped.
     pub(crate) fn is_slack(&self) -> bool {
         self.impulses == [0; 3]
     }

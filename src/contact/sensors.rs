@@ -1,7 +1,11 @@
-//! Sensors: which colliders overlap them at the end of a step.
+//! Sensors: which colliders overlap them at the end of a step, and which crossed them within it.
 //!
 //! A sensor and a collider of another body overlap if their filters agree, one of the two bodies is not static, both take part, and the
 //! shapes have a point in common: exactly, by the geometry of queries. Sensors do not see each other.
+//!
+//! A pair that does not overlap then *crosses* in the step if one of the two bodies is fast and the outlines overlap by a micrometre on the
+//! paths of continuous collision: from the start, to where impulses left the bodies or to where their paths ended. A body is fast as it is
+//! there, by the least width of its colliders; one that has sensors, also by theirs.
 //!
 //! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap, those
 //! included that filters reject. If these are more than a world may have, the sensors with the most of them find nothing: a function of the
@@ -13,10 +17,12 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::engine::Engine;
+use super::sweep::{Paths, around, form, resting_path};
 use super::{ContactBodies, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collide::broad::{PairLimits, Proxy, Statics};
+use crate::collide::sweep::{Path, Sweep};
 use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
 use crate::fx::Fx;
 use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
@@ -54,7 +60,7 @@ impl Read for Overlap {
     }
 }
 
-/// An outline that was placed: the box of its exact shape, and the state of its body.
+/// An outline that was placed: the box of its exact shape, or of a fast body's path, and the state of its body.
 #[derive(Clone, Copy, Debug)]
 struct Seen {
     outline: OutlineId,
@@ -63,6 +69,9 @@ struct Seen {
     kind: BodyKind,
     activity: Activity,
 }
+
+/// The path of a fast body over the step, by its slot.
+type BodyPath = (u32, Path);
 
 /// Reused memory for sensors.
 #[derive(Debug, Default)]
@@ -82,8 +91,12 @@ pub(crate) struct Sensors {
     degrees: Vec<u32>,
     sums: Vec<usize>,
     sum: Sum,
-    /// Sorted, each once.
+    /// The paths of fast bodies, sorted by slot.
+    paths: Vec<BodyPath>,
+    /// The overlaps at the end of the step; sorted, each once.
     pub(crate) found: Vec<Overlap>,
+    /// The pairs that do not overlap then and did in the step; sorted, each once.
+    pub(crate) crossed: Vec<Overlap>,
 }
 
 /// The parts of a world that sensors look at.
@@ -91,9 +104,33 @@ struct View<'a> {
     bodies: &'a dyn ContactBodies,
     colliders: &'a ColliderSet,
     engine: &'a Engine,
+    paths: &'a [BodyPath],
 }
 
 impl View<'_> {
+    /// The path of the body in a slot, if it is fast.
+    fn path(&self, slot: u32) -> Option<&Path> {
+        let at = self.paths.binary_search_by_key(&slot, |(slot, _)| *slot).ok()?;
+        Some(&self.paths[at].1)
+    }
+
+    /// Returns true if two outlines overlap on the paths of their bodies, of which one at least is fast.
+    fn is_crossed(&self, outlines: [(&Collider, u32); 2]) -> bool {
+        let paths = outlines.map(|(collider, _)| self.path(collider.body.slot));
+        if paths.iter().all(Option::is_none) {
+            return false;
+        }
+        let resting = outlines.map(|(collider, _)| {
+            let dense = self.bodies.index_of(collider.body).unwrap_or(0);
+            resting_path(self.bodies.position(dense), self.bodies.angle(dense))
+        });
+        // A sensor has no side.
+        let forms = outlines.map(|(collider, part)| form(collider, part).without_sides());
+        let both = [0, 1].map(|side: usize| paths[side].unwrap_or(&resting[side]));
+        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
+        sweep.first_touch().is_some()
+    }
+
     /// The place of the body of a collider, its kind and its activity, if it takes part.
     fn place(&self, collider: &Collider) -> Option<(Placement<Fx>, BodyKind, Activity)> {
         let dense = self.bodies.index_of(collider.body)?;
@@ -113,9 +150,15 @@ impl View<'_> {
             parts.clone().filter_map(move |part| {
                 let from = placement.position();
                 let core = Core::new(&collider.outline(part).outline, &placement, from)?;
-                let [min, max] = core.bounds().map(|corner| in_fx(beside(from, corner)));
                 let outline = OutlineId { slot: collider.slot, part };
-                Some(Seen { outline, body: collider.body.slot, bounds: Aabb { min, max }, kind, activity })
+                let bounds = match self.path(collider.body.slot) {
+                    Some(path) => around(path, collider.outline(part).radius.to_bits()),
+                    None => {
+                        let [min, max] = core.bounds().map(|corner| in_fx(beside(from, corner)));
+                        Aabb { min, max }
+                    }
+                };
+                Some(Seen { outline, body: collider.body.slot, bounds, kind, activity })
             })
         })
     }
@@ -154,6 +197,37 @@ impl Sensors {
         self.revision = None;
     }
 
+    /// Forgets the paths of the step before.
+    pub(crate) fn begin(&mut self) {
+        self.paths.clear();
+    }
+
+    fn list_sensors(&mut self, colliders: &ColliderSet) {
+        if self.revision != Some(colliders.revision()) {
+            self.revision = Some(colliders.revision());
+            self.slots.clear();
+            self.slots.extend(colliders.list().filter(|collider| collider.def.sensor).map(|collider| collider.slot));
+        }
+    }
+
+    /// Keeps the paths of fast bodies. `engine` ended them, and `paths` has the bodies then.
+    pub(crate) fn follow(&mut self, paths: &Paths<'_>, engine: &Engine) {
+        self.list_sensors(paths.scene.colliders);
+        self.paths.clear();
+        if self.slots.is_empty() {
+            return;
+        }
+        engine.each_fast_path(paths, |slot, path| self.paths.push((slot, path)));
+        for &slot in &self.slots {
+            let Some(sensor) = paths.scene.colliders.at(slot) else { continue };
+            let path = engine.path_if_fast(paths, sensor);
+            self.paths.extend(path.map(|path| (sensor.body.slot, path)));
+        }
+        // Paths of one body are the same.
+        self.paths.sort_unstable_by_key(|(slot, _)| *slot);
+        self.paths.dedup_by_key(|(slot, _)| *slot);
+    }
+
     /// Finds all overlaps of sensors; `engine` found the contacts of the step, in which the bodies of `fell_asleep` did so.
     pub(crate) fn find(
         &mut self,
@@ -163,13 +237,16 @@ impl Sensors {
         fell_asleep: &[BodyId],
         settings: &ContactSettings,
     ) {
-        let view = View { bodies, colliders, engine };
-        if self.revision != Some(colliders.revision()) {
-            self.revision = Some(colliders.revision());
-            self.slots.clear();
-            self.slots.extend(colliders.list().filter(|own| own.def.sensor).map(|own| own.slot));
-        }
+        self.list_sensors(colliders);
         self.found.clear();
+        self.crossed.clear();
+        let paths = core::mem::take(&mut self.paths);
+        self.find_in(&View { bodies, colliders, engine, paths: &paths }, fell_asleep, settings);
+        self.paths = paths;
+    }
+
+    fn find_in(&mut self, view: &View<'_>, fell_asleep: &[BodyId], settings: &ContactSettings) {
+        let (bodies, colliders) = (view.bodies, view.colliders);
         self.sensors.clear();
         let sensors = self.slots.iter().filter_map(|&slot| colliders.at(slot));
         self.sensors.extend(sensors.flat_map(|collider| view.seen(collider, 0..collider.outline_count())));
@@ -184,11 +261,11 @@ impl Sensors {
             );
         }
         let limits = pair_limits(settings, colliders);
-        let overlaps = self.pair_all(&view, &limits);
+        let overlaps = self.pair_all(view, &limits);
         if overlaps > limits.overlaps || self.pairs.len() > limits.pairs {
-            self.pair_fewest(&view, &limits, overlaps > limits.overlaps);
+            self.pair_fewest(view, &limits, overlaps > limits.overlaps);
         }
-        self.meet(&view);
+        self.meet(view);
     }
 
     /// Puts outlines into the tree, by their index in the list.
@@ -283,9 +360,9 @@ impl Sensors {
         }
     }
 
-    /// Finds which of the pairs overlap.
+    /// Finds which of the pairs overlap at the end of the step, and which others do in it.
     fn meet(&mut self, view: &View<'_>) {
-        let Self { sensors, pairs, sum, found, .. } = self;
+        let Self { sensors, pairs, sum, found, crossed, .. } = self;
         pairs.sort_unstable();
         for same in pairs.chunk_by(|a, b| a.0 == b.0) {
             let outline = sensors[same[0].0 as usize].outline;
@@ -303,10 +380,17 @@ impl Sensors {
                 sum.set(&core, &own);
                 if contains(&sum.core) {
                     found.push(overlap);
+                } else if crossed.last() != Some(&overlap)
+                    && view.is_crossed([(sensor, outline.part), (other, visitor.part)])
+                {
+                    crossed.push(overlap);
                 }
             }
         }
         found.sort_unstable();
         found.dedup();
+        crossed.sort_unstable();
+        crossed.dedup();
+        crossed.retain(|overlap| found.binary_search(overlap).is_err());
     }
 }

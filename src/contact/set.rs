@@ -7,14 +7,13 @@ use super::asleep::AsleepContacts;
 use super::{ContactBodies, ContactRecord, EndedPair, ExcludedPair, Overlap, PassRecord};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::collider::{ColliderSet, OutlineId};
-use crate::slots::ColliderId;
 use crate::solve::Impulses;
 
 /// The state of the contacts of a world.
 #[derive(Debug, Default)]
 pub(crate) struct ContactSet {
-    /// The contacts without a sleeping body that carried an impulse at the end of the last step, or, if they have events, at any time in
-    /// it; sorted by pair.
+    /// The contacts without a sleeping body that carried an impulse at the end of the last step, or, if they have
+    /// events, touched in it; sorted by pair.
     pub(crate) records: Vec<ContactRecord>,
     /// The contacts with a body that is asleep.
     pub(super) asleep: AsleepContacts,
@@ -105,17 +104,30 @@ impl ContactSet {
         codec::list(sink, self.ended.iter());
     }
 
-    /// Drops the records of a collider, its answers if it is one-way, and its overlaps; what ends with it is kept for the report of the
-    /// next step. *Domain* the colliders still have it.
-    pub(crate) fn forget(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, collider: ColliderId) {
-        self.keep_ends(bodies, colliders, collider.slot);
-        self.overlaps.retain(|overlap| !overlap.slots().contains(&collider.slot));
-        let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| outline.slot != collider.slot);
+    /// Drops the records of colliders of a body, their answers if they are one-way, and their overlaps; what ends with them is kept for the
+    /// report of the next step. *Domain* the colliders still have them; their slots are sorted.
+    pub(crate) fn forget(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, slots: &[u32]) {
+        if slots.is_empty() {
+            return;
+        }
+        self.keep_ends(bodies, colliders, slots);
+        // Most calls name one collider.
+        let stays = |slot: u32| match slots {
+            [collider] => slot != *collider,
+            _ => slots.binary_search(&slot).is_err(),
+        };
+        self.overlaps.retain(|overlap| overlap.slots().into_iter().all(stays));
+        let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| stays(outline.slot));
         self.records.retain(is_of_others);
-        if self.asleep.touching(collider.slot).next().is_some() {
+        if self.any_asleep_with(slots) {
             self.asleep.retain(|record| is_of_others(record));
         }
-        self.passes.retain(|record| record.collider != collider.slot);
+        self.passes.retain(|record| stays(record.collider));
+    }
+
+    /// Returns true if one of these colliders has a contact in which a body is asleep.
+    pub(super) fn any_asleep_with(&self, slots: &[u32]) -> bool {
+        !self.asleep.is_empty() && slots.iter().any(|&slot| self.asleep.touching(slot).next().is_some())
     }
 
     /// Moves the contacts of bodies that fell asleep to the list that steps do not look at. `is_asleep` tells whether the body of a

@@ -1,16 +1,14 @@
-//! The contacts that were found: solving them, and the records and hits that follow.
+//! The contacts that were found: solving them, and the records that follow.
 
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::events::{ColliderPair, ContactHit, has_events};
-use super::split::Solvers;
-use super::view::newton_seconds;
+use super::flights::Flights;
+use super::split::{Part, Solvers};
 use super::{ContactRecord, ContactSet, Correction, Scene};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::scalar::Scalar;
-use crate::solve::{Contact, ContactSolver, Impulses};
+use crate::solve::{Contact, ContactSolver, Graph, Impulses};
 
 /// A contact that was found: its outlines, and the names and the number of its points.
 #[derive(Clone, Copy, Debug)]
@@ -29,62 +27,23 @@ impl FoundContact {
 impl Engine {
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
     /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
-    pub(crate) fn list(&self, colliders: &ColliderSet, contacts: &mut ContactSet) {
+    pub(crate) fn list(&self, contacts: &mut ContactSet) {
         contacts.records.clear();
-        let all = self.found.iter().zip(&self.contacts);
-        if self.totals.is_empty() || !colliders.any_contact_events() {
-            let pressed = all.filter(|(_, contact)| contact.impulses.values != [0; 3]);
-            contacts.records.extend(pressed.map(|(found, contact)| found.record(contact.impulses)));
-        } else {
-            let has_touched = |found: &FoundContact, contact: &Contact, total: &Impulses| {
-                let pair = found.pair.map(|outline| colliders.at(outline.slot));
-                let is_reported = matches!(pair, [Some(a), Some(b)] if has_events([a, b]));
-                contact.impulses.values != [0; 3] || is_reported && total.values != [0; 3]
-            };
-            let touched = all.zip(&self.totals).filter(|((found, contact), total)| has_touched(found, contact, total));
-            contacts.records.extend(touched.map(|((found, contact), _)| found.record(contact.impulses)));
+        for (number, (found, contact)) in self.found.iter().zip(&self.contacts).enumerate() {
+            if contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true) {
+                contacts.records.push(found.record(contact.impulses));
+            }
         }
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
     }
 
-    /// Lists the hits of contacts that were solved.
-    pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
-        for (number, approach) in &self.approaches {
-            let number = *number as usize;
-            let (Some(found), Some(total)) = (self.found.get(number), self.totals.get(number)) else { continue };
-            let outlines = found.pair;
-            let slots = outlines.map(|outline| outline.slot);
-            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
-            let is_swapped = pair.colliders[0].slot != slots[0];
-            let Some((approach_speed, point)) = approach.fastest(total, usize::from(is_swapped)) else { continue };
-            if approach_speed < scene.settings.hit_speed {
-                continue;
-            }
-            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
-            if is_swapped {
-                parts.reverse();
-                normal = normal.map(|part| -part);
-            }
-            let impulse = newton_seconds(total.values[0].saturating_add(total.values[1]), total.exponent);
-            hits.push(ContactHit {
-                pair,
-                parts,
-                approach_speed: S::from_fx(approach_speed),
-                normal: normal.map(S::from_fx),
-                point: point.map(S::from_fx),
-                normal_impulse: S::from_fx(impulse),
-            });
-        }
-        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
-    }
-
-    /// Calls `found` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
-    pub(crate) fn touching(&self, colliders: &ColliderSet, mut found: impl FnMut([u32; 2], bool)) {
+    /// Calls `visit` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
+    pub(crate) fn touching(&self, colliders: &ColliderSet, mut visit: impl FnMut([u32; 2], bool)) {
         for FoundContact { pair, .. } in &self.found {
             if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
                 let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
-                found([a.body.slot, b.body.slot], is_driven);
+                visit([a.body.slot, b.body.slot], is_driven);
             }
         }
     }
@@ -98,6 +57,8 @@ impl Engine {
         corrections: &mut Vec<Correction>,
     ) {
         corrections.clear();
+        self.totals.clear();
+        self.touched.clear();
         if self.found.is_empty() {
             return;
         }
@@ -105,16 +66,45 @@ impl Engine {
         let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
         // Moving bodies have the first flights.
         corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
-        if scene.colliders.any_contact_events() || !self.approaches.is_empty() {
-            self.totals.resize(self.found.len(), Impulses::default());
-            for (number, [first, second], exponent) in solvers.totals() {
-                let second = if self.contacts[number as usize].count == 2 { second } else { 0 };
-                self.totals[number as usize] = Impulses { values: [first, second, 0], exponent };
+        self.find_touches(solvers, scene, None);
+        self.mark_pushing(corrections);
+    }
+
+    /// Solves the islands again that the added contacts belong to, from the start of the step.
+    pub(crate) fn solve_again<C: ContactSolver>(
+        &mut self,
+        solvers: &mut Solvers<C>,
+        scene: &Scene<'_>,
+        corrections: &mut Vec<Correction>,
+    ) {
+        let mut again = core::mem::take(&mut self.again);
+        again.take_islands(&self.flights, &self.contacts);
+        let part = &mut again.part;
+        for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
+            contact.impulses = self.starts[number as usize];
+        }
+        let options = scene.settings.into();
+        let changes = solvers.solve(scene.time_step, &options, &part.flights, &mut part.contacts);
+        for (&number, change) in part.flight_numbers.iter().zip(changes) {
+            match corrections.get_mut(number as usize) {
+                Some(correction) if again.is_changed[number as usize] => *correction = Correction::from(change),
+                // A fixed body, which other islands may touch as well.
+                Some(correction) => correction.is_pushed = false,
+                None => {}
             }
         }
+        for (contact, &number) in part.contacts.iter().zip(&part.contact_numbers) {
+            self.contacts[number as usize].impulses = contact.impulses;
+        }
+        self.find_touches(solvers, scene, Some(part));
+        self.mark_pushing(corrections);
+        self.again = again;
+    }
+
+    /// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
+    fn mark_pushing(&self, corrections: &mut Vec<Correction>) {
         for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
             for body in contact.bodies {
-                // A body that pushes others is not at rest, even if they do not move it.
                 if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
                     correction.is_pushed = true;
                 }
@@ -122,6 +112,50 @@ impl Engine {
         }
         if !corrections.iter().any(|correction| correction.is_pushed) {
             corrections.clear();
+        }
+    }
+}
+
+/// The islands that got contacts within a step, and memory for solving them again.
+#[derive(Debug, Default)]
+pub(super) struct Again {
+    /// The flights of the contacts that were added last.
+    pub(super) added: Vec<u32>,
+    /// By flight: true for a body of an island with such a contact; empty before the first ones are added.
+    pub(super) is_changed: Vec<bool>,
+    graph: Graph,
+    /// By island.
+    is_taken: Vec<bool>,
+    part: Part,
+}
+
+impl Again {
+    pub(super) fn clear(&mut self) {
+        self.added.clear();
+        self.is_changed.clear();
+    }
+
+    /// Returns true if the path of a body may be another one than before the last contacts were added.
+    pub(super) fn may_have_changed(&self, flight: u32) -> bool {
+        self.is_changed.get(flight as usize).is_none_or(|&is_changed| is_changed)
+    }
+
+    /// Copies the contacts of the islands of the added contacts; all of them where bodies follow others.
+    fn take_islands(&mut self, flights: &Flights, contacts: &[Contact]) {
+        let Self { added, is_changed, graph, is_taken, part } = self;
+        let (links, all) = (contacts.iter().map(|contact| contact.bodies), flights.all());
+        graph.build(|body| all[body as usize].is_fixed(), all.len(), links, |_, _| {});
+        is_taken.clear();
+        is_taken.resize(graph.islands(), flights.any_followers());
+        for island in added.drain(..).filter_map(|body| graph.island_of(body)) {
+            is_taken[island as usize] = true;
+        }
+        is_changed.clear();
+        let is_of_taken = |body: u32| graph.island_of(body).is_some_and(|island| is_taken[island as usize]);
+        is_changed.extend((0..all.len() as u32).map(is_of_taken));
+        part.take(all, contacts, |contact| contact.bodies.into_iter().any(|body| is_changed[body as usize]));
+        for at in 0..part.flights.len() {
+            part.flights[at].leader = part.flights[at].leader.and_then(|leader| part.flight(leader));
         }
     }
 }

@@ -18,9 +18,9 @@ use alloc::vec::Vec;
 use crate::fx::Fx;
 use crate::limits::SPEED;
 use crate::math::TimeStep;
-use crate::scalar::{Accumulator as _, FxAccumulator};
+use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
-use crate::solve::{Contact, ContactSolver, Correction, Flight, Graph, SolverOptions};
+use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
 
 /// The sub-steps of islands under heavy loads: the most that a world may have.
 const FINE: u32 = 16;
@@ -34,16 +34,49 @@ fn is_heavy(load: Fx, mass: Fx) -> bool {
     load.to_bits() > mass.to_bits() * HEAVY
 }
 
-/// Contacts that take the same sub-steps, and their flights.
+/// Contacts of whole islands, and their flights.
 #[derive(Debug, Default)]
-struct Part {
-    flights: Vec<Flight>,
+pub(super) struct Part {
+    pub(super) flights: Vec<Flight>,
     /// The numbers of the flights among all.
-    flight_numbers: Vec<u32>,
-    contacts: Vec<Contact>,
+    pub(super) flight_numbers: Vec<u32>,
+    pub(super) contacts: Vec<Contact>,
     /// The numbers of the contacts among all.
-    contact_numbers: Vec<u32>,
+    pub(super) contact_numbers: Vec<u32>,
+    /// By flight among all its number here, or [`NONE`].
+    place: Vec<u32>,
     corrections: Vec<Correction>,
+}
+
+impl Part {
+    /// Copies contacts, and the flights that they join. Leaders are still those among all.
+    pub(super) fn take(&mut self, flights: &[Flight], contacts: &[Contact], is_taken: impl Fn(&Contact) -> bool) {
+        let Self { place, .. } = self;
+        place.clear();
+        place.resize(flights.len(), NONE);
+        self.flights.clear();
+        self.flight_numbers.clear();
+        self.contacts.clear();
+        self.contact_numbers.clear();
+        for (number, contact) in (0..).zip(contacts).filter(|(_, contact)| is_taken(contact)) {
+            let bodies = contact.bodies.map(|body| {
+                let at = &mut place[body as usize];
+                if *at == NONE {
+                    *at = self.flights.len() as u32;
+                    self.flights.push(flights[body as usize]);
+                    self.flight_numbers.push(body);
+                }
+                *at
+            });
+            self.contacts.push(Contact { bodies, ..*contact });
+            self.contact_numbers.push(number);
+        }
+    }
+
+    /// The number here of a flight among all.
+    pub(super) fn flight(&self, number: u32) -> Option<u32> {
+        self.place.get(number as usize).copied().filter(|&at| at != NONE)
+    }
 }
 
 /// The contacts of a step, split by the sub-steps that their islands take, and a solver for each part.
@@ -54,8 +87,6 @@ pub(crate) struct Solvers<C> {
     loads: Vec<Fx>,
     /// By island.
     is_heavy: Vec<bool>,
-    /// By flight its number among those of a part, or [`NONE`].
-    place: Vec<u32>,
     /// True if the last step had two parts.
     is_split: bool,
     parts: [Part; 2],
@@ -82,7 +113,7 @@ impl<C: ContactSolver> Solvers<C> {
         self.corrections.clear();
         self.corrections.resize(flights.len(), Correction::default());
         for (index, part_substeps) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, flights, contacts);
+            self.take(index, time_step, flights, contacts);
             let (part, to, from) = (&mut self.parts[index], u64::from(part_substeps), u64::from(substeps));
             for contact in &mut part.contacts {
                 contact.impulses = contact.impulses.rescaled(from, to);
@@ -103,14 +134,29 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        let parts = if self.is_split { 2 } else { 1 };
-        (0..parts).flat_map(move |part| {
-            let number = move |contact: u32| match self.is_split {
-                true => self.parts[part].contact_numbers[contact as usize],
-                false => contact,
-            };
-            self.solvers[part].totals().map(move |(contact, sums, exponent)| (number(contact), sums, exponent))
+        (0..self.part_count()).flat_map(move |part| {
+            let totals = self.solvers[part].totals();
+            totals.map(move |(contact, sums, exponent)| (self.number(part, contact), sums, exponent))
         })
+    }
+
+    /// The impacts in the step of these contacts, which are those that were solved.
+    pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        (0..self.part_count()).flat_map(move |part| {
+            let contacts = if self.is_split { &self.parts[part].contacts } else { contacts };
+            let impacts = self.solvers[part].impacts(contacts);
+            impacts.map(move |impact| ContactImpact { contact: self.number(part, impact.contact), ..impact })
+        })
+    }
+
+    /// The number of parts of the last step.
+    fn part_count(&self) -> usize {
+        if self.is_split { 2 } else { 1 }
+    }
+
+    /// The number among all of a contact of a part.
+    fn number(&self, part: usize, contact: u32) -> u32 {
+        if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
     }
 
     /// Finds the islands under heavy loads. Returns true if there is one.
@@ -160,57 +206,42 @@ impl<C: ContactSolver> Solvers<C> {
     }
 
     /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
-    fn take(&mut self, index: usize, flights: &[Flight], contacts: &[Contact]) {
-        let Self { graph, is_heavy, place, parts, corrections, .. } = self;
+    fn take(&mut self, index: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
+        let Self { graph, is_heavy, parts, corrections, .. } = self;
         let part = &mut parts[index];
-        place.clear();
-        place.resize(flights.len(), NONE);
-        part.flights.clear();
-        part.flight_numbers.clear();
-        part.contacts.clear();
-        part.contact_numbers.clear();
-        for (number, contact) in (0..).zip(contacts) {
+        part.take(flights, contacts, |contact| {
             let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
-            if island.is_some_and(|island| is_heavy[island as usize]) != (index == 1) {
-                continue;
-            }
-            let bodies = contact.bodies.map(|body| {
-                let at = &mut place[body as usize];
-                if *at == NONE {
-                    *at = part.flights.len() as u32;
-                    part.flights.push(flights[body as usize]);
-                    part.flight_numbers.push(body);
-                }
-                *at
-            });
-            part.contacts.push(Contact { bodies, ..*contact });
-            part.contact_numbers.push(number);
-        }
-        for flight in &mut part.flights {
-            let Some(leader) = flight.leader else { continue };
-            let at = place[leader as usize];
-            if at == NONE {
+            island.is_some_and(|island| is_heavy[island as usize]) == (index == 1)
+        });
+        for at in 0..part.flights.len() {
+            let Some(leader) = part.flights[at].leader else { continue };
+            let place = part.flight(leader);
+            if place.is_none() {
                 // The leader was in the part before, or has no contacts at all.
-                correct(flight, &corrections[leader as usize]);
+                correct(&mut part.flights[at], &corrections[leader as usize], time_step);
             }
-            flight.leader = Some(at).filter(|&at| at != NONE);
+            part.flights[at].leader = place;
         }
     }
 }
 
-/// Adds the impulses of the step to the velocity of a flight at the end: sub-steps see a fixed flight by its velocities alone.
-fn correct(flight: &mut Flight, correction: &Correction) {
-    // A change by impulses is at most 2^30 and a velocity below 2^26: the sum is below 2^31. No flight ends faster than the limit.
-    let sum = |velocity: Fx, change: FxAccumulator| {
-        FxAccumulator::from_scalar(velocity).plus(change).value().clamp(-SPEED, SPEED)
-    };
+/// Makes a flight one at the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
+/// and an impact of its body has changed these at once.
+fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
     if *correction == Correction::default() {
         return;
     }
-    let end = &mut flight.end;
-    end.linear.x = sum(end.linear.x, correction.velocity.x);
-    end.linear.y = sum(end.linear.y, correction.velocity.y);
-    end.angular = sum(end.angular, correction.angular_velocity);
+    let (num, den) = time_step.seconds();
+    // Ways are below 2^30 m: products are below 2^94. No flight is faster than the limit.
+    let mean = |way: Fx, change: FxAccumulator| {
+        let way = i128::from(way.to_bits()) + i128::from(change.value().to_bits());
+        let limit = i128::from(SPEED.to_bits());
+        Fx::from_bits((way * i128::from(den) / i128::from(num)).clamp(-limit, limit) as i64)
+    };
+    flight.start.linear.x = mean(flight.displacement.x, correction.displacement.x);
+    flight.start.linear.y = mean(flight.displacement.y, correction.displacement.y);
+    flight.start.angular = mean(flight.rotation, correction.rotation);
+    flight.end = flight.start;
 }
 
 /// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.

@@ -11,10 +11,13 @@ use super::passes::is_disturbed;
 use super::reach;
 use super::{Changed, ContactSet, Detected, Scene, pair_limits, sorted};
 use crate::body::{Activity, BodyKind};
-use crate::collide::broad::{PairLimits, Proxy, Standing, Statics};
+use crate::collide::broad::{Boxes, PairLimits, Proxy, Standing, Statics};
 use crate::collider::Collider;
 use crate::query::place_digest;
 use crate::slots::BodyId;
+
+/// So many changes are followed one by one in any world. More than these, and than an eighth of the colliders, take longer than to list all.
+const FEW: usize = 512;
 
 /// The trees of a world.
 #[derive(Debug, Default)]
@@ -84,6 +87,8 @@ pub(super) struct Workspace {
     proxies: Vec<Proxy>,
     /// The static and the sleeping colliders that came, left or changed, by number.
     changes: [Vec<(u32, Option<Proxy>)>; 2],
+    /// The boxes of static colliders that changed, before and after.
+    changed_boxes: Boxes,
     /// The numbers of the changed colliders, sorted.
     numbers: Vec<u32>,
 }
@@ -176,7 +181,8 @@ impl Engine {
         let mut own = core::mem::take(&mut self.following);
         let before = self.still.take();
         let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
-        match scene.changed {
+        let few = FEW.max(scene.colliders.len() / 8);
+        match scene.changed.filter(|changed| changed.all(scene.colliders).take(few + 1).count() <= few) {
             Some(changed) if is_known && !are_renumbered => {
                 self.follow(scene, changed, (&mut still, &mut own, disturbed), &most);
             }
@@ -215,7 +221,7 @@ impl Engine {
         (still, own, disturbed): (&mut Still, &mut Workspace, &mut Disturbed),
         most: &PairLimits,
     ) {
-        let Workspace { changes: [statics, sleepers], numbers, .. } = own;
+        let Workspace { changes: [statics, sleepers], changed_boxes, numbers, .. } = own;
         for (state, tree, changes) in
             [(State::Static, &*still.statics, &mut *statics), (State::Asleep, &still.sleepers, &mut *sleepers)]
         {
@@ -227,24 +233,27 @@ impl Engine {
         }
         let Disturbed { numbers: all, bodies, .. } = disturbed;
         all.extend(changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)));
-        for (number, proxy) in &*statics {
-            for near in still.statics.find(*number).into_iter().chain(proxy.as_ref()) {
-                still.statics.near(near.bounds, |other| all.push(other.collider));
-            }
-        }
+        let places = |(number, now): &'_ (u32, Option<Proxy>)| {
+            [still.statics.find(*number).copied(), *now].into_iter().flatten()
+        };
+        changed_boxes.refill(statics.iter().flat_map(places).map(|proxy| proxy.bounds));
+        still.statics.near_any(changed_boxes, |near| all.push(near.collider));
         let body = |&number: &u32| scene.colliders.at(self.numbers.outline(number).slot).map(|own| own.body.slot);
         bodies.extend(changed.bodies.iter().chain(&changed.owners).copied().chain(all.iter().filter_map(body)));
         for list in [all, bodies] {
             list.sort_unstable();
             list.dedup();
         }
+        still.statics.sift(statics);
+        still.sleepers.sift(sleepers);
         numbers.clear();
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
         numbers.dedup();
         let left = still.count_of(numbers, most);
         let next = still.statics.changed(statics);
-        if still.sleepers.change(sleepers) {
+        if !sleepers.is_empty() {
+            still.sleepers.change(sleepers);
             still.version += 1;
         }
         if let Some(next) = next {
@@ -347,7 +356,7 @@ impl Engine {
         self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
         for &numbers in &pairs {
             let pair = numbers.map(|number| self.numbers.outline(number));
-            if self.manifold_of(scene, numbers, pair).is_some() {
+            if self.start_manifold(scene, numbers, pair).is_some() {
                 let bodies = pair.into_iter().filter_map(|outline| scene.colliders.at(outline.slot));
                 out.touched.extend(bodies.map(|collider| collider.body).filter(sleeps));
             }

@@ -35,6 +35,13 @@ pub(super) struct Tiles {
 /// Marks a polygon without neighbours.
 const ALONE: u32 = NONE - 1;
 
+/// The cosine of 60°, in 2^-60.
+pub(super) const SLANTED: i64 = 1 << 59;
+
+/// With more corners than this, a polygon and those near it are a crowd, in which each stands alone: else the work for polygons that lie on
+/// each other would grow with the square of their number. 64 triangles around a point have 192.
+const CROWD: usize = 256;
+
 /// Returns true for the outline of a sharp polygon.
 fn is_polygon(outline: &BodyOutline) -> bool {
     outline.outline.corners().len() > 2 && outline.outline.radius() == Fx::ZERO
@@ -69,9 +76,11 @@ impl Tiles {
                 if proxy.collider != number && proxy.filter == collider.def.filter {
                     self.push(scene, numbers, proxy, collider, pose);
                 }
+                self.polygons.corner_count() <= CROWD
             });
             let from = self.faces.len();
-            let surface = if self.polygons.faces(&mut self.faces) {
+            let is_crowd = self.polygons.corner_count() > CROWD;
+            let surface = if !is_crowd && self.polygons.faces(&mut self.faces) {
                 self.surfaces.push(from..self.faces.len());
                 self.surfaces.len() as u32 - 1
             } else {
@@ -100,14 +109,15 @@ impl Tiles {
         Some(&self.faces[surface.clone()])
     }
 
-    /// Returns true if points on two surfaces are on faces that turn by less than 60° from one to the other: a body may have gone from one
-    /// to the other in a step.
+    /// Returns true if points on two surfaces are on faces that turn from one to the other by less than an angle, of this cosine in 2^-60: a
+    /// body may have gone from one to the other in a step.
     pub(super) fn are_joined(
         &self,
         numbers: [u32; 2],
         side: usize,
         (features, count): Features,
         before: &ContactRecord,
+        cosine: i64,
     ) -> bool {
         let normals = |number: u32, feature: u32| {
             let [first, second] = [feature >> (12 * side) & 63, feature >> (12 * side + 6) & 63];
@@ -121,7 +131,7 @@ impl Tiles {
         let is_near = |a: &Face, b: &Face| {
             let dot = |k: usize| i64::from(a.normal[k]) * i64::from(b.normal[k]);
             // Unit vectors in units of 2^-30.
-            dot(0) + dot(1) > 1 << 59
+            dot(0) + dot(1) > cosine
         };
         let own = || features.into_iter().take(count).flat_map(|name| normals(numbers[0], name));
         let mut there = before.features().into_iter().take(before.count()).flat_map(|name| normals(numbers[1], name));

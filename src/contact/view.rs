@@ -9,8 +9,9 @@ use crate::slots::{BodyId, ColliderId};
 use super::ContactRecord;
 use super::seams::rolling_radius;
 
-/// A contact: two colliders, or a part of each, that pushed each other at the end of the last step, seen at the present poses of their
-/// bodies. [`World::contacts`](crate::World::contacts) lists them.
+/// A contact: two colliders, or a part of each, that pushed each other at the end of the last step, or touched in it
+/// and have [events](crate::ColliderDef::contact_events), seen at the present poses of their bodies.
+/// [`World::contacts`](crate::World::contacts) lists them.
 ///
 /// The first collider is the one with the lower slot, whichever body is the player or the ground: look for yours in `bodies`, and turn
 /// the normal round if it is the first. (Pairs of [events](crate::ColliderPair) are in the order of keys instead.)

@@ -308,6 +308,14 @@ impl Factor<Fx> for FxFactor {
     fn from_wide(value: FxWide) -> Self {
         Self::new(value.to_bits().unsigned_abs(), 64)
     }
+
+    fn to_binary(self) -> (u64, i32) {
+        self.parts()
+    }
+
+    fn from_binary(value: u128, shift: i32) -> Self {
+        Self::new(value, shift)
+    }
 }
 
 impl Number for FxFactor {

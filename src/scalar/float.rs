@@ -93,6 +93,14 @@ macro_rules! float_scalar {
             fn minus(self, other: Self) -> Self {
                 if self > other { self - other } else { 0.0 }
             }
+            fn to_binary(self) -> (u64, i32) {
+                let (fraction, exponent) = libm::frexp(self.into());
+                // 53 bits of a fraction below 1.
+                (libm::ldexp(fraction, 53) as u64, 53 - exponent)
+            }
+            fn from_binary(value: u128, shift: i32) -> Self {
+                libm::ldexp(value as f64, -shift) as $float
+            }
         }
 
         impl Wide<$float> for $float {

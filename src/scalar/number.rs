@@ -131,6 +131,12 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
     fn is_zero(self) -> bool {
         self == Self::ZERO
     }
+    /// A number below 2^64 and a shift, for which the factor is number · 2^-shift. *Domain* the factor is finite.
+    #[doc(hidden)]
+    fn to_binary(self) -> (u64, i32);
+    /// The factor nearest to value · 2^-shift. *Domain* |shift| below 2^20.
+    #[doc(hidden)]
+    fn from_binary(value: u128, shift: i32) -> Self;
     /// The sum of terms, made in ascending order: it does not depend on theirs.
     #[doc(hidden)]
     fn sum(mut terms: Vec<Self>) -> Self {

@@ -19,7 +19,7 @@ use alloc::vec::Vec;
 use super::contact::Group;
 use super::number::{shifted, shifted_word};
 use super::unit::Clock;
-use super::{Contact, Correction, Flight, Impulses, Joint, Solver};
+use super::{Contact, ContactImpact, Correction, Flight, Impulses, Joint, Solver};
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 use crate::kernel::wide::mul_shift_64;
@@ -45,6 +45,8 @@ pub(super) enum Path {
 pub(super) struct Total {
     impulse: [i128; 3],
     weighted: [i128; 3],
+    /// The part of `impulse` by impacts.
+    struck: [i128; 3],
 }
 
 impl Total {
@@ -53,6 +55,11 @@ impl Total {
     pub(super) fn add(&mut self, is_weighted: bool, impulse: [i128; 3]) {
         let [x, y, turn] = if is_weighted { &mut self.weighted } else { &mut self.impulse };
         (*x, *y, *turn) = (*x + impulse[0], *y + impulse[1], *turn + impulse[2]);
+    }
+
+    /// Adds an impulse of impacts, which is part of `impulse`.
+    fn add_struck(&mut self, impulse: [i128; 3]) {
+        (0..3).for_each(|i| self.struck[i] += impulse[i]);
     }
 
     fn is_zero(&self) -> bool {
@@ -171,6 +178,16 @@ impl Solver {
             self.totals[a].add(true, of_a);
             self.totals[b].add(true, of_b);
         }
+        for strike in &self.impacts.strikes {
+            let place = &self.places[strike.place as usize];
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            let bodies = contacts[place.contact as usize].bodies.map(|body| body as usize);
+            let lengths = bodies.map(|body| self.bodies[body].length);
+            let changes = on_bodies(group, lane, place.exponent, strike.impulses, lengths);
+            for (body, change) in bodies.into_iter().zip(changes) {
+                self.totals[body].add_struck(change);
+            }
+        }
         self.rolls.apply(&self.groups, contacts, &mut self.totals);
         corrections.clear();
         corrections.reserve(flights.len());
@@ -188,6 +205,19 @@ impl Solver {
             let applied = &self.groups[place.group as usize].applied;
             let lane = place.lane as usize;
             (place.contact, [applied[0][lane], applied[1][lane]], place.exponent)
+        })
+    }
+
+    /// The impacts in the step of these contacts, which are those that were solved.
+    pub(crate) fn impacts_of<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        self.impacts.strikes.iter().filter_map(|strike| {
+            let place = &self.places[strike.place as usize];
+            let mover = self.graph.mover(contacts[place.contact as usize].bodies)?;
+            // Units are from 2^-22 to 2^13 m/s, and speeds below 2^31 units.
+            let up = 32 + self.unit_of[mover as usize];
+            let metres = |speed: i64| Fx::from_bits((i128::from(speed) << up).min(i64::MAX.into()) as i64);
+            let ([first, second, _], speeds) = (strike.impulses, strike.speeds.map(metres));
+            Some(ContactImpact { contact: place.contact, impulses: [first, second], exponent: place.exponent, speeds })
         })
     }
 
@@ -229,7 +259,10 @@ impl Flight {
         let [ox, oy, turned] = match path {
             Path::Flight => [FxAccumulator::default(); 3],
             Path::Substeps => self.offsets(clock).map(offset_in_full),
-            Path::Contacts => self.cancelled([velocity.x, velocity.y, angular_velocity], clock),
+            Path::Contacts => {
+                let [sx, sy, st] = total.struck;
+                self.cancelled([changed(x - sx, mass.x), changed(y - sy, mass.y), changed(turn - st, inertia)], clock)
+            }
         };
         Correction {
             velocity,

@@ -243,9 +243,65 @@ impl Batch {
         if side == 0 { of_a } else { of_b }
     }
 
-    /// Returns true if the contact of a lane can move a body along the normal at both points.
+    /// Returns true if the contact of a lane can move a body along the normal at both points, by a change of velocity that rounding of the
+    /// matrix leaves: less is that of a body that can only turn, at a lever below 10^-4 of its length.
     pub(super) fn moves(&self, lane: usize) -> bool {
-        self.whole[0][lane] > 0 && self.whole[2][lane] > 0
+        self.whole[0][lane].min(self.whole[2][lane]) >= 16
+    }
+
+    /// Limits the velocity at which an overlap is pushed out so that neither a body nor its rim becomes faster than that: a body with locks
+    /// that is pushed across the way that they leave it, or at a small lever, would be thrown.
+    ///
+    /// # Ranges
+    /// Changes of angular velocities are within 2^31 and rims at most 2^30 · 2^-10: products are below 2^51. Depths are below 2^31.
+    #[inline(always)]
+    pub(super) fn limit_push(&self, lane: usize, group: &mut Group, rims: [i64; 2]) {
+        let limit = group.push_out[lane][1];
+        let change = |row: usize, side: usize| {
+            // Towards zero: alike in a mirror image.
+            let rim = self.angular[row][side][lane] * (rims[side] >> 10) / (1 << 20);
+            let [x, y] = [0, 1].map(|axis: usize| self.linear[0][side][axis][lane]);
+            [rim, x, y]
+        };
+        let fastest = |changes: [i64; 3]| changes.into_iter().map(i64::abs).max().unwrap_or(0);
+        for (row, element) in [(0, 0), (1, 2)] {
+            let speed = fastest(change(row, 0)).max(fastest(change(row, 1)));
+            let along = self.whole[element][lane];
+            if speed > along {
+                let deepest = i128::from(limit) * i128::from(along) / i128::from(speed);
+                group.push_out[lane][1] = group.push_out[lane][1].max(deepest as i32);
+            }
+        }
+        let [first, second] = group.separation[lane];
+        if first.max(second) < limit >> 4 {
+            self.limit_push_of_both(lane, group, limit, [0, 1].map(|side| [change(0, side), change(1, side)]));
+        }
+    }
+
+    /// [`limit_push`](Self::limit_push) for both points together, with the changes of velocity (rim, x, y) of each body by an impulse at
+    /// each point: points on both sides of a body that locks hold can only move it fast, or not at all.
+    ///
+    /// # Ranges
+    /// All factors are within 2^33: products are below 2^66, their sums with a third factor below 2^101, times a depth below 2^132: depths
+    /// are taken with 2^-8.
+    #[cold]
+    fn limit_push_of_both(&self, lane: usize, group: &mut Group, limit: i32, changes: [[[i64; 3]; 2]; 2]) {
+        let [k11, k12, k22] = [0, 1, 2].map(|element: usize| i128::from(self.whole[element][lane]));
+        // The impulses that move both points alike, times the determinant; one that pulls is none, and then one point decides.
+        let impulses = [k22 - k12, k11 - k12];
+        if impulses[0] <= 0 || impulses[1] <= 0 {
+            return;
+        }
+        let determinant = (k11 * k22 - k12 * k12).max(0);
+        let speed = |[first, second]: [[i64; 3]; 2]| {
+            let sum = |part: usize| i128::from(first[part]) * impulses[0] + i128::from(second[part]) * impulses[1];
+            (0..3).map(|part| sum(part).abs()).max().unwrap_or(0)
+        };
+        let fastest = speed(changes[0]).max(speed(changes[1]));
+        if fastest > determinant {
+            let deepest = i128::from(limit >> 8) * determinant / fastest;
+            group.push_out[lane][1] = group.push_out[lane][1].max((deepest << 8) as i32);
+        }
     }
 
     /// Chooses the bits of a lane, and writes the shift of its angular factors.
@@ -256,9 +312,11 @@ impl Batch {
         let smallest = if tangent > 0 { normal.min(tangent) } else { normal };
         let bits = |value: i64| i64::from(bits_in(value));
         // All contacts of a phase together change the velocity of a body by no more than one of them alone may: factors of
-        // velocities are at most a quarter, those of angular velocities at most 2^16.
+        // velocities are at most a quarter, those of angular velocities at most 2^16. The coupling is at most a quarter too: friction that
+        // saw less of the change by the normal impulses would turn a body against a small lever, and give it energy.
         let (widest, turning) = (bits(self.widest[0][lane]), bits(self.widest[1][lane]));
-        let bits = widest.max(bits(smallest)).max(turning - 18);
+        let coupling = bits(self.coupling[0][lane].abs().max(self.coupling[1][lane].abs()));
+        let bits = widest.max(bits(smallest)).max(turning - 18).max(coupling);
         self.bits[lane] = bits;
         group.angular_shift[lane] = (turning - bits).max(0);
     }

@@ -3,6 +3,7 @@
 use core::ops::Range;
 
 use super::batch::Batch;
+use super::motion::Vector;
 use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
 use super::{Contact, Flight, Impulses, STILL};
@@ -60,7 +61,8 @@ pub(crate) struct Group {
     pub(super) friction: Pairs,
     /// Change of the slip by both normal impulses, in 2^-30.
     pub(super) coupling: Pairs,
-    /// Velocity of the surfaces against each other along the tangent; the second word is unused.
+    /// Velocity of the surfaces against each other along the tangent, and the speed of the slowest impact: at least the one that forces
+    /// give in a step, so that bodies come to rest whatever bounces.
     pub(super) surface: Pairs,
     /// Impulses of the sub-step: both normal ones and friction.
     pub(super) impulses: [[i64; GROUP]; 3],
@@ -118,6 +120,8 @@ pub(super) struct BodyOf {
     is_held: bool,
     /// True for a fixed body that moves.
     pub(super) is_carrier: bool,
+    /// Its radius over the length, in 2^-30.
+    pub(super) rim: i64,
     /// 1/m along x and y, 1/kg.
     pub(super) inverse_mass: [FxFactor; 2],
     /// 1/I, 1/(kg·m²).
@@ -137,6 +141,7 @@ impl BodyOf {
             is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
             // A body at rest has a speed of 1: angular ones are rounded up.
             is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
+            rim: shifted_word(flight.radius.to_bits(), 2 + length),
             inverse_mass,
             inverse_inertia,
             own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
@@ -231,6 +236,12 @@ impl Group {
         }
     }
 
+    /// Returns true if no impulse of a contact moves its body.
+    pub(super) fn is_held(&self, lane: usize, side: usize) -> bool {
+        let linear = if side == 0 { &self.linear_a } else { &self.linear_b };
+        linear.iter().all(|factors| factors[lane] == [0; 2]) && self.angular.iter().all(|row| row[lane][side] == 0)
+    }
+
     /// Writes a contact into a lane, up to what follows from masses. Returns its compliance.
     #[inline(always)]
     pub(super) fn load(&mut self, lane: usize, of: &ContactOf<'_>, scale: &Scale<'_>) -> i32 {
@@ -248,8 +259,21 @@ impl Group {
         let mu = shifted_word(contact.friction.to_bits(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane][1] = mu;
         let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
-        self.surface[lane] = [clamped_word(surface, SURFACE), 0];
+        self.surface[lane] = [clamped_word(surface, SURFACE), scale.impact_speed];
         soft.compliance
+    }
+
+    /// Raises the speed of the slowest impact to twice the change of the velocity along the normal by the flights of the step.
+    ///
+    /// # Ranges
+    /// Changes are within 2^28: a sum of two products with normals is below 2^60.
+    #[inline(always)]
+    pub(super) fn raise_impact_speed(&mut self, lane: usize, [a, b]: [Vector; 2]) {
+        let [nx, ny] = self.normal[lane].map(i64::from);
+        let change = nx * i64::from(b[0] - a[0]) + ny * i64::from(b[1] - a[1]);
+        // As in the passes, the largest speed is 2^28.
+        let speed = (change.abs() >> 29).min(1 << 28) as i32;
+        self.surface[lane][1] = self.surface[lane][1].max(speed);
     }
 
     /// Writes the impulses that the step begins with, in 2^exponent N·s.

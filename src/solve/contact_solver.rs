@@ -4,7 +4,21 @@ use alloc::vec::Vec;
 use core::fmt::Debug;
 
 use super::{Contact, Correction, Flight, Solver, SolverOptions};
+use crate::fx::Fx;
 use crate::math::TimeStep;
+
+/// The impacts of a contact in a step, all together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ContactImpact {
+    /// The number of the contact.
+    pub contact: u32,
+    /// Their impulses along the normal, by point: multiples of 2^exponent N·s.
+    pub impulses: [i64; 2],
+    /// log2 of the unit of the impulses.
+    pub exponent: i32,
+    /// The speed of the fastest impact at its moment, by point, m/s; zero for a point that touched before.
+    pub speeds: [Fx; 2],
+}
 
 /// A solver of contacts: in integers, or in floats.
 pub trait ContactSolver: Debug + Default + Send + Sync {
@@ -20,6 +34,9 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_;
+
+    /// The impacts in the step of these contacts, which are those that were solved.
+    fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a;
 }
 
 impl ContactSolver for Solver {
@@ -36,5 +53,9 @@ impl ContactSolver for Solver {
 
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
         self.totals()
+    }
+
+    fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        self.impacts_of(contacts)
     }
 }

@@ -16,10 +16,10 @@ use super::{Flight, STILL, Solver};
 /// A row that is set to that of its leader.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
-    row: u32,
-    leader: u32,
+    pub(super) row: u32,
+    pub(super) leader: u32,
     /// log2 of its unit over that of its leader: not negative.
-    down: i32,
+    pub(super) down: i32,
 }
 
 /// Sets the rows of followers to those of their leaders.

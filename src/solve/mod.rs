@@ -16,7 +16,7 @@
 //! - `cut`: contacts with values that are too large for them.
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `rolling`: rolling resistance, after the friction of a phase.
-//! - `restitution`: bouncing, once a step.
+//! - `impact`: impacts at their moments, before the passes of a sub-step.
 //! - `apply`: exact impulses, applied once.
 //! - `matrix`: inverse matrices of groups.
 //! - `number`: rounding and shifts of integers.
@@ -31,29 +31,31 @@ mod cut;
 mod float;
 mod follow;
 mod graph;
+mod impact;
 mod joint;
 mod matrix;
 mod motion;
 mod number;
 mod pass;
 mod prepare;
-mod restitution;
 mod rolling;
 #[cfg(test)]
 mod tests;
 mod unit;
 mod vectors;
+mod wedge;
 
 use alloc::vec::Vec;
 
 use self::apply::{Apply, Path, Total};
 use self::batch::Batch;
 use self::contact::{BodyOf, Group};
-pub use self::contact_solver::ContactSolver;
+pub use self::contact_solver::{ContactImpact, ContactSolver};
 #[cfg(feature = "float")]
 pub use self::float::FloatSolver;
 use self::follow::{Follower, follow};
 pub(crate) use self::graph::{Graph, PHASES};
+use self::impact::{Impacts, SubStep};
 use self::joint::{Common, Joints};
 pub use self::joint::{Joint, JointKind};
 use self::matrix::Matrices;
@@ -61,7 +63,6 @@ use self::motion::{Advance, Begin, FlightRow, Rows};
 use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
 use self::prepare::{Given, Load, SetGroups, graph_start};
-use self::restitution::Bounces;
 use self::rolling::Rolls;
 use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
@@ -319,7 +320,9 @@ pub struct Solver {
     rolls: Rolls,
     /// True if a contact resists rolling.
     has_rolls: bool,
-    bounces: Bounces,
+    impacts: Impacts,
+    /// Contacts that push bodies out of what does not give way.
+    pushes: Vec<wedge::Push>,
     /// Impulses by body.
     totals: Vec<Total>,
 }
@@ -339,7 +342,7 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) -> SolverCounts {
         self.prepare(time_step, options, flights, joints, contacts);
-        let cut = self.run_passes(options.substeps);
+        let cut = self.run_passes(time_step, options, contacts);
         self.finish(time_step, options, flights, joints, contacts, corrections);
         SolverCounts { cut }
     }
@@ -359,8 +362,8 @@ impl Solver {
         self.graph.build(is_fixed, flights.len(), links, |members, queue| {
             graph_start(flights, members, queue);
         });
-        self.set_rows(&clock, flights, joints, contacts);
         let softness = Softness::new(options);
+        self.set_rows(&clock, &softness, flights, joints, contacts);
         self.places.clear();
         self.carriers.clear();
         self.carrier_of.clear();
@@ -370,12 +373,14 @@ impl Solver {
         self.sort_contacts(contacts);
         let scale = Scale::new(&clock, &softness, FINEST);
         simd::run(SetGroups { solver: self, given: Given { softness: &softness, flights, contacts, scale } });
+        self.limit_wedges();
         self.set_followers(flights);
         self.set_rolls(flights, contacts);
         self.set_paths(joints, contacts, &common);
+        self.impacts.clear();
     }
 
-    /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): bouncing, impulses and corrections.
+    /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): impulses and corrections.
     pub fn finish(
         &mut self,
         time_step: TimeStep,
@@ -386,13 +391,13 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
-        self.bounce(&clock, options, flights, contacts);
+        self.impacts.sum_strikes();
         self.add_joints(flights, joints);
         simd::run(Apply { solver: self, clock: &clock, flights, contacts, corrections });
     }
 
     /// The row of a fixed body that moves: one for each unit that it is seen in.
-    fn carrier(&mut self, body: u32, unit: i32, flight: &Flight) -> u32 {
+    fn carrier(&mut self, body: u32, unit: i32, flight: &Flight, softness: &Softness) -> u32 {
         let first = self.carrier_of[body as usize];
         let mut at = first;
         while let Some(index) = at {
@@ -402,15 +407,16 @@ impl Solver {
             }
             at = carrier.next;
         }
-        let row = self.rows.push(flight.row(unit));
+        let row = self.rows.push(flight.row(unit), softness.impact_speed(unit));
         self.carrier_of[body as usize] = Some(self.carriers.len() as u32);
         self.carriers.push(Carrier { unit, row, next: first });
         row
     }
 
     /// Runs all sub-steps. Returns the number of values that were cut off.
-    pub fn run_passes(&mut self, substeps: u32) -> u64 {
-        simd::run(SubSteps { solver: self, count: substeps })
+    pub fn run_passes(&mut self, time_step: TimeStep, options: &SolverOptions, contacts: &[Contact]) -> u64 {
+        let clock = Clock::new(time_step, options.substeps);
+        simd::run(SubSteps { solver: self, clock: &clock, contacts })
     }
 
     /// A pass over the contacts of all phases.
@@ -430,7 +436,8 @@ impl Solver {
 /// All sub-steps. The result is the number of values that were cut off.
 struct SubSteps<'a> {
     solver: &'a mut Solver,
-    count: u32,
+    clock: &'a Clock,
+    contacts: &'a [Contact],
 }
 
 impl Job for SubSteps<'_> {
@@ -438,10 +445,12 @@ impl Job for SubSteps<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> u64 {
-        let Self { solver, count: n } = self;
-        let mut cut = 0;
+        let Self { solver, clock, contacts } = self;
+        let (n, mut cut) = (clock.substeps, 0);
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
+            follow(&solver.followers, &mut solver.rows);
+            solver.solve_impacts(SubStep { k, n, clock, contacts }, lanes);
             follow(&solver.followers, &mut solver.rows);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);

@@ -13,7 +13,7 @@
 
 use alloc::vec::Vec;
 
-use super::number::clamped_word;
+use super::number::{clamped, clamped_word, shifted_word};
 use crate::kernel::simd::{GAIN_BITS, Gain, Job, Lanes, Portable, Quads, Row};
 
 /// The largest component of a velocity.
@@ -42,6 +42,8 @@ struct Progress {
     before: Vector,
     /// The part of that correction below the unit.
     rest: Gain,
+    /// Half of the speed of the slowest impact: of two bodies that meet so fast, one is as fast as this.
+    fast: i32,
 }
 
 /// All bodies of the solver.
@@ -59,11 +61,11 @@ impl Rows {
         self.progress.clear();
     }
 
-    /// Adds a body. Returns its row.
-    pub(super) fn push(&mut self, flight: FlightRow) -> u32 {
+    /// Adds a body, for impacts from this speed on. Returns its row.
+    pub(super) fn push(&mut self, flight: FlightRow, impact_speed: i32) -> u32 {
         self.rows.push(Row::default());
         self.flights.push(flight);
-        self.progress.push(Progress { flight: flight.start, ..Progress::default() });
+        self.progress.push(Progress { flight: flight.start, fast: impact_speed / 2, ..Progress::default() });
         self.rows.len() as u32 - 1
     }
 
@@ -81,6 +83,58 @@ impl Rows {
     pub(super) fn velocity(&self, row: u32) -> Vector {
         let [x, y, angular, _] = self.rows[row as usize].velocity;
         [x, y, angular, 0]
+    }
+
+    /// The correction of a body before the contacts of this sub-step, and its part below the unit.
+    pub(super) fn before(&self, row: u32) -> (Vector, Gain) {
+        let progress = &self.progress[row as usize];
+        (progress.before, progress.rest)
+    }
+
+    /// The number of rows.
+    pub(super) fn len(&self) -> u32 {
+        self.rows.len() as u32
+    }
+
+    /// Returns true if a body may have an impact in a sub-step: any bound of the speeds of its points will do.
+    pub(super) fn is_fast(&self, row: u32) -> bool {
+        let (flight, progress) = (&self.flights[row as usize], &self.progress[row as usize]);
+        let speed = |i: usize| (flight.start[i] + progress.before[i]).unsigned_abs() + flight.change[i].unsigned_abs();
+        speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
+    }
+
+    /// Changes the velocity of a body by impacts, in 2^-30, and takes it back by a way.
+    pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, change: [i64; 3], back: [i128; 3]) {
+        let (velocity, gain) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
+        (0..3).for_each(|i| self.rows[row as usize].gain[i] += change[i]);
+        self.apply_gains(lanes, &[row]);
+        let (struck, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
+        for i in 0..3 {
+            progress.before[i] += struck.velocity[i] - velocity[i];
+            progress.rest[i] += struck.gain[i] - gain[i];
+            let displacement = i128::from(struck.displacement[i]) - back[i];
+            struck.displacement[i] = clamped(displacement, DISPLACEMENT.into());
+        }
+        struck.velocity[3] = struck.displacement[2];
+    }
+
+    /// Gives a follower the correction and the displacement of its leader, in units 2^down times as large. Returns true if the correction
+    /// has changed.
+    pub(super) fn follow_impact(&mut self, row: u32, leader: u32, down: i32) -> bool {
+        let (before, rest) = self.before(leader);
+        let moved = self.displacement(leader).map(|part| shifted_word(part.into(), down) as i32);
+        let (follower, progress) = (&mut self.rows[row as usize], &mut self.progress[row as usize]);
+        let mut has_changed = false;
+        for i in 0..3 {
+            let fine = (i64::from(before[i]) << GAIN_BITS) + rest[i];
+            let correction = shifted_word(fine, GAIN_BITS + down) as i32;
+            has_changed |= correction != progress.before[i];
+            follower.velocity[i] += correction - progress.before[i];
+            progress.before[i] = correction;
+        }
+        follower.displacement = moved;
+        follower.velocity[3] = moved[2];
+        has_changed
     }
 
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.

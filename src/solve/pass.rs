@@ -94,6 +94,7 @@ fn soft<L: Lanes>(
     group: &Group,
     at: usize,
     separation: [L::Narrow; 2],
+    velocities: [L::Narrow; 2],
     impulses: [L::Wide; 2],
 ) -> (Elements<L::Narrow>, [L::Narrow; 2]) {
     let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
@@ -114,10 +115,9 @@ fn soft<L: Lanes>(
         choose(lanes, separation, [none_12, first_12, second_12, both_12]),
         choose(lanes, separation, [none_22, first_22, second_22, both_22]),
     ];
-    let bias = |separation, pressed| {
-        lanes.if_positive(separation, lanes.at_most(separation, lanes.splat(SPECULATIVE)), pressed)
-    };
-    (elements, [bias(one, pressed[0]), bias(two, pressed[1])])
+    let (_, impact_speed) = lanes.pair(&group.surface, at);
+    let open = [open_bias(lanes, one, velocities[0], impact_speed), open_bias(lanes, two, velocities[1], impact_speed)];
+    (elements, [lanes.if_positive(one, open[0], pressed[0]), lanes.if_positive(two, open[1], pressed[1])])
 }
 
 /// The matrix without softness.
@@ -168,10 +168,21 @@ fn pressed_bias<L: Lanes>(
     lanes.rounded(lanes.add(pushed, lanes.times(compliance, lanes.capped(impulse))))
 }
 
+/// The velocity that an open point aims at: to close. One that closes at the speed of an impact aims at nothing: its impact comes at its
+/// moment.
+#[inline(always)]
+fn open_bias<L: Lanes>(lanes: L, separation: L::Narrow, velocity: L::Narrow, impact_speed: L::Narrow) -> L::Narrow {
+    let limit = lanes.splat(SPECULATIVE);
+    // A velocity is below 2^29.3 and the speed at most 2^28.
+    let faster = lanes.minus(lanes.minus(lanes.splat(0), impact_speed), velocity);
+    lanes.if_positive(faster, limit, lanes.at_most(separation, limit))
+}
+
 /// The velocity that a rigid point aims at: to close where it is open.
 #[inline(always)]
-fn rigid_bias<L: Lanes>(lanes: L, separation: L::Narrow) -> L::Narrow {
-    lanes.at_most(lanes.at_least(separation, lanes.splat(0)), lanes.splat(SPECULATIVE))
+fn rigid_bias<L: Lanes>(lanes: L, separation: L::Narrow, velocity: L::Narrow, impact_speed: L::Narrow) -> L::Narrow {
+    // A point that meets at speed after the impacts of this sub-step has its impact in the next one.
+    open_bias(lanes, lanes.at_least(separation, lanes.splat(0)), velocity, impact_speed)
 }
 
 /// The impulse of a point beside one that is open: it solves its row alone.
@@ -236,7 +247,7 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
     let ([i11, i12, i22], [b1, b2]) = if AIM == SOLVE {
         let (s1, s2) = lanes.pair(&group.separation_now, at);
-        soft(lanes, group, at, [s1, s2], [l1, l2])
+        soft(lanes, group, at, [s1, s2], [r1, r2], [l1, l2])
     } else {
         let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
         let (moved, turned) = (dot(lanes, n, d), (a.displacement[2], b.displacement[2]));
@@ -245,7 +256,9 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         let s2 = lanes.plus(s2, along_row(lanes, moved, arms2, turned));
         // Bodies stay where they are up to the next sub-step's solve pass.
         lanes.put_pair(&mut group.separation_now, at, (s1, s2));
-        (rigid(lanes, group, at), [rigid_bias(lanes, s1), rigid_bias(lanes, s2)])
+        let (_, impact_speed) = lanes.pair(&group.surface, at);
+        let aims = [rigid_bias(lanes, s1, r1, impact_speed), rigid_bias(lanes, s2, r2, impact_speed)];
+        (rigid(lanes, group, at), aims)
     };
     let r = (lanes.plus(r1, b1), lanes.plus(r2, b2));
     // The solution of the linear system: most often both points push.

@@ -24,7 +24,14 @@ pub(super) struct Load {
 
 impl Solver {
     /// Chooses units and makes the rows of bodies that touch.
-    pub(super) fn set_rows(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint], contacts: &[Contact]) {
+    pub(super) fn set_rows(
+        &mut self,
+        clock: &Clock,
+        softness: &Softness,
+        flights: &[Flight],
+        joints: &[Joint],
+        contacts: &[Contact],
+    ) {
         self.loads.clear();
         self.fastest.clear();
         self.fastest.resize(self.graph.islands(), 0);
@@ -41,7 +48,7 @@ impl Solver {
         self.add_loads(clock, flights, contacts);
         self.add_leader_speeds(flights);
         self.rows.clear();
-        self.rows.push(FlightRow::default());
+        self.rows.push(FlightRow::default(), i32::MAX);
         self.row_of.clear();
         self.unit_of.clear();
         self.bodies.clear();
@@ -49,7 +56,7 @@ impl Solver {
             let (row, unit) = match self.graph.island_of(body as u32) {
                 Some(island) => {
                     let unit = unit_for(self.fastest[island as usize], clock.substeps);
-                    (self.rows.push(flight.row(unit)), unit)
+                    (self.rows.push(flight.row(unit), softness.impact_speed(unit)), unit)
                 }
                 None => (STILL, 0),
             };
@@ -147,9 +154,9 @@ impl Solver {
 
     /// The row of a body, in the unit of the contact or joint.
     #[inline(always)]
-    pub(super) fn row(&mut self, body: u32, unit: i32, flights: &[Flight]) -> u32 {
+    pub(super) fn row(&mut self, body: u32, unit: i32, flights: &[Flight], softness: &Softness) -> u32 {
         let of = &self.bodies[body as usize];
-        if of.is_carrier { self.carrier(body, unit, &flights[body as usize]) } else { of.row }
+        if of.is_carrier { self.carrier(body, unit, &flights[body as usize], softness) } else { of.row }
     }
 
     /// Writes a group of contacts.
@@ -163,12 +170,13 @@ impl Solver {
             let contact = &given.contacts[index as usize];
             let [a, b] = contact.bodies;
             let unit = self.graph.mover([a, b]).map_or(FINEST, |mover| self.unit_of[mover as usize]);
-            let rows = [self.row(a, unit, given.flights), self.row(b, unit, given.flights)];
+            let rows = [a, b].map(|body| self.row(body, unit, given.flights, given.softness));
             let bodies = [&self.bodies[a as usize], &self.bodies[b as usize]];
             let shares = [self.shares[a as usize][phase], self.shares[b as usize][phase]];
             let of = ContactOf { contact, bodies, rows, shares };
             exponents[lane] = unit + self.batch.load(lane, &of);
             self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
+            self.groups[at].raise_impact_speed(lane, rows.map(|row| self.rows.flight(row).change));
         }
         let (group, batch) = (&mut self.groups[at], &mut self.batch);
         group.count = indices.len();
@@ -180,7 +188,10 @@ impl Solver {
         for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
             // The unit of masses · 2^-exponent is 2^-(bits + 2).
             let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
-            group.set_impulses(lane, &given.contacts[index as usize], exponent);
+            let contact = &given.contacts[index as usize];
+            group.set_impulses(lane, contact, exponent);
+            let [a, b] = contact.bodies;
+            batch.limit_push(lane, group, [self.bodies[a as usize].rim, self.bodies[b as usize].rim]);
             self.places.push(Place { contact: index, group: at as u32, lane: lane as u32, exponent });
         }
     }

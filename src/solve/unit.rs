@@ -97,6 +97,8 @@ pub(super) struct Scale<'a> {
     /// Contacts of two bodies that move, and those with a body that cannot be moved.
     pub(super) moving: SoftContact,
     pub(super) fixed: SoftContact,
+    /// [`Softness::impact_speed`]
+    pub(super) impact_speed: i32,
 }
 
 /// The softness of a contact in the unit of its island.
@@ -114,7 +116,8 @@ impl<'a> Scale<'a> {
             push_out: [row.rate, -clamped(softness.deepest(unit, row), SEPARATION.into())],
             compliance: row.compliance,
         };
-        Self { clock, unit, moving: of(&softness.moving), fixed: of(&softness.fixed) }
+        let impact_speed = softness.impact_speed(unit);
+        Self { clock, unit, moving: of(&softness.moving), fixed: of(&softness.fixed), impact_speed }
     }
 }
 
@@ -149,6 +152,7 @@ pub(crate) struct Softness {
     pub(super) fixed: SoftRow,
     /// m/s
     push_speed: Fx,
+    restitution_speed: Fx,
     /// Joints: where neither body has another joint in the phase, and where one has.
     pub(super) joint: [SoftRow; 2],
 }
@@ -179,6 +183,7 @@ impl Softness {
             moving: SoftRow::new(options.frequency, options.damping_ratio),
             fixed: SoftRow::new(double, options.damping_ratio),
             push_speed: options.push_speed,
+            restitution_speed: options.restitution_speed,
             joint: [
                 SoftRow::new(options.joint_frequency, options.joint_damping_ratio),
                 SoftRow::new(
@@ -187,6 +192,11 @@ impl Softness {
                 ),
             ],
         }
+    }
+
+    /// The speed from which on points that meet have an impact, in units of velocity: at least one, at most 2^28.
+    pub(super) fn impact_speed(&self, unit: i32) -> i32 {
+        shifted(self.restitution_speed.to_bits().into(), 32 + unit).clamp(1, 1 << 28) as i32
     }
 
     /// The overlap from which on the bias is the push speed, and what softness takes of it.

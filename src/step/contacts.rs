@@ -7,6 +7,8 @@
 //! A body without impulses keeps the bits of its free flight. One with impulses is not at rest: the solver holds it to within half a unit
 //! of its velocities, and not to the bit.
 
+mod stops;
+
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -17,8 +19,8 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Engine, Overlap, Scene, Sensors, Solvers, Start, Stop, is_asleep,
-    list_pairs,
+    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
+    is_asleep, list_pairs,
 };
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
@@ -172,6 +174,7 @@ impl<S: Scalar> Workspace<S> {
     pub(super) fn begin(&mut self, bodies: &Bodies<S>) {
         self.is_detected = false;
         self.touching_before.clear();
+        self.sensors.begin();
         self.starts.clear();
         let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
         self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
@@ -211,6 +214,11 @@ impl<S: Scalar> Workspace<S> {
     /// The overlaps of sensors that were found, sorted.
     pub(super) fn overlaps(&self) -> &[Overlap] {
         &self.sensors.found
+    }
+
+    /// What crossed sensors within the step and overlaps them no more, sorted.
+    pub(super) fn crossed(&self) -> &[Overlap] {
+        &self.sensors.crossed
     }
 
     /// Returns true if nothing can touch anything.
@@ -256,28 +264,41 @@ impl<S: Scalar> Step<'_, S> {
                 time_step: self.settings.time_step,
             };
             own.engine.detect(&scene, self.contacts.contacts, &mut own.detected);
-            if own.detected.touched.is_empty() && own.detected.crowded.is_empty() {
+            let is_complete = own.detected.touched.is_empty() && own.detected.crowded.is_empty();
+            if is_complete {
+                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
+                for _ in 0..ROUNDS {
+                    if !own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
+                        break;
+                    }
+                    own.engine.solve_again(&mut own.solvers, &scene, &mut own.corrections);
+                }
+            }
+            if is_complete && own.detected.touched.is_empty() {
                 let contacts = &mut *self.contacts.contacts;
                 if scene.colliders.any_contact_events() {
                     list_pairs(&contacts.records, scene.colliders, &mut own.touching_before);
                 }
                 let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
                 if self.probe.is_some() {
-                    own.engine.list(scene.colliders, contacts);
+                    own.engine.swap_starts();
+                    own.engine.list(contacts);
                     show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
+                    own.engine.swap_starts();
                 }
-                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
-                own.engine.list(scene.colliders, contacts);
+                own.engine.list(contacts);
                 if scene.colliders.any_hit_events() {
                     own.engine.hits(&scene, &mut self.workspace.report.hits);
                 }
                 let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
-                if is_near || !own.corrections.is_empty() {
+                // Contacts that touched without an impulse are state that the step before does not have.
+                if is_near || !own.corrections.is_empty() || !contacts.records.is_empty() {
                     contacts.pushed_at = self.settings.tick;
                 }
                 self.show(StageKind::Solve);
                 self.correct(&own, constants);
-                self.end_paths(&mut own, &settings);
+                self.end_paths(&mut own, &settings, constants);
+                self.follow_paths(&mut own, &settings);
                 self.show(StageKind::Push);
                 break;
             }
@@ -436,33 +457,6 @@ impl<S: Scalar> Step<'_, S> {
             self.workspace.free.drop_block(dense);
         } else {
             self.bodies.note(dense, Change::POSE.or(Change::VELOCITY));
-        }
-    }
-
-    /// Ends the paths of fast bodies where they would cross something. Their velocities stay: the next step solves the contact.
-    fn end_paths(&mut self, own: &mut Workspace<S>, settings: &ContactSettings) {
-        #[cfg(feature = "selftest")]
-        if own.is_blind {
-            return;
-        }
-        let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = own;
-        list_faulty(&self.workspace.found.faults, at_fault);
-        let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
-        engine.sweep_paths(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
-        if !stops.is_empty() {
-            self.contacts.contacts.pushed_at = self.settings.tick;
-        }
-        for stop in stops {
-            let motion = &mut self.bodies.columns.motion;
-            motion.position.set(stop.dense, stop.position.map(S::Accumulator::from_fixed));
-            motion.angle[stop.dense] = S::Angle::from_turn(stop.angle);
-            motion.ticks_at_rest[stop.dense] = 0;
-            // What a fast kinematic body carries along may leave the allowed range.
-            if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
-                let start = starts.iter().find(|start| start.dense == stop.dense);
-                start.expect("what is stopped has a start").restore(self.bodies);
-            }
-            self.note_pushed(stop.dense);
         }
     }
 }

@@ -54,6 +54,14 @@ impl<S: Scalar> Step<'_, S> {
                 let lists = [&contacts.overlaps[..], own.overlaps()];
                 let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);
                 compare(lists, |overlap| left.extend(pair(overlap)), |overlap| entered.extend(pair(overlap)));
+                // Those that were in the sensor at the start leave it alone, also where a call made them do so.
+                left.sort_unstable_by_key(ColliderPair::rank);
+                let has_left =
+                    |pair: &ColliderPair| left.binary_search_by_key(&pair.rank(), ColliderPair::rank).is_ok();
+                let crossed = own.crossed().iter().filter_map(|&overlap| pair(overlap));
+                report.sensors_crossed.extend(crossed.filter(|pair| !has_left(pair)));
+                left.extend_from_slice(&report.sensors_crossed);
+                entered.extend_from_slice(&report.sensors_crossed);
                 if contacts.overlaps != own.overlaps() {
                     contacts.overlaps.clear();
                     contacts.overlaps.extend_from_slice(own.overlaps());
@@ -66,6 +74,7 @@ impl<S: Scalar> Step<'_, S> {
             &mut report.contacts_began,
             &mut report.sensors_left,
             &mut report.sensors_entered,
+            &mut report.sensors_crossed,
         ] {
             list.sort_unstable_by_key(ColliderPair::rank);
         }

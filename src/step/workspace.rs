@@ -78,6 +78,7 @@ pub(crate) struct Report<S> {
     pub(crate) hits: Vec<ContactHit<S>>,
     pub(crate) sensors_left: Vec<ColliderPair>,
     pub(crate) sensors_entered: Vec<ColliderPair>,
+    pub(crate) sensors_crossed: Vec<ColliderPair>,
     pub(crate) drag_outside: u32,
 }
 
@@ -91,6 +92,7 @@ impl<S> Report<S> {
         self.hits.clear();
         self.sensors_left.clear();
         self.sensors_entered.clear();
+        self.sensors_crossed.clear();
         self.drag_outside = 0;
     }
 }
@@ -169,6 +171,7 @@ impl<S: Scalar> Clone for Workspace<S> {
         self.report.hits.clone_from(&source.report.hits);
         self.report.sensors_left.clone_from(&source.report.sensors_left);
         self.report.sensors_entered.clone_from(&source.report.sensors_entered);
+        self.report.sensors_crossed.clone_from(&source.report.sensors_crossed);
         self.report.drag_outside = source.report.drag_outside;
     }
 }

@@ -37,8 +37,7 @@ impl<S: Scalar> World<S> {
         def.check()?;
         def.check_on(self.bodies.info(dense).kind == BodyKind::Dynamic)?;
         self.colliders.check_room(1, more_outlines(def))?;
-        let own = self.colliders.of(body).map(|collider| &collider.def);
-        self.with_collider_mass(dense, ColliderMass::of(own.chain([def])))
+        self.with_collider_mass(dense, self.bodies.info(dense).collider_mass().with(def))
     }
 
     /// The body of a collider, the mass of its colliders with this one defined anew or left out, and the properties that follow.
@@ -47,15 +46,21 @@ impl<S: Scalar> World<S> {
         id: ColliderId,
         def: Option<&ColliderDef<S>>,
     ) -> Result<(BodyId, ColliderMass<S>, MassProperties<S>), Error> {
-        let body = self.colliders.get(id)?.body;
+        let collider = self.colliders.get(id)?;
+        let body = collider.body;
         let dense = self.bodies.find(body)?;
         if let Some(def) = def {
             def.check()?;
             def.check_on(self.bodies.info(dense).kind == BodyKind::Dynamic)?;
             self.colliders.check_room(0, more_outlines(def))?;
         }
-        let own = self.colliders.of(body).filter_map(|own| if own.slot == id.slot { def } else { Some(&own.def) });
-        self.with_collider_mass(dense, ColliderMass::of(own)).map(|(mass, properties)| (body, mass, properties))
+        let mass = self.bodies.info(dense).collider_mass();
+        let next = match def {
+            Some(def) => mass.replaced(&collider.def, def),
+            None => mass.without(&collider.def),
+        };
+        let (mass, properties) = self.with_collider_mass(dense, next)?;
+        Ok((body, mass, properties))
     }
 
     fn with_collider_mass(
@@ -123,7 +128,9 @@ impl<S: Scalar> World<S> {
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
         let dense = self.check_taking_part(body)?;
         let info = self.bodies.info(dense);
-        self.colliders.of(body).try_for_each(|own| own.def.check_on(kind == BodyKind::Dynamic))?;
+        if kind == BodyKind::Dynamic && info.collider_mass().any_chain() {
+            return Err(Error::DynamicChain);
+        }
         info.mass_source().properties(kind, info.mass, self.bodies.mass(dense).locks)
     }
 

@@ -62,7 +62,7 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::SetCollider { collider, def: def.clone() });
         self.bodies.set_collider_mass(dense, mass, properties);
-        self.contacts.forget(&self.bodies, self.colliders.fixed(), collider);
+        self.contacts.forget(&self.bodies, self.colliders.fixed(), &[collider.slot]);
         Arc::make_mut(&mut self.colliders).replace(collider, def)
     }
 
@@ -79,7 +79,7 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body, self.change_of_colliders(body))?;
         self.journal.note(|| Command::RemoveCollider(collider));
         self.bodies.set_collider_mass(dense, mass, properties);
-        self.contacts.forget(&self.bodies, self.colliders.fixed(), collider);
+        self.contacts.forget(&self.bodies, self.colliders.fixed(), &[collider.slot]);
         Arc::make_mut(&mut self.colliders).remove(collider)
     }
 
@@ -92,8 +92,9 @@ impl<S: Scalar> World<S> {
     /// Removes the colliders of a body that is removed, in the order of their slots: the slot that is freed last is taken first.
     pub(super) fn take_colliders(&mut self, body: BodyId) -> Result<(), Error> {
         let own: Vec<ColliderId> = self.colliders_of(body)?.collect();
+        let slots: Vec<u32> = own.iter().map(|collider| collider.slot).collect();
+        self.contacts.forget(&self.bodies, self.colliders.fixed(), &slots);
         for collider in own {
-            self.contacts.forget(&self.bodies, self.colliders.fixed(), collider);
             Arc::make_mut(&mut self.colliders).remove(collider)?;
         }
         Ok(())

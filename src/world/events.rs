@@ -30,14 +30,14 @@ pub enum Event<S = Fx> {
     /// Two colliders no longer touch, or one of them was removed, replaced or disabled. One of them has
     /// [`contact_events`](crate::ColliderDef::contact_events).
     ContactEnded(ColliderPair),
-    /// Two colliders touch that did not touch in the step before: an impulse along the normal acted between them. One of them has
-    /// [`contact_events`](crate::ColliderDef::contact_events).
+    /// Two colliders touch that did not touch in the step before: an impulse along the normal acted between them, or
+    /// they overlap. One of them has [`contact_events`](crate::ColliderDef::contact_events).
     ContactBegan(ColliderPair),
     /// Two colliders hit each other. One of them has [`hit_events`](crate::ColliderDef::hit_events).
     ContactHit(ContactHit<S>),
-    /// A collider no longer overlaps a sensor, or one of the two was removed, replaced or disabled.
+    /// A collider no longer overlaps a sensor, or crossed it within the step; or one of the two was removed, replaced or disabled.
     SensorLeft(ColliderPair),
-    /// A collider overlaps a sensor that it did not overlap after the step before.
+    /// A collider overlaps a sensor that it did not overlap after the step before, or crossed it within the step.
     SensorEntered(ColliderPair),
 }
 
@@ -64,7 +64,8 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
 impl<'a, S: Scalar> StepReport<'a, S> {
     /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
     /// of the calls (`Woke` then has the bodies that were touched in the step); changes of bodies by the step, each kind in the order of
-    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders.
+    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders. What crossed a sensor within the
+    /// step leaves it after all entries.
     ///
     /// A body that was both added and removed since the step before has no event, and a body that was added has no `Placed` event: an
     /// observer who follows the events has each body of the world once.
@@ -96,7 +97,7 @@ impl<'a, S: Scalar> StepReport<'a, S> {
     /// ```
     pub fn events(self) -> impl Iterator<Item = Event<S>> + use<'a, S> {
         let Self { removed, added, placed, woke, faults, fell_asleep, .. } = self;
-        let Self { contacts_ended, contacts_began, hits, sensors_left, sensors_entered, .. } = self;
+        let Self { contacts_ended, contacts_began, hits, sensors_left, sensors_entered, sensors_crossed, .. } = self;
         let by_calls = removed.iter().copied().map(Event::Removed).chain(added.iter().copied().map(Event::Added));
         let by_calls = by_calls.chain(placed.iter().copied().map(Event::Placed));
         let by_calls = by_calls.chain(woke.iter().copied().map(Event::Woke));
@@ -105,8 +106,11 @@ impl<'a, S: Scalar> StepReport<'a, S> {
         let of_contacts = contacts_ended.iter().copied().map(Event::ContactEnded);
         let of_contacts = of_contacts.chain(contacts_began.iter().copied().map(Event::ContactBegan));
         let of_contacts = of_contacts.chain(hits.iter().copied().map(Event::ContactHit));
-        let of_sensors = sensors_left.iter().copied().map(Event::SensorLeft);
+        let was_there =
+            move |pair: &ColliderPair| sensors_crossed.binary_search_by_key(&pair.rank(), ColliderPair::rank).is_err();
+        let of_sensors = sensors_left.iter().copied().filter(was_there).map(Event::SensorLeft);
         let of_sensors = of_sensors.chain(sensors_entered.iter().copied().map(Event::SensorEntered));
+        let of_sensors = of_sensors.chain(sensors_crossed.iter().copied().map(Event::SensorLeft));
         by_calls.chain(by_step).chain(of_contacts).chain(of_sensors)
     }
 }

@@ -51,7 +51,7 @@ impl<S: Scalar> World<S> {
             _ => true,
         };
         if colliders.any_contact_events() {
-            contacts.keep_ends_of(&self.bodies, colliders, false, is_one);
+            contacts.keep_ends_of(&self.bodies, colliders, is_one);
         }
         contacts.records.retain(|record| !is_one(record.pair().map(|outline| outline.slot)));
         Ok(())

@@ -6,7 +6,6 @@ use super::forces::Effect;
 use super::{Command, Frame, World};
 use crate::body::{Activity, BodyKind, Change};
 use crate::codec::codec_struct;
-use crate::collider::Collider;
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::kernel::wide::div_256;
@@ -145,7 +144,8 @@ impl<S: Scalar> World<S> {
     /// Sets off an explosion: an impulse on each collider of a dynamic body around it, all computed from the state before the call. It
     /// wakes the bodies that it hits. It hits neither sensors, bodies without colliders, nor disabled and quarantined bodies.
     ///
-    /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* in proportion to the colliders of the world.
+    /// *Error* of an impulse 2^-30 of it and 4 ulps in each component. *Cost* in proportion to the bodies that are not
+    /// static, and to the colliders of those in reach.
     ///
     /// # Errors
     /// The errors of [`Explosion::check`]; [`Error::OutOfRange`] with [`Quantity::Velocity`] or [`Quantity::AngularVelocity`] if a body
@@ -166,23 +166,35 @@ impl<S: Scalar> World<S> {
     /// The bodies that an explosion hits, by their handles, and their velocities after it.
     pub(super) fn blast(&self, explosion: &Explosion<S>) -> Result<Vec<(BodyId, Effect<S>)>, Error> {
         explosion.check()?;
-        let mut bodies: Vec<BodyId> = Vec::new();
-        let is_hit = |it: &&Collider<S>| !it.def.sensor && it.def.filter.category & explosion.mask != 0;
-        bodies.extend(self.colliders.list().filter(is_hit).map(|collider| collider.body));
+        let from = checked_point(explosion.position)?;
+        let asleep = self.bodies.any_asleep().then(|| self.bodies.asleep());
+        let may_move = (0..self.bodies.moving()).chain(asleep.into_iter().flatten());
+        let near = may_move.filter(|&dense| self.is_near(explosion, from, dense));
+        let mut bodies: Vec<(BodyId, usize)> = near.map(|dense| (self.bodies.id(dense), dense)).collect();
         bodies.sort_unstable();
-        bodies.dedup();
         let mut effects = Vec::new();
-        for body in bodies {
-            let dense = self.bodies.find(body)?;
-            let takes_part = matches!(self.bodies.activity(dense), Activity::Awake | Activity::Asleep);
-            if !takes_part || self.bodies.info(dense).kind != BodyKind::Dynamic {
-                continue;
-            }
-            if let Some(effect) = self.blast_on(explosion, body, dense)? {
+        for (body, dense) in bodies {
+            if let Some(effect) = self.blast_on(explosion, from, (body, dense))? {
                 effects.push((body, effect));
             }
         }
         Ok(effects)
+    }
+
+    /// Returns false if an explosion does not hit a body: it is not dynamic, takes no part, or is too far away.
+    fn is_near(&self, explosion: &Explosion<S>, from: Point, dense: usize) -> bool {
+        let info = self.bodies.info(dense);
+        let takes_part = matches!(self.bodies.activity(dense), Activity::Awake | Activity::Asleep);
+        if !takes_part || info.kind != BodyKind::Dynamic || info.collider_mass().is_none() {
+            return false;
+        }
+        let ulps = |length: S| length.to_fx().to_bits();
+        // Below 2^49 ulps.
+        let reach = ulps(explosion.radius) + ulps(explosion.falloff) + ulps(info.collider_mass().reach);
+        let reach = reach.unsigned_abs();
+        let position = self.bodies.columns.motion.position.get(dense).map(|part| part.value());
+        let position = [ulps(position.x), ulps(position.y)];
+        (0..2).all(|axis| position[axis].abs_diff(from[axis]) <= reach)
     }
 
     /// The bodies that an explosion would hit; none if it is refused.
@@ -191,8 +203,12 @@ impl<S: Scalar> World<S> {
     }
 
     /// The velocities of a body after an explosion, if it is hit.
-    fn blast_on(&self, explosion: &Explosion<S>, body: BodyId, dense: usize) -> Result<Option<Effect<S>>, Error> {
-        let from = checked_point(explosion.position)?;
+    fn blast_on(
+        &self,
+        explosion: &Explosion<S>,
+        from: Point,
+        (body, dense): (BodyId, usize),
+    ) -> Result<Option<Effect<S>>, Error> {
         let motion = &self.bodies.columns.motion;
         let position = motion.position.get(dense).map(|part| part.value());
         let placement = Placement::<S>::new(position, motion.angle[dense]);

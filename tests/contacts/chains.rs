@@ -88,10 +88,10 @@ fn boxes_and_capsules_slide_over_seams_without_a_bump() {
         };
         let (most, seams) = differences(&ground(12_000), &body, 120, 1_200);
         assert!(seams >= 1_100, "{seams}");
-        // 2^10 ulp are 0.24 µm, and 2^14 ulp are 4 µm/s: the corners are on two segments, and the solver, which rounds velocities to 2^-22
-        // m/s, does not have them in one block.
+        // 2^12 ulp are 1 µm, and 2^19 ulp are 0.12 mm/s: the corners are on two segments, which the solver does not have in one block, and
+        // a corner that comes over a seam in a step is on one of both segments for all of it.
         let [height, velocities @ ..] = most;
-        assert!(height <= 1 << 10 && velocities.iter().all(|&ulps| ulps <= 1 << 14), "shape {i}: {most:?} ulp");
+        assert!(height <= 1 << 12 && velocities.iter().all(|&ulps| ulps <= 1 << 19), "shape {i}: {most:?} ulp");
     }
 }
 

@@ -48,8 +48,8 @@ fn a_dominant_body_has_the_bits_of_a_world_without_the_others() {
     }
     // It hits the others, and lies on the ground for most of the time.
     assert!(touched > 10 && moved > 100, "{touched} {moved}");
-    let pushed = world.body(others[0]).expect("it").position().x;
-    assert!(pushed > fx!(0.5), "{pushed}");
+    let pushed = others[..6].iter().map(|&id| world.body(id).expect("it").position().x).max();
+    assert!(pushed > Some(fx!(0.5)), "{pushed:?}");
     // In the other order of numbers it is moved.
     let (mut world, id, others) = thrown(true);
     others.iter().for_each(|&other| world.set_dominance(other, 1).expect("a body"));

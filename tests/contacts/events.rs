@@ -198,7 +198,7 @@ fn a_restored_world_has_the_events_of_one_that_was_not() {
         let counts = [a.0[0].len(), a.0[1].len(), a.1.len(), a.0[2].len(), a.0[3].len()];
         (0..5).for_each(|i| met[i] += counts[i]);
     }
-    assert!(met.iter().all(|count| *count > 10), "{met:?}");
+    assert!(met.iter().all(|count| *count > 5), "{met:?}");
 }
 
 /// The events of a step.
@@ -516,9 +516,10 @@ fn each_flag_has_its_own_events() {
 
 #[test]
 fn contacts_without_events_are_there_while_an_impulse_is_left() {
-    // Two balls bounce in the same step: the one with events has a contact in it, the other one none any more.
+    // Two balls bounce in the same step, and are still within 2 cm of the ground at its end: the one with events has a contact in it, the
+    // other one none any more.
     let ball = |x: i32, key, contact_events| {
-        let mut def = BodyDef { velocity: vec2(0, -8), ..disc(vec2(x, 3), key) };
+        let mut def = BodyDef { velocity: vec2(0, fx!(-1.15)), ..disc(vec2(x, 1), key) };
         def.colliders[0].material = material(fx!(0), fx!(1));
         def.colliders[0].contact_events = contact_events;
         def

@@ -58,7 +58,7 @@ fn a_surface_of_tiles_that_is_found_again_takes_nothing_from_the_heap() {
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
     let tile = |x: i32| BodyDef { position: vec2(x, 0), ..BodyDef::fixed().with_collider(unit()) };
     (-2..3).for_each(|x| _ = world.add_body(tile(x)).expect("a tile"));
-    let body = BodyDef { position: vec2(0, 1), ..BodyDef::dynamic().with_collider(unit()) };
+    let body = BodyDef { position: vec2(0, fx!(1)), ..BodyDef::dynamic().with_collider(unit()) };
     world.add_body(body).expect("a box");
     assert_eq!(taken_again(&mut world), 0);
     assert!(world.contacts().count() > 0);

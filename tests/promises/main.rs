@@ -15,6 +15,7 @@ mod check;
 mod plan;
 
 mod closure;
+mod energy;
 mod envelope;
 mod exact_time;
 mod order;

@@ -130,13 +130,16 @@ pub(crate) struct Taste {
     pub(crate) reversible: bool,
     /// True if there are commands other than pushes after the start.
     pub(crate) changes: bool,
+    /// True if nearly all bodies have colliders.
+    pub(crate) colliding: bool,
     /// Largest number of bodies at the start.
     pub(crate) bodies: usize,
     /// Largest number of ticks.
     pub(crate) ticks: u64,
 }
 
-pub(crate) const FAIR: Taste = Taste { near: 1, unfair: 0, reversible: false, changes: true, bodies: 6, ticks: 40 };
+pub(crate) const FAIR: Taste =
+    Taste { near: 1, unfair: 0, reversible: false, changes: true, colliding: false, bodies: 6, ticks: 40 };
 
 fn union<T: std::fmt::Debug + 'static>(choices: Vec<(u32, BoxedStrategy<T>)>) -> BoxedStrategy<T> {
     Union::new_weighted(choices.into_iter().filter(|(weight, _)| *weight > 0).collect()).boxed()
@@ -158,6 +161,7 @@ impl Taste {
             near: of_256(self.near),
             wild: of_256(self.unfair),
             reversible: self.reversible,
+            colliders: if self.colliding { 255 } else { umbra_oracles::Taste::FAIR.colliders },
             ..umbra_oracles::Taste::FAIR
         }
     }

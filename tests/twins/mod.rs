@@ -170,6 +170,12 @@ impl Factor<Twin> for FxFactor {
     fn minus(self, other: Self) -> Self {
         Factor::<Fx>::minus(self, other)
     }
+    fn to_binary(self) -> (u64, i32) {
+        Factor::<Fx>::to_binary(self)
+    }
+    fn from_binary(value: u128, shift: i32) -> Self {
+        Factor::<Fx>::from_binary(value, shift)
+    }
 }
 
 impl Wide<Twin> for FxWide {

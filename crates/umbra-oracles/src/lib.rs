@@ -55,6 +55,7 @@
 mod bystanders;
 mod commands;
 mod drivers;
+mod energy;
 mod fuzz;
 mod game;
 mod handles;
@@ -118,11 +119,24 @@ pub enum Oracle {
     /// `parallel`, and unless all steps are of [`PublishedVerlet`](umbra_physics::Integrator::PublishedVerlet), which uses one
     /// thread.
     Threads,
+    /// The [energy](umbra_physics::World::energy) of a world that nobody acts on never exceeds that after the last input by more
+    /// than a thousandth of its kinetic and of its potential part, what lifts all bodies by 5 mm, and the roundings of the solver
+    /// (4 µm/s of each body). A command that is carried out is an input, and so is a force until the end of its step. It finds
+    /// impacts, and changes past the driver, that add energy.
+    ///
+    /// Worlds are judged that nothing else gives energy to: no kinematic body moves, no collider has a
+    /// [`surface_speed`](umbra_physics::Material::surface_speed), all dynamic bodies have the same
+    /// [`dominance`](umbra_physics::BodyDef::dominance), there is no force field but drag without wind, a step is at most a
+    /// thirtieth of a second, and the integrator is `VelocityVerlet`, `Yoshida4` or `SymplecticEuler`: the others gain energy in
+    /// free flight. Damping, largest speeds and sleep only take energy. Where bodies overlap by more than 5 mm after the last
+    /// input, pushing them out may lift them by more: steps are judged from the first one on that starts without such an overlap.
+    /// A body that leaves the envelope is a new start, too.
+    Energy,
 }
 
 impl Oracle {
     /// All oracles. The ones that find most come first.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Repeat,
         Self::Refusal,
         Self::Record,
@@ -135,6 +149,7 @@ impl Oracle {
         Self::Reverse,
         Self::Paths,
         Self::Threads,
+        Self::Energy,
     ];
 
     /// The name: one word in lower case.
@@ -153,6 +168,7 @@ impl Oracle {
             Self::Reverse => "reverse",
             Self::Paths => "paths",
             Self::Threads => "threads",
+            Self::Energy => "energy",
         }
     }
 

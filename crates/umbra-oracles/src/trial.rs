@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::bystanders::{Bystanders, MOST};
 use super::drivers::{Asking, Detours, Inspector, Noting, Pairing, Seen, Undoing, unlike};
+use super::energy::EnergyBound;
 use super::game::{ByTick, Course, Likeness, Subject};
 use super::{Handles, Oracle, Verdict, Violation};
 use umbra_physics::{
@@ -61,6 +62,7 @@ impl<'a, S: Subject> Trial<'a, S> {
                 self.beside(&self.inputs, Likeness::State, "a match by other ways", &mut Detours::default())
             }
             Oracle::Threads => self.threads(),
+            Oracle::Energy => self.energy(),
         }
     }
 
@@ -243,6 +245,16 @@ impl<'a, S: Subject> Trial<'a, S> {
     #[allow(clippy::unused_self, reason = "with threads it needs it")]
     fn threads(&self) -> Judged {
         inapplicable("the feature `parallel` is off")
+    }
+
+    fn energy(&self) -> Judged {
+        let Some(mut run) = self.begin() else { return inapplicable(REFUSED) };
+        let mut driver = EnergyBound::default();
+        for tick in 0..self.course.ticks {
+            self.tick(&mut run, tick, &mut driver);
+            self.clear(tick, driver.seen())?;
+        }
+        driver.idle().map_or_else(|| self.held(), inapplicable)
     }
 
     /// A match beside one with bystanders in it.

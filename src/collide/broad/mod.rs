@@ -33,6 +33,7 @@ use alloc::vec::Vec;
 pub use cap::PairLimits;
 pub(crate) use core_tree::{CoreAt, CoreTree, PlacedCore};
 pub use path::Path;
+pub(crate) use statics::Boxes;
 pub use statics::Statics;
 
 use crate::collider::Filter;

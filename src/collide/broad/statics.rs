@@ -14,6 +14,9 @@ use crate::shape::Aabb;
 /// The number of changes that stand beside a tree before it is built anew.
 const CHANGES: usize = 512;
 
+/// The filter that meets all others.
+const EVERYTHING: Filter = Filter { category: !0, mask: !0, group: 0 };
+
 /// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, which copies of a world share, and the few changes
 /// since it was built.
 ///
@@ -89,6 +92,35 @@ impl Part {
     }
 }
 
+/// Boxes in a tree, whatever their filters.
+#[derive(Debug, Default)]
+pub(crate) struct Boxes(Tree);
+
+impl Boxes {
+    /// Replaces all boxes.
+    pub(crate) fn refill(&mut self, boxes: impl Iterator<Item = Aabb<Fx>>) {
+        self.0.clear();
+        for (bounds, item) in boxes.zip(0..) {
+            self.0.push(item, Extent::new(bounds.into(), EVERYTHING));
+        }
+        self.0.build();
+    }
+
+    /// Returns true if one of the boxes overlaps another one.
+    fn meets(&self, extent: &Extent) -> bool {
+        let mut is_met = false;
+        self.0.search(
+            0,
+            |node| node.meets(extent),
+            |_| {
+                is_met = true;
+                false
+            },
+        );
+        is_met
+    }
+}
+
 impl Statics {
     /// Builds the tree of these colliders, in any order, each once.
     #[must_use]
@@ -130,40 +162,42 @@ impl Statics {
         self.added.build();
     }
 
-    /// Changes colliders: each number with what stands there now; a number that is there twice has the same change twice. Returns false if
-    /// that is what stood there before. Takes nothing from the heap where there were as many changes before, and as
-    /// [`rebuild`](Self::rebuild) says where there are too many of them.
-    pub(crate) fn change(&mut self, changes: &[(u32, Option<Proxy>)]) -> bool {
-        let mut differs = false;
-        for (collider, now) in changes {
-            if self.find(*collider) == now.as_ref() {
-                continue;
-            }
-            differs = true;
-            let added = &mut self.added.proxies;
-            let place = added.binary_search_by_key(collider, |proxy| proxy.collider);
-            match (place, now) {
-                (Ok(i), Some(now)) => added[i] = *now,
-                (Ok(i), None) => _ = added.remove(i),
-                (Err(i), Some(now)) => added.insert(i, *now),
-                (Err(_), None) => {}
-            }
-            if let (Ok(_), Err(i)) = (self.base.find(*collider), self.gone.binary_search(collider)) {
-                self.gone.insert(i, *collider);
-            }
-        }
-        if differs && self.gone.len() + self.added.proxies.len() > CHANGES {
-            self.rebuild();
-        } else if differs {
-            self.added.build();
-        }
-        differs
+    /// Sorts changes, each a number with what stands there now, and keeps those that change something. *Domain* a number that is there twice
+    /// has the same change twice.
+    pub(crate) fn sift(&self, changes: &mut Vec<(u32, Option<Proxy>)>) {
+        changes.retain(|(collider, now)| self.find(*collider) != now.as_ref());
+        changes.sort_unstable_by_key(|(collider, _)| *collider);
+        changes.dedup_by_key(|(collider, _)| *collider);
     }
 
-    /// The colliders after changes, as [`change`](Self::change) makes them. `None` if nothing changes.
+    /// Makes changes as [`sift`](Self::sift) left them. Takes nothing from the heap where there were as many before, and as
+    /// [`rebuild`](Self::rebuild) says where there are too many of them.
+    pub(crate) fn change(&mut self, changes: &[(u32, Option<Proxy>)]) {
+        if changes.is_empty() {
+            return;
+        }
+        let Self { base, gone, added } = &mut *self;
+        let stays = |proxy: &Proxy| changes.binary_search_by_key(&proxy.collider, |(collider, _)| *collider).is_err();
+        added.proxies.retain(stays);
+        added.proxies.extend(changes.iter().filter_map(|(_, now)| *now));
+        let before = gone.len();
+        for (collider, _) in changes {
+            if base.find(*collider).is_ok() && gone[..before].binary_search(collider).is_err() {
+                gone.push(*collider);
+            }
+        }
+        gone.sort_unstable();
+        if gone.len() + added.proxies.len() > CHANGES {
+            self.rebuild();
+        } else {
+            added.build();
+        }
+    }
+
+    /// The colliders after changes as [`sift`](Self::sift) left them. `None` if nothing changes.
     #[must_use]
     pub(crate) fn changed(&self, changes: &[(u32, Option<Proxy>)]) -> Option<Self> {
-        if changes.iter().all(|(collider, now)| self.find(*collider) == now.as_ref()) {
+        if changes.is_empty() {
             return None;
         }
         let mut next = self.clone();
@@ -219,12 +253,16 @@ impl Statics {
         self.base.end().max(self.added.end())
     }
 
-    /// Calls `found` with each collider whose box overlaps a box, whatever its filter.
-    pub(crate) fn near(&self, bounds: Aabb<Fx>, mut found: impl FnMut(&Proxy)) {
-        let all = Filter { category: !0, mask: !0, group: 0 };
-        let extent = Extent::new(bounds.into(), all);
+    /// Calls `found` with each collider whose box overlaps a box, whatever its filter, until it returns false.
+    pub(crate) fn near(&self, bounds: Aabb<Fx>, found: impl FnMut(&Proxy) -> bool) {
+        let extent = Extent::new(bounds.into(), EVERYTHING);
+        self.search(|node| node.meets(&extent), found);
+    }
+
+    /// Calls `found` with each collider whose box overlaps one of some boxes, whatever its filter, once.
+    pub(crate) fn near_any(&self, boxes: &Boxes, mut found: impl FnMut(&Proxy)) {
         self.search(
-            |node| node.meets(&extent),
+            |node| boxes.meets(node),
             |proxy| {
                 found(proxy);
                 true

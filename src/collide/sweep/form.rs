@@ -56,6 +56,11 @@ impl Form {
         form.normals.iter_mut().zip(normals).for_each(|(place, normal)| *place = normal);
         form
     }
+
+    /// The outline as one that has no side.
+    pub(crate) fn without_sides(self) -> Self {
+        Self { is_link: false, ..self }
+    }
 }
 
 /// An outline at a moment, relative to the centre of its rotation, in world axes.

@@ -22,6 +22,9 @@ pub(crate) use path::{END, Leg, Path};
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;
 
+/// Outlines that overlap by this touch, ulps: a micrometre.
+const TOUCH: i64 = 1 << 12;
+
 /// The most that rounding adds to a distance, ulps: that of corners, of centres and their angles, and of the parts of a bound.
 const ROUNDING: i64 = 16;
 
@@ -328,7 +331,10 @@ impl Sweep<'_> {
     /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
     fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
         // From here on the rest of the way counts as gone.
-        let near = i128::from((depth.abs() >> 2).max(ROUNDING));
+        // Outlines that overlap at the start have only what is left up to the depth.
+        let left = i128::from(depth) + start.distance();
+        let way = if left > 0 { left.min(depth.abs().into()) } else { depth.abs().into() };
+        let tolerance = (way >> 2).max(ROUNDING.into());
         let (mut at, mut guess) = (from, END);
         let (mut later, mut moment);
         moment = start;
@@ -337,7 +343,7 @@ impl Sweep<'_> {
             let longest = self.longest(moment, depth, room, guess);
             if longest < room {
                 let widest = moment.widest.unwrap_or(0);
-                if longest <= SHORTEST || widest + i128::from(depth) <= near {
+                if longest <= SHORTEST || widest + i128::from(depth) <= tolerance {
                     return Some(at);
                 }
             }
@@ -384,6 +390,13 @@ impl Sweep<'_> {
         are_alike
     }
 
+    /// The first moment at which the outlines may overlap by a micrometre; `None` if they do not in the tick, or if one of them is behind a
+    /// segment of a chain.
+    pub(crate) fn first_touch(&self) -> Option<u64> {
+        let start = self.at(0);
+        if self.is_behind(&start) { None } else { self.reach(TOUCH, 0, &start) }
+    }
+
     /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.
     ///
     /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path may lead to a deeper overlap, up to
@@ -400,7 +413,9 @@ impl Sweep<'_> {
         let depth = if depths.small == 0 {
             -((before >> 1).min(i128::from(LEFT)) as i64)
         } else if before < -i128::from(depths.small >> 1) {
-            depths.deep.max((depths.small >> 2) - before as i64)
+            // Thin ones would creep through in some ticks.
+            let more = if depths.deep > depths.small { depths.small >> 2 } else { 2 * ROUNDING };
+            depths.deep.max(more - before as i64)
         } else {
             depths.small
         };

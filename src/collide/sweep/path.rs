@@ -87,7 +87,7 @@ impl Leg {
 }
 
 /// The most pieces of a path: its own, at rest, carried along, at rest.
-const LEGS: usize = 4;
+const LEGS: usize = 12;
 
 /// The path of a body over a tick.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +106,7 @@ impl Path {
     }
 
     /// The piece at a moment, and the moment at which it ends.
-    pub(super) fn leg(&self, at: u64) -> (&Leg, u64) {
+    pub(crate) fn leg(&self, at: u64) -> (&Leg, u64) {
         let next = self.legs().iter().position(|leg| leg.from > at).unwrap_or(self.count);
         let until = if next < self.count { self.legs[next].from } else { END };
         (&self.legs[next.saturating_sub(1)], until)
@@ -135,6 +135,35 @@ impl Path {
             self.legs[self.count] = with;
             self.count += 1;
         }
+    }
+
+    /// Returns true if the centres of two paths, of one piece each, stay farther apart than `reach`: a bound that may miss some.
+    ///
+    /// # Ranges
+    /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
+    pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
+        let ([first], [second]) = (self.legs(), other.legs()) else { return false };
+        if first.arm != [0; 2] || second.arm != [0; 2] {
+            return false;
+        }
+        let offset = [0, 1].map(|k| i128::from(second.centre[k]) - i128::from(first.centre[k]));
+        let way = [0, 1].map(|k| second.way[k] - first.way[k]);
+        let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
+        let down = (128 - largest.leading_zeros()).saturating_sub(30);
+        // Towards zero: alike in a mirror image.
+        let scaled = |part: i128| (part / (1 << down)) as i64;
+        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
+        let reach = (reach >> down).saturating_add(4);
+        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
+        if dot >= 0 {
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        if dot + square <= 0 {
+            let (x, y) = (x + vx, y + vy);
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        let cross = i128::from(x * vy - y * vx);
+        cross * cross > i128::from(reach.saturating_mul(reach)) * i128::from(square)
     }
 
     /// Stops the body at a moment.

@@ -68,7 +68,7 @@ pub(super) fn resting(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
 }
 
 /// The part of the way from one coordinate to another, rounded to nearest, ties to even.
-pub(super) fn between(from: FxAccumulator, to: FxAccumulator, part: u64) -> FxAccumulator {
+pub(crate) fn between(from: FxAccumulator, to: FxAccumulator, part: u64) -> FxAccumulator {
     if part == END {
         return to;
     }

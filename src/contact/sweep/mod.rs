@@ -5,7 +5,8 @@
 //! In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact
 //! stops at the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a
 //! body along that it meets. Pairs of bodies whose paths changed are looked at again, in up to [`ROUNDS`] rounds; dynamic bodies
-//! that still meet others then stay where they were at the start.
+//! that still meet others then stay where they were at the start, in up to [`LAST_ROUNDS`] more. In [`WALL_ROUNDS`] after these only bodies that do
+//! not give way count: each path is then looked at by itself, so that no wall is crossed for want of rounds.
 //!
 //! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
 //! to two places, it stops: it is squeezed, as is one that is carried into something.
@@ -26,11 +27,17 @@ use crate::math::Vec2;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
+pub(crate) use legs::between;
 use legs::moved;
-use paths::{Paths, around};
+pub(crate) use paths::Paths;
+pub(super) use paths::{around, resting_path};
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
+/// The rounds after these, in which paths end at the start.
+const LAST_ROUNDS: u32 = 8;
+/// The rounds after these, in which only bodies that do not give way count.
+const WALL_ROUNDS: u32 = 8;
 
 /// The least motion that counts, ulps: 2^-12 m.
 const LEAST: i64 = 1 << 20;
@@ -39,12 +46,14 @@ const LEAST: i64 = 1 << 20;
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
     /// The flights of fast bodies, ascending.
-    fast: Vec<u32>,
+    pub(super) fast: Vec<u32>,
+    /// By flight: true for a body that impulses of this step sent elsewhere; empty if there are none.
+    pub(super) deflected: Vec<bool>,
     /// By flight, where it is among the courses; [`NONE`] if it has none.
     of: Vec<u32>,
     courses: Vec<Course>,
     /// The outlines of each pair by number, the lower one first.
-    pairs: Vec<[u32; 2]>,
+    pub(super) pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
     /// The boxes of what moves, and a tree of them where they are many.
     movers: Vec<Proxy>,
@@ -60,6 +69,8 @@ struct Course {
     changed: Option<u64>,
     /// The flight that carries it, or [`NONE`].
     carrier: u32,
+    /// True if a body that does not give way keeps it at its start.
+    is_stuck: bool,
 }
 
 /// The number of moving boxes up to which each is looked at, without a tree.
@@ -95,11 +106,13 @@ impl Engine {
         stops: &mut Vec<Stop>,
     ) {
         stops.clear();
+        self.sweep.of.clear();
+        self.sweep.courses.clear();
         self.find_fast(scene, corrections, is_faulty);
         if self.sweep.fast.is_empty() {
             return;
         }
-        let paths = Paths { scene, corrections };
+        let paths = Paths { scene, corrections, is_corrected: true };
         self.find_pairs(&paths, is_faulty);
         self.run_rounds(&paths);
         for course in &self.sweep.courses {
@@ -124,11 +137,35 @@ impl Engine {
         }
     }
 
+    /// The path of a body as far as it went.
+    fn ended_path(&self, paths: &Paths<'_>, flight: u32) -> Path {
+        match self.sweep.of.get(flight as usize) {
+            Some(&course) if course != NONE => self.sweep.courses[course as usize].path,
+            _ => paths.path(self.flights.body(flight), self.flights.flight(flight), flight),
+        }
+    }
+
+    /// Visits the paths of fast bodies, with their slots, after those that end early have ended.
+    pub(super) fn each_fast_path(&self, paths: &Paths<'_>, mut visit: impl FnMut(u32, Path)) {
+        for &flight in &self.sweep.fast {
+            visit(self.flights.body(flight).slot, self.ended_path(paths, flight));
+        }
+    }
+
+    /// The path of a collider's body, if it moved more than a quarter of the collider's least width.
+    pub(super) fn path_if_fast(&self, paths: &Paths<'_>, collider: &Collider) -> Option<Path> {
+        let flight = self.flights.at(collider.body.slot)?;
+        let start = paths.scene.starts.get(flight as usize)?;
+        let rotation = paths.corrections.get(flight as usize).map(|by| by.rotation);
+        let ends = [start.position, paths.scene.bodies.position(start.dense)];
+        let moved = moved(ends, self.flights.flight(flight), rotation, collider.radius.to_bits());
+        let is_fast = moved > (collider.width.to_bits() >> 2).max(LEAST);
+        is_fast.then(|| self.ended_path(paths, flight))
+    }
+
     /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
-    fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
+    pub(super) fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
-        self.sweep.of.clear();
-        self.sweep.courses.clear();
         self.sweep.pairs.clear();
         let still = self.still.take().unwrap_or_default();
         self.list_movers(paths);
@@ -180,9 +217,18 @@ impl Engine {
         let takes_part = |flight: u32| scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
         pairs.retain(|&pair| {
             let ends = self.ends(paths, pair).map(|(_, ends)| ends);
-            ends.is_some_and(|[a, b]| takes_part(a.0) && takes_part(b.0) && is_swept([&a.1, &b.1], paths))
+            ends.is_some_and(|[a, b]| {
+                takes_part(a.0)
+                    && takes_part(b.0)
+                    && (is_swept([&a.1, &b.1], paths) || self.is_deflected(a.0) || self.is_deflected(b.0))
+            })
         });
         self.sweep.pairs = pairs;
+    }
+
+    /// Returns true for a body that impulses of this step sent elsewhere.
+    pub(super) fn is_deflected(&self, flight: u32) -> bool {
+        self.sweep.deflected.get(flight as usize).is_some_and(|&is_deflected| is_deflected)
     }
 
     /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each
@@ -203,7 +249,11 @@ impl Engine {
         let place = |flight: u32| self.flights.body(flight);
         let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
         let kind = |flight: u32| place(flight).kind;
-        let wants_all = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight));
+        let wants_all = self
+            .sweep
+            .fast
+            .iter()
+            .any(|&flight| kind(flight) == FlightOf::Kinematic || is_bullet(flight) || self.is_deflected(flight));
         let has_dynamic = self.sweep.fast.iter().any(|&flight| kind(flight) == FlightOf::Dynamic);
         let mut proxies = core::mem::take(&mut self.sweep.movers);
         proxies.clear();
@@ -233,7 +283,7 @@ impl Engine {
     }
 
     /// The outlines and the bodies of a pair.
-    fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
+    pub(super) fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
         let outlines = pair.map(|number| self.numbers.outline(number));
         let [a, b] = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let flights = [a?, b?].map(|collider| self.flights.of(paths.scene, collider.body.slot));
@@ -249,7 +299,7 @@ impl Engine {
         if self.sweep.of[at] == NONE {
             self.sweep.of[at] = self.sweep.courses.len() as u32;
             let path = paths.path(self.flights.body(flight), self.flights.flight(flight), flight);
-            self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE });
+            self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE, is_stuck: false });
         }
         self.sweep.of[at] as usize
     }
@@ -262,8 +312,11 @@ impl Engine {
             for &pair in &pairs {
                 self.find_impact(paths, pair);
             }
+            if round >= ROUNDS + LAST_ROUNDS {
+                self.sweep.hits.retain(|hit| !hit.is_mutual);
+            }
             self.sweep.courses.iter_mut().for_each(|course| course.changed = None);
-            if !self.end_paths(paths, round >= ROUNDS) {
+            if !self.end_paths(paths, round >= ROUNDS) || round >= ROUNDS + LAST_ROUNDS + WALL_ROUNDS {
                 break;
             }
         }
@@ -295,8 +348,12 @@ impl Engine {
         let Some(at) = sweep.impact(from) else { return };
         let (own, other) = (own as u32, other as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
-        self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
-        if is_mutual {
+        // A dominant body that impulses sent elsewhere does not end its way at those that it dominates.
+        let are_swept = is_swept([&a.1, &b.1], paths);
+        if are_swept || a.1.dominance <= b.1.dominance {
+            self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
+        }
+        if is_mutual && (are_swept || b.1.dominance <= a.1.dominance) {
             self.sweep.hits.push(Hit { course: other, at, by: own, is_mutual });
         }
     }
@@ -307,12 +364,21 @@ impl Engine {
         hits.sort_unstable();
         let mut has_changed = false;
         for own in hits.chunk_by(|a, b| a.course == b.course) {
-            let at = if is_last && own.iter().any(|hit| hit.is_mutual) { 0 } else { own[0].at };
             let mut course = self.sweep.courses[own[0].course as usize];
-            let leg = match is_last {
-                true => None,
-                false => self.carried(paths, &course, own.iter().take_while(|hit| hit.at == at)),
+            // A body that a kinematic one pushes goes with it, through others if there is no other way.
+            if is_last && course.carrier != NONE && own.iter().all(|hit| hit.is_mutual) {
+                continue;
+            }
+            let is_pushed = course.carrier != NONE || own.iter().any(|hit| self.is_kinematic(hit));
+            let at = if is_last && is_pushed {
+                own.iter().filter(|hit| !hit.is_mutual).map(|hit| hit.at).min().unwrap_or(own[0].at)
+            } else if is_last && own.iter().any(|hit| hit.is_mutual) {
+                0
+            } else {
+                own[0].at
             };
+            let meets = own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual));
+            let leg = self.carried(paths, &course, meets);
             let before = course.path;
             match leg {
                 Some((carrier, leg)) => {
@@ -321,6 +387,7 @@ impl Engine {
                 }
                 None => {
                     course.path.stop(at);
+                    course.is_stuck = at == 0 && own.iter().any(|hit| hit.at == 0 && !hit.is_mutual);
                     course.carrier = NONE;
                 }
             }
@@ -332,6 +399,12 @@ impl Engine {
         }
         self.sweep.hits = hits;
         has_changed
+    }
+
+    /// Returns true if a body meets a kinematic one.
+    fn is_kinematic(&self, hit: &Hit) -> bool {
+        let course = &self.sweep.courses[hit.by as usize];
+        !hit.is_mutual && self.flights.body(course.flight).kind == FlightOf::Kinematic
     }
 
     /// How kinematic bodies carry a body along that they meet, and one of them; `None` if none does, or if they disagree.
@@ -375,7 +448,7 @@ fn is_swept([a, b]: [&Place; 2], paths: &Paths<'_>) -> bool {
 }
 
 /// An outline for the time of impact.
-fn form(collider: &Collider, part: u32) -> Form {
+pub(super) fn form(collider: &Collider, part: u32) -> Form {
     let of = collider.outline(part);
     let ulps = |v: &Vec2| [v.x.to_bits(), v.y.to_bits()];
     let (corners, normals) = (of.outline.corners().iter().map(ulps), of.outline.normals().iter().map(ulps));

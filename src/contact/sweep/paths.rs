@@ -7,7 +7,7 @@ use crate::body::{BodyKind, Locks};
 use crate::collide::sweep::{END, Path};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::FxAccumulator;
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
@@ -15,20 +15,29 @@ use crate::solve::Flight;
 const GROWTH: i64 = 1 << 14;
 
 /// The paths of bodies after impulses.
-pub(super) struct Paths<'a> {
-    pub(super) scene: &'a Scene<'a>,
-    pub(super) corrections: &'a [Correction],
+pub(crate) struct Paths<'a> {
+    pub(crate) scene: &'a Scene<'a>,
+    pub(crate) corrections: &'a [Correction],
+    /// True if the bodies of the scene are where the corrections left them; else they are at the ends of their free flights.
+    pub(crate) is_corrected: bool,
 }
 
 impl Paths<'_> {
-    pub(super) fn path(&self, place: &Place, flight: &Flight, number: u32) -> Path {
+    pub(in super::super) fn path(&self, place: &Place, flight: &Flight, number: u32) -> Path {
         let bodies = self.scene.bodies;
         let Some(start) = self.scene.starts.get(number as usize) else {
             let dense = bodies.index_in(place.slot).unwrap_or(0);
-            return Path::new(legs::resting(bodies.position(dense), bodies.angle(dense)));
+            return resting_path(bodies.position(dense), bodies.angle(dense));
         };
-        let rotation = self.corrections.get(number as usize).map(|correction| correction.rotation);
-        Path::new(legs::leg(start, bodies.position(start.dense), bodies.angle(start.dense), flight, rotation))
+        let correction = self.corrections.get(number as usize);
+        let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
+        if let (Some(correction), false) = (correction, self.is_corrected) {
+            let moved = correction.displacement;
+            position = Vec2::new(position.x.plus(moved.x), position.y.plus(moved.y));
+            angle = angle.turned(correction.rotation);
+        }
+        let rotation = correction.map(|correction| correction.rotation);
+        Path::new(legs::leg(start, position, angle, flight, rotation))
     }
 
     /// The pose at the end of a path that ended early.
@@ -45,7 +54,9 @@ impl Paths<'_> {
                 Vec2::new(x, y)
             }
         };
-        Stop { dense: start.dense, position, angle }
+        let at = course.path.stopped_at();
+        let is_stuck = at == Some(0) && course.is_stuck;
+        Stop { dense: start.dense, start: course.flight as usize, position, angle, at, is_stuck }
     }
 
     pub(super) fn is_bullet(&self, slot: u32) -> bool {
@@ -64,8 +75,13 @@ impl Paths<'_> {
     }
 }
 
+/// The path of a body that does not move.
+pub(in super::super) fn resting_path(position: Vec2<FxAccumulator>, angle: Turn) -> Path {
+    Path::new(legs::resting(position, angle))
+}
+
 /// The box around an outline of this reach on a path.
-pub(super) fn around(path: &Path, reach: i64) -> Aabb<Fx> {
+pub(in super::super) fn around(path: &Path, reach: i64) -> Aabb<Fx> {
     let (low, high) = path.ends();
     let by = reach.saturating_add(GROWTH);
     let at = |ends: [i64; 2], by: i64| {

@@ -20,7 +20,7 @@ use self::bounce::Bounces;
 use self::rounding::Rounding;
 use self::rows::Rows;
 use super::prepare::graph_start;
-use super::{Contact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
+use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
 use crate::math::TimeStep;
 use crate::scalar::ToF64 as _;
 
@@ -116,6 +116,11 @@ impl ContactSolver for FloatSolver {
             let Impulses { values: [first, second, _], exponent } = in_units(rows.applied);
             (rows.contact, [first, second], exponent)
         })
+    }
+
+    /// None: bounces are found once a step, in the impulses of all passes.
+    fn impacts<'a>(&'a self, _: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        core::iter::empty()
     }
 }
 

@@ -28,10 +28,12 @@ pub(in crate::solve) struct ContactUnits {
     pub(in crate::solve) impulse: f64,
     /// log2 of the resolution of factors of angular velocities over that of velocities.
     pub(in crate::solve) angular_shift: i32,
+    /// The velocity at which its overlap is pushed out at most, where wedges and locks limit it, m/s.
+    pub(in crate::solve) push: f64,
 }
 
 impl ContactUnits {
-    const EXACT: Self = Self { velocity: 0.0, impulse: 0.0, angular_shift: 0 };
+    const EXACT: Self = Self { velocity: 0.0, impulse: 0.0, angular_shift: 0, push: f64::INFINITY };
 
     /// A unit of velocity for a unit of impulse, 1/kg; infinite without units.
     pub(super) fn factor(&self) -> f64 {

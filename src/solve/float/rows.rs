@@ -138,10 +138,19 @@ impl Solution {
         rounding: &mut Rounding,
     ) -> Self {
         let [across, coupled] = if is_double { [split.across, whole.across.max(0.0)] } else { [0.0; 2] };
-        // Two points close together make the matrix nearly singular: it gets a larger diagonal.
+        // Two points close together make the matrix nearly singular: it gets a larger diagonal. Both points of a body that can only turn, or
+        // only move, are solved one by one, each as one of half of the body.
         let product = split.normal[0] * split.normal[1];
-        let is_narrow = product - across * across < product / 64.0;
-        let diagonal = split.normal.map(|k| if is_narrow { k * (1.0 + power(-13)) } else { k });
+        let determinant = product - across * across;
+        let is_single = is_double && determinant <= product * power(-28);
+        let more = if is_single {
+            2.0
+        } else if determinant < product / 64.0 {
+            1.0 + power(-13)
+        } else {
+            1.0
+        };
+        let (diagonal, across) = (split.normal.map(|k| k * more), if is_single { 0.0 } else { across });
         let soft = whole.normal.map(|k| (k + coupled) * softness.compliance + rounding.within(ulp));
         let mut ratio = |k: f64| within(across / k, 4.0) + rounding.within(power(-28));
         Self {
@@ -286,7 +295,7 @@ impl Rows {
     fn solved(&self, bodies: &[Body], h: f64, pass: Pass, rounding: &mut Rounding) -> Vector {
         let velocities = self.bodies.map(|body| bodies[body as usize].seen);
         let moved = self.bodies.map(|body| bodies[body as usize].displacement);
-        let ContactUnits { velocity: velocity_unit, impulse: impulse_unit, .. } = self.units;
+        let ContactUnits { velocity: velocity_unit, impulse: impulse_unit, push: fastest_push, .. } = self.units;
         let Solution { inverse, ratio, compliance, softness } = &self.solution;
         let before = self.impulses;
         let (mut pressed, mut wanted) = ([0; 2], [0.0; 2]);
@@ -295,7 +304,7 @@ impl Rows {
             let velocity = self.along(k, velocities) + rounding.within(velocity_unit);
             if pass == Pass::Solve && separation <= 0.0 {
                 pressed[k] = 1;
-                let push = (softness.rate * separation / h).max(-softness.push);
+                let push = (softness.rate * separation / h).max(-softness.push.min(fastest_push));
                 wanted[k] = velocity + push + compliance[k] * before[k];
             } else {
                 wanted[k] = velocity + (separation / h).max(0.0);

@@ -84,7 +84,7 @@ impl Solver {
                 }
                 let Some(mover) = self.graph.mover(joint.bodies) else { continue };
                 let unit = self.unit_of[mover as usize];
-                let rows = joint.bodies.map(|body| self.row(body, unit, flights));
+                let rows = joint.bodies.map(|body| self.row(body, unit, flights, common.softness));
                 let bodies = joint.bodies.map(|body| &self.bodies[body as usize]);
                 let shares = joint.bodies.map(|body| self.shares[body as usize][phase].into());
                 self.joints.blocks.extend(Block::new(index, joint, (bodies, rows, shares), unit, common));

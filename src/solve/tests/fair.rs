@@ -8,8 +8,10 @@ use super::scene::{Image, Scene, Solution};
 use crate::cases::run_seed;
 use crate::kernel::simd::{Job, Portable};
 use crate::math::Random;
+use crate::solve::impact::SubStep;
 use crate::solve::motion::{Advance, Begin};
 use crate::solve::pass::{Pass, PassOver};
+use crate::solve::unit::Clock;
 use crate::solve::{Contact, Flight, Impulses, PHASES, Solver, SolverCounts};
 
 /// Scenes, with numbers for what is done to them.
@@ -193,9 +195,11 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
 fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), scene.contacts.clone());
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &contacts);
+    let clock = Clock::new(scene.time_step, scene.options.substeps);
     let (mut cut, n) = (0, scene.options.substeps);
     for k in 1..=n {
         Begin { rows: &mut solver.rows, k, n }.run(Portable);
+        solver.solve_impacts(SubStep { k, n, clock: &clock, contacts: &contacts }, Portable);
         if k == 1 {
             cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
         }

@@ -116,13 +116,13 @@ fn fill(random: &mut Random, group: &mut Group, lane: usize, bodies: usize, size
 
 fn case(random: &mut Random, sizes: impl Fn(&mut Random) -> Sizes) -> Case {
     let mut rows = Rows::default();
-    rows.push(FlightRow::default());
+    rows.push(FlightRow::default(), i32::MAX);
     let size = sizes(random);
     for _ in 0..1 + random.below(20) {
         let velocity = |random: &mut Random| random.word(size.velocity);
         let mut of = |limit: i64| [random.word(limit), random.word(limit), random.word(limit), 0];
         let (start, change) = (of(size.velocity), of(2 * size.velocity));
-        let row = rows.push(FlightRow { start, change }) as usize;
+        let row = rows.push(FlightRow { start, change }, i32::MAX) as usize;
         rows.rows[row].displacement = of(size.displacement);
         let angle = rows.rows[row].displacement[2];
         rows.rows[row].velocity = [velocity(random), velocity(random), velocity(random), angle];

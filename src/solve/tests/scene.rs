@@ -6,6 +6,7 @@ use crate::fx::Fx;
 use crate::kernel::simd::{Job, Portable};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
+use crate::solve::unit::Clock;
 use crate::solve::{
     Contact, Correction, Flight, Impulses, Point, Solver, SolverCounts, SolverOptions, SubSteps, Velocity,
 };
@@ -118,7 +119,8 @@ impl Scene {
     pub(super) fn solve_portably(&self) -> Solution {
         let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
         solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
-        let cut = SubSteps { solver: &mut solver, count: self.options.substeps }.run(Portable);
+        let clock = Clock::new(self.time_step, self.options.substeps);
+        let cut = SubSteps { solver: &mut solver, clock: &clock, contacts: &contacts }.run(Portable);
         solver.finish(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         let impulses = contacts.iter().map(|contact| contact.impulses).collect();
         Solution { impulses, corrections, counts: SolverCounts { cut } }

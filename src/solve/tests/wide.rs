@@ -158,6 +158,8 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
         solver.groups[of].separation[0][1] = solver.groups[of].separation[0][0];
     }
     let group = &mut solver.groups[of];
+    // No point is left to the impacts of the next sub-step.
+    group.surface[0][1] = 1 << 28;
     let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
     group.separation_now[0] = [0, 1].map(|k| separation_now(group, k, rows));
     let group = group.clone();

@@ -47,7 +47,7 @@ pub(crate) struct Options {
     /// These problems alone.
     #[arg(long, value_name = "NAME", num_args = 1.., value_parser = problem)]
     problem: Vec<&'static Problem>,
-    /// Measures the quality of contacts instead: stacks, slopes, bounces and shots, beside what is promised. A broken promise is
+    /// Measures the quality of contacts instead: stacks, slopes, bounces, shots and impacts, beside what is promised. A broken promise is
     /// status 1.
     #[arg(long, conflicts_with_all = ["problem", "diagram"])]
     contacts: bool,

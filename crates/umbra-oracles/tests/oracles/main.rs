@@ -2,6 +2,7 @@
 
 #[path = "../../../../tests/support/commands.rs"]
 mod commands;
+mod energy;
 #[path = "../../../../tests/support/example.rs"]
 mod example;
 #[path = "../../../../tests/support/random.rs"]

@@ -99,28 +99,23 @@ fn fixed_point_and_doubles_agree_for_half_a_second() {
     for name in NAMES {
         let scene = scene(name);
         let (mut fixed, mut float) = (start(&scene), scene.start::<f64>().expect("it starts"));
-        // Not before the charge of the explosion.
-        let ticks = if name == "explosion" { 45 } else { 30 };
-        advance(&mut fixed, ticks);
-        advance(&mut float, ticks);
+        // Before the charge of the explosion: in doubles, impacts are part of the passes.
+        advance(&mut fixed, 30);
+        advance(&mut float, 30);
         let pairs = fixed.world().bodies().zip(float.world().bodies());
         let far = pairs.map(|(a, b)| {
             let ([ax, ay], [bx, by]) = (a.position().to_f64(), b.position().to_f64());
             (ax - bx).hypot(ay - by)
         });
         let worst = far.fold(0.0, f64::max);
-        // Cards that lean on each other, a tower that sways, and a charge that throws bodies into each other.
-        let bound = match name {
-            "cards" | "tower" => 1e-3,
-            "explosion" => 1e-4,
-            _ => 1e-5,
-        };
+        // Cards that lean on each other, and a tower that sways.
+        let bound = if ["cards", "tower"].contains(&name) { 1e-3 } else { 1e-5 };
         assert!(worst < bound, "{name}: {worst:e} m");
     }
 }
 
 #[test]
-fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
+fn the_pyramid_stands_and_falls_as_its_own_mirror_image() {
     let scene = scene("pyramid");
     let mut run = start(&scene);
     let before = places(&run);
@@ -132,15 +127,18 @@ fn the_pyramid_stands_and_its_ball_balances_on_the_middle_column() {
     let shift = largest_shift(&before, &places(&run));
     assert!(shift < 0.1, "{shift} m");
     let standing = places(&run);
-    advance(&mut run, scene.ticks);
-    assert_eq!(without_image(&run, 0), 0, "after the ball");
+    for tick in [360, 420, scene.ticks] {
+        advance(&mut run, tick);
+        assert_eq!(without_image(&run, 0), 0, "after the balls, tick {tick}");
+    }
     let fallen = places(&run);
     let scattered = standing.iter().filter(|(name, [x, y])| (fallen[*name][0] - x).hypot(fallen[*name][1] - y) > 1.0);
-    assert!(scattered.count() > 40, "a third of them");
+    let scattered = scattered.count();
+    assert!(scattered > 40, "{scattered} boxes");
     assert!(fallen.values().all(|[_, y]| *y > 0.0), "all are on the floor or above it");
-    let ball = body(&run, "ball");
-    assert_eq!((ball.position().x, ball.angle()), (fx!(0), fx!(0)));
-    assert!(ball.position().y > fx!(10) && ball.velocity().length() < fx!(0.05), "{ball:?}");
+    let top = body(&run, "box-14-0");
+    assert_eq!((top.position().x, top.angle()), (fx!(0), fx!(0)));
+    assert!(top.position().y > fx!(10) && top.velocity().length() < fx!(0.05), "{top:?}");
 }
 
 #[test]
@@ -367,8 +365,10 @@ fn belts_hand_boxes_over_and_smooth_boxes_slide_down() {
         }
     }
     for (i, most) in farthest.into_iter().enumerate() {
-        let end = body(&run, &format!("rough-{}", i + 1)).position().x.to_f64();
-        assert!(most > 14.0 && end < 3.0, "rough-{}: {most} {end}", i + 1);
+        // On the floor or on a box that lies there, at the end of the last belt; a box that tumbles over another may lie
+        // below the belt.
+        let [x, y] = body(&run, &format!("rough-{}", i + 1)).position().to_f64();
+        assert!(most > 14.0 && x < 4.5 && y < -2.0, "rough-{}: {most} {x} {y}", i + 1);
     }
     assert!(["smooth-1", "smooth-2"].iter().all(|name| body(&run, name).position().x < fx!(-6)));
 }

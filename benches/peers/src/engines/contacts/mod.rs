@@ -133,7 +133,7 @@ impl World for Bed {
         self.solver.prepare(self.time_step, &self.options, &self.flights, joints, contacts);
         VectorSet::allow(self.widest);
         let before = Instant::now();
-        self.solver.run_passes(self.options.substeps);
+        self.solver.run_passes(self.time_step, &self.options, contacts);
         self.passes_us = before.elapsed().as_secs_f64() * 1e6;
         VectorSet::allow(VectorSet::Avx512);
         self.solver.finish(self.time_step, &self.options, &self.flights, joints, contacts, &mut self.corrections);

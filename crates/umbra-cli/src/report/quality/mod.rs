@@ -1,5 +1,6 @@
-//! `umbra report --contacts`: measures of stacks, slopes, bounces and shots, beside their promises and the figures of other engines.
+//! `umbra report --contacts`: measures of stacks, slopes, bounces, shots and impacts, beside their promises and the figures of other engines.
 
+mod impacts;
 mod page;
 mod peers;
 mod rows;
@@ -17,12 +18,12 @@ use crate::progress::progress;
 use crate::text;
 use peers::{BOX2D, PEERS, Peer, figure};
 pub(crate) use rows::Row;
-use rows::{Length, Measure, Promise, ROWS};
+use rows::{Length, Measure, Promise, rows};
 
 /// The scene of a name.
 pub(super) fn row(name: &str) -> Result<&'static Row, String> {
-    let names = || ROWS.iter().map(|row| row.name).collect::<Vec<_>>().join(", ");
-    ROWS.iter().find(|row| row.name == name).ok_or_else(|| format!("expected one of {}", names()))
+    let names = || rows().map(|row| row.name).collect::<Vec<_>>().join(", ");
+    rows().find(|row| row.name == name).ok_or_else(|| format!("expected one of {}", names()))
 }
 
 /// The data of a page. These are the fields of its JSON file, which `docs/report/README.md` describes.
@@ -43,6 +44,7 @@ struct Results {
     row: &'static Row,
     /// The duration of the run, or the number of shots.
     length: String,
+    /// The end of the run, and charts, as HTML.
     #[serde(skip)]
     picture: String,
     measures: Vec<Judged>,
@@ -193,8 +195,7 @@ pub(super) fn report(options: &Options) -> Result<(), Failure> {
         let mut all = Destinations::beside([])?;
         Outputs { page: all.add(&options.out)?, data: all.add_any(options.json.as_ref())? }
     };
-    let chosen: Vec<&'static Row> =
-        if options.scene.is_empty() { ROWS.iter().collect() } else { options.scene.clone() };
+    let chosen: Vec<&'static Row> = if options.scene.is_empty() { rows().collect() } else { options.scene.clone() };
     let length = Length { substeps: options.substeps, quick: options.quick };
     let progress = progress(chosen.len() as u64, "scene");
     let mut scenes = Vec::new();
@@ -232,6 +233,7 @@ fn play(row: &'static Row, length: Length, options: &Options) -> Result<Results,
     let drawn = still(&played.world, row.title, played.view.or(row.view));
     let picture = drawn.map_err(|what| Failure::Picture { file: options.out.clone(), what })?;
     let measures = played.measures.iter().map(|measure| Judged::new(row.name, measure)).collect();
+    let picture = picture.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1) + &played.charts;
     Ok(Results { name: row.name, row, length: played.length, picture, measures })
 }
 

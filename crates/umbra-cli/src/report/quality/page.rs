@@ -1,6 +1,7 @@
 //! The page: a table of all measures, and a section with a picture for each scene.
 
 use super::peers::{PEERS, Peer, figure, origin};
+use super::rows::{PARTS, Part};
 use super::{Judged, Report, Results, Verdict, number};
 use crate::chart::{self, escaped};
 use crate::report::page::{STYLE, table};
@@ -8,11 +9,11 @@ use crate::report::page::{STYLE, table};
 const OWN_STYLE: &str = include_str!("page.css");
 
 pub(super) fn page(report: &Report) -> String {
-    let scenes: String = report.scenes.iter().map(section).collect();
+    let parts: String = PARTS.iter().map(|part| section(part, report)).collect();
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width\">\n\
          <title>umbra-physics: quality of contacts</title>\n<style>{}{STYLE}{OWN_STYLE}</style></head>\n<body><main>\n{}{}\
-         <div class=\"scenes\">\n{scenes}</div>\n<section id=\"figures\"><h2>The figures of other engines</h2>\n<pre>{}</pre></section>\n\
+         {parts}<section id=\"figures\"><h2>The figures of other engines</h2>\n<pre>{}</pre></section>\n\
          </main></body></html>\n",
         chart::STYLE,
         head(report),
@@ -28,11 +29,11 @@ fn head(report: &Report) -> String {
     };
     let [passed, failed, open] = [Verdict::Passed, Verdict::Failed, Verdict::Open].map(count);
     format!(
-        "<h1>Quality of contacts</h1>\n<p class=\"lead\">Stacks, slopes, bounces and shots: each scene runs in fixed point, and \
+        "<h1>Quality of contacts</h1>\n<p class=\"lead\">Stacks, slopes, bounces, shots and impacts: each scene runs in fixed point, and \
          its measures stand beside what is promised of them. <strong class=\"passed\">{passed} passed</strong>, <strong class=\"failed\">{failed} failed</strong>, \
          <strong class=\"open\">{open} open</strong>.</p>\n\
          <dl><dt>Program</dt><dd>umbra-physics {}, {} sub-steps, 60 steps a second where nothing else is said, no body sleeps</dd>\
-         <dt>Made by</dt><dd><code>{}</code>; each run makes the same page</dd>\
+         <dt>Made by</dt><dd><code>{}</code>; each run makes the same page, but for the times in the charts of time against error</dd>\
          <dt>Passed, failed</dt><dd>a promise that is kept or broken: a run with a broken one ends with an error</dd>\
          <dt>Open</dt><dd>a goal that is not reached yet</dd>\
          <dt>Other engines</dt><dd>figures of one run of the same scenes, see <a href=\"#figures\">the end of the page</a>; – where there is none; \
@@ -75,13 +76,19 @@ fn figure_of(peer: Peer, scene: &Results, measure: &Judged) -> String {
     })
 }
 
-fn section(scene: &Results) -> String {
+/// The chosen scenes of a part; nothing if there are none.
+fn section(part: &Part, report: &Report) -> String {
+    let is_in_part = |scene: &&Results| part.rows.iter().any(|row| row.name == scene.name);
+    let scenes: String = report.scenes.iter().filter(is_in_part).map(article).collect();
+    if scenes.is_empty() {
+        return String::new();
+    }
+    format!("<section id=\"{}\"><h2>{}</h2>\n<div class=\"scenes\">\n{scenes}</div></section>\n", part.name, part.title)
+}
+
+fn article(scene: &Results) -> String {
     format!(
-        "<section id=\"{}\"><h2>{}</h2>\n<p>{} Run: {}.</p>\n{}</section>\n",
-        scene.name,
-        scene.row.title,
-        scene.row.about,
-        scene.length,
-        scene.picture.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1),
+        "<section id=\"{}\"><h3>{}</h3>\n<p>{} Run: {}.</p>\n{}</section>\n",
+        scene.name, scene.row.title, scene.row.about, scene.length, scene.picture,
     )
 }

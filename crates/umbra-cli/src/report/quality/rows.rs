@@ -2,6 +2,7 @@
 
 use umbra_physics::{Error, World, fx};
 
+use super::impacts;
 use super::run::{Run, State};
 use super::scenes::{self, SLOPES, Scene};
 use super::shots;
@@ -63,6 +64,8 @@ pub(super) struct Played {
     pub(super) length: String,
     /// The part of the plane that is drawn, where that depends on the run.
     pub(super) view: Option<View>,
+    /// Charts below the picture, as HTML.
+    pub(super) charts: String,
 }
 
 /// A part of the plane, m: its lower left and its upper right corner.
@@ -79,7 +82,25 @@ pub(crate) struct Row {
     pub(super) play: fn(Length) -> Result<Played, Error>,
 }
 
-pub(super) static ROWS: [Row; 17] = [
+/// A part of the page.
+pub(super) struct Part {
+    /// The name of its section.
+    pub(super) name: &'static str,
+    pub(super) title: &'static str,
+    pub(super) rows: &'static [Row],
+}
+
+pub(super) static PARTS: [Part; 2] = [
+    Part { name: "rest-and-motion", title: "Stacks, slopes, bounces and shots", rows: &ROWS },
+    Part { name: "impacts", title: "Impacts", rows: &impacts::ROWS },
+];
+
+/// The scenes of all parts.
+pub(super) fn rows() -> impl Iterator<Item = &'static Row> {
+    PARTS.iter().flat_map(|part| part.rows)
+}
+
+static ROWS: [Row; 17] = [
     Row {
         name: "flat_drop",
         title: "Flat drop",
@@ -307,7 +328,7 @@ pub(super) static ROWS: [Row; 17] = [
     },
 ];
 
-fn played(run: Run, mut measures: Vec<Measure>) -> Played {
+pub(super) fn played(run: Run, mut measures: Vec<Measure>) -> Played {
     let quarantined = run.quarantined() as f64;
     if quarantined > 0.0 {
         // None of the other measures means anything then.
@@ -317,7 +338,7 @@ fn played(run: Run, mut measures: Vec<Measure>) -> Played {
     }
     let elapsed = run.world.elapsed();
     let length = format!("{} s", elapsed.num as f64 / elapsed.den as f64);
-    Played { world: run.world, measures, length, view: None }
+    Played { world: run.world, measures, length, view: None, charts: String::new() }
 }
 
 fn sink(run: &Run) -> Measure {

@@ -27,14 +27,14 @@ pub(super) struct Scene {
 }
 
 /// The nearest multiple of 2^-20; halves are rounded away from zero, so that mirror images stay mirror images.
-fn grid(value: Fx) -> Fx {
+pub(super) fn grid(value: Fx) -> Fx {
     const DOWN: u32 = 32 - 20;
     let bits = value.to_bits();
     let size = (bits.abs() + (1 << (DOWN - 1))) >> DOWN << DOWN;
     Fx::from_bits(if bits < 0 { -size } else { size })
 }
 
-fn whole(number: usize) -> Fx {
+pub(super) fn whole(number: usize) -> Fx {
     Fx::from(number as i32)
 }
 
@@ -44,33 +44,33 @@ fn of(number: usize, factor: Fx) -> Fx {
 }
 
 /// A rectangle of half the width and half the height.
-fn rectangle(half_width: Fx, half_height: Fx) -> Result<Shape, Error> {
+pub(super) fn rectangle(half_width: Fx, half_height: Fx) -> Result<Shape, Error> {
     Shape::rectangle(2 * grid(half_width), 2 * grid(half_height))
 }
 
-fn unit_box() -> Result<Shape, Error> {
+pub(super) fn unit_box() -> Result<Shape, Error> {
     rectangle(fx!(0.5), fx!(0.5))
 }
 
 /// The numbers of the generator in `benches/peers`.
-struct Numbers(u64);
+pub(super) struct Numbers(pub(super) u64);
 
 impl Numbers {
     /// A number in [0, 1), a multiple of 2^-31.
-    fn next(&mut self) -> Fx {
+    pub(super) fn next(&mut self) -> Fx {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         Fx::from_bits((self.0 >> 33 << 1) as i64)
     }
 }
 
 impl Scene {
-    fn new(mirror: Option<Mirror>) -> Self {
+    pub(super) fn new(mirror: Option<Mirror>) -> Self {
         let def =
             WorldDef { time_step: TimeStep::hz(60), gravity: vec2(0, -10), sleep_after: None, ..WorldDef::default() };
         Self { def, bodies: Vec::new(), springs: Vec::new(), mirror }
     }
 
-    fn add(&mut self, base: BodyDef, at: Vec2, shape: Shape) -> &mut BodyDef {
+    pub(super) fn add(&mut self, base: BodyDef, at: Vec2, shape: Shape) -> &mut BodyDef {
         let key = self.bodies.len() as u64;
         let shift = shape.shift();
         let collider = ColliderDef { key, ..ColliderDef::new(shape) };
@@ -80,16 +80,16 @@ impl Scene {
         &mut self.bodies[last]
     }
 
-    fn fixed(&mut self, x: Fx, y: Fx, shape: Shape) -> &mut BodyDef {
+    pub(super) fn fixed(&mut self, x: Fx, y: Fx, shape: Shape) -> &mut BodyDef {
         self.add(BodyDef::fixed(), Vec2::new(x, y), shape)
     }
 
-    fn dynamic(&mut self, x: Fx, y: Fx, shape: Shape) -> &mut BodyDef {
+    pub(super) fn dynamic(&mut self, x: Fx, y: Fx, shape: Shape) -> &mut BodyDef {
         self.add(BodyDef::dynamic(), Vec2::new(x, y), shape)
     }
 
     /// A floor whose top is y = 0.
-    fn floor(&mut self, half_width: Fx) -> Result<&mut BodyDef, Error> {
+    pub(super) fn floor(&mut self, half_width: Fx) -> Result<&mut BodyDef, Error> {
         Ok(self.fixed(fx!(0), fx!(-1), rectangle(half_width, fx!(1))?))
     }
 
@@ -122,7 +122,7 @@ impl Scene {
     }
 }
 
-fn set_material(body: &mut BodyDef, change: impl Fn(&mut Material)) {
+pub(super) fn set_material(body: &mut BodyDef, change: impl Fn(&mut Material)) {
     body.colliders.iter_mut().for_each(|collider| change(&mut collider.material));
 }
 

@@ -98,7 +98,7 @@ pub(super) fn walls(length: Length) -> Result<Played, Error> {
         count("twin_moving", "walls that move, without it", crossed[1][1], Promise::AtLeast(least)),
     ];
     let world = last.map_or_else(|| World::new(WorldDef::default()), Ok)?;
-    Ok(Played { world, measures, length: format!("{shots} shots at each"), view: None })
+    Ok(Played { world, measures, length: format!("{shots} shots at each"), view: None, charts: String::new() })
 }
 
 /// A flat ground from x = 2,000 m to −2,000 m, made of this number of segments of different lengths.
@@ -164,5 +164,5 @@ pub(super) fn seams(length: Length) -> Result<Played, Error> {
     ];
     let x = here.body(ball).map_or(0.0, |ball| ball.position().x.to_f64());
     let view = Some([(x - 4.0, -0.5), (x + 4.0, 2.0)]);
-    Ok(Played { world: here, measures, length: format!("{} s", steps / 60), view })
+    Ok(Played { world: here, measures, length: format!("{} s", steps / 60), view, charts: String::new() })
 }

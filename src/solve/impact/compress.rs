@@ -1,0 +1,253 @@
+//! Compression: the impulses that leave no shock closing.
+//!
+//! They minimise the kinetic energy over impulses λ ≥ 0 along the normals and |λt| ≤ μ·Σλ along the tangents: the velocity along a row is
+//! zero where its impulse pushes, and not negative where it does not. The iteration is projected Jacobi by contacts (a contact's two
+//! points are one block), with the mass of a body split among the shocks that share it, and accelerated by Nesterov's momentum, begun anew
+//! where it leads uphill. The limits of friction stand still for some iterations, as the problem is convex then. All shocks of an iteration see the same velocities and sums of integers commute, so no order matters.
+
+use super::super::Solver;
+use super::super::number::shifted;
+use super::shock::Shock;
+use super::{FRACTION, Impacts, SubStep};
+
+/// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
+/// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
+/// iteration.
+const ITERATIONS: u32 = 128;
+const LEAST: u32 = 8;
+/// Iterations times shocks after which a large set is left as it is: what is left of an impact in the middle of a pile.
+const WORK: usize = 1 << 9;
+/// Sets of fewer shocks converge to the tolerance.
+const SMALL: usize = 32;
+/// Iterations in which a set grows: an impact runs along a row of bodies by one in each.
+const GROWING: u32 = 16;
+
+impl Shock {
+    /// Begins a compression from its present impulses.
+    fn begin(&mut self) {
+        (self.last, self.begun) = (self.impulses, self.impulses);
+    }
+
+    /// The impulse of one normal row alone that brings its velocity to zero, at least the lower bound, as a change.
+    fn alone(&self, row: usize, velocity: i64) -> i64 {
+        let change = self.scaled(self.inverse.alone[row], velocity);
+        (self.from[row] + change).max(self.least[row]) - self.from[row]
+    }
+
+    /// −factor · velocity as an impulse, rounded oddly: velocities in 2^-[`FRACTION`], elements of the matrix in 2^-30.
+    ///
+    /// # Ranges
+    /// A factor is below 2^61 and a velocity below 2^47. The impulse is within ±2^60.
+    fn scaled(&self, factor: i64, velocity: i64) -> i64 {
+        let down = 61 + FRACTION - 30 + self.inverse.shift;
+        shifted(-i128::from(factor) * i128::from(velocity), down).clamp(-(1 << 60), 1 << 60) as i64
+    }
+
+    /// The change of the velocity along row `i` by an impulse along row `j`, in 2^-[`FRACTION`].
+    fn coupled(&self, element: usize, impulse: i64) -> i64 {
+        // Below 2^68 · 2^60 for velocities that saturate; elements are below 2^46 for one body.
+        let product = shifted(self.matrix[element], 8).saturating_mul(i128::from(impulse));
+        shifted(product, 30 - FRACTION - 8).clamp(-(1 << 60), 1 << 60) as i64
+    }
+
+    /// The changes of the normal impulses that bring these velocities to zero, or leave them positive without an impulse.
+    fn normal_change(&self, velocities: [i64; 3]) -> [i64; 2] {
+        match self.joined {
+            [true, false] => [self.alone(0, velocities[0]), 0],
+            [false, true] => [0, self.alone(1, velocities[1])],
+            [false, false] => [0, 0],
+            [true, true] => match self.inverse.block {
+                Some(block) => self.block_change(block, velocities),
+                // Both points are as good as one.
+                None => [self.alone(0, velocities[0] / 2), self.alone(1, velocities[1] / 2)],
+            },
+        }
+    }
+
+    /// [`normal_change`](Self::normal_change) of two points.
+    fn block_change(&self, [i11, i12, i22]: [i64; 3], velocities: [i64; 3]) -> [i64; 2] {
+        let change = [
+            self.scaled(i11, velocities[0]).saturating_add(self.scaled(i12, velocities[1])),
+            self.scaled(i12, velocities[0]).saturating_add(self.scaled(i22, velocities[1])),
+        ];
+        let lowest = [0, 1].map(|point| self.least[point] - self.from[point]);
+        let beside = |point: usize, low: i64| self.alone(point, velocities[point].saturating_add(self.coupled(1, low)));
+        match [0, 1].map(|point| change[point] < lowest[point]) {
+            [false, false] => change,
+            [false, true] => [beside(0, lowest[1]), lowest[1]],
+            [true, false] => [lowest[0], beside(1, lowest[0])],
+            [true, true] => [beside(0, lowest[1]), beside(1, lowest[0])],
+        }
+    }
+
+    /// The changes of all impulses for these velocities.
+    fn change(&self, velocities: [i64; 3]) -> [i64; 3] {
+        let [first, second] = self.normal_change(velocities);
+        let slip = velocities[2].saturating_add(self.coupled(3, first)).saturating_add(self.coupled(4, second));
+        let limit = self.limit;
+        let tangent = (self.from[2] + self.scaled(self.inverse.alone[2], slip)).clamp(-limit, limit) - self.from[2];
+        [first, second, tangent]
+    }
+
+    fn friction_limit(&self, normal: [i64; 2]) -> i64 {
+        // Below 2^62 · 2^31.
+        let pressing = i128::from(normal[0]) + i128::from(normal[1]);
+        ((pressing * i128::from(self.friction)) >> 26).clamp(0, 1 << 61) as i64
+    }
+
+    /// By how much the velocities miss the goal: all of a closing one, and of an opening one or of slip what impulses can take back.
+    fn residual(&self, velocities: [i64; 3]) -> i64 {
+        let normal = |point: usize| match (self.joined[point], velocities[point]) {
+            (false, _) => 0,
+            (true, velocity @ ..0) => -velocity,
+            (true, velocity) => velocity.min(self.coupled([0, 2][point], self.from[point] - self.least[point])),
+        };
+        let tangent = self.from[2] + self.scaled(self.inverse.alone[2], velocities[2]);
+        let slip = self.coupled(5, tangent.clamp(-self.limit, self.limit) - self.from[2]).abs();
+        normal(0).max(normal(1)).max(slip)
+    }
+}
+
+impl Solver {
+    /// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
+    /// Returns true if it has converged.
+    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> bool {
+        impacts.shocks.iter_mut().for_each(Shock::begin);
+        for &body in &impacts.set {
+            let struck = &mut impacts.bodies[body as usize];
+            struck.begun = struck.velocity;
+        }
+        match self.iterate(impacts, substep, grows) {
+            None => return false,
+            Some(residual) if residual <= impacts.fastest >> 4 => return residual <= impacts.tolerance,
+            Some(_) => impacts.is_clamped = true,
+        }
+        for shock in &mut impacts.shocks {
+            (shock.impulses, shock.last) = (shock.begun, shock.begun);
+        }
+        for &body in &impacts.set {
+            let struck = &mut impacts.bodies[body as usize];
+            struck.velocity = struck.begun;
+        }
+        for _ in 0..LEAST {
+            self.run_ahead(impacts, 0);
+            self.correct(impacts, true);
+        }
+        false
+    }
+
+    /// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
+    fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> Option<i64> {
+        let (mut momentum, mut work, mut largest, mut has_grown) = (0, 0, 0, false);
+        for iteration in 1..=ITERATIONS {
+            work += impacts.shocks.len();
+            if iteration > LEAST && work > WORK {
+                return None;
+            }
+            self.run_ahead(impacts, momentum);
+            let (residual, uphill) = self.correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
+            largest = residual;
+            momentum = if uphill > 0 { 0 } else { momentum + 1 };
+            // Large sets are less exact.
+            let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
+            let is_done = residual >> loose <= impacts.tolerance;
+            if is_done || has_grown || iteration.is_power_of_two() {
+                has_grown = grows && iteration <= GROWING && self.join_closing(impacts, substep);
+                if is_done && !has_grown {
+                    break;
+                }
+            }
+        }
+        Some(largest)
+    }
+
+    /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
+    fn run_ahead(&self, impacts: &mut Impacts, momentum: i128) {
+        let mut shocks = core::mem::take(&mut impacts.shocks);
+        // In 2^-20.
+        let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
+        for shock in &mut shocks {
+            shock.from = shock.impulses;
+            if share > 0 {
+                for row in 0..3 {
+                    let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
+                    shock.from[row] += shifted(last * share, 20) as i64;
+                }
+                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.least[point]));
+            }
+            (shock.last, shock.impulses) = (shock.impulses, shock.from);
+            let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
+            if change != [0; 3] {
+                self.push_shock(impacts, shock, change);
+            }
+        }
+        impacts.shocks = shocks;
+    }
+
+    /// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
+    /// led uphill along the normals.
+    fn correct(&self, impacts: &mut Impacts, renews: bool) -> (i64, i128) {
+        let mut shocks = core::mem::take(&mut impacts.shocks);
+        let (mut largest, mut uphill) = (0, 0);
+        // All changes follow from the same velocities.
+        for shock in &mut shocks {
+            let velocities = self.velocities(impacts, shock);
+            if renews {
+                shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
+            }
+            shock.set_shares(shock.bodies.map(|body| impacts.bodies[body as usize].share));
+            largest = largest.max(shock.residual(velocities));
+            let change = shock.change(velocities);
+            let mut work = 0;
+            for row in 0..3 {
+                shock.impulses[row] = shock.from[row] + change[row];
+                if row < 2 {
+                    work +=
+                        i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+                }
+            }
+            uphill += work >> (impacts.exponent - shock.exponent).clamp(0, 126);
+        }
+        for shock in &shocks {
+            let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
+            if change != [0; 3] {
+                self.push_shock(impacts, shock, change);
+            }
+        }
+        for &body in &impacts.set {
+            let velocity = &mut impacts.bodies[body as usize].velocity;
+            // Sums of all shocks of a body are below 2^60.
+            *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
+        }
+        impacts.shocks = shocks;
+        (largest, uphill)
+    }
+
+    /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
+    fn join_closing(&self, impacts: &mut Impacts, substep: SubStep<'_>) -> bool {
+        let before = impacts.shocks.len();
+        let slowest = impacts.slowest();
+        let mut index = 0;
+        // Bodies that join meanwhile have not changed.
+        let bodies = impacts.set.len();
+        while index < bodies {
+            let struck = impacts.bodies[impacts.set[index] as usize];
+            index += 1;
+            if !struck.has_changed() {
+                continue;
+            }
+            for at in impacts.places_of(struck.row) {
+                let place = impacts.places[at];
+                if !impacts.is_joined[place as usize] && self.closes(impacts, place, slowest, substep) {
+                    let before = self.rows_before(place, substep);
+                    self.join(impacts, self.shock(place, before, substep, impacts.moment), substep);
+                }
+            }
+        }
+        for shock in &mut impacts.shocks[before..] {
+            shock.begin();
+            impacts.exponent = impacts.exponent.max(shock.exponent);
+        }
+        impacts.shocks.len() > before
+    }
+}

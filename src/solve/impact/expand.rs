@@ -1,0 +1,244 @@
+//! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
+
+use super::super::number::shifted;
+use super::super::{STILL, Solver};
+use super::shock::{Shock, along, gain, wide};
+use super::{FINE, FRACTION, Impacts, ONE, Strike, SubStep};
+use crate::kernel::simd::Lanes;
+
+/// Bits of a share of impulses.
+const SHARE: u32 = 20;
+
+/// Twice the work of impulses J + s·K as a polynomial of the share s, in units of the impulses of the largest exponent times 2^-16 of
+/// velocities.
+///
+/// # Ranges
+/// Impulses are below 2^47 and velocities below 2^47 in 2^-16: products below 2^94, those of 2^12 shocks below 2^108, times a
+/// share below 2^127.
+#[derive(Clone, Copy, Debug, Default)]
+struct Work {
+    constant: i128,
+    linear: i128,
+    square: i128,
+}
+
+impl Work {
+    fn is_gain(&self, share: i128) -> bool {
+        let linear = (self.linear * share) >> SHARE;
+        let square = (((self.square * share) >> SHARE) * share) >> SHARE;
+        self.constant + linear + square > 0
+    }
+
+    /// The largest share up to 1 without a gain.
+    fn largest_share(&self) -> i128 {
+        let (mut lowest, mut gaining) = (0, 1 << SHARE);
+        if !self.is_gain(gaining) {
+            return gaining;
+        }
+        while gaining - lowest > 1 {
+            let middle = (lowest + gaining) / 2;
+            if self.is_gain(middle) { gaining = middle } else { lowest = middle }
+        }
+        lowest
+    }
+}
+
+/// Σ impulse · velocity over the rows, in units of the largest exponent, rounded up.
+fn work(impulses: [i64; 3], velocities: [i64; 3], down: i32) -> i128 {
+    let product = |row: usize| i128::from(impulses[row]) * i128::from(velocities[row]);
+    -(-(product(0) + product(1) + product(2)) >> down.clamp(0, 126))
+}
+
+/// The sum of two velocities by row.
+fn sum(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// The difference of two impulses or velocities by row.
+fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+impl Solver {
+    /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
+    pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
+        let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
+        impacts.is_clamped = false;
+        impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
+        impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
+        impacts.fastest = fastest;
+        impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
+        if !self.compress(impacts, substep, true) {
+            self.take_back_gain(impacts);
+        }
+        for shock in &mut impacts.shocks {
+            shock.sure = shock.impulses;
+            shock.more = shock.returned();
+        }
+        if impacts.shocks.iter().all(|shock| shock.more == [0; 3]) {
+            return;
+        }
+        self.add_within_energy(impacts);
+        for shock in &mut impacts.shocks {
+            shock.least = [shock.impulses[0], shock.impulses[1]];
+        }
+        self.compress(impacts, substep, false);
+        // Normal impulses can only take energy away here; friction may not.
+        self.take_back_gain(impacts);
+    }
+
+    /// Takes a share of the impulses beyond those that surely do no work back, if all of them do work: friction and a compression that ended
+    /// early may.
+    fn take_back_gain(&self, impacts: &mut Impacts) {
+        let mut shocks = core::mem::take(&mut impacts.shocks);
+        for shock in &mut shocks {
+            shock.more = difference(shock.impulses, shock.sure);
+            self.push_shock(impacts, shock, shock.more.map(|impulse| -impulse));
+            shock.impulses = shock.sure;
+        }
+        impacts.shocks = shocks;
+        self.add_within_energy(impacts);
+    }
+
+    /// Adds a share of `more` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
+    fn add_within_energy(&self, impacts: &mut Impacts) {
+        let mut shocks = core::mem::take(&mut impacts.shocks);
+        let mut total = Work::default();
+        for shock in &mut shocks {
+            shock.after = self.velocities(impacts, shock);
+            let (down, velocities) = (impacts.exponent - shock.exponent, sum(shock.relative_before(), shock.after));
+            total.constant += work(shock.impulses, velocities, down);
+            total.linear += work(shock.more, velocities, down);
+        }
+        for shock in &shocks {
+            self.push_shock(impacts, shock, shock.more);
+        }
+        for shock in &shocks {
+            let down = impacts.exponent - shock.exponent;
+            let change = difference(self.velocities(impacts, shock), shock.after);
+            total.linear += work(shock.impulses, change, down);
+            total.square += work(shock.more, change, down);
+            // Rounding of velocities, by up to four units of 2^-16, is no gain.
+            let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.more[row].abs()) * 4);
+            total.constant -= rounding.sum::<i128>() >> down.clamp(0, 126);
+        }
+        let share = total.largest_share();
+        for shock in &mut shocks {
+            let given = shock.more.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
+            if share < 1 << SHARE {
+                self.push_shock(impacts, shock, difference(given, shock.more));
+            }
+            shock.impulses = sum(shock.impulses, given);
+        }
+        impacts.shocks = shocks;
+    }
+
+    /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
+    pub(super) fn strike<L: Lanes>(&mut self, impacts: &mut Impacts, lanes: L) {
+        let mean = impacts.mean_moment();
+        let Impacts { shocks, bodies, set, strikes, is_joined, .. } = impacts;
+        for shock in shocks {
+            is_joined[shock.place as usize] = false;
+            if shock.impulses == [0; 3] {
+                continue;
+            }
+            let place = &self.places[shock.place as usize];
+            let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
+            let late = shock.late(mean);
+            for (row, late) in late.iter().enumerate() {
+                group.applied[row][lane] += shock.impulses[row];
+                group.weighted[row][lane] -= late;
+            }
+            let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
+            for (side, &body) in shock.bodies.iter().enumerate() {
+                let back = gain(group, lane, side, late, 1);
+                let struck = &mut bodies[body as usize];
+                (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]));
+                // Impacts of other bodies at one that cannot be moved are none of its own.
+                if shock.is_movable(side) {
+                    struck.moment = struck.moment.max(moment);
+                }
+            }
+            let speeds = shock.speeds.map(|speed| speed >> FRACTION);
+            strikes.push(Strike { place: shock.place, impulses: shock.impulses, speeds });
+        }
+        for body in set.iter() {
+            let struck = &mut bodies[*body as usize];
+            let back = core::mem::take(&mut struck.back);
+            struck.is_in_set = false;
+            if struck.has_changed() && struck.row != STILL {
+                let change = [0, 1, 2].map(|axis| struck.velocity[axis] - struck.start[axis]);
+                self.rows.strike(lanes, struck.row, change, back.map(|way| shifted(way, FINE)));
+            }
+        }
+        for index in 0..impacts.set.len() {
+            let struck = impacts.bodies[impacts.set[index] as usize];
+            if struck.has_changed() && struck.row != STILL {
+                for at in impacts.places_of(struck.row) {
+                    let place = impacts.places[at];
+                    self.renew_separation(place);
+                    // More rounds would not help bodies that have no way to go.
+                    if !impacts.is_clamped {
+                        impacts.pending.push(place);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Finds the separations of a contact where its bodies are.
+    pub(super) fn renew_separation(&mut self, place: u32) {
+        let place = &self.places[place as usize];
+        let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
+        let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(self.rows.displacement(row)));
+        let [first, second, _] = along(group, lane, a, b, 0);
+        for (point, moved) in [first, second].into_iter().enumerate() {
+            group.separation_now[lane][point] = group.separation[lane][point] + moved as i32;
+        }
+    }
+}
+
+impl super::shock::Shock {
+    /// The velocities before the impact, as [`Solver::velocities`] has them.
+    fn relative_before(&self) -> [i64; 3] {
+        [self.before[0] + self.gained[0], self.before[1] + self.gained[1], self.before[2] - self.surface]
+    }
+
+    /// The impulses that its points return, also those that were at rest: what an impact passes through returns its share.
+    fn returned(&self) -> [i64; 3] {
+        // Rounded down: below 2^60 · 2^32.
+        let share = |impulse: i64| ((i128::from(impulse) * i128::from(self.restitution)) >> 32) as i64;
+        let [first, second] = [0, 1].map(|point| if self.bounces[point] { share(self.impulses[point]) } else { 0 });
+        [first, second, 0]
+    }
+
+    /// Impulses times their moments. Points that only touched are pushed at the mean moment.
+    fn late(&self, mean: i64) -> [i64; 3] {
+        let moments = self.moments.map(|moment| i128::from(moment.unwrap_or(mean)));
+        let [first, second, tangent] = self.impulses.map(i128::from);
+        let (sum, weighted) = (first + second, first * moments[0] + second * moments[1]);
+        let moment = if sum > 0 { weighted / sum } else { 0 };
+        [
+            shifted(first * moments[0], 30) as i64,
+            shifted(second * moments[1], 30) as i64,
+            shifted(tangent * moment, 30) as i64,
+        ]
+    }
+}
+
+impl Impacts {
+    /// The mean of the moments of the shocks, by their impulses.
+    fn mean_moment(&self) -> i64 {
+        let (mut sum, mut total) = (0_i128, 0_i128);
+        for shock in &self.shocks {
+            let down = (self.exponent - shock.exponent).clamp(0, 126);
+            for point in 0..2 {
+                if let Some(moment) = shock.moments[point] {
+                    sum += (i128::from(shock.impulses[point]) * i128::from(moment)) >> down;
+                    total += i128::from(shock.impulses[point]) >> down;
+                }
+            }
+        }
+        if total > 0 { (sum / total).clamp(0, ONE.into()) as i64 } else { 0 }
+    }
+}

@@ -1,0 +1,343 @@
+//! Impacts: points that meet at speed within a sub-step, solved at their moments, before the passes of the sub-step.
+//!
+//! A point has an *impact* in a sub-step if the flights of its bodies, with all corrections so far, bring it to the surface faster than
+//! [`SolverOptions::restitution_speed`](super::SolverOptions): at the moment τ with u² = u0² − 2·a·g, for the velocity u0 and the gap g at
+//! the beginning of the sub-step, and the acceleration a of the flight. The impacts of a sub-step are solved in *rounds*, in the order of
+//! their moments: a round takes the impacts that are the first ones of both of their bodies, and the next round looks again at all
+//! contacts of the bodies that it changed. So a chain of impacts within a sub-step is a chain.
+//!
+//! The impacts of a round in an island are one set of *shocks*. Contacts that touch join it when its impulses make them close, so
+//! that an impact costs the bodies that it changes:
+//!
+//! 1. *Compression* ([`compress`](self::compress)): the least impulses along the normals, with friction in their cone, that leave no
+//!    point closing.
+//! 2. *Expansion* ([`expand`](self::expand)): each point with an impact returns e of its impulse (Poisson's hypothesis: between two
+//!    bodies Newton's, and for several it depends on no convergence). All are scaled by the largest share up to 1 with which the impulses
+//!    J do no work: Σ J·(r before + r after) ≤ 0 over all rows, which is twice the change of the kinetic energy of all bodies.
+//! 3. Compression once more, with these impulses as lower bounds and friction in the cone of the whole impulse.
+//!
+//! Impulses act from their moments on: they change the velocity, and take back the way that the body would have gone with that change
+//! up to the moment. The next sub-step does not repeat them, as it does those of the passes.
+//!
+//! Box2D applies restitution once a step, by the approach speed at its start, and Rapier in the bias of each contact: both see the
+//! contacts of a body in turn, and gain or lose energy by their order. Moreau's time stepping solves one problem of this kind a step.
+
+mod compress;
+mod expand;
+mod shock;
+
+use alloc::vec::Vec;
+
+use super::follow::Follower;
+use super::unit::Clock;
+use super::{Contact, STILL, Solver};
+use crate::fx;
+use crate::fx::Fx;
+use crate::kernel::simd::Lanes;
+use shock::Shock;
+
+/// Bits after the point of velocities along rows.
+const FRACTION: i32 = 16;
+/// Bits after the point of velocities of bodies.
+const FINE: i32 = 30;
+/// One, as a moment of a sub-step.
+const ONE: i64 = 1 << 30;
+/// Rounds of a sub-step. The last one takes all impacts that are left at once.
+const ROUNDS: u32 = 8;
+/// Impacts of a body that follow each other within this part of a sub-step are one: a box that lands flat has two.
+const AT_ONCE: i64 = ONE / 8;
+/// The latest moment of an impact that is one with an impact of the sub-step.
+const LATEST: i64 = ONE + AT_ONCE;
+/// Points up to this distance apart touch, m.
+const TOUCH: Fx = fx!(0.001);
+/// No index.
+const NONE: u32 = u32::MAX;
+
+/// A body in the impacts of a sub-step.
+#[derive(Clone, Copy, Debug)]
+struct Struck {
+    row: u32,
+    /// True while it is a body of the shocks.
+    is_in_set: bool,
+    /// The number of shocks that share it.
+    share: i64,
+    /// The velocity before the round, at the beginning of the compression and now, in 2^-[`FINE`].
+    start: [i64; 3],
+    begun: [i64; 3],
+    velocity: [i64; 3],
+    /// The way to take back for impulses after the beginning of the sub-step, in 2^-[`FINE`].
+    back: [i128; 3],
+    /// The moment of its last impact in the sub-step.
+    moment: i64,
+}
+
+impl Struck {
+    fn has_changed(&self) -> bool {
+        self.velocity != self.start
+    }
+}
+
+/// The impulses of impacts at a contact over the step, which are part of `applied`, and the speed of the fastest one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Strike {
+    pub(super) place: u32,
+    pub(super) impulses: [i64; 3],
+    /// By point: the speed at the moment of its fastest impact, in units of velocity.
+    pub(super) speeds: [i64; 2],
+}
+
+/// The buffers of impacts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Impacts {
+    /// The contacts of each row, made in the first sub-step of a step that needs them.
+    first: Vec<u32>,
+    places: Vec<u32>,
+    /// The impacts of a round, and the contacts to look at in the next one.
+    shocks: Vec<Shock>,
+    candidates: Vec<Shock>,
+    /// The numbers of the candidates by island, then by contact.
+    order: Vec<u32>,
+    pending: Vec<u32>,
+    /// By contact: true while it is among the shocks.
+    is_joined: Vec<bool>,
+    bodies: Vec<Struck>,
+    /// By row: the index in `bodies`, or [`NONE`].
+    body_of: Vec<u32>,
+    /// The bodies of the shocks.
+    set: Vec<u32>,
+    /// By row.
+    first_moment: Vec<i64>,
+    /// The speed of the fastest impact of the shocks. Residuals up to 2^-12 of it end a compression. In 2^-[`FRACTION`].
+    fastest: i64,
+    tolerance: i64,
+    /// The first moment of the shocks.
+    moment: i64,
+    /// True if the shocks have no solution.
+    is_clamped: bool,
+    /// The exponent above those of all shocks.
+    exponent: i32,
+    /// Sorted by contact when the sub-steps are done.
+    pub(super) strikes: Vec<Strike>,
+}
+
+impl Impacts {
+    /// Forgets the contacts of the step before.
+    pub(super) fn clear(&mut self) {
+        self.first.clear();
+        self.strikes.clear();
+    }
+
+    /// The contacts of a row.
+    fn places_of(&self, row: u32) -> core::ops::Range<usize> {
+        self.first[row as usize] as usize..self.first[row as usize + 1] as usize
+    }
+
+    /// The moment of the last impact of a row in the sub-step.
+    fn moment_of(&self, row: u32) -> i64 {
+        match self.body_of.get(row as usize) {
+            Some(&body) if body != NONE => self.bodies[body as usize].moment,
+            _ => 0,
+        }
+    }
+
+    /// Contacts that close by more than this join the shocks: 2^-6 of the fastest impact, more where there are many.
+    fn slowest(&self) -> i64 {
+        let bits = match self.shocks.len() {
+            ..32 => 6,
+            32..128 => 4,
+            _ => 3,
+        };
+        (self.fastest >> bits).max(2 << FRACTION)
+    }
+
+    /// Forgets the bodies of a sub-step.
+    fn leave_bodies(&mut self) {
+        for body in self.bodies.drain(..) {
+            self.body_of[body.row as usize] = NONE;
+        }
+    }
+
+    /// Adds up the impulses of impacts by contact.
+    pub(super) fn sum_strikes(&mut self) {
+        self.strikes.sort_unstable_by_key(|strike| strike.place);
+        self.strikes.dedup_by(|strike, sum| {
+            let is_same = strike.place == sum.place;
+            if is_same {
+                (0..3).for_each(|row| sum.impulses[row] += strike.impulses[row]);
+                (0..2).for_each(|point| sum.speeds[point] = sum.speeds[point].max(strike.speeds[point]));
+            }
+            is_same
+        });
+    }
+}
+
+/// A sub-step: its number `k` of `n`, and the contacts.
+#[derive(Clone, Copy)]
+pub(super) struct SubStep<'a> {
+    pub(super) k: u32,
+    pub(super) n: u32,
+    pub(super) clock: &'a Clock,
+    pub(super) contacts: &'a [Contact],
+}
+
+impl Solver {
+    /// Solves the impacts of a sub-step, after [`Begin`](super::motion::Begin).
+    pub(super) fn solve_impacts<L: Lanes>(&mut self, substep: SubStep<'_>, lanes: L) {
+        let mut impacts = core::mem::take(&mut self.impacts);
+        impacts.pending.clear();
+        for row in 0..self.rows.len() {
+            if self.rows.is_fast(row) {
+                self.index_contacts(&mut impacts);
+                let places = impacts.places_of(row);
+                impacts.pending.extend_from_slice(&impacts.places[places]);
+            }
+        }
+        if !impacts.pending.is_empty() {
+            for round in 1..=ROUNDS {
+                self.find_candidates(&mut impacts, substep);
+                if impacts.candidates.is_empty() {
+                    break;
+                }
+                self.solve_round(&mut impacts, substep, round == ROUNDS, lanes);
+            }
+            impacts.leave_bodies();
+        }
+        self.impacts = impacts;
+    }
+
+    /// Lists the contacts of each row, once a step. A body that cannot be moved has those that it moves into.
+    fn index_contacts(&self, impacts: &mut Impacts) {
+        if !impacts.first.is_empty() {
+            return;
+        }
+        let rows_of = |place: &super::Place| {
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            [group.a[lane], group.b[lane]].into_iter().filter(|&row| row != STILL)
+        };
+        let Impacts { first, places, is_joined, body_of, first_moment, .. } = impacts;
+        first.resize(self.rows.len() as usize + 1, 0);
+        for row in self.places.iter().flat_map(rows_of) {
+            first[row as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in first.iter_mut() {
+            sum += *end;
+            *end = sum;
+        }
+        places.clear();
+        places.resize(sum as usize, 0);
+        for (index, place) in self.places.iter().enumerate() {
+            for row in rows_of(place) {
+                first[row as usize] -= 1;
+                places[first[row as usize] as usize] = index as u32;
+            }
+        }
+        is_joined.clear();
+        is_joined.resize(self.places.len(), false);
+        body_of.clear();
+        body_of.resize(self.rows.len() as usize, NONE);
+        first_moment.clear();
+        first_moment.resize(self.rows.len() as usize, ONE);
+    }
+
+    /// Looks for impacts at the pending contacts, sorted by island and contact.
+    fn find_candidates(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
+        let mut pending = core::mem::take(&mut impacts.pending);
+        pending.sort_unstable();
+        pending.dedup();
+        impacts.candidates.clear();
+        for place in pending.drain(..) {
+            if let Some(shock) = self.look(impacts, place, substep) {
+                impacts.candidates.push(shock);
+            }
+        }
+        impacts.pending = pending;
+        let Impacts { order, candidates, .. } = impacts;
+        order.clear();
+        order.extend(0..candidates.len() as u32);
+        // They are sorted by contact.
+        order.sort_by_key(|&number| candidates[number as usize].island);
+    }
+
+    /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once.
+    fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
+        let (candidates, order) = (core::mem::take(&mut impacts.candidates), core::mem::take(&mut impacts.order));
+        impacts.find_first_moments(&candidates);
+        let shock = |number: u32| &candidates[number as usize];
+        for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
+            impacts.shocks.clear();
+            impacts.set.clear();
+            for shock in island.iter().map(|&number| shock(number)) {
+                if impacts.is_first(shock) || is_last && shock.moment() <= ONE {
+                    self.join(impacts, shock.clone(), substep);
+                } else if shock.moment() <= ONE {
+                    impacts.pending.push(shock.place);
+                }
+            }
+            if !impacts.shocks.is_empty() {
+                self.solve_shocks(impacts, substep);
+                self.strike(impacts, lanes);
+            }
+        }
+        (impacts.candidates, impacts.order) = (candidates, order);
+        self.follow_impacts(impacts);
+    }
+
+    /// Takes the impacts of leaders over to their followers, after all islands of a round.
+    fn follow_impacts(&mut self, impacts: &mut Impacts) {
+        for index in 0..self.followers.len() {
+            let Follower { row, leader, down } = self.followers[index];
+            let (is_struck, moment) = (impacts.body_of[leader as usize] != NONE, impacts.moment_of(leader));
+            if is_struck && self.rows.follow_impact(row, leader, down) {
+                let follower = impacts.body(row);
+                impacts.bodies[follower as usize].moment = moment;
+                for at in impacts.places_of(row) {
+                    let place = impacts.places[at];
+                    self.renew_separation(place);
+                    impacts.pending.push(place);
+                }
+            }
+        }
+    }
+}
+
+impl Impacts {
+    /// The index of the body of a row.
+    fn body(&mut self, row: u32) -> u32 {
+        if self.body_of[row as usize] == NONE {
+            self.body_of[row as usize] = self.bodies.len() as u32;
+            self.bodies.push(Struck {
+                row,
+                is_in_set: false,
+                share: 0,
+                start: [0; 3],
+                begun: [0; 3],
+                velocity: [0; 3],
+                back: [0; 3],
+                moment: 0,
+            });
+        }
+        self.body_of[row as usize]
+    }
+
+    /// Finds the moment of the first impact of each row in the sub-step.
+    fn find_first_moments(&mut self, candidates: &[Shock]) {
+        for row in candidates.iter().flat_map(|shock| shock.rows) {
+            self.first_moment[row as usize] = LATEST;
+        }
+        for shock in candidates.iter().filter(|shock| shock.moment() <= ONE) {
+            for row in shock.rows {
+                let first = &mut self.first_moment[row as usize];
+                *first = (*first).min(shock.moment());
+            }
+        }
+    }
+
+    /// Returns true for an impact that is the first one of both of its bodies, or follows these at once. Impacts of other bodies at one that
+    /// cannot be moved do not count.
+    fn is_first(&self, shock: &Shock) -> bool {
+        let firsts = [0, 1].map(|side| self.first_moment[shock.rows[side] as usize]);
+        let [a, b] = [0, 1].map(|side| if shock.is_movable(side) { firsts[side] } else { LATEST });
+        shock.moment() <= a.min(b).saturating_add(AT_ONCE) && a.min(b) <= ONE
+    }
+}

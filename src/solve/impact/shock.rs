@@ -1,0 +1,405 @@
+//! A contact in an impact: its points, its matrix, and the velocities along its rows.
+
+use super::super::contact::Group;
+use super::super::motion::Vector;
+use super::super::number::shifted;
+use super::super::{Place, STILL, Solver};
+use super::{FINE, FRACTION, Impacts, LATEST, NONE, ONE, SubStep, TOUCH};
+
+/// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
+type Elements = [i64; 6];
+
+/// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Inverse {
+    /// Elements 11, 12 and 22 of the inverse; `None` where both points are as good as one.
+    pub(super) block: Option<[i64; 3]>,
+    /// 1 over elements 11, 22 and tt; zero for a row that moves nothing.
+    pub(super) alone: [i64; 3],
+    pub(super) shift: i32,
+}
+
+/// A contact in an impact.
+#[derive(Clone, Debug)]
+pub(super) struct Shock {
+    pub(super) place: u32,
+    pub(super) island: u32,
+    /// The rows of both bodies, and their indices among the bodies of the impact.
+    pub(super) rows: [u32; 2],
+    pub(super) bodies: [u32; 2],
+    /// By point: true if it takes part.
+    pub(super) joined: [bool; 2],
+    /// By point: the moment of its impact in the sub-step, in 2^-30; `None` if it only touches.
+    pub(super) moments: [Option<i64>; 2],
+    /// By point: the speed of its impact.
+    pub(super) speeds: [i64; 2],
+    /// By point: the velocity that the flight adds up to the impact.
+    pub(super) gained: [i64; 2],
+    /// By point: true if it may bounce. A point that overlapped at the start of the step without closing was pushed out.
+    pub(super) bounces: [bool; 2],
+    /// In 2^-32.
+    pub(super) restitution: i64,
+    /// The coefficient of friction in 2^-26, and the velocity of the surfaces against each other.
+    pub(super) friction: i64,
+    pub(super) surface: i64,
+    /// log2 of the unit of impulses.
+    pub(super) exponent: i32,
+    pub(super) elements: [Elements; 2],
+    pub(super) matrix: [i128; 6],
+    pub(super) inverse: Inverse,
+    pub(super) shares: [i64; 2],
+    /// Velocities along the rows before the impact.
+    pub(super) before: [i64; 3],
+    /// Lower bounds of the normal impulses.
+    pub(super) least: [i64; 2],
+    /// Impulses now, at the beginning of the compression, before the last iteration, and where this iteration starts.
+    pub(super) impulses: [i64; 3],
+    pub(super) begun: [i64; 3],
+    pub(super) limit: i64,
+    pub(super) last: [i64; 3],
+    pub(super) from: [i64; 3],
+    /// Impulses that surely do no work.
+    pub(super) sure: [i64; 3],
+    /// Impulses to add as far as they do no work, and the velocities along the rows without them.
+    pub(super) more: [i64; 3],
+    pub(super) after: [i64; 3],
+}
+
+impl Shock {
+    /// The moment of its first impact.
+    pub(super) fn moment(&self) -> i64 {
+        self.moments.into_iter().flatten().min().unwrap_or(ONE)
+    }
+
+    /// Returns true if its impulses move the body.
+    pub(super) fn is_movable(&self, side: usize) -> bool {
+        let [k11, _, k22, _, _, ktt] = self.elements[side];
+        k11 | k22 | ktt != 0
+    }
+
+    /// Finds the matrix and its inverse for the shares of both bodies.
+    ///
+    /// # Ranges
+    /// Elements are below 2^46, shares below 2^22. They are brought to 31 bits: products are below 2^62, the determinant is above 2^-20
+    /// of the product of the diagonal, 2^40 at least where the larger element has 31 bits and the smaller one as many as it needs to
+    /// count, and quotients of 2^92 by it below 2^52.
+    pub(super) fn set_shares(&mut self, shares: [i64; 2]) {
+        if shares == self.shares {
+            return;
+        }
+        self.shares = shares;
+        let shared = |i: usize| {
+            i128::from(shares[0]) * i128::from(self.elements[0][i])
+                + i128::from(shares[1]) * i128::from(self.elements[1][i])
+        };
+        self.matrix = [shared(0), shared(1), shared(2), shared(3), shared(4), shared(5)];
+        let largest = self.matrix[0].max(self.matrix[2]).max(self.matrix[5]).max(1);
+        let down = 128 - largest.leading_zeros() as i32 - 31;
+        let scaled = |i: usize| shifted(self.matrix[i], down) as i64;
+        let (k11, k12, k22, ktt) = (scaled(0), scaled(1), scaled(2), scaled(5));
+        let over = |value: i64, by: i64| if by <= 0 { 0 } else { ((i128::from(value) << 61) / i128::from(by)) as i64 };
+        let inverted = |k: i64| if k <= 0 { 0 } else { ((1_i128 << 61) / i128::from(k)) as i64 };
+        let determinant = k11 * k22 - k12 * k12;
+        let is_regular = determinant > (k11 * k22) >> 20;
+        self.inverse = Inverse {
+            block: is_regular.then(|| [over(k22, determinant), over(-k12, determinant), over(k11, determinant)]),
+            alone: [inverted(k11), inverted(k22), inverted(ktt)],
+            shift: down,
+        };
+    }
+}
+
+/// num/den to nearest, halves away from zero. *Domain* den is positive.
+pub(super) fn quotient(num: i128, den: i128) -> i128 {
+    let size = (num.abs() + den / 2) / den;
+    if num < 0 { -size } else { size }
+}
+
+/// A vector with wide components, without the fourth one.
+pub(super) fn wide(vector: Vector) -> [i64; 3] {
+    [vector[0].into(), vector[1].into(), vector[2].into()]
+}
+
+/// Velocities or displacements along the three rows of a contact, in the unit of the bodies': 2^-bits of it. Rounded to nearest, along
+/// the tangent oddly: normal rows are the same in a mirror image.
+///
+/// # Ranges
+/// Components are below 2^61, factors at most 2^30: sums of four products are below 2^94.
+pub(super) fn along(group: &Group, lane: usize, a: [i64; 3], b: [i64; 3], bits: i32) -> [i64; 3] {
+    let [nx, ny] = group.normal[lane].map(i128::from);
+    let [dx, dy] = [i128::from(b[0]) - i128::from(a[0]), i128::from(b[1]) - i128::from(a[1])];
+    let turned = |row: usize| {
+        let [arm_a, arm_b] = group.arms[row][lane].map(i128::from);
+        arm_b * i128::from(b[2]) - arm_a * i128::from(a[2])
+    };
+    let normal = nx * dx + ny * dy;
+    let half = 1_i128 << (29 + bits);
+    [
+        ((normal + turned(0) + half) >> (30 + bits)) as i64,
+        ((normal + turned(1) + half) >> (30 + bits)) as i64,
+        shifted(ny * dx - nx * dy + turned(2), 30 + bits) as i64,
+    ]
+}
+
+/// The change of velocity of a body by the impulses of a contact, in 2^-[`FINE`], within ±2^60 over its share.
+///
+/// # Ranges
+/// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
+pub(super) fn gain(group: &Group, lane: usize, side: usize, impulses: [i64; 3], share: i64) -> [i64; 3] {
+    let limit = i128::from((1_i64 << 60) / share.max(1));
+    let linear = if side == 0 { &group.linear_a } else { &group.linear_b };
+    let [first, second, tangent] = impulses.map(i128::from);
+    let moved = |axis: usize| {
+        let change = i128::from(linear[0][lane][axis]) * (first + second) + i128::from(linear[1][lane][axis]) * tangent;
+        change.clamp(-limit, limit) as i64
+    };
+    let factor = |row: usize| i128::from(group.angular[row][lane][side]);
+    let turned = (factor(0) * first + factor(1) * second + factor(2) * tangent) << group.angular_shift[lane];
+    [moved(0), moved(1), turned.clamp(-limit, limit) as i64]
+}
+
+impl Solver {
+    fn lane_of(&self, place: u32) -> (&Place, &Group, usize) {
+        let place = &self.places[place as usize];
+        (place, &self.groups[place.group as usize], place.lane as usize)
+    }
+
+    /// The velocity of a body at the beginning of a sub-step, before its contacts, or at its end; in 2^-[`FINE`].
+    pub(super) fn velocity_before(&self, row: u32, substep: SubStep<'_>) -> [i64; 3] {
+        if row == STILL {
+            return [0; 3];
+        }
+        let flight = self.rows.flight(row);
+        let (before, rest) = self.rows.before(row);
+        [0, 1, 2].map(|i| {
+            // Changes are below 2^28 and there are at most 16 sub-steps. To nearest, halves away from zero.
+            let whole = (i64::from(flight.change[i]) * i64::from(substep.k - 1)) << FINE;
+            let flown = (whole + i64::from(substep.n / 2) * whole.signum()) / i64::from(substep.n);
+            ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown + rest[i]
+        })
+    }
+
+    /// The impact of a contact in a sub-step, if it has one.
+    pub(super) fn look(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> Option<Shock> {
+        let (_, group, lane) = self.lane_of(place);
+        let rows = [group.a[lane], group.b[lane]];
+        if self.is_slow(group, lane, substep) {
+            return None;
+        }
+        let [a, b] = rows.map(|row| self.velocity_before(row, substep));
+        let before = along(group, lane, a, b, FINE - FRACTION);
+        let threshold = i64::from(group.surface[lane][1]) << FRACTION;
+        let [change_a, change_b] = rows.map(|row| wide(self.rows.flight(row).change).map(|part| part << FRACTION));
+        let change = along(group, lane, change_a, change_b, 0);
+        // Nothing is so fast within the step.
+        if (0..2).all(|i| before[i] - change[i].abs() >= -threshold) {
+            return None;
+        }
+        let from = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
+        let count = substep.contacts[self.places[place as usize].contact as usize].count;
+        let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
+        let impacts = [0, 1].map(|i: usize| {
+            let gap = self.gap(place, i, accelerations[i], substep);
+            let impact = if i < count { impact(before[i].into(), accelerations[i], gap, from) } else { None };
+            impact.filter(|(_, speed)| *speed > threshold)
+        });
+        let first = impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
+        let mut shock = self.shock(place, before, substep, first);
+        for i in 0..count {
+            match impacts[i] {
+                Some((moment, speed)) => {
+                    (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
+                    shock.gained[i] = -speed - before[i];
+                }
+                None => shock.gained[i] = ((accelerations[i] * i128::from(first)) >> 30) as i64,
+            }
+        }
+        Some(shock)
+    }
+
+    /// Returns true if no point of a contact can be faster than the threshold of impacts in a step: in words, with room for rounding.
+    ///
+    /// # Ranges
+    /// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
+    fn is_slow(&self, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
+        let (n, passed) = (i64::from(substep.n), i64::from(substep.k - 1));
+        let [a, b] = [group.a[lane], group.b[lane]].map(|row| {
+            let (flight, (before, _)) = (self.rows.flight(row), self.rows.before(row));
+            [0, 1, 2].map(|i| {
+                let (start, change) = (i64::from(flight.start[i]), i64::from(flight.change[i]));
+                [(start + i64::from(before[i])) * n + change * passed, change * n]
+            })
+        });
+        let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
+        let threshold = i64::from(group.surface[lane][1]) * n;
+        (0..2).all(|point| {
+            let [arm_a, arm_b] = group.arms[point][lane].map(|arm| i64::from(arm) >> 8);
+            let along = |i: usize| {
+                let sum = nx * (b[0][i] - a[0][i]) + ny * (b[1][i] - a[1][i]) + arm_b * b[2][i] - arm_a * a[2][i];
+                sum >> 22
+            };
+            let sizes = (0..3).flat_map(|axis| (0..2).map(move |i| a[axis][i].abs() + b[axis][i].abs()));
+            // Truncated factors are off by up to 2^-22 each.
+            let rounding = (sizes.sum::<i64>() >> 21) + 4 * n;
+            along(0) - along(1).abs() - rounding >= -threshold
+        })
+    }
+
+    /// The velocities along the rows of a contact at the beginning of a sub-step.
+    pub(super) fn rows_before(&self, place: u32, substep: SubStep<'_>) -> [i64; 3] {
+        let (_, group, lane) = self.lane_of(place);
+        let [a, b] = [group.a[lane], group.b[lane]].map(|row| self.velocity_before(row, substep));
+        along(group, lane, a, b, FINE - FRACTION)
+    }
+
+    /// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
+    /// joins them.
+    pub(super) fn closes(&self, impacts: &Impacts, place: u32, slowest: i64, substep: SubStep<'_>) -> bool {
+        let (_, group, lane) = self.lane_of(place);
+        let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
+            body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
+            _ => self.velocity_before(row, substep),
+        });
+        let velocities = along(group, lane, a, b, FINE - FRACTION);
+        if velocities[0].min(velocities[1]) >= -slowest {
+            return false;
+        }
+        let shock = self.shock(place, self.rows_before(place, substep), substep, impacts.moment);
+        (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
+    }
+
+    /// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.
+    fn gap(&self, place: u32, point: usize, acceleration: i128, substep: SubStep<'_>) -> i128 {
+        let (_, group, lane) = self.lane_of(place);
+        (i128::from(group.separation_now[lane][point]) << FRACTION) - acceleration * i128::from(substep.k - 1) / 2
+    }
+
+    /// [`TOUCH`] in units of displacements.
+    fn touch(&self, place: u32, substep: SubStep<'_>) -> i32 {
+        let bodies = substep.contacts[self.places[place as usize].contact as usize].bodies;
+        let mover = self.graph.mover(bodies).unwrap_or_default();
+        substep.clock.length_within(TOUCH, self.unit_of[mover as usize], 1 << 29)
+    }
+
+    /// A contact with these velocities along its rows, of which no point takes part but those that touch at this moment.
+    pub(super) fn shock(&self, place: u32, before: [i64; 3], substep: SubStep<'_>, moment: i64) -> Shock {
+        let (&Place { contact, exponent, .. }, group, lane) = self.lane_of(place);
+        let contact = &substep.contacts[contact as usize];
+        let mover = self.graph.mover(contact.bodies).unwrap_or_default();
+        let touch = self.touch(place, substep);
+        let rows = [group.a[lane], group.b[lane]];
+        let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
+        let (closing, threshold) = (along(group, lane, start_a, start_b, 0), i64::from(group.surface[lane][1]));
+        let touches = |i: usize| {
+            let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
+            i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
+        };
+        let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
+        Shock {
+            place,
+            island: self.graph.island_of(mover).unwrap_or_default(),
+            rows,
+            bodies: [NONE; 2],
+            joined: [touches(0), touches(1)],
+            moments: [None; 2],
+            speeds: [0; 2],
+            gained: [0; 2],
+            bounces: [bounces(0), bounces(1)],
+            restitution: contact.restitution.to_bits(),
+            friction: group.friction[lane][1].into(),
+            surface: i64::from(group.surface[lane][0]) << FRACTION,
+            exponent,
+            elements: [0, 1].map(|side| elements(group, lane, side)),
+            matrix: [0; 6],
+            inverse: Inverse::default(),
+            shares: [0; 2],
+            before,
+            least: [0; 2],
+            impulses: [0; 3],
+            begun: [0; 3],
+            limit: 0,
+            last: [0; 3],
+            from: [0; 3],
+            sure: [0; 3],
+            more: [0; 3],
+            after: [0; 3],
+        }
+    }
+
+    /// Adds a contact to the shocks, with its bodies.
+    pub(super) fn join(&self, impacts: &mut Impacts, mut shock: Shock, substep: SubStep<'_>) {
+        for side in 0..2 {
+            shock.bodies[side] = self.join_body(impacts, shock.rows[side], substep);
+            impacts.bodies[shock.bodies[side] as usize].share += 1;
+        }
+        impacts.is_joined[shock.place as usize] = true;
+        impacts.shocks.push(shock);
+    }
+
+    /// The index of a body among those of the impacts, in the set of the shocks.
+    fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
+        let body = impacts.body(row);
+        let struck = &mut impacts.bodies[body as usize];
+        if !struck.is_in_set {
+            (struck.is_in_set, struck.share) = (true, 0);
+            struck.start = self.velocity_before(row, substep);
+            (struck.velocity, struck.begun) = (struck.start, struck.start);
+            impacts.set.push(body);
+        }
+        body
+    }
+
+    /// The velocities along the rows of a shock, with what the flight adds up to its moments and without that of its surfaces.
+    pub(super) fn velocities(&self, impacts: &Impacts, shock: &Shock) -> [i64; 3] {
+        let (_, group, lane) = self.lane_of(shock.place);
+        let [a, b] = shock.bodies.map(|body| impacts.bodies[body as usize].velocity);
+        let [first, second, slip] = along(group, lane, a, b, FINE - FRACTION);
+        [first + shock.gained[0], second + shock.gained[1], slip - shock.surface]
+    }
+
+    /// Applies changes of impulses of a shock to its bodies.
+    pub(super) fn push_shock(&self, impacts: &mut Impacts, shock: &Shock, impulses: [i64; 3]) {
+        let (_, group, lane) = self.lane_of(shock.place);
+        for (side, &body) in shock.bodies.iter().enumerate() {
+            let struck = &mut impacts.bodies[body as usize];
+            let change = gain(group, lane, side, impulses, struck.share);
+            (0..3).for_each(|i| struck.velocity[i] += change[i]);
+        }
+    }
+}
+
+/// The moment, not before `from`, at which a point reaches the surface up to [`LATEST`], and its speed then. `None` if it does not. The
+/// velocity and the gap are those at the beginning, the acceleration is by sub-step; all are in one unit.
+fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i64, i64)> {
+    let moved = (velocity * i128::from(from)) >> 30;
+    if gap + moved <= 0 {
+        return (velocity < 0).then_some((from, -velocity as i64));
+    }
+    // It has come out of an overlap since the beginning.
+    if gap <= 0 {
+        return None;
+    }
+    // Below 2^94.
+    let square = velocity * velocity - 2 * acceleration * gap;
+    if square <= 0 {
+        return None;
+    }
+    let speed = square.unsigned_abs().isqrt() as i128;
+    if speed - velocity <= 0 || speed <= 0 {
+        return None;
+    }
+    let moment = ((2 * gap) << 30) / (speed - velocity);
+    (moment <= i128::from(LATEST)).then_some((moment.max(from.into()) as i64, speed as i64))
+}
+
+/// The elements of the matrix of a contact by one body.
+fn elements(group: &Group, lane: usize, side: usize) -> Elements {
+    let column = |impulses: [i64; 3]| {
+        let change = gain(group, lane, side, impulses, 1);
+        let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
+        along(group, lane, a, b, 0)
+    };
+    let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
+    // Both ways, so that the points may come in either order.
+    [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
+}

@@ -1,0 +1,64 @@
+//! Wedges: bodies that bodies which do not give way push along several normals.
+//!
+//! Overlaps are pushed out at up to [`push_speed`](super::SolverOptions::push_speed) along each normal. Along two normals at an angle θ that
+//! takes a body out between them at that speed over cos(θ/2), which a narrow wedge makes as large as one likes, and which no pass takes
+//! back: each row sees the cosine of it alone. So both push by cos(θ/2) less, at least by 2^-7 of the speed: a body that others clamp rests.
+
+use super::Solver;
+
+/// One, for components of normals and cosines.
+const ONE: i64 = 1 << 30;
+
+/// A contact that pushes a body out of one that does not give way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Push {
+    row: u32,
+    /// The index of the contact's place.
+    place: u32,
+    /// Towards the body.
+    normal: [i64; 2],
+}
+
+impl Solver {
+    /// Limits the depths that count as overlaps, by which contacts push out, for bodies in wedges.
+    pub(super) fn limit_wedges(&mut self) {
+        let mut pushes = core::mem::take(&mut self.pushes);
+        pushes.clear();
+        for (index, place) in self.places.iter().enumerate() {
+            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            let [first, second] = group.separation[lane];
+            if first.min(second) >= 0 {
+                continue;
+            }
+            let rows = [group.a[lane], group.b[lane]];
+            let is_held = [0, 1].map(|side| group.is_held(lane, side));
+            if is_held[0] != is_held[1] {
+                let side = usize::from(is_held[0]);
+                let sign = if side == 0 { -1 } else { 1 };
+                let normal = group.normal[lane].map(|part| sign * i64::from(part));
+                pushes.push(Push { row: rows[side], place: index as u32, normal });
+            }
+        }
+        pushes.sort_unstable_by_key(|push| push.row);
+        for body in pushes.chunk_by(|a, b| a.row == b.row) {
+            for push in body {
+                self.limit_wedge(push, body);
+            }
+        }
+        self.pushes = pushes;
+    }
+
+    /// Limits the push of a contact by the normal that is most against it.
+    ///
+    /// # Ranges
+    /// Components of normals are within 2^30: a sum of two products is below 2^62.
+    fn limit_wedge(&mut self, push: &Push, body: &[Push]) {
+        let cosine = |other: &Push| (push.normal[0] * other.normal[0] + push.normal[1] * other.normal[1]) >> 30;
+        let least = body.iter().map(cosine).min().unwrap_or(ONE).clamp(-ONE, ONE);
+        // cos(θ/2) = √((1 + cos θ)/2), in 2^-30.
+        let half = (((((ONE + least) / 2) << 30) as u64).isqrt() as i64).max(ONE >> 7);
+        let place = &self.places[push.place as usize];
+        let deepest = &mut self.groups[place.group as usize].push_out[place.lane as usize][1];
+        *deepest = ((i64::from(*deepest) * half) >> 30) as i32;
+    }
+}
