@@ -298,7 +298,7 @@ fn colliders_are_read_as_they_were_made() {
 fn events_are_those_of_the_library() {
     let text = r#"{"gravity": [0, -10], "bodies": [
         {"name": "floor", "kind": "static", "key": 9, "colliders": [{"shape": {"rectangle": {"width": 20, "height": 2}}, "key": 3}]},
-        {"name": "gate", "kind": "static", "position": [0, 2.5], "key": 2, "colliders": [
+        {"name": "gate", "kind": "static", "position": [0, 2.75], "key": 2, "colliders": [
             {"shape": {"rectangle": {"width": 2, "height": 1}}, "sensor": true}]},
         {"name": "ball", "position": [0, 4], "key": 5, "colliders": [
             {"shape": {"circle": {"radius": 0.5}}, "contact_events": true, "hit_events": true, "restitution": 0.8}]}]}"#;
