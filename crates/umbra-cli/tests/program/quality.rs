@@ -124,7 +124,7 @@ fn known_figures_hold() {
     is("break", "overlap_worst", 0.0000365, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);
     is("slope_above", "acceleration_err", -6.52e-6, 1e-8);
-    is("bounce", "height_err_10", -1.27e-5, 1e-6);
+    is("bounce", "height_err_10", -5.8e-7, 1e-7);
     is("shots", "twin_fixed", 1000.0, 10.0);
     for (scene, name) in
         [("break", "asymmetry"), ("cradle", "asymmetry"), ("seams", "bump"), ("shots", "crossed_moving")]
@@ -134,7 +134,7 @@ fn known_figures_hold() {
     if !cfg!(debug_assertions) {
         is("pyramid40", "top_sink", 0.0917, 0.001);
         is("pyramid40", "largest_shift", 0.0274, 0.001);
-        is("cards", "largest_shift", 0.104, 0.001);
+        is("cards", "largest_shift", 0.1019, 0.001);
         is("arch", "largest_shift", 0.0159, 0.001);
         is("thin_arch", "largest_shift", 0.0648, 0.001);
     }
