@@ -349,7 +349,7 @@ fn the_last_error_is_that_of_the_thread() {
             size,
             UMBRA_ERROR_OUT_OF_RANGE,
             158,
-            "out of range: expected a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m",
+            "out of range: expected a radius from 2^-7 to 2^12 m, not -1",
         ),
         (null, UMBRA_ERROR_NULL_POINTER, 0, "a pointer is null"),
         (done, UMBRA_OK, 0, ""),

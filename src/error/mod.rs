@@ -35,7 +35,7 @@ macro_rules! codes {
 
 pub(crate) use codes;
 pub use fault::{Cause, Fault};
-pub use quantity::Quantity;
+pub use quantity::{Dimension, Quantity};
 
 /// Reason why a call was refused. The world is unchanged by a refused call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
