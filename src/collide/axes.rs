@@ -73,6 +73,24 @@ fn along<P: Product, const N: usize>(
     Some(along)
 }
 
+/// The dot product of unit vectors, in units of 2^-60: below 2^61.
+fn dot(n: [i32; 2], m: [i32; 2]) -> i64 {
+    i64::from(n[0]) * i64::from(m[0]) + i64::from(n[1]) * i64::from(m[1])
+}
+
+/// The directions from A to B, normals of edges, with the largest of these separations.
+fn widest<'a, P: Product, const N: usize>(
+    a: &'a Core<P, N>,
+    b: &'a Core<P, N>,
+    along_a: &'a [P; N],
+    along_b: &'a [P; N],
+) -> impl Iterator<Item = [i32; 2]> + 'a {
+    let largest = along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation));
+    let is_widest = move |separation: P| separation == largest && separation > P::LEAST;
+    let of_a = (0..N).filter(move |&i| is_widest(along_a[i])).map(|i| a.normals[i]);
+    of_a.chain((0..N).filter(move |&i| is_widest(along_b[i])).map(|i| b.normals[i].map(|part| -part)))
+}
+
 /// Leaves out the separations along edges from which fewer straight ones go on than from others: a surface that goes on to both sides is the
 /// longer one, on which the other leans.
 fn keep_straightest<P: Product, const N: usize>(sides: [(&mut [P; N], &Surface<'_>); 2]) {
@@ -121,10 +139,15 @@ impl<P: Product, const N: usize> Axes<P, N> {
         let of_a = |slack| along(a, b, k, limit, surfaces.a.as_ref(), surfaces.b.as_ref(), slack);
         let of_b = |slack| along(b, a, k, limit, surfaces.b.as_ref(), surfaces.a.as_ref(), slack);
         let (mut along_a, mut along_b) = (of_a(SLACK)?, of_b(SLACK)?);
-        let is_empty = along_a.iter().chain(&along_b).all(|&separation| separation == P::LEAST);
-        if let (true, Some(on_a), Some(on_b)) = (is_empty, &surfaces.a, &surfaces.b) {
-            (along_a, along_b) = (of_a(LEAN)?, of_b(LEAN)?);
-            keep_straightest([(&mut along_a, on_a), (&mut along_b, on_b)]);
+        if let (Some(on_a), Some(on_b)) = (&surfaces.a, &surfaces.b) {
+            let (mut leaning_a, mut leaning_b) = (of_a(LEAN)?, of_b(LEAN)?);
+            keep_straightest([(&mut leaning_a, on_a), (&mut leaning_b, on_b)]);
+            // Another direction than the one in which they lean on each other leads through one of the two.
+            let leaning = || widest(a, b, &leaning_a, &leaning_b);
+            let is_along = |n: [i32; 2]| leaning().any(|m| dot(n, m) > 0);
+            if !widest(a, b, &along_a, &along_b).any(is_along) {
+                (along_a, along_b) = (leaning_a, leaning_b);
+            }
         }
         let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));
         if largest == P::LEAST || limit.is_below_product(largest, k) {

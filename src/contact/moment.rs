@@ -162,21 +162,34 @@ impl Engine {
         if !is_asked || contacts.presses_nearby(pair, colliders) {
             return Some((self.manifold(scene, numbers, parts, colliders, ends)?, ways));
         }
-        // The side that may be a tile.
-        let tiled = (0..2).find(|&side| kinds[side] == FlightOf::Static || colliders[side].has_others());
-        let mean = tiled.and_then(|_| self.manifold(scene, numbers, parts, colliders, ends));
-        if let (Some(side), Some(manifold)) = (tiled, mean) {
-            if self.comes_over_seam(scene, numbers, pair, colliders, side, contacts, &manifold, SLANTED) {
-                return Some((manifold, ways));
+        let may_be_tile = |side: usize| kinds[side] == FlightOf::Static || colliders[side].has_others();
+        if may_be_tile(0) || may_be_tile(1) {
+            let mean = self.manifold(scene, numbers, parts, colliders, ends);
+            if let Some(manifold) = mean {
+                if self.comes_over_seams(scene, numbers, pair, colliders, contacts, &manifold, SLANTED) {
+                    return Some((manifold, ways));
+                }
             }
         }
         let paths = Paths { scene, corrections: &[], is_corrected: false };
         let (manifold, ways) = self.meet_on_paths(scene, numbers, parts, colliders, ends, &paths)?;
         // What it comes to later on a level surface it does not meet before it is there.
-        let is_later = tiled.is_some_and(|side| {
-            self.comes_over_seam(scene, numbers, pair, colliders, side, contacts, &manifold, LEVEL)
-        });
+        let is_later = self.comes_over_seams(scene, numbers, pair, colliders, contacts, &manifold, LEVEL);
         (!is_later).then_some((manifold, ways))
+    }
+
+    /// Returns true if one of the two outlines of a pair [comes over a seam](Self::comes_over_seam) of tiles that the other one belongs to.
+    fn comes_over_seams(
+        &mut self,
+        scene: &Scene<'_>,
+        numbers: [u32; 2],
+        pair: [OutlineId; 2],
+        colliders: [&Collider; 2],
+        contacts: &ContactSet,
+        manifold: &Manifold,
+        cosine: i64,
+    ) -> bool {
+        (0..2).any(|side| self.comes_over_seam(scene, numbers, pair, colliders, side, contacts, manifold, cosine))
     }
 
     /// Returns true if an outline pressed another tile in the step before, whose surface goes on, at an angle of up to this cosine, where it
