@@ -33,7 +33,6 @@
 //! assert_eq!((limits::KICK, limits::TRANSIENT_SPEED), (power(21), power(24)));
 //! assert_eq!((limits::MASS_MIN, limits::MASS_MAX), (fx!(0.0000152587890625), power(24)));
 //! assert_eq!((limits::SIZE_MIN, limits::SIZE_MAX), (fx!(0.0078125), power(12)));
-//! assert_eq!(limits::THICKNESS_MIN, fx!(0.001953125));
 //! assert_eq!((limits::GRAVITY, limits::GRAVITY_SCALE, limits::MU_MAX_LOG2), (power(16), power(4), 64));
 //! assert_eq!((limits::RATE_MIN, limits::RATE_MAX), (1, 10_000));
 //! assert_eq!((limits::CORNERS, limits::PARTS, limits::CHAIN), (64, 256, 1 << 16));
@@ -73,13 +72,11 @@ pub(crate) const TRANSIENT_SUM: Fx = power(26);
 pub const MASS_MIN: Fx = power(-16);
 /// The largest mass: 2^24 kg, 16,777 t.
 pub const MASS_MAX: Fx = power(24);
-/// The smallest extent of a shape (the radius of a disc, the longer side of a rectangle, the length of a segment or a capsule): 2^-7 m.
-pub const SIZE_MIN: Fx = power(-7);
-/// The smallest shorter side of a rectangle, and the smallest radius of a capsule or a rounded polygon: 2^-9 m.
+/// The smallest extent of a shape (radius, side, length): 2^-7 m.
 ///
-/// Bodies that rest on each other overlap in proportion to the load, at 60 steps a second and 5 sub-steps by 0.23 mm for each equal body above: thinner
-/// ones would not bear eight others.
-pub const THICKNESS_MIN: Fx = power(-9);
+/// Surfaces within a millimetre touch, and bodies that rest on each other overlap in proportion to the load, at 60 steps a second and 5 sub-steps
+/// by 0.23 mm for each equal body above. A pile of twelve boxes of half this thickness does not come to rest.
+pub const SIZE_MIN: Fx = power(-7);
 /// The largest radius, side or length of a shape, and the largest coordinate of a corner, part or attachment: 2^12 m.
 pub const SIZE_MAX: Fx = power(12);
 /// The largest component of gravity or of the acceleration of a region: 2^16 m/s² either way.

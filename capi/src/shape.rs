@@ -52,7 +52,7 @@ pub extern "C" fn umbra_shape_circle(
     make(shape, || Ok(Shape::circle(Fx::from_bits(radius))?))
 }
 
-/// A rectangle about its centre, m: the longer side from 2^-7 m, the shorter one from 2^-9 m, both to 2^12 m.
+/// A rectangle about its centre, m: sides from 2^-7 to 2^12 m.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_rectangle(
     width: UmbraFx,
@@ -62,7 +62,7 @@ pub extern "C" fn umbra_shape_rectangle(
     make(shape, || Ok(Shape::rectangle(Fx::from_bits(width), Fx::from_bits(height))?))
 }
 
-/// A capsule along x; its length is between the centres of its half discs, from 2^-7 m, its radius from 2^-9 m, both to 2^12 m.
+/// A capsule along x; its length is between the centres of its half discs, and its radius from 2^-7 to 2^12 m.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_capsule(
     length: UmbraFx,

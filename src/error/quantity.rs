@@ -132,8 +132,6 @@ pub enum Dimension {
     Width,
     /// The height of a rectangle.
     Height,
-    /// The longer side of a rectangle.
-    LongerSide,
     /// The distance between the ends of a segment, or between the centres of a capsule's ends.
     Length,
     /// The longer side of the box around a polygon.
@@ -148,11 +146,9 @@ impl Dimension {
     /// Name and range of the size, with an article, for messages.
     const fn range(self) -> &'static str {
         match self {
-            Self::Radius => "a radius from 2^-7 to 2^12 m",
-            Self::Rounding => "a radius from 2^-9 to 2^12 m",
-            Self::Width => "a width from 2^-9 to 2^12 m",
-            Self::Height => "a height from 2^-9 to 2^12 m",
-            Self::LongerSide => "a longer side from 2^-7 to 2^12 m",
+            Self::Radius | Self::Rounding => "a radius from 2^-7 to 2^12 m",
+            Self::Width => "a width from 2^-7 to 2^12 m",
+            Self::Height => "a height from 2^-7 to 2^12 m",
             Self::Length => "a length from 2^-7 to 2^12 m",
             Self::Extent => "a width or a height of 2^-7 m or more",
             Self::Edge(_) => "an edge of a chain from 2^-7 m",

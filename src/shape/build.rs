@@ -9,8 +9,8 @@ use super::outline::outlines;
 use super::{Aabb, Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
 use crate::error::{Dimension, Error, Quantity};
-use crate::fx::{Fx, IntoFx};
-use crate::limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN, THICKNESS_MIN};
+use crate::fx::IntoFx;
+use crate::limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::internals::AreaMoments;
 use crate::scalar::{Factor, Scalar};
@@ -22,7 +22,7 @@ fn refused<S: Scalar>(dimension: Dimension, value: S) -> Error {
 
 /// Refuses a size outside the limits.
 fn check_size<S: Scalar>(size: S, least: Fx, dimension: Dimension) -> Result<(), Error> {
-    if size >= S::from_fx(least) && size <= S::from_fx(SIZE_MAX) { Ok(()) } else { Err(refused(dimension, size)) }
+    if size >= S::from_fx(SIZE_MIN) && size <= S::from_fx(SIZE_MAX) { Ok(()) } else { Err(refused(dimension, size)) }
 }
 
 /// Refuses the first of some points that is farther out than any shape reaches.
@@ -111,18 +111,17 @@ impl<S: Scalar> Shape<S> {
     pub fn new(geometry: Geometry<S>) -> Result<Self, Error> {
         let (measure, gyration) = match geometry {
             Geometry::Circle { radius } => {
-                check_size(radius, SIZE_MIN, Dimension::Radius)?;
+                check_size(radius, Dimension::Radius)?;
                 mass::circle(radius)
             }
             Geometry::Rectangle { width, height } => {
-                check_size(width, THICKNESS_MIN, Dimension::Width)?;
-                check_size(height, THICKNESS_MIN, Dimension::Height)?;
-                check_size(if width > height { width } else { height }, SIZE_MIN, Dimension::LongerSide)?;
+                check_size(width, Dimension::Width)?;
+                check_size(height, Dimension::Height)?;
                 mass::rectangle(width, height)
             }
             Geometry::Capsule { length, radius } => {
-                check_size(length, SIZE_MIN, Dimension::Length)?;
-                check_size(radius, THICKNESS_MIN, Dimension::Rounding)?;
+                check_size(length, Dimension::Length)?;
+                check_size(radius, Dimension::Rounding)?;
                 mass::capsule(length, radius)
             }
             Geometry::Polygon { corners } => return Self::polygon(&corners),
@@ -241,7 +240,7 @@ impl<S: Scalar> Shape<S> {
 
     pub(crate) fn rounded_polygon_inner(corners: &[Vec2<S>], radius: S) -> Result<Self, Error> {
         let corners = checked_corners(corners)?;
-        check_size(radius, THICKNESS_MIN, Dimension::Rounding)?;
+        check_size(radius, Dimension::Rounding)?;
         let core = moments(&corners)?;
         let mut weights = mass::rounded_weights(&corners, radius);
         weights.push(core.area);

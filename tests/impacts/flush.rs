@@ -74,7 +74,6 @@ fn ball(speed: f64, radius: f64) -> BodyDef {
 }
 
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_kinematic_platform_of_tiles() {
     for speed in [1.0, 3.0, 6.0, 12.0] {
         for surface in [Surface::Whole, Surface::Colliders, Surface::Compound] {
@@ -86,7 +85,6 @@ fn a_ball_rolls_over_a_kinematic_platform_of_tiles() {
 }
 
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_heavy_body_of_tiles() {
     for surface in [Surface::Whole, Surface::Colliders, Surface::Compound] {
         let raft = BodyDef { mass: Mass::Kilograms(fx!(2000)), ..tiles(surface, &[1.0; 10]) };
@@ -97,7 +95,6 @@ fn a_ball_rolls_over_a_heavy_body_of_tiles() {
 
 /// Tiles of random widths on a body of any kind, at rest or moving; a ball rolls, a box slides.
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn random_riders_pass_the_seams_of_random_tiles() {
     let (mut failures, mut tried) = (Vec::new(), 0);
     for seed in seeds(150) {
@@ -139,7 +136,6 @@ fn random_riders_pass_the_seams_of_random_tiles() {
 
 /// A ball at 3 m/s over a raft that floats: it moves as over a raft of one piece.
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_raft_of_tiles_as_over_one_of_one_piece() {
     let height = |surface: Surface| -> Vec<f64> {
         let mut raft = tiles(surface, &[1.0; 8]);

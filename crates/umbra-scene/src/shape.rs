@@ -7,7 +7,7 @@ use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
     Dimension, Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
-    limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN, THICKNESS_MIN},
+    limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
 };
 
 /// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
@@ -126,20 +126,20 @@ impl From<&Shape> for ShapeDef {
     }
 }
 
-fn size(node: &Node<'_>, least: Fx, dimension: Dimension) -> Result<Fx> {
+fn size(node: &Node<'_>, dimension: Dimension) -> Result<Fx> {
     let value = node.number()?;
-    if (least..=SIZE_MAX).contains(&value) {
+    if (SIZE_MIN..=SIZE_MAX).contains(&value) {
         return Ok(value);
     }
     Err(node.fault(Error::OutOfRange { quantity: Quantity::Size { dimension, value } }))
 }
 
 fn radius(node: &Node<'_>) -> Result<Fx> {
-    size(node, SIZE_MIN, Dimension::Radius)
+    size(node, Dimension::Radius)
 }
 
 fn rounding(node: &Node<'_>) -> Result<Fx> {
-    size(node, THICKNESS_MIN, Dimension::Rounding)
+    size(node, Dimension::Rounding)
 }
 
 /// Reads a shape and makes sure that it can be made.
@@ -191,13 +191,13 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
                     ShapeDef::Circle { radius: radius? }
                 }
                 "rectangle" => {
-                    let width = object.need("width", |node| size(node, THICKNESS_MIN, Dimension::Width));
-                    let height = object.need("height", |node| size(node, THICKNESS_MIN, Dimension::Height));
+                    let width = object.need("width", |node| size(node, Dimension::Width));
+                    let height = object.need("height", |node| size(node, Dimension::Height));
                     object.finish()?;
                     ShapeDef::Rectangle { width: width?, height: height? }
                 }
                 _ => {
-                    let length = object.need("length", |node| size(node, SIZE_MIN, Dimension::Length));
+                    let length = object.need("length", |node| size(node, Dimension::Length));
                     let radius = object.need("radius", rounding);
                     object.finish()?;
                     ShapeDef::Capsule { length: length?, radius: radius? }
