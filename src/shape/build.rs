@@ -21,7 +21,7 @@ fn refused<S: Scalar>(dimension: Dimension, value: S) -> Error {
 }
 
 /// Refuses a size outside the limits.
-fn check_size<S: Scalar>(size: S, least: Fx, dimension: Dimension) -> Result<(), Error> {
+fn check_size<S: Scalar>(size: S, dimension: Dimension) -> Result<(), Error> {
     if size >= S::from_fx(SIZE_MIN) && size <= S::from_fx(SIZE_MAX) { Ok(()) } else { Err(refused(dimension, size)) }
 }
 
