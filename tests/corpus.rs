@@ -167,8 +167,9 @@ fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
 fn seconds_of_mutated_inputs() {
     let number = |name, or| std::env::var(name).map_or(or, |text| text.parse().expect("a number"));
     let (seed, seconds) = (seeds::run_seed(1), number("UMBRA_SECONDS", 5));
-    /// Inputs of each target, in as many seconds more at the most.
+    /// Inputs of each target, and the seconds beyond the given ones that they may take on a busy machine.
     const FEWEST: u64 = 10;
+    const LONGEST: u64 = 60;
     let next = AtomicUsize::new(0);
     let work = || {
         while let Some((target, run)) = fuzz::TARGETS.get(next.fetch_add(1, Ordering::Relaxed)) {
@@ -185,7 +186,7 @@ fn seconds_of_mutated_inputs() {
                 count += 1;
             }
             println!("{target}: {count} inputs");
-            assert!(start.elapsed().as_secs() < seconds + FEWEST, "{target}: {count} inputs");
+            assert!(start.elapsed().as_secs() < seconds + LONGEST, "{target}: {count} inputs");
         }
     };
     thread::scope(|scope| {
