@@ -90,6 +90,7 @@ mod body;
 mod cases;
 mod character;
 mod codec;
+mod codes;
 mod collider;
 // The broad and the narrow phase. Public for the benchmarks alone, and no part of the interface.
 #[doc(hidden)]
@@ -130,7 +131,7 @@ pub use contact::{ColliderPair, Contact, ContactHit, ContactPoint, Exclusion};
 #[cfg(feature = "float")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{StepClock, StepsDue, TickFraction};
-pub use error::{Cause, Error, Fault, Irreversible, Quantity};
+pub use error::{Cause, Dimension, Error, Fault, Irreversible, Quantity};
 pub use force::{
     AppliedForce, Attachment, BodyState, CustomForce, CustomForceError, Dependence, End, FieldKind, ForceField,
     ForceTorque, Region,

@@ -73,6 +73,9 @@ pub const MASS_MIN: Fx = power(-16);
 /// The largest mass: 2^24 kg, 16,777 t.
 pub const MASS_MAX: Fx = power(24);
 /// The smallest extent of a shape (radius, side, length): 2^-7 m.
+///
+/// Surfaces within a millimetre touch, and bodies that rest on each other overlap in proportion to the load, at 60 steps a second and 5 sub-steps
+/// by 0.23 mm for each equal body above. A pile of twelve boxes of half this thickness does not come to rest.
 pub const SIZE_MIN: Fx = power(-7);
 /// The largest radius, side or length of a shape, and the largest coordinate of a corner, part or attachment: 2^12 m.
 pub const SIZE_MAX: Fx = power(12);

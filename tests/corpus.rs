@@ -99,11 +99,11 @@ fn corpora_are_small() {
 /// most bodies apart in the first tick.
 const MEDIANS: [(&str, u64, u64); 7] = [
     ("commands", 20, 10),
-    ("contact_solver", 20, 1),
+    ("contact_solver", 20, 3),
     ("fx_f64", 20, 0),
     ("queries", 20, 10),
-    ("replay", 20, 9),
-    ("snapshot", 20, 9),
+    ("replay", 20, 10),
+    ("snapshot", 20, 10),
     ("threads", 20, 10),
 ];
 

@@ -16,8 +16,8 @@ use umbra_physics::limits::{
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
-    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, End, Error, Exclusion, Fault,
-    FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor,
+    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, End, Error, Exclusion,
+    Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor,
     Integrator, Locks, Mass, MaterialPair, Part, Quantity, QueryFilter, Region, Shape, SpringConstants, TimeStep, Vec2,
     World, WorldDef, fx, vec2,
 };
@@ -388,10 +388,11 @@ fn colliders_and_contacts_have_their_bounds() {
 #[test]
 fn sizes_of_shapes_have_their_bounds() {
     let size = |result: Result<Shape, Error>| result.map(drop);
-    let refused = || out_of(Quantity::Size);
+    let refused = |dimension, value| out_of(Quantity::Size { dimension, value });
     for good in [SIZE_MIN, SIZE_MAX] {
         assert_eq!(size(Shape::circle(good)), Ok(()));
         assert_eq!(size(Shape::rectangle(good, SIZE_MIN)), Ok(()));
+        assert_eq!(size(Shape::rectangle(SIZE_MIN, good)), Ok(()));
         assert_eq!(size(Shape::rectangle(SIZE_MAX, good)), Ok(()));
         assert_eq!(size(Shape::capsule(good, SIZE_MIN)), Ok(()));
         assert_eq!(size(Shape::capsule(SIZE_MAX, good)), Ok(()));
@@ -399,17 +400,22 @@ fn sizes_of_shapes_have_their_bounds() {
         assert_eq!(size(Shape::polygon(&[vec2(-good, -good), vec2(good, -good), vec2(0, good)])), Ok(()));
     }
     for bad in [SIZE_MIN - ULP, SIZE_MAX + ULP, Fx::ZERO, -SIZE_MIN, Fx::MAX, Fx::MIN] {
-        assert_eq!(size(Shape::circle(bad)), refused());
-        assert_eq!(size(Shape::rectangle(bad, SIZE_MIN)), refused());
-        assert_eq!(size(Shape::rectangle(SIZE_MAX, bad)), refused());
-        assert_eq!(size(Shape::capsule(bad, SIZE_MIN)), refused());
-        assert_eq!(size(Shape::capsule(SIZE_MAX, bad)), refused());
+        assert_eq!(size(Shape::circle(bad)), refused(Dimension::Radius, bad));
+        assert_eq!(size(Shape::capsule(bad, SIZE_MIN)), refused(Dimension::Length, bad));
     }
-    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(SIZE_MIN - ULP, 0))), refused());
-    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(SIZE_MAX + ULP, 0))), refused());
-    assert_eq!(size(Shape::segment(vec2(Fx::MIN, Fx::MIN), vec2(Fx::MAX, Fx::MAX))), refused());
-    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, vec2(SIZE_MAX + ULP, 0), Vec2::Y])), refused());
-    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, vec2(ULP, 0), vec2(0, ULP)])), refused());
+    for bad in [SIZE_MIN - ULP, SIZE_MAX + ULP, Fx::ZERO, -SIZE_MIN, Fx::MAX, Fx::MIN] {
+        assert_eq!(size(Shape::rectangle(bad, SIZE_MIN)), refused(Dimension::Width, bad));
+        assert_eq!(size(Shape::rectangle(SIZE_MAX, bad)), refused(Dimension::Height, bad));
+        assert_eq!(size(Shape::capsule(SIZE_MAX, bad)), refused(Dimension::Rounding, bad));
+    }
+    let short = SIZE_MIN - ULP;
+    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(short, 0))), refused(Dimension::Length, short));
+    let long = SIZE_MAX + ULP;
+    assert_eq!(size(Shape::segment(Vec2::ZERO, vec2(long, 0))), refused(Dimension::Coordinate(1), long));
+    let all = size(Shape::segment(vec2(Fx::MIN, Fx::MIN), vec2(Fx::MAX, Fx::MAX)));
+    assert_eq!(all, refused(Dimension::Coordinate(0), Fx::MIN));
+    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, Vec2::Y, vec2(long, 0)])), refused(Dimension::Coordinate(2), long));
+    assert_eq!(size(Shape::polygon(&[Vec2::ZERO, vec2(ULP, 0), vec2(0, ULP)])), refused(Dimension::Extent, ULP));
     let corners = |n: usize| -> Vec<Vec2> {
         (0..n)
             .map(|i| {
@@ -436,7 +442,10 @@ fn sizes_of_shapes_have_their_bounds() {
     let compound = Shape::compound(std::slice::from_ref(&part)).unwrap();
     assert_eq!(size(Shape::compound(&[Part { shape: compound, ..part.clone() }])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])), out_of(Quantity::Density));
-    assert_eq!(size(Shape::compound(&[Part { position: vec2(0, SIZE_MAX + ULP), ..part }])), refused());
+    assert_eq!(
+        size(Shape::compound(&[Part { position: vec2(0, long), ..part }])),
+        refused(Dimension::Coordinate(0), long)
+    );
 }
 
 #[test]

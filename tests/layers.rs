@@ -11,9 +11,9 @@ mod cycles;
 
 /// Modules on one level do not name each other.
 const LEVELS: [&[&str]; 21] = [
-    &["kernel", "slots"],
-    &["error"],
+    &["codes", "kernel", "slots"],
     &["fx"],
+    &["error"],
     &["math"],
     &["scalar"],
     &["limits"],

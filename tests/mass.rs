@@ -7,7 +7,9 @@ mod real;
 
 use random::SplitMix;
 use real::{Real, TAU, exact, factor, ratio, real, to_f64};
-use umbra_physics::{BodyDef, BodyKind, Fx, Geometry, Mass, Part, Shape, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{
+    BodyDef, BodyKind, Dimension, Error, Fx, Geometry, Mass, Part, Quantity, Shape, Vec2, World, WorldDef, fx, vec2,
+};
 
 /// log2 of the relative error.
 fn bits_off(value: &Real, right: &Real) -> f64 {
@@ -274,9 +276,9 @@ fn a_rounded_polygon_does_not_depend_on_its_first_corner_or_winding_or_image() {
 #[test]
 fn a_rounded_polygon_needs_a_radius_and_a_polygon() {
     let square = [vec2(-1, -1), vec2(1, -1), vec2(1, 1), vec2(-1, 1)];
-    let size = umbra_physics::Error::OutOfRange { quantity: umbra_physics::Quantity::Size };
     for radius in [fx!(0), fx!(-1), fx!(4097)] {
-        assert_eq!(Shape::rounded_polygon(&square, radius), Err(size));
+        let quantity = Quantity::Size { dimension: Dimension::Rounding, value: radius };
+        assert_eq!(Shape::rounded_polygon(&square, radius), Err(Error::OutOfRange { quantity }));
     }
     assert!(Shape::rounded_polygon(&square[..2], fx!(1)).is_err());
     assert!(Shape::rounded_polygon(&[square[0], square[2], square[1], square[3]], fx!(1)).is_err());

@@ -21,11 +21,11 @@ use serde_json::Value;
 use umbra_physics::scalar::FxSum;
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
-    ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Elapsed, End, Error, Fault,
-    FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor, FxWide,
-    Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError, MixRule,
-    ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2,
-    World, WorldDef, fx, vec2,
+    ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Elapsed, End,
+    Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
+    FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError,
+    MixRule, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep,
+    Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -104,7 +104,7 @@ fn quantities() -> Vec<Quantity> {
         Mass,
         Inertia,
         Density,
-        Size,
+        Size { dimension: Dimension::Edge(7), value: fx!(0.004) },
         Count,
         Force,
         Torque,
@@ -494,7 +494,7 @@ fn invalid_values_are_not_read() {
         postcard::from_bytes(&postcard::to_allocvec(&(0u32, 5u32)).expect("bytes")).expect("a time step");
     assert_eq!(step, TimeStep::ratio(0, 5));
     for (json, why) in [
-        (r#"{"circle":{"radius":"0"}}"#, "expected a size"),
+        (r#"{"circle":{"radius":"0"}}"#, "expected a radius from 2^-7 to 2^12 m, not 0"),
         (
             r#"{"polygon":{"corners":[{"x":0,"y":0},{"x":1,"y":0},{"x":2,"y":0}]}}"#,
             "is not convex, or repeats its neighbour",

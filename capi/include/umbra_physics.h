@@ -1139,10 +1139,10 @@ UmbraStatus umbra_status_message(UmbraStatus status, char *buffer, size_t capaci
 // A disc of a radius of 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_circle(UmbraFx radius, struct UmbraShape **shape);
 
-// A rectangle about its centre, m.
+// A rectangle about its centre, m: sides from 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_rectangle(UmbraFx width, UmbraFx height, struct UmbraShape **shape);
 
-// A capsule along x; its length is between the centres of its half discs, m.
+// A capsule along x; its length is between the centres of its half discs, and its radius from 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_capsule(UmbraFx length, UmbraFx radius, struct UmbraShape **shape);
 
 // A thin rod between two points, m.

@@ -52,7 +52,7 @@ pub extern "C" fn umbra_shape_circle(
     make(shape, || Ok(Shape::circle(Fx::from_bits(radius))?))
 }
 
-/// A rectangle about its centre, m.
+/// A rectangle about its centre, m: sides from 2^-7 to 2^12 m.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_rectangle(
     width: UmbraFx,
@@ -62,7 +62,7 @@ pub extern "C" fn umbra_shape_rectangle(
     make(shape, || Ok(Shape::rectangle(Fx::from_bits(width), Fx::from_bits(height))?))
 }
 
-/// A capsule along x; its length is between the centres of its half discs, m.
+/// A capsule along x; its length is between the centres of its half discs, and its radius from 2^-7 to 2^12 m.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_shape_capsule(
     length: UmbraFx,

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::error::codes;
+use crate::codes::codes;
 
 /// A value that can be decoded. It is checked as far as possible by itself; the rest is checked when it becomes part of a
 /// world.

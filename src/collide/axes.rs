@@ -4,7 +4,7 @@ use super::cores::{Core, Product, across};
 use super::frame::Direction;
 use super::margin::Limit;
 use super::seam;
-use super::surface::{Link, Surface, is_reached};
+use super::surface::{LEAN, Link, SLACK, Surface, Surfaces, is_reached};
 use crate::kernel::sqrt::direction;
 
 /// The separations of a pair along its normals.
@@ -33,6 +33,81 @@ fn slack<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, k: u32) -> 
     P::length((8 << k) + (a.extent.max(b.extent) >> 28), k)
 }
 
+/// The separations along the normals of a core's edges that are on its surface and in which the surface that faces it pushes, where there
+/// are surfaces; `None` if the cores do not touch.
+fn along<P: Product, const N: usize>(
+    core: &Core<P, N>,
+    other: &Core<P, N>,
+    k: u32,
+    limit: &Limit,
+    surface: Option<&Surface<'_>>,
+    facing: Option<&Surface<'_>>,
+    slack: i64,
+) -> Option<[P; N]> {
+    // A core beyond an edge that is covered is at the neighbour's.
+    if let Some(surface) = surface.filter(|surface| !surface.is_one_sided) {
+        let reach = P::length(seam::REACH + (4 << k), k);
+        let is_covered = |i: &usize| surface.links.iter().all(|link| link.corners[0] != *i);
+        if (0..core.faces()).filter(is_covered).any(|i| core.separation(i, other) > reach) {
+            return None;
+        }
+    }
+    let is_on = |surface: &Surface<'_>, i: usize| {
+        surface.links.iter().any(|link| link.corners[0] == i && reaches(link, None, other, k))
+    };
+    let mut along = [P::LEAST; N];
+    for (i, along) in along.iter_mut().enumerate().take(core.faces()) {
+        if surface.is_some_and(|surface| !is_on(surface, i)) {
+            continue;
+        }
+        let back = core.normals[i].map(|part| -part);
+        match facing {
+            Some(facing) if !facing.has(back, slack, |link, end| reaches(link, end, core, k)) => {
+                if facing.is_across && core.separation(i, other) > limit.radii_product(k) {
+                    return None;
+                }
+            }
+            _ => *along = core.separation(i, other),
+        }
+    }
+    Some(along)
+}
+
+/// The dot product of unit vectors, in units of 2^-60: below 2^61.
+fn dot(n: [i32; 2], m: [i32; 2]) -> i64 {
+    i64::from(n[0]) * i64::from(m[0]) + i64::from(n[1]) * i64::from(m[1])
+}
+
+/// The directions from A to B, normals of edges, with the largest of these separations.
+fn widest<'a, P: Product, const N: usize>(
+    a: &'a Core<P, N>,
+    b: &'a Core<P, N>,
+    along_a: &'a [P; N],
+    along_b: &'a [P; N],
+) -> impl Iterator<Item = [i32; 2]> + 'a {
+    let largest = along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation));
+    let is_widest = move |separation: P| separation == largest && separation > P::LEAST;
+    let of_a = (0..N).filter(move |&i| is_widest(along_a[i])).map(|i| a.normals[i]);
+    of_a.chain((0..N).filter(move |&i| is_widest(along_b[i])).map(|i| b.normals[i].map(|part| -part)))
+}
+
+/// Leaves out the separations along edges from which fewer straight ones go on than from others: a surface that goes on to both sides is the
+/// longer one, on which the other leans.
+fn keep_straightest<P: Product, const N: usize>(sides: [(&mut [P; N], &Surface<'_>); 2]) {
+    let ends = |along: &[P; N], surface: &Surface<'_>| {
+        let edges = (0..N).filter(|&i| along[i] > P::LEAST);
+        edges.map(|i| surface.straight_ends(i)).max().unwrap_or(0)
+    };
+    let most = sides.iter().map(|(along, surface)| ends(along, surface)).max();
+    for (along, surface) in sides {
+        for (i, separation) in along.iter_mut().enumerate() {
+            if Some(surface.straight_ends(i)) != most {
+                *separation = P::LEAST;
+            }
+        }
+    }
+}
+
 /// Numbers of edges of A and of B, one bit each: at most 64.
 pub(super) type Edges = [u64; 2];
 
@@ -51,33 +126,27 @@ impl<P: Product, const N: usize> Axes<P, N> {
         if limit.is_below_product(largest, k) { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
-    /// The separations of a surface, A: along the normals of its edges, and along those of B that A pushes in as directions from A to B.
-    pub(super) fn of_surface(
+    /// The separations of cores on surfaces: along the normals of the edges of each that are on its surface, and in which the surface of the
+    /// other one pushes. Returns `None` also if neighbours have the contact.
+    pub(super) fn of_surfaces(
         a: &Core<P, N>,
         b: &Core<P, N>,
         k: u32,
         limit: &Limit,
-        surface: Surface<'_>,
+        surfaces: &Surfaces<'_>,
     ) -> Option<Self> {
         let slack = slack(a, b, k);
-        let (mut along_a, mut along_b) = ([P::LEAST; N], [P::LEAST; N]);
-        // A core beyond an edge that is covered is at the neighbour's.
-        let reach = P::length(seam::REACH + (4 << k), k);
-        let is_covered = |i: &usize| surface.links.iter().all(|link| link.corners[0] != *i);
-        let mut covered = (0..a.faces()).filter(is_covered);
-        if !surface.is_one_sided && covered.any(|i| a.separation(i, b) > reach) {
-            return None;
-        }
-        for link in surface.links.iter().filter(|link| reaches(link, None, b, k)) {
-            let edge = link.corners[0] & (N - 1);
-            along_a[edge] = a.separation(edge, b);
-        }
-        for (i, along) in along_b.iter_mut().enumerate().take(b.faces()) {
-            let n = b.normals[i].map(|part| -part);
-            if surface.has(n, |link, end| reaches(link, end, b, k)) {
-                *along = b.separation(i, a);
-            } else if surface.is_across && b.separation(i, a) > limit.radii_product(k) {
-                return None;
+        let of_a = |slack| along(a, b, k, limit, surfaces.a.as_ref(), surfaces.b.as_ref(), slack);
+        let of_b = |slack| along(b, a, k, limit, surfaces.b.as_ref(), surfaces.a.as_ref(), slack);
+        let (mut along_a, mut along_b) = (of_a(SLACK)?, of_b(SLACK)?);
+        if let (Some(on_a), Some(on_b)) = (&surfaces.a, &surfaces.b) {
+            let (mut leaning_a, mut leaning_b) = (of_a(LEAN)?, of_b(LEAN)?);
+            keep_straightest([(&mut leaning_a, on_a), (&mut leaning_b, on_b)]);
+            // Another direction than the one in which they lean on each other leads through one of the two.
+            let leaning = || widest(a, b, &leaning_a, &leaning_b);
+            let is_along = |n: [i32; 2]| leaning().any(|m| dot(n, m) > 0);
+            if !widest(a, b, &along_a, &along_b).any(is_along) {
+                (along_a, along_b) = (leaning_a, leaning_b);
             }
         }
         let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));

@@ -6,6 +6,7 @@ use core::cmp::Ordering;
 
 use super::cores::{Core, Product, across};
 use super::span::{Facing, Span};
+use super::surface::Surfaces;
 
 /// Two cores, A and B.
 pub(super) struct Pair<P: Product, const N: usize> {
@@ -182,12 +183,12 @@ impl<P: Product, const N: usize> Pair<P, N> {
         Frame { n, a, b, facing }
     }
 
-    /// The cores along a direction in which a surface, A, pushes. The part of B that is over the edge counts before a corner beside it that
-    /// is nearer, since that one is over a neighbour; `is_own` tells the corners without one.
-    pub(super) fn frame_of_surface(&self, direction: Direction, is_own: impl Fn(usize) -> bool) -> Frame<P> {
+    /// The cores along a direction in which surfaces push. The part of a core that is over the edge of a surface counts before a corner
+    /// beside it that is nearer, since that one is over a neighbour, unless the surface has none there.
+    pub(super) fn frame_of_surfaces(&self, direction: Direction, surfaces: &Surfaces<'_>) -> Frame<P> {
         let frame = self.frame(direction);
         let (a, b) = (&frame.a, &frame.b);
-        if matches!(frame.facing, Facing::Corners(i, _) if !is_own(i))
+        if matches!(frame.facing, Facing::Corners(i, j) if !surfaces.are_own(i, j))
             && a.places[0].max(b.places[0]) < a.places[1].min(b.places[1])
         {
             return Frame { facing: Facing::Edges, ..frame };

@@ -11,9 +11,13 @@
 //! over a seam. Where the chain goes on straight, an edge that lies over the seam has no point there: it has points at its own ends, as
 //! on one long segment.
 //!
-//! The edges of static polygons that are on the [surface](super::seam) of their union follow the same rules, each as a segment whose
-//! neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a polygon pushes as one that
-//! stands alone.
+//! The edges of static polygons, and of polygons of one body, that are on the [surface](super::seam) of their union follow the same rules,
+//! each as a segment whose neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a
+//! polygon pushes as one that stands alone.
+//!
+//! Where both cores are on surfaces (a raft of boxes on a floor of tiles) the rules of both hold. Inner tiles have hardly a direction in common
+//! then, as their bodies lean on each other by some ulps: if there is none, normals that lean by up to 3.6° count, those of the surface that
+//! goes on straight to more sides. Over seams there are no points, so that the raft has those of one long box.
 //!
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 
@@ -23,7 +27,7 @@ use super::frame::{Direction, Frame, Pair};
 use super::place::View;
 use super::points::Ends;
 use super::span::Facing;
-use super::surface::Surface;
+use super::surface::{Surface, Surfaces};
 use super::{Manifold, ManifoldPoint, Margin, collide_placed, swapped_feature, unit};
 use crate::limits::CORNERS;
 
@@ -61,69 +65,91 @@ fn is_past(ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> bool {
     other.corners.iter().take(other.placed.count).any(|corner| along(0, corner) < 0 || along(1, corner) > 0)
 }
 
-/// The manifold of a segment of a chain or of a polygon among others, A, with another core.
+/// The manifold of two cores of which one, or each, is a segment of a chain or a polygon among others.
 #[cold]
-pub(super) fn collide_surface(a: View<'_>, surface: Surface<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
+pub(super) fn collide_surfaces(
+    a: View<'_>,
+    b: View<'_>,
+    mut surfaces: Surfaces<'_>,
+    margin: Margin,
+) -> Option<Manifold> {
     let offset = a.offset_to(&b)?;
     let limit = margin.limit(a.placed.radius + b.placed.radius);
     if limit.is_below(a.gap(&b, offset)) {
         return None;
     }
-    let ends = |i: usize| [a.corners[i], a.corners[(i + 1) % a.placed.count]];
-    let heights = || (0..a.placed.count).map(|i| height(a.normals[i], ends(i), &b, offset));
-    let behind = 2 * i128::from(BEHIND * b.placed.count as i64);
-    if surface.is_one_sided && heights().next() < Some(-(behind << 30)) {
-        return None;
-    }
-    let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
-    let is_across =
-        surface.is_one_sided && is_past(ends(0), &b, offset) && is_behind(lowest(a.normals[0], ends(0), &b, offset));
-    let surface = Surface { is_across, ..surface };
-    if surface.links.is_empty() {
-        // All around are neighbours: only a body that is in the middle of them is pushed, by the nearest edge.
-        return heights().all(|height| height < 0).then(|| collide_placed(a, b, margin)).flatten();
+    let facing_a = surfaces.a.as_mut().map_or(Some(true), |surface| faces(surface, &a, &b, offset));
+    let facing_b = surfaces.b.as_mut().map_or(Some(true), |surface| faces(surface, &b, &a, offset.map(|part| -part)));
+    if !(facing_a? && facing_b?) {
+        return collide_placed(a, b, margin);
     }
     let ends = Ends { a, b, offset, limit };
     match a.placed.count.max(b.placed.count) {
-        0..=4 => within::<4>(&ends, surface),
-        5..=8 => within::<8>(&ends, surface),
-        _ => within::<CORNERS>(&ends, surface),
+        0..=4 => within::<4>(&ends, &surfaces),
+        5..=8 => within::<8>(&ends, &surfaces),
+        _ => within::<CORNERS>(&ends, &surfaces),
     }
 }
 
-fn within<const N: usize>(ends: &Ends<'_>, surface: Surface<'_>) -> Option<Manifold> {
+/// Looks at another core from a surface. Returns `None` if it does not touch the other core, and false for a polygon with neighbours all
+/// around, which has no surface.
+fn faces(surface: &mut Surface<'_>, own: &View<'_>, other: &View<'_>, offset: [i64; 2]) -> Option<bool> {
+    let ends = |i: usize| [own.corners[i], own.corners[(i + 1) % own.placed.count]];
+    let mut heights = (0..own.placed.count).map(|i| height(own.normals[i], ends(i), other, offset));
+    if surface.is_one_sided {
+        let behind = 2 * i128::from(BEHIND * other.placed.count as i64);
+        let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
+        surface.is_across =
+            is_past(ends(0), other, offset) && is_behind(lowest(own.normals[0], ends(0), other, offset));
+        return (heights.next() >= Some(-(behind << 30))).then_some(true);
+    }
+    if surface.links.is_empty() {
+        // Only a body that is in the middle of the neighbours is pushed, by the nearest edge.
+        return heights.all(|height| height < 0).then_some(false);
+    }
+    Some(true)
+}
+
+fn within<const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>) -> Option<Manifold> {
     match unit(ends) {
-        (k, true) => of_cores::<i64, N>(ends, surface, k),
-        (_, false) => of_cores::<i128, N>(ends, surface, 0),
+        (k, true) => of_cores::<i64, N>(ends, surfaces, k),
+        (_, false) => of_cores::<i128, N>(ends, surfaces, 0),
     }
 }
 
-fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surface: Surface<'_>, k: u32) -> Option<Manifold> {
+fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>, k: u32) -> Option<Manifold> {
     let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
-    let axes = Axes::of_surface(&pair.a, &pair.b, k, &ends.limit, surface)?;
-    if surface.outer().any(|n| axes.is_less(pair.separation(n))) {
+    let axes = Axes::of_surfaces(&pair.a, &pair.b, k, &ends.limit, surfaces)?;
+    let outer_a = surfaces.a.iter().flat_map(Surface::outer);
+    let outer_b = surfaces.b.iter().flat_map(Surface::outer).map(|n| n.map(|part| -part));
+    if outer_a.chain(outer_b).any(|n| axes.is_less(pair.separation(n))) {
         return None;
     }
-    let frame = pair.frame_of_surface(axes.direction(&pair.a, &pair.b)?, |corner| surface.is_own(corner));
+    let frame = pair.frame_of_surfaces(axes.direction(&pair.a, &pair.b)?, surfaces);
     // An edge that lies over a corner at which the surface goes on straight has no point there.
     let overlap = |frame: &Frame<P>| {
-        let found = ends.overlap(frame, |at| surface.is_seam(at));
-        found.or_else(|| ends.deepest(frame, |corner| surface.is_own(corner)))
+        let found = ends.overlap(frame, |at| surfaces.is_seam(at));
+        found.or_else(|| ends.deepest(frame, |i, j| surfaces.are_own(i, j)))
     };
     match frame.facing {
         Facing::Edges => {
-            let is_there = surface.has_edge(frame.a.corners, |link, end| reaches(link, end, &pair.b, k));
-            is_there.then(|| overlap(&frame)).flatten()
+            let [last, first] = frame.b.corners;
+            let is_on_a =
+                |surface: &Surface<'_>| surface.has_edge(frame.a.corners, |link, end| reaches(link, end, &pair.b, k));
+            let is_on_b =
+                |surface: &Surface<'_>| surface.has_edge([first, last], |link, end| reaches(link, end, &pair.a, k));
+            let are_on = surfaces.a.as_ref().is_none_or(is_on_a) && surfaces.b.as_ref().is_none_or(is_on_b);
+            are_on.then(|| overlap(&frame)).flatten()
         }
-        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surface.has_at(i, found.normal)),
+        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surfaces.have_at(i, j, found.normal)),
         // The edges do not overlap: the corner that is beside this edge is over a neighbour.
         Facing::Beside(..) | Facing::Touching => {
             let is_facing = |direction: Direction| pair.frame(direction).facing == Facing::Edges;
             match (axes.nearly_as_good(&pair.a, &pair.b, is_facing), frame.facing) {
                 (Some(other), _) => overlap(&pair.frame(other)),
-                (None, Facing::Beside(i, j)) if surface.is_own(i) => {
+                (None, Facing::Beside(i, j)) if surfaces.are_own(i, j) => {
                     ends.single(frame.n, ends.separation(frame.n), i, j)
                 }
                 _ => None,

@@ -2,9 +2,9 @@
 
 use alloc::vec::Vec;
 
-use super::link::{collide_surface, swapped};
+use super::link::{collide_surfaces, swapped};
 use super::seam::Face;
-use super::surface::{Link, Surface};
+use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
 use crate::fx::Fx;
 pub(super) use crate::kernel::round::odd_shift;
@@ -111,6 +111,20 @@ fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
 #[inline(always)]
 fn turned_normal(normal: Vec2<Fx>, pose: &Pose) -> [i32; 2] {
     turned(normal, pose.direction, 64).map(|part| part as i32)
+}
+
+impl Face {
+    /// A face in the axes of a body, in world axes at a pose.
+    pub(crate) fn turned(self, pose: &Pose) -> Self {
+        let turned = |[x, y]: [i64; 2]| turned(Vec2::new(Fx::from_bits(x), Fx::from_bits(y)), pose.direction, 62);
+        let turned_normal = |normal: [i32; 2]| turned(normal.map(i64::from)).map(|part| part as i32);
+        Self {
+            normal: turned_normal(self.normal),
+            ends: self.ends.map(|end| end.map(turned_normal)),
+            part: self.part.map(|ends| ends.map(turned)),
+            ..self
+        }
+    }
 }
 
 /// A core in world axes, without its corners and normals.
@@ -255,16 +269,16 @@ impl Cores {
         self.placed.len() - 1
     }
 
-    /// Names the edges of the outline that was added last that are on the surface among other polygons.
-    pub(crate) fn set_faces(&mut self, faces: &[Face]) {
+    /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.
+    pub(crate) fn set_faces(&mut self, faces: impl Iterator<Item = Face>) {
         let Some((placed, start, is_surface)) = self.placed.last_mut() else { return };
         *is_surface = true;
         let (count, normals) = (placed.count, &self.normals[*start..]);
-        let link = |face: &Face| {
+        let link = |face: Face| {
             let corners = [face.edge, (face.edge + 1) % count];
             Link::new(corners, normals[face.edge], face.ends, face.part)
         };
-        self.links.extend(faces.iter().map(link));
+        self.links.extend(faces.map(link));
         self.surfaces.push((self.placed.len() - 1, false, self.links.len()));
     }
 
@@ -289,13 +303,12 @@ impl Cores {
 
     #[cold]
     fn collide_surfaces(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
-        match (self.surface(a), self.surface(b)) {
-            (None, None) => collide_placed(self.view(a), self.view(b), margin),
-            (Some(surface), None) => collide_surface(self.view(a), surface, self.view(b), margin),
-            (None, Some(surface)) => collide_surface(self.view(b), surface, self.view(a), margin).map(swapped),
-            // Neither of their bodies is dynamic.
-            (Some(_), Some(_)) => None,
+        let surfaces = Surfaces { a: self.surface(a), b: self.surface(b) };
+        if surfaces.a.is_some() {
+            return collide_surfaces(self.view(a), self.view(b), surfaces, margin);
         }
+        let surfaces = Surfaces { a: surfaces.b, b: None };
+        collide_surfaces(self.view(b), self.view(a), surfaces, margin).map(swapped)
     }
 
     #[inline(always)]

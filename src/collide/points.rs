@@ -60,7 +60,7 @@ impl Ends<'_> {
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
     pub(super) fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
-        self.overlap(frame, |_| false).or_else(|| self.deepest(frame, |_| true))
+        self.overlap(frame, |_| false).or_else(|| self.deepest(frame, |_, _| true))
     }
 
     /// The points of two edges that overlap, where the cores are near enough and that are not left out.
@@ -94,11 +94,15 @@ impl Ends<'_> {
         is_there.then(|| self.point(frame.n, at, separation, name))
     }
 
-    /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less, if the corner of A
-    /// that is there counts.
+    /// The point of cores whose deepest corner is beside the overlap of the edges: at the end where these overlap less, if the corners that
+    /// are there count.
     #[cold]
-    pub(super) fn deepest<P: Product>(&self, frame: &Frame<P>, counts: impl Fn(usize) -> bool) -> Option<Manifold> {
-        let (_, [i, j]) = nearest(&frame.a, &frame.b).filter(|(_, [i, _])| counts(*i))?;
+    pub(super) fn deepest<P: Product>(
+        &self,
+        frame: &Frame<P>,
+        count: impl Fn(usize, usize) -> bool,
+    ) -> Option<Manifold> {
+        let (_, [i, j]) = nearest(&frame.a, &frame.b).filter(|(_, [i, j])| count(*i, *j))?;
         self.single(frame.n, self.separation(frame.n), i, j)
     }
 

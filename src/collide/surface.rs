@@ -9,13 +9,17 @@ type Unit = [i32; 2];
 
 /// The sine of the angle by which a direction may be off, in units of 2^-60: 2^-20. Normals err by 2^-30, directions between corners
 /// by 1.5 ulp over their distance, which is 2^-7 m at least where it counts.
-const SLACK: i64 = 1 << 40;
+pub(super) const SLACK: i64 = 1 << 40;
 
-/// Returns true for a direction between two others, counter-clockwise, less than half a turn apart, within rounding.
-fn is_between(n: Unit, [from, to]: [Unit; 2]) -> bool {
+/// The same for flat sides of two surfaces that lean on each other, 2^-4.
+pub(super) const LEAN: i64 = 1 << 56;
+
+/// Returns true for a direction between two others, counter-clockwise, less than half a turn apart, within the sine of an angle in units of
+/// 2^-60.
+fn is_between(n: Unit, [from, to]: [Unit; 2], slack: i64) -> bool {
     let cross = |a: Unit, b: Unit| i64::from(a[0]) * i64::from(b[1]) - i64::from(a[1]) * i64::from(b[0]);
     let dot = |a: Unit, b: Unit| i64::from(a[0]) * i64::from(b[0]) + i64::from(a[1]) * i64::from(b[1]);
-    cross(from, n) >= -SLACK && cross(n, to) >= -SLACK && i128::from(dot(n, from)) + i128::from(dot(n, to)) > 0
+    cross(from, n) >= -slack && cross(n, to) >= -slack && i128::from(dot(n, from)) + i128::from(dot(n, to)) > 0
 }
 
 /// An edge on a surface, and the directions in which it pushes, in world axes.
@@ -49,7 +53,7 @@ impl Link {
     ) -> Self {
         let along = across(normal);
         let is_straight = [before, after].map(|neighbour| match neighbour {
-            Neighbour::Inner(other) | Neighbour::Outer(other) => is_between(other, [normal; 2]),
+            Neighbour::Inner(other) | Neighbour::Outer(other) => is_between(other, [normal; 2], SLACK),
             _ => false,
         });
         let outer = [0, 1].map(|end| match [before, after][end] {
@@ -72,7 +76,8 @@ impl Link {
     fn is_beyond(&self, end: usize, n: Unit) -> bool {
         let back = self.normal.map(|part| -part);
         let [far, outward] = [self.cones[0][0], self.cones[1][1]];
-        self.is_free[end] && if end == 0 { is_between(n, [back, far]) } else { is_between(n, [outward, back]) }
+        let between = if end == 0 { [back, far] } else { [outward, back] };
+        self.is_free[end] && is_between(n, between, SLACK)
     }
 
     fn is_at(&self, corner: usize, at_end: [bool; 2]) -> bool {
@@ -92,24 +97,24 @@ pub(super) struct Surface<'a> {
 }
 
 impl Surface<'_> {
-    /// Returns true if the surface may push in a direction, a normal of the other core.
+    /// Returns true if the surface may push in a direction, a normal of the other core, within this slack.
     ///
     /// `reaches` says of an edge if the other core is over the part of it that is on the surface, or, where an end is given, beyond that
     /// end. At a corner of one polygon both edges have to be near in that way: the other core may be beside one of them where that is
     /// covered.
-    pub(super) fn has(&self, n: Unit, reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
+    pub(super) fn has(&self, n: Unit, slack: i64, reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
         let is_at_end = |link: &Link, end: usize| {
             let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);
-            let is_between = is_between(n, link.cones[end]) || self.is_across && link.is_beyond(end, n);
+            let is_between = is_between(n, link.cones[end], slack) || self.is_across && link.is_beyond(end, n);
             is_between && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)) && reaches(link, None))
     }
 
     /// Returns true if the surface may push in a direction at a corner.
-    pub(super) fn has_at(&self, corner: usize, n: Unit) -> bool {
+    fn has_at(&self, corner: usize, n: Unit) -> bool {
         let is_at_end = |link: &Link, end: usize| {
-            let is_between = is_between(n, link.cones[end]) || self.is_across && link.is_beyond(end, n);
+            let is_between = is_between(n, link.cones[end], SLACK) || self.is_across && link.is_beyond(end, n);
             link.corners[end] == corner && !link.is_covered[end] && is_between
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)))
@@ -120,13 +125,19 @@ impl Surface<'_> {
         self.links.iter().flat_map(|link| link.outer).flatten()
     }
 
-    /// Returns true for a point where an edge of the other core lies over a corner at which the surface goes on straight.
-    pub(super) fn is_seam(&self, at: At) -> bool {
-        matches!(at, At::A(corner) if self.links.iter().any(|link| link.is_at(corner, link.is_straight)))
+    /// Returns true for a corner at which the surface goes on straight.
+    fn is_seam(&self, corner: usize) -> bool {
+        self.links.iter().any(|link| link.is_at(corner, link.is_straight))
+    }
+
+    /// The number of ends at which the surface goes on straight from an edge, by the edge's first corner.
+    pub(super) fn straight_ends(&self, edge: usize) -> usize {
+        let link = self.links.iter().find(|link| link.corners[0] == edge);
+        link.map_or(0, |link| link.is_straight.into_iter().filter(|is_straight| *is_straight).count())
     }
 
     /// Returns true for a corner at which the surface goes on along the same polygon.
-    pub(super) fn is_own(&self, corner: usize) -> bool {
+    fn is_own(&self, corner: usize) -> bool {
         self.links.iter().any(|link| link.is_at(corner, link.is_own))
     }
 
@@ -134,6 +145,37 @@ impl Surface<'_> {
     pub(super) fn has_edge(&self, corners: [usize; 2], reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
         let is_there = |link: &Link| link.corners == corners && reaches(link, None);
         self.is_one_sided || corners[0] == corners[1] || self.links.iter().any(is_there)
+    }
+}
+
+/// The surfaces of the two cores of a pair, of those that have one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Surfaces<'a> {
+    pub(super) a: Option<Surface<'a>>,
+    pub(super) b: Option<Surface<'a>>,
+}
+
+impl Surfaces<'_> {
+    /// Returns true for a point where an edge of a core lies over a corner at which the surface of the other one goes on straight, or where
+    /// both surfaces do.
+    pub(super) fn is_seam(&self, at: At) -> bool {
+        let is_seam = |surface: &Option<Surface<'_>>, corner| surface.is_some_and(|surface| surface.is_seam(corner));
+        match at {
+            At::A(i) => is_seam(&self.a, i),
+            At::B(j) => is_seam(&self.b, j),
+            At::Both(i, j) => is_seam(&self.a, i) && is_seam(&self.b, j),
+        }
+    }
+
+    /// Returns true if at a corner of A and at one of B no surface goes on along another polygon.
+    pub(super) fn are_own(&self, i: usize, j: usize) -> bool {
+        self.a.is_none_or(|surface| surface.is_own(i)) && self.b.is_none_or(|surface| surface.is_own(j))
+    }
+
+    /// Returns true if the surfaces may push in a direction from A to B at a corner of A and one of B.
+    pub(super) fn have_at(&self, i: usize, j: usize, n: Unit) -> bool {
+        self.a.is_none_or(|surface| surface.has_at(i, n))
+            && self.b.is_none_or(|surface| surface.has_at(j, n.map(|part| -part)))
     }
 }
 

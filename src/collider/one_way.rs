@@ -87,7 +87,7 @@ impl<S: Scalar> OneWay<S> {
 }
 
 /// The side from which a collider holds, in the axes of its body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Side<S = Fx> {
     /// A unit vector.
     pub(crate) direction: Vec2<S>,

@@ -104,6 +104,8 @@ pub(crate) struct Collider<S: Scalar = Fx> {
     pub(crate) digest: u64,
     /// A hash of the definition without the handle of the body.
     pub(crate) physics_digest: u64,
+    /// The revision after the last change of the body's colliders, if this is the first of them.
+    body_revision: u64,
 }
 
 /// An outline of a collider in the axes of its body, relative to the body's centre of mass.
@@ -166,8 +168,13 @@ impl<S: Scalar> ColliderSet<S> {
         self.revision
     }
 
-    /// Notes a change of the collider in a slot.
-    fn note(&mut self, slot: u32) {
+    /// A name of the colliders of the body in a slot: caches of a step compare it. Copies of a world have the same.
+    pub(crate) fn revision_of(&self, body: u32) -> Option<u64> {
+        self.of_slot(body).next().map(|first| first.body_revision)
+    }
+
+    /// Notes a change of the collider of a body in a slot.
+    fn note(&mut self, slot: u32, body: u32) {
         let mut sink = StateHasher::new();
         self.revision.write(&mut sink);
         slot.write(&mut sink);
@@ -177,6 +184,10 @@ impl<S: Scalar> ColliderSet<S> {
             self.changes.drain(..CHANGES / 2);
         }
         push(&mut self.changes, (self.revision, slot));
+        let (first, revision) = (self.first[body as usize], self.revision);
+        if let Some(first) = self.at_mut(first) {
+            first.body_revision = revision;
+        }
     }
 
     /// The slots whose colliders were added, changed or removed since a revision, perhaps more than once; `None` if that was too many
@@ -261,7 +272,7 @@ impl<S: Scalar> ColliderSet<S> {
         self.more_outlines += more_outlines(&def);
         self.kinds.count(&def, core::ops::Add::add);
         self.list.push(Collider::new(slot, body, def, [NONE, next]));
-        self.note(slot);
+        self.note(slot, body.slot);
     }
 
     /// The index in the list of the collider in a slot, if there is one.
@@ -302,7 +313,7 @@ impl<S: Scalar> ColliderSet<S> {
             self.kinds.count(before, core::ops::Sub::sub);
             self.kinds.count(&def, core::ops::Add::add);
             *collider = Collider::new(slot, body, def, [previous, next]);
-            self.note(slot);
+            self.note(slot, body.slot);
         }
         Ok(())
     }
@@ -328,7 +339,7 @@ impl<S: Scalar> ColliderSet<S> {
         if let Some(next) = self.at_mut(next) {
             next.previous = previous;
         }
-        self.note(id.slot);
+        self.note(id.slot, body.slot);
         Ok(())
     }
 
@@ -436,7 +447,22 @@ impl<S: Scalar> Collider<S> {
         def.write(&mut sink);
         let side = def.one_way.map(|one_way| one_way.side(def.angle));
         let (digest, physics_digest) = (sink.finish(), StateHasher::of(&def));
-        Self { slot, body, previous, next, def, first, others, count, radius, width, side, digest, physics_digest }
+        Self {
+            slot,
+            body,
+            previous,
+            next,
+            def,
+            first,
+            others,
+            count,
+            radius,
+            width,
+            side,
+            digest,
+            physics_digest,
+            body_revision: 0,
+        }
     }
 
     /// An outline by its number among the shape's: 0 unless the shape is a compound or a chain. *Domain* it is there.
@@ -461,6 +487,12 @@ impl<S: Scalar> Collider<S> {
     #[inline(always)]
     pub(crate) fn outline_count(&self) -> u32 {
         self.count
+    }
+
+    /// Returns true if the body has other outlines than the first one of this collider.
+    #[inline(always)]
+    pub(crate) fn has_others(&self) -> bool {
+        self.count > 1 || self.previous != NONE || self.next != NONE
     }
 
     /// Returns true for a disc around the centre of mass of its body that looks alike at all angles.

@@ -3,8 +3,8 @@
 //! Contacts are found on free flights. A body that an impact turns aside or sets in motion may meet another one that its free flight
 //! does not: so after the solver has run, the paths of these bodies are asked for the moments at which they meet what they have no
 //! contact with, the contacts found are added, and their islands are solved again from the start of the step, up to [`ROUNDS`] times. The
-//! set of contacts only grows, and is a function of the scene. Bodies that are deflected still after that are swept as bullets are: they stop at
-//! what they meet, and have the impact in the next step.
+//! set of contacts only grows, and is a function of the scene. Only bodies that are deflected still after all rounds are swept as bullets are: they
+//! stop at what they meet, and have the impact in the next step. (Bodies of a pile, whose contacts the solver has, would stop at each other for ever.)
 
 use super::engine::Engine;
 use super::flights::FlightOf;
@@ -30,9 +30,15 @@ impl Engine {
             return false;
         }
         self.find_deflected(scene, corrections);
-        if self.sweep.fast.is_empty() {
-            return false;
+        let has_met = !self.sweep.fast.is_empty() && self.meet_all_deflected(scene, corrections, out);
+        if !has_met {
+            self.sweep.deflected.clear();
         }
+        has_met
+    }
+
+    /// Adds the contacts that the deflected bodies meet on the paths of these corrections. Returns true if there is one.
+    fn meet_all_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction], out: &mut Detected) -> bool {
         let paths = Paths { scene, corrections, is_corrected: false };
         self.find_pairs(&paths, &|_| false);
         self.flights.set_deflections(corrections);
@@ -51,8 +57,9 @@ impl Engine {
 
     /// Lists the dynamic bodies that move, and of which impulses change the way: it is neither the one of the free flight nor, for what
     /// something carries, that of the velocity of the start.
-    fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
+    pub(crate) fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
         self.sweep.fast.clear();
+        self.sweep.deflected.clear();
         for (flight, correction) in corrections.iter().enumerate() {
             let place = self.flights.body(flight as u32);
             let may_meet = place.kind == FlightOf::Dynamic && self.again.may_have_changed(flight as u32);

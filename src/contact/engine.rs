@@ -6,22 +6,24 @@ use alloc::vec::Vec;
 #[cfg(feature = "selftest")]
 use super::MARGIN;
 use super::approach::{Approach, approach};
+use super::body_tiles::BodyTiles;
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::moment::{Way, take_back};
 use super::numbers::Numbers;
 use super::passes::{Near, PassRecord};
 use super::reach::{closing, swept};
-use super::seams::{self, Chains, Features, is_moved, rolling_radius, take_over};
+use super::seams::{self, Features, Union, Unions, corners, rolling_radius, take_over};
 use super::solved::{Again, FoundContact};
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
-use super::tiles::{SLANTED, Tiles};
+use super::tiles::{SLANTED, Tiles, are_joined, is_polygon};
 use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
 use crate::collide::broad::{BroadPhase, Proxy, Statics};
-use crate::collide::{Cores, Manifold, Margin};
+use crate::collide::seam::Face;
+use crate::collide::{Cores, Manifold, Margin, Pose};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::slots::NONE;
@@ -33,8 +35,9 @@ pub(crate) struct Engine {
     pub(super) flights: Flights,
     /// The outlines as the broad phase knows them.
     pub(super) numbers: Numbers,
-    pub(super) chains: Chains,
+    pub(super) unions: Unions,
     pub(super) tiles: Tiles,
+    body_tiles: BodyTiles,
     /// Outlines in world axes, and the index of each by its number.
     pub(super) cores: Cores,
     pub(super) core_of: Stamped,
@@ -117,15 +120,57 @@ impl Engine {
     }
 
     fn place(&mut self, scene: &Scene<'_>, number: u32, outline: &BodyOutline, flight: u32) -> usize {
-        let body = self.flights.body(flight);
-        let core = self.cores.push(&outline.outline, &body.pose);
+        let pose = self.flights.body(flight).pose;
+        let core = self.push_core(scene, number, outline, flight, &pose);
         self.core_of.set(number, core as u32);
-        if let (FlightOf::Static, Some(Still { statics, .. })) = (body.kind, &self.still) {
-            if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, outline, &body.pose) {
-                self.cores.set_faces(faces);
+        core
+    }
+
+    /// Places an outline at a pose of its body.
+    pub(super) fn push_core(
+        &mut self,
+        scene: &Scene<'_>,
+        number: u32,
+        outline: &BodyOutline,
+        flight: u32,
+        pose: &Pose,
+    ) -> usize {
+        let core = self.cores.push(&outline.outline, pose);
+        if !is_polygon(outline) {
+            return core;
+        }
+        let body = self.flights.body(flight);
+        match (&self.still, body.kind) {
+            (Some(Still { statics, .. }), FlightOf::Static) => {
+                if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, outline, pose) {
+                    self.cores.set_faces(faces.iter().copied());
+                }
+            }
+            (_, FlightOf::Static) => {}
+            _ => {
+                let id = self.numbers.outline(number);
+                if !scene.colliders.at(id.slot).is_some_and(Collider::has_others) {
+                    return core;
+                }
+                if let Some(faces) = self.body_tiles.find(scene.colliders, body.slot, id) {
+                    self.cores.set_faces(faces.iter().map(|face| face.turned(pose)));
+                }
             }
         }
         core
+    }
+
+    /// The surface of an outline that was placed; none if the outline stands alone.
+    pub(super) fn faces(&self, scene: &Scene<'_>, number: u32) -> &[Face] {
+        let id = self.numbers.outline(number);
+        let Some(collider) = scene.colliders.at(id.slot) else { return &[] };
+        let slot = collider.body.slot;
+        let surface = match self.flights.at(slot).map(|flight| self.flights.body(flight).kind) {
+            Some(FlightOf::Static) => self.tiles.surface(number),
+            _ if collider.has_others() => self.body_tiles.surface(scene.colliders, slot, id),
+            _ => None,
+        };
+        surface.unwrap_or_default()
     }
 
     /// An outline of a body at the start of the step.
@@ -134,14 +179,14 @@ impl Engine {
             return self.core(scene, number, outline, flight);
         };
         if self.start_core_of.get(number) == NONE {
-            let core = self.cores.push(&outline.outline, &pose);
+            let core = self.push_core(scene, number, outline, flight, &pose);
             self.start_core_of.set(number, core as u32);
         }
         self.start_core_of.get(number) as usize
     }
 
-    /// Adds to the impulses that a contact with a segment of a chain, or with a static polygon among others, starts from those that its
-    /// points had with other segments or polygons. The surface is at this side of the pair.
+    /// Adds to the impulses that a contact with a segment of a chain, or with a polygon among others, starts from those that its points had
+    /// with other segments or polygons. The surface is at this side of the pair.
     #[cold]
     fn start_over_seams(
         &mut self,
@@ -152,28 +197,37 @@ impl Engine {
         start: &mut Impulses,
     ) {
         let (own, other) = (pair[side], 1 - side);
-        let is_tile = self.tiles.surface(numbers[side]).is_some();
-        let mut terms = core::mem::take(&mut self.chains.terms);
+        let Some(collider) = scene.colliders.at(own.slot) else { return };
+        let Some(surface) = Union::of(scene, collider) else { return };
+        let mut terms = core::mem::take(&mut self.unions.terms);
         terms.clear();
-        for i in self.chains.of(scene, contacts, if is_tile { NONE } else { own.slot }, pair[other]) {
-            let record = contacts.records[self.chains.record(i)];
-            // A body may be the first one of its pair with one tile, and the second one of that with the next.
-            let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
-            let before = record.pair();
-            if before[side] == own || record.is_slack() || !is_moved(features, &record, other) {
-                continue;
+        let mut seen = None;
+        for corner in corners(features, other) {
+            for i in self.unions.of(scene, contacts, surface, pair[other], corner) {
+                let record = contacts.records[self.unions.record(i)];
+                // A body may be the first one of its pair with one tile, and the second one of that with the next.
+                let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
+                let before = record.pair();
+                let is_seen = |corner| corners((record.features(), record.count()), other).any(|name| name == corner);
+                if before[side] == own || seen.is_some_and(is_seen) {
+                    continue;
+                }
+                let mut near = numbers;
+                near[side] = self.numbers.first(before[side].slot) + before[side].part;
+                let manifold = self.mean_manifold(scene, near, before);
+                let is_joined = matches!(surface, Union::Chain(_)) || {
+                    let faces = [numbers[side], near[side]].map(|number| self.faces(scene, number));
+                    are_joined(faces, side, features, &record, SLANTED)
+                };
+                if is_joined {
+                    let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
+                    take_over(&mut terms, features, &record, features_there, other);
+                }
             }
-            let mut near = numbers;
-            near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            let manifold = self.mean_manifold(scene, near, before);
-            if is_tile && !self.tiles.are_joined([numbers[side], near[side]], side, features, &record, SLANTED) {
-                continue;
-            }
-            let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
-            take_over(&mut terms, features, &record, features_there, other);
+            seen = Some(corner);
         }
         seams::add(start, &terms);
-        self.chains.terms = terms;
+        self.unions.terms = terms;
     }
 
     /// The manifold of two outlines at the start of the step.
@@ -292,9 +346,11 @@ impl Engine {
         }
         let (features, count) = (manifold.features(), manifold.count);
         let mut start = record.map_or_else(Default::default, |record| record.start(features, count));
-        let is_seamed = |side: usize| [a, b][side].def.shape.is_chain() || self.tiles.surface(numbers[side]).is_some();
-        if let Some(side) = (0..2).find(|&side| is_seamed(side)) {
-            self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
+        for (side, collider) in [a, b].into_iter().enumerate() {
+            let may_have_neighbours = kinds[side] == FlightOf::Static || collider.has_others();
+            if collider.def.shape.is_chain() || may_have_neighbours && !self.faces(scene, numbers[side]).is_empty() {
+                self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
+            }
         }
         self.add_contact(scene, pair, [a, b], ends, &manifold, &ways, start);
     }
@@ -353,7 +409,7 @@ impl Engine {
         self.again.clear();
         self.start_core_of.clear();
         let are_renumbered = self.numbers.update(scene.colliders);
-        self.chains.clear();
+        self.unions.clear();
         self.flights.begin(scene);
         self.update_still(scene, are_renumbered, &mut out.disturbed);
         self.place_movers(scene);

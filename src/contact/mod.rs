@@ -14,7 +14,7 @@
 //! - `approach`: how fast points approach each other.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
 //! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
-//! - `tiles`: static polygons beside each other, as one surface.
+//! - `tiles`: static polygons beside each other, as one surface; `body_tiles`: those of one body.
 //! - `flights`: the bodies of a step.
 //! - `split`: islands under heavy loads, in finer sub-steps.
 //! - `sweep`: the paths of fast bodies.
@@ -25,6 +25,7 @@
 mod approach;
 mod asleep;
 mod bodies;
+mod body_tiles;
 mod deflected;
 mod engine;
 mod events;

@@ -14,8 +14,9 @@
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::reach::approach_bound;
+use super::seams::Union;
 use super::sweep::{self, Paths};
-use super::tiles::SLANTED;
+use super::tiles::{SLANTED, are_joined};
 use super::{ContactRecord, ContactSet, MARGIN, Scene, Start};
 use crate::collide::sweep::Sweep;
 use crate::collide::{Manifold, Pose};
@@ -24,7 +25,6 @@ use crate::fx::Fx;
 use crate::kernel::wide::mul_shift;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
-use crate::slots::NONE;
 use crate::solve::{Flight, Point};
 
 /// Bodies that approach by less than this in a step, 4 mm, are slow: as much as gravity does to a body at rest.
@@ -162,50 +162,52 @@ impl Engine {
         if !is_asked || contacts.presses_nearby(pair, colliders) {
             return Some((self.manifold(scene, numbers, parts, colliders, ends)?, ways));
         }
-        let still = (0..2).find(|&side| kinds[side] == FlightOf::Static);
-        let mean = still.and_then(|_| self.manifold(scene, numbers, parts, colliders, ends));
-        if let (Some(side), Some(manifold)) = (still, mean) {
-            if self.comes_over_seam(scene, numbers, pair, side, contacts, &manifold, SLANTED) {
-                return Some((manifold, ways));
+        let may_be_tile = |side: usize| kinds[side] == FlightOf::Static || colliders[side].has_others();
+        if may_be_tile(0) || may_be_tile(1) {
+            let mean = self.manifold(scene, numbers, parts, colliders, ends);
+            if let Some(manifold) = mean {
+                if self.comes_over_seams(scene, numbers, pair, colliders, contacts, &manifold, SLANTED) {
+                    return Some((manifold, ways));
+                }
             }
         }
         let paths = Paths { scene, corrections: &[], is_corrected: false };
         let (manifold, ways) = self.meet_on_paths(scene, numbers, parts, colliders, ends, &paths)?;
         // What it comes to later on a level surface it does not meet before it is there.
-        let is_later =
-            still.is_some_and(|side| self.comes_over_seam(scene, numbers, pair, side, contacts, &manifold, LEVEL));
+        let is_later = self.comes_over_seams(scene, numbers, pair, colliders, contacts, &manifold, LEVEL);
         (!is_later).then_some((manifold, ways))
     }
 
-    /// Returns true if an outline pressed another tile in the step before, whose surface goes on, at an angle of up to this cosine, where it
-    /// touches the tile at this side of the pair: a body that slides from tile to tile touches the next one as it touched the last one.
-    fn comes_over_seam(
+    /// Returns true if an outline of a pair pressed a tile beside the other one in the step before, and the surface goes on from tile to tile where
+    /// they touch, at an angle of up to this cosine: a body that slides from tile to tile touches the next one as it touched the last one.
+    fn comes_over_seams(
         &mut self,
         scene: &Scene<'_>,
         numbers: [u32; 2],
         pair: [OutlineId; 2],
-        side: usize,
+        colliders: [&Collider; 2],
         contacts: &ContactSet,
         manifold: &Manifold,
         cosine: i64,
     ) -> bool {
-        if self.tiles.surface(numbers[side]).is_none() {
-            return false;
-        }
         let features = (manifold.features(), manifold.count);
-        for i in self.chains.of(scene, contacts, NONE, pair[1 - side]) {
-            let record = contacts.records[self.chains.record(i)];
-            // A body may be the first one of its pair with one tile, and the second one of that with the next.
-            let record = if record.pair()[1 - side] == pair[1 - side] { record } else { record.swapped() };
-            if record.is_slack() {
+        for side in 0..2 {
+            if self.faces(scene, numbers[side]).is_empty() {
                 continue;
             }
-            let (before, mut near) = (record.pair(), numbers);
-            near[side] = self.numbers.first(before[side].slot) + before[side].part;
-            // The surface of a tile is known once the tile is placed.
-            _ = self.mean_manifold(scene, near, before);
-            if self.tiles.are_joined([numbers[side], near[side]], side, features, &record, cosine) {
-                return true;
+            let Some(union) = Union::of(scene, colliders[side]) else { continue };
+            for i in self.unions.of_outline(scene, contacts, union, pair[1 - side]) {
+                let record = contacts.records[self.unions.record(i)];
+                // A body may be the first one of its pair with one tile, and the second one of that with the next.
+                let record = if record.pair()[1 - side] == pair[1 - side] { record } else { record.swapped() };
+                let (before, mut near) = (record.pair(), numbers);
+                near[side] = self.numbers.first(before[side].slot) + before[side].part;
+                // The surface of a tile is known once the tile is placed.
+                _ = self.mean_manifold(scene, near, before);
+                let faces = [numbers[side], near[side]].map(|number| self.faces(scene, number));
+                if are_joined(faces, side, features, &record, cosine) {
+                    return true;
+                }
             }
         }
         false
@@ -236,7 +238,7 @@ impl Engine {
             cores[side] = if both[side].moves() {
                 let (centre, angle) = both[side].leg(moment).0.pose(moment);
                 let pose = Pose::new(Vec2::new(Fx::from_bits(centre[0]), Fx::from_bits(centre[1])), angle);
-                self.cores.push(&outline.outline, &pose)
+                self.push_core(scene, numbers[side], &outline, ends[side], &pose)
             } else {
                 self.core(scene, numbers[side], &outline, ends[side])
             };

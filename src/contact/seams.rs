@@ -1,4 +1,4 @@
-//! Impulses of points that go over a seam: from one segment of a chain to the next.
+//! Impulses of points that go over a seam: from one segment of a chain, or one polygon among others, to the next.
 //!
 //! A corner of a body, or the middle of a ball, that was on a segment in the step before and is on the next one now is the same point: it
 //! starts from the impulse that it had there. So a body rolls over a chain as over one long segment.
@@ -8,68 +8,117 @@ use core::ops::Range;
 
 use super::{ContactRecord, ContactSet, Scene};
 use crate::body::BodyKind;
-use crate::collider::OutlineId;
+use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
-use crate::slots::NONE;
 use crate::solve::Impulses;
 
 /// The features of a manifold, and the number of its points.
 pub(super) type Features = ([u32; 2], usize);
 
-/// The records of contacts with chains and with static colliders, by chain and by the outline on it.
+/// Outlines with one surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Union {
+    /// The chain in a slot.
+    Chain(u32),
+    /// All static polygons.
+    Static,
+    /// The polygons of a body, by its slot.
+    Body(u32),
+}
+
+impl Union {
+    /// The union that a collider belongs to; `None` for the only outline of a body that is not static.
+    pub(super) fn of(scene: &Scene<'_>, collider: &Collider) -> Option<Self> {
+        let body = collider.body;
+        if collider.def.shape.is_chain() {
+            return Some(Self::Chain(collider.slot));
+        }
+        let dense = scene.bodies.index_of(body)?;
+        match scene.bodies.contact_info(dense).kind {
+            BodyKind::Static => Some(Self::Static),
+            _ => collider.has_others().then_some(Self::Body(body.slot)),
+        }
+    }
+}
+
+/// The records of contacts with unions in which a corner of the outline on the union has an impulse.
 #[derive(Debug, Default)]
-pub(super) struct Chains {
-    /// The slot of the chain, or [`NONE`] for a static collider of another shape; the outline on it, and the index of the record.
-    records: Vec<(u32, OutlineId, u32)>,
+pub(super) struct Unions {
+    /// The union, the outline on it, the corner of that outline, and the index of the record.
+    records: Vec<(Union, OutlineId, u32, u32)>,
     /// True if the records of this step are listed.
     is_listed: bool,
     /// Impulses that the present contact takes over.
     pub(super) terms: Vec<Term>,
 }
 
-impl Chains {
+impl Unions {
     pub(super) fn clear(&mut self) {
         self.records.clear();
         self.is_listed = false;
     }
 
-    /// The records of an outline on a chain. They are listed when they are first asked for.
-    pub(super) fn of(&mut self, scene: &Scene<'_>, contacts: &ContactSet, chain: u32, on: OutlineId) -> Range<usize> {
-        if !self.is_listed {
-            self.is_listed = true;
-            let is_static = |body| {
-                scene.bodies.index_of(body).is_some_and(|at| scene.bodies.contact_info(at).kind == BodyKind::Static)
-            };
-            let surface = |slot: u32| {
-                let collider = scene.colliders.at(slot)?;
-                let is_chain = collider.def.shape.is_chain();
-                (is_chain || is_static(collider.body)).then_some(if is_chain { slot } else { NONE })
-            };
-            for (i, record) in (0..).zip(&contacts.records) {
-                let pair = record.pair();
-                if let Some((side, of)) = (0..2).find_map(|side| Some((side, surface(pair[side].slot)?))) {
-                    self.records.push((of, pair[1 - side], i));
+    /// The records of a corner of an outline on a union: by corner, as many outlines of a body may lie on one outline, and few at a corner of it.
+    pub(super) fn of(
+        &mut self,
+        scene: &Scene<'_>,
+        contacts: &ContactSet,
+        union: Union,
+        on: OutlineId,
+        corner: u32,
+    ) -> Range<usize> {
+        self.list(scene, contacts);
+        self.range((union, on, corner), (union, on, corner))
+    }
+
+    /// The records of an outline on a union, for each of its corners.
+    pub(super) fn of_outline(
+        &mut self,
+        scene: &Scene<'_>,
+        contacts: &ContactSet,
+        union: Union,
+        on: OutlineId,
+    ) -> Range<usize> {
+        self.list(scene, contacts);
+        self.range((union, on, 0), (union, on, u32::MAX))
+    }
+
+    /// Lists the records when they are first asked for.
+    fn list(&mut self, scene: &Scene<'_>, contacts: &ContactSet) {
+        if self.is_listed {
+            return;
+        }
+        self.is_listed = true;
+        for (i, record) in (0..).zip(&contacts.records).filter(|(_, record)| !record.is_slack()) {
+            let pair = record.pair();
+            for side in 0..2 {
+                let collider = scene.colliders.at(pair[side].slot);
+                if let Some(union) = collider.and_then(|collider| Union::of(scene, collider)) {
+                    let corners = corners((record.features(), record.count()), 1 - side);
+                    self.records.extend(corners.map(|corner| (union, pair[1 - side], corner, i)));
                 }
             }
-            self.records.sort_unstable();
         }
-        let key = |&(chain, on, _): &(u32, OutlineId, u32)| (chain, on);
-        let from = self.records.partition_point(|record| key(record) < (chain, on));
-        let count = self.records[from..].partition_point(|record| key(record) == (chain, on));
+        self.records.sort_unstable();
+        self.records.dedup();
+    }
+
+    fn range(&self, first: (Union, OutlineId, u32), last: (Union, OutlineId, u32)) -> Range<usize> {
+        let key = |&(union, on, corner, _): &(Union, OutlineId, u32, u32)| (union, on, corner);
+        let from = self.records.partition_point(|record| key(record) < first);
+        let count = self.records[from..].partition_point(|record| key(record) <= last);
         from..from + count
     }
 
     /// The index of a record.
     pub(super) fn record(&self, i: usize) -> usize {
-        self.records[i].2 as usize
+        self.records[i].3 as usize
     }
 }
 
-/// Returns true if a corner in a manifold, of the collider on one side, has an impulse in a record.
-pub(super) fn is_moved((features, count): Features, record: &ContactRecord, other: usize) -> bool {
-    let corners = |features: [u32; 2], count| features.into_iter().take(count).filter_map(move |f| corner(f, other));
-    let mut own = corners(features, count);
-    own.any(|own| corners(record.features(), record.count()).any(|before| before == own))
+/// The corners in the points of a manifold, of the collider on one side.
+pub(super) fn corners((features, count): Features, side: usize) -> impl Iterator<Item = u32> {
+    features.into_iter().take(count).filter_map(move |feature| corner(feature, side))
 }
 
 /// The corner in a point, of one of the two colliders; `None` for an edge.

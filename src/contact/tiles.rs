@@ -26,10 +26,38 @@ use crate::slots::NONE;
 pub(super) struct Tiles {
     /// By number of the outline: the number of its surface, or [`ALONE`].
     of: Stamped,
-    surfaces: Vec<Range<usize>>,
-    faces: Vec<Face>,
+    surfaces: SurfaceList,
     /// Workspace: a polygon and the ones near it.
     polygons: Polygons,
+}
+
+/// Surfaces by number.
+#[derive(Debug, Default)]
+pub(super) struct SurfaceList {
+    surfaces: Vec<Range<usize>>,
+    faces: Vec<Face>,
+}
+
+impl SurfaceList {
+    pub(super) fn clear(&mut self) {
+        self.surfaces.clear();
+        self.faces.clear();
+    }
+
+    /// Adds the surface of the first of some polygons, and returns its number; [`ALONE`] if no other one touches it.
+    pub(super) fn add(&mut self, polygons: &mut Polygons) -> u32 {
+        let from = self.faces.len();
+        if is_crowd(polygons) || !polygons.faces(&mut self.faces) {
+            return ALONE;
+        }
+        self.surfaces.push(from..self.faces.len());
+        self.surfaces.len() as u32 - 1
+    }
+
+    /// A surface by its number.
+    pub(super) fn get(&self, number: u32) -> Option<&[Face]> {
+        Some(&self.faces[self.surfaces.get(number as usize)?.clone()])
+    }
 }
 
 /// Marks a polygon without neighbours.
@@ -42,8 +70,13 @@ pub(super) const SLANTED: i64 = 1 << 59;
 /// each other would grow with the square of their number. 64 triangles around a point have 192.
 const CROWD: usize = 256;
 
+/// Returns true for a polygon in a crowd.
+pub(super) fn is_crowd(polygons: &Polygons) -> bool {
+    polygons.corner_count() > CROWD
+}
+
 /// Returns true for the outline of a sharp polygon.
-fn is_polygon(outline: &BodyOutline) -> bool {
+pub(super) fn is_polygon(outline: &BodyOutline) -> bool {
     outline.outline.corners().len() > 2 && outline.outline.radius() == Fx::ZERO
 }
 
@@ -52,7 +85,6 @@ impl Tiles {
     pub(super) fn clear(&mut self) {
         self.of.clear();
         self.surfaces.clear();
-        self.faces.clear();
     }
 
     /// The edges of a static outline that are on the surface of its union with others; `None` if it stands alone.
@@ -76,17 +108,9 @@ impl Tiles {
                 if proxy.collider != number && proxy.filter == collider.def.filter {
                     self.push(scene, numbers, proxy, collider, pose);
                 }
-                self.polygons.corner_count() <= CROWD
+                !is_crowd(&self.polygons)
             });
-            let from = self.faces.len();
-            let is_crowd = self.polygons.corner_count() > CROWD;
-            let surface = if !is_crowd && self.polygons.faces(&mut self.faces) {
-                self.surfaces.push(from..self.faces.len());
-                self.surfaces.len() as u32 - 1
-            } else {
-                ALONE
-            };
-            self.of.set(number, surface);
+            self.of.set(number, self.surfaces.add(&mut self.polygons));
         }
         self.surface(number)
     }
@@ -105,36 +129,33 @@ impl Tiles {
 
     /// The surface of an outline, if it was found and the outline does not stand alone.
     pub(super) fn surface(&self, number: u32) -> Option<&[Face]> {
-        let surface = self.surfaces.get(self.of.get(number) as usize)?;
-        Some(&self.faces[surface.clone()])
+        self.surfaces.get(self.of.get(number))
     }
+}
 
-    /// Returns true if points on two surfaces are on faces that turn from one to the other by less than an angle, of this cosine in 2^-60: a
-    /// body may have gone from one to the other in a step.
-    pub(super) fn are_joined(
-        &self,
-        numbers: [u32; 2],
-        side: usize,
-        (features, count): Features,
-        before: &ContactRecord,
-        cosine: i64,
-    ) -> bool {
-        let normals = |number: u32, feature: u32| {
-            let [first, second] = [feature >> (12 * side) & 63, feature >> (12 * side + 6) & 63];
-            let faces = self.surface(number).unwrap_or_default().iter();
-            // An edge by its first corner; at a corner all that are there. The last edge ends at corner 0.
-            faces.filter(move |face| {
-                let [from, to] = [face.edge, (face.edge + 1) % face.corners].map(|corner| corner as u32);
-                if first == second { from == first || to == first } else { from == first }
-            })
-        };
-        let is_near = |a: &Face, b: &Face| {
-            let dot = |k: usize| i64::from(a.normal[k]) * i64::from(b.normal[k]);
-            // Unit vectors in units of 2^-30.
-            dot(0) + dot(1) > cosine
-        };
-        let own = || features.into_iter().take(count).flat_map(|name| normals(numbers[0], name));
-        let mut there = before.features().into_iter().take(before.count()).flat_map(|name| normals(numbers[1], name));
-        there.any(|face| own().any(|own| is_near(own, face)))
-    }
+/// Returns true if points on two surfaces of one body, or of static ones, are on faces that turn from one to the other by less than an angle,
+/// of this cosine in 2^-60: a body may have gone from one to the other in a step.
+pub(super) fn are_joined(
+    surfaces: [&[Face]; 2],
+    side: usize,
+    (features, count): Features,
+    before: &ContactRecord,
+    cosine: i64,
+) -> bool {
+    let normals = |surface: usize, feature: u32| {
+        let [first, second] = [feature >> (12 * side) & 63, feature >> (12 * side + 6) & 63];
+        // An edge by its first corner; at a corner all that are there. The last edge ends at corner 0.
+        surfaces[surface].iter().filter(move |face| {
+            let [from, to] = [face.edge, (face.edge + 1) % face.corners].map(|corner| corner as u32);
+            if first == second { from == first || to == first } else { from == first }
+        })
+    };
+    let is_near = |a: &Face, b: &Face| {
+        let dot = |k: usize| i64::from(a.normal[k]) * i64::from(b.normal[k]);
+        // Unit vectors in units of 2^-30.
+        dot(0) + dot(1) > cosine
+    };
+    let own = || features.into_iter().take(count).flat_map(|name| normals(0, name));
+    let mut there = before.features().into_iter().take(before.count()).flat_map(|name| normals(1, name));
+    there.any(|face| own().any(|own| is_near(own, face)))
 }

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use super::codes;
+use crate::codes::codes;
 use crate::slots::{BodyId, FieldId};
 
 /// A body that was quarantined in a step, and the reason.

@@ -5,37 +5,11 @@ mod quantity;
 
 use core::fmt;
 
+use crate::codes::codes;
 use crate::slots::{BodyId, ColliderId, FieldId};
 
-/// Gives an error its numbers, one per variant. A number is never changed and never reused. A variant that is not in the list
-/// does not compile. `docs/errors.md` lists all numbers.
-macro_rules! codes {
-    ($type:ident { $($variant:ident = $code:literal),* $(,)? }) => {
-        impl $type {
-            /// The number of the error in `docs/errors.md`: unique, and the same in every version. Its cause
-            /// ([`source`](core::error::Error::source)) has a number of its own.
-            #[must_use]
-            pub const fn code(&self) -> u16 {
-                match self {
-                    $(Self::$variant { .. } => $code),*
-                }
-            }
-        }
-    };
-    ($type:ident = $code:literal) => {
-        impl $type {
-            /// The number of the error in `docs/errors.md`: unique, and the same in every version.
-            #[must_use]
-            pub const fn code(&self) -> u16 {
-                $code
-            }
-        }
-    };
-}
-
-pub(crate) use codes;
 pub use fault::{Cause, Fault};
-pub use quantity::Quantity;
+pub use quantity::{Dimension, Quantity};
 
 /// Reason why a call was refused. The world is unchanged by a refused call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

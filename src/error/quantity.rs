@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use super::codes;
+use crate::codes::codes;
+use crate::fx::Fx;
 
 /// Kind of a value that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -28,7 +29,12 @@ pub enum Quantity {
     /// A density.
     Density,
     /// A size or a coordinate of a shape.
-    Size,
+    Size {
+        /// Which of the shape's sizes.
+        dimension: Dimension,
+        /// The size, m: of a shape of floats the nearest `Fx`.
+        value: Fx,
+    },
     /// The number of corners, points or parts of a shape.
     Count,
     /// A force.
@@ -109,6 +115,48 @@ pub enum Quantity {
     FluidBox,
 }
 
+/// A size of a shape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum Dimension {
+    /// The radius of a disc.
+    Radius,
+    /// The radius around the core of a capsule or of a rounded polygon.
+    Rounding,
+    /// The width of a rectangle.
+    Width,
+    /// The height of a rectangle.
+    Height,
+    /// The distance between the ends of a segment, or between the centres of a capsule's ends.
+    Length,
+    /// The longer side of the box around a polygon.
+    Extent,
+    /// The distance from a point of a chain, by its number, to the next one.
+    Edge(usize),
+    /// A coordinate of a corner, a point, an end or a part, by its number.
+    Coordinate(usize),
+}
+
+impl Dimension {
+    /// Name and range of the size, with an article, for messages.
+    const fn range(self) -> &'static str {
+        match self {
+            Self::Radius | Self::Rounding => "a radius from 2^-7 to 2^12 m",
+            Self::Width => "a width from 2^-7 to 2^12 m",
+            Self::Height => "a height from 2^-7 to 2^12 m",
+            Self::Length => "a length from 2^-7 to 2^12 m",
+            Self::Extent => "a width or a height of 2^-7 m or more",
+            Self::Edge(_) => "an edge of a chain from 2^-7 m",
+            Self::Coordinate(_) => "a coordinate within ±2^12 m",
+        }
+    }
+}
+
 impl Quantity {
     /// Name and range of the quantity, with an article, for messages.
     const fn range(self) -> &'static str {
@@ -120,9 +168,7 @@ impl Quantity {
             Self::Mass => "a mass from 2^-16 to 2^24 kg",
             Self::Inertia => "a moment of inertia above zero",
             Self::Density => "a density above zero",
-            Self::Size => {
-                "a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m"
-            }
+            Self::Size { dimension, .. } => dimension.range(),
             Self::Count => {
                 "3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
             }
@@ -224,6 +270,12 @@ impl core::error::Error for Quantity {}
 
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.range())
+        f.write_str(self.range())?;
+        let Self::Size { dimension, value } = self else { return Ok(()) };
+        match dimension {
+            Dimension::Edge(number) => write!(f, ", not {value} (edge {number})"),
+            Dimension::Coordinate(number) => write!(f, ", not {value} (point {number})"),
+            _ => write!(f, ", not {value}"),
+        }
     }
 }

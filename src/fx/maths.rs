@@ -3,7 +3,7 @@
 use core::fmt;
 
 use super::Fx;
-use crate::error::codes;
+use crate::codes::codes;
 use crate::kernel::{exp_log, sqrt, trig};
 
 /// The reason that a function has no value for its argument.

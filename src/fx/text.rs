@@ -4,7 +4,7 @@ use core::fmt;
 use core::str::FromStr;
 
 use super::{Fx, decimal};
-use crate::error::codes;
+use crate::codes::codes;
 
 /// The reason that a text is not a number in I32F32.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use crate::error::{Error, codes};
+use crate::codes::codes;
+use crate::error::Error;
 
 /// A scene that failed, where, and why.
 ///

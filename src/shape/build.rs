@@ -6,29 +6,45 @@ use core::cmp::Ordering;
 
 use super::crossing::crossing;
 use super::outline::outlines;
-use super::{Geometry, Part, Shape, mass};
+use super::{Aabb, Geometry, Part, Shape, mass};
 use crate::codec::StateHasher;
-use crate::error::{Error, Quantity};
+use crate::error::{Dimension, Error, Quantity};
 use crate::fx::IntoFx;
 use crate::limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
 use crate::math::Vec2;
 use crate::scalar::internals::AreaMoments;
 use crate::scalar::{Factor, Scalar};
 
-/// Refuses a size outside the limits.
-fn check_size<S: Scalar>(size: S) -> Result<(), Error> {
-    if size >= S::from_fx(SIZE_MIN) && size <= S::from_fx(SIZE_MAX) {
-        return Ok(());
-    }
-    Err(Error::OutOfRange { quantity: Quantity::Size })
+/// The refusal of a size.
+fn refused<S: Scalar>(dimension: Dimension, value: S) -> Error {
+    Error::OutOfRange { quantity: Quantity::Size { dimension, value: value.to_fx() } }
 }
 
-/// Refuses a point farther out than any shape reaches.
-fn check_point<S: Scalar>(point: Vec2<S>) -> Result<(), Error> {
-    if point.is_within(S::from_fx(SIZE_MAX)) {
+/// Refuses a size outside the limits.
+fn check_size<S: Scalar>(size: S, dimension: Dimension) -> Result<(), Error> {
+    if size >= S::from_fx(SIZE_MIN) && size <= S::from_fx(SIZE_MAX) { Ok(()) } else { Err(refused(dimension, size)) }
+}
+
+/// Refuses the first of some points that is farther out than any shape reaches.
+fn check_points<S: Scalar>(points: impl IntoIterator<Item = Vec2<S>>) -> Result<(), Error> {
+    let most = S::from_fx(SIZE_MAX);
+    for (number, point) in points.into_iter().enumerate() {
+        if !point.is_within(most) {
+            let is_within = |part: S| part >= -most && part <= most;
+            let part = if is_within(point.x) { point.y } else { point.x };
+            return Err(refused(Dimension::Coordinate(number), part));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses two points, the ends of an edge, that are too near each other.
+fn check_length<S: Scalar>([from, to]: [Vec2<S>; 2], dimension: Dimension) -> Result<(), Error> {
+    let length = (to - from).wide_length();
+    if length >= S::Factor::from_scalar(S::from_fx(SIZE_MIN)) {
         return Ok(());
     }
-    Err(Error::OutOfRange { quantity: Quantity::Size })
+    Err(refused(dimension, length.to_scalar().unwrap_or(S::ZERO)))
 }
 
 impl Shape {
@@ -38,9 +54,13 @@ impl Shape {
     /// [`Error::OutOfRange`] with [`Quantity::Size`].
     ///
     /// ```
-    /// use umbra_physics::{Shape, fx};
+    /// use umbra_physics::{Dimension, Error, Quantity, Shape, fx};
     /// let wheel = Shape::circle(fx!(0.5))?;
     /// let gate = Shape::rectangle(50, 1)?; // integers need no fx!
+    /// let error = Shape::rectangle(1, fx!(0.00390625)).unwrap_err();
+    /// let quantity = Quantity::Size { dimension: Dimension::Height, value: fx!(0.00390625) };
+    /// assert_eq!(error, Error::OutOfRange { quantity });
+    /// assert_eq!(error.to_string(), "out of range: expected a height from 2^-7 to 2^12 m, not 0.00390625");
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn circle(radius: impl IntoFx) -> Result<Self, Error> {
@@ -93,17 +113,17 @@ impl<S: Scalar> Shape<S> {
     pub fn new(geometry: Geometry<S>) -> Result<Self, Error> {
         let (measure, gyration) = match geometry {
             Geometry::Circle { radius } => {
-                check_size(radius)?;
+                check_size(radius, Dimension::Radius)?;
                 mass::circle(radius)
             }
             Geometry::Rectangle { width, height } => {
-                check_size(width)?;
-                check_size(height)?;
+                check_size(width, Dimension::Width)?;
+                check_size(height, Dimension::Height)?;
                 mass::rectangle(width, height)
             }
             Geometry::Capsule { length, radius } => {
-                check_size(length)?;
-                check_size(radius)?;
+                check_size(length, Dimension::Length)?;
+                check_size(radius, Dimension::Rounding)?;
                 mass::capsule(length, radius)
             }
             Geometry::Polygon { corners } => return Self::polygon(&corners),
@@ -120,17 +140,13 @@ impl<S: Scalar> Shape<S> {
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Size`] for its length or a coordinate.
     pub fn segment(a: Vec2<S>, b: Vec2<S>) -> Result<Self, Error> {
-        check_point(a)?;
-        check_point(b)?;
+        check_points([a, b])?;
+        check_length([a, b], Dimension::Length)?;
         let even = [S::Factor::ONE, S::Factor::ONE];
         let middle = |p: S, q: S| S::weighted_mean(&even, &[p, q]).unwrap_or(S::ZERO);
         let shift = Vec2::new(middle(a.x, b.x), middle(a.y, b.y));
         let ends = [a - shift, b - shift];
-        let length = (b - a).wide_length();
-        if length < S::Factor::from_scalar(S::from_fx(SIZE_MIN)) {
-            return Err(Error::OutOfRange { quantity: Quantity::Size });
-        }
-        let (measure, gyration) = mass::segment::<S>(length);
+        let (measure, gyration) = mass::segment::<S>((b - a).wide_length());
         Ok(Self::of(Geometry::Segment { ends }, shift, measure, gyration))
     }
 
@@ -171,12 +187,11 @@ impl<S: Scalar> Shape<S> {
         if !(2 + usize::from(closed)..=CHAIN).contains(&points.len()) {
             return Err(Error::OutOfRange { quantity: Quantity::Count });
         }
-        points.iter().try_for_each(|&point| check_point(point))?;
-        let least = S::Factor::from_scalar(S::from_fx(SIZE_MIN));
-        let last = points.last().zip(points.first()).filter(|_| closed);
-        let mut segments = points.windows(2).map(|ends| (&ends[0], &ends[1])).chain(last);
-        if segments.any(|(a, b)| (*b - *a).wide_length() < least) {
-            return Err(Error::OutOfRange { quantity: Quantity::Size });
+        check_points(points.iter().copied())?;
+        let edges = if closed { points.len() } else { points.len() - 1 };
+        for number in 0..edges {
+            let ends = [points[number], points[(number + 1) % points.len()]];
+            check_length(ends, Dimension::Edge(number))?;
         }
         if let Some(segments) = crossing(points, closed) {
             return Err(Error::ChainCrosses { segments });
@@ -227,7 +242,7 @@ impl<S: Scalar> Shape<S> {
 
     pub(crate) fn rounded_polygon_inner(corners: &[Vec2<S>], radius: S) -> Result<Self, Error> {
         let corners = checked_corners(corners)?;
-        check_size(radius)?;
+        check_size(radius, Dimension::Rounding)?;
         let core = moments(&corners)?;
         let mut weights = mass::rounded_weights(&corners, radius);
         weights.push(core.area);
@@ -257,8 +272,8 @@ impl<S: Scalar> Shape<S> {
         if parts.is_empty() || parts.len() > PARTS || nested {
             return Err(Error::OutOfRange { quantity: Quantity::Count });
         }
+        check_points(parts.iter().map(|part| part.position))?;
         for part in parts {
-            check_point(part.position)?;
             if !part.angle.is_finite() {
                 return Err(Error::OutOfRange { quantity: Quantity::Angle });
             }
@@ -284,7 +299,7 @@ fn checked_corners<S: Scalar>(corners: &[Vec2<S>]) -> Result<Vec<Vec2<S>>, Error
     if !(3..=CORNERS).contains(&corners.len()) {
         return Err(Error::OutOfRange { quantity: Quantity::Count });
     }
-    corners.iter().try_for_each(|&corner| check_point(corner))?;
+    check_points(corners.iter().copied())?;
     let winding = check_convex(corners)?;
     let mut corners = corners.to_vec();
     if winding == Ordering::Less {
@@ -321,12 +336,8 @@ fn check_convex<S: Scalar>(corners: &[Vec2<S>]) -> Result<Ordering, Error> {
 /// A polygon is at least as large as the smallest size along one of the axes.
 fn check_extent<S: Scalar>(corners: &[Vec2<S>]) -> Result<(), Error> {
     // Corners are within the largest size of the origin, so that their differences fit.
-    let is_wide = |pick: fn(&Vec2<S>) -> S| {
-        let far = |p| corners.iter().any(|q| pick(q) - p >= S::from_fx(SIZE_MIN));
-        corners.iter().map(pick).any(far)
-    };
-    if is_wide(|c| c.x) || is_wide(|c| c.y) {
-        return Ok(());
-    }
-    Err(Error::OutOfRange { quantity: Quantity::Size })
+    let Aabb { min, max } = Aabb::around(corners, S::ZERO);
+    let sides = max - min;
+    let extent = if sides.x > sides.y { sides.x } else { sides.y };
+    if extent >= S::from_fx(SIZE_MIN) { Ok(()) } else { Err(refused(Dimension::Extent, extent)) }
 }

@@ -267,11 +267,13 @@ impl<S: Scalar> Step<'_, S> {
             let is_complete = own.detected.touched.is_empty() && own.detected.crowded.is_empty();
             if is_complete {
                 own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
-                for _ in 0..ROUNDS {
-                    if !own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
-                        break;
-                    }
+                let mut rounds = 0;
+                while rounds < ROUNDS && own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
                     own.engine.solve_again(&mut own.solvers, &scene, &mut own.corrections);
+                    rounds += 1;
+                }
+                if rounds == ROUNDS {
+                    own.engine.find_deflected(&scene, &own.corrections);
                 }
             }
             if is_complete && own.detected.touched.is_empty() {

@@ -4,7 +4,8 @@ use super::scenes::{def, keeps_its_bits, material, square, world};
 use crate::seeds::run_seed;
 use umbra_physics::collide::{Manifold, Pose, collide};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, ColliderDef, Error, Fx, Quantity, Random, Shape, Turn, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, BodyKind, ColliderDef, Dimension, Error, Fx, Quantity, Random, Shape, Turn, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 fn chain(points: &[Vec2], closed: bool) -> Shape {
@@ -215,6 +216,7 @@ fn a_kinematic_chain_carries_and_pushes() {
 #[test]
 fn invalid_chains_are_refused_and_the_world_unchanged() {
     let of = |quantity| Err(Error::OutOfRange { quantity });
+    let size = |dimension, value| Quantity::Size { dimension, value };
     let line = |count: i32| (0..count).map(|x| vec2(Fx::from_ratio(x.into(), 16), 0)).collect::<Vec<_>>();
     let far = umbra_physics::limits::SIZE_MAX + Fx::DELTA;
     let cases = [
@@ -222,10 +224,10 @@ fn invalid_chains_are_refused_and_the_world_unchanged() {
         (line(1), false, of(Quantity::Count)),
         (line(2), true, of(Quantity::Count)),
         (line((1 << 16) + 1), false, of(Quantity::Count)),
-        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 0), vec2(2, 0)], false, of(Quantity::Size)),
-        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0)], true, of(Quantity::Size)),
-        (vec![vec2(0, 0), vec2(fx!(0.0078), 0)], false, of(Quantity::Size)),
-        (vec![vec2(0, 0), Vec2::new(far, fx!(0))], false, of(Quantity::Size)),
+        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 0), vec2(2, 0)], false, of(size(Dimension::Edge(1), fx!(0)))),
+        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0)], true, of(size(Dimension::Edge(3), fx!(0)))),
+        (vec![vec2(0, 0), vec2(fx!(0.0078), 0)], false, of(size(Dimension::Edge(0), fx!(0.0078)))),
+        (vec![vec2(0, 0), Vec2::new(far, fx!(0))], false, of(size(Dimension::Coordinate(1), far))),
         // Across, back along itself, onto a segment, onto a point.
         (vec![vec2(0, 0), vec2(2, 2), vec2(2, 0), vec2(0, 2)], false, Err(Error::ChainCrosses { segments: [0, 2] })),
         (vec![vec2(0, 0), vec2(2, 0), vec2(1, 0)], false, Err(Error::ChainCrosses { segments: [0, 1] })),

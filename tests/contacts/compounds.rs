@@ -2,7 +2,8 @@
 
 use super::scenes::{def, ground, keeps_its_bits, through_bytes, world};
 use umbra_physics::{
-    BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Error, Fx, Geometry, Mass, Part, Shape, Vec2, World, fx, vec2,
+    BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Error, Fx, Geometry, Mass, Part, Shape, Symmetry, Vec2,
+    World, fx, vec2,
 };
 
 fn part(shape: Shape, x: Fx, y: Fx) -> Part {
@@ -135,4 +136,104 @@ fn parts_of_one_body_are_no_pairs() {
     // One pair too many: each outline has one, so that all are left out.
     let faults = world.step().faults;
     assert!(faults.len() == 2 && faults.iter().all(|fault| fault.cause == Cause::Pairs), "{faults:?}");
+}
+
+/// Boxes side by side as colliders of one body.
+fn row(count: i32, size: Fx, key: u64) -> Result<BodyDef, Error> {
+    let middle = Fx::from_ratio(i64::from(count - 1), 2);
+    let collider = |i: i32| {
+        let position = Vec2::new((Fx::from(i) - middle) * size, Fx::ZERO);
+        Ok(ColliderDef { position, key: key + i as u64, ..ColliderDef::new(Shape::rectangle(size, size)?) })
+    };
+    Ok(BodyDef { key, colliders: (0..count).map(collider).collect::<Result<_, Error>>()?, ..BodyDef::dynamic() })
+}
+
+/// An L and a cross of boxes.
+fn pieces() -> Result<[Shape; 2], Error> {
+    let unit = Shape::rectangle(fx!(0.5), fx!(0.5))?;
+    let of = |places: &[[i32; 2]]| {
+        let parts = places.iter().map(|&[x, y]| part(unit.clone(), Fx::from(x) / 2, Fx::from(y) / 2));
+        Shape::compound(&parts.collect::<Vec<_>>())
+    };
+    Ok([of(&[[0, 0], [0, 1], [0, 2], [1, 0]])?, of(&[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])?])
+}
+
+/// A floor of tiles, a platform of boxes that moves and turns, rafts of boxes, and what falls on them.
+fn flush() -> Result<Vec<BodyDef>, Error> {
+    let floor = BodyDef { position: vec2(0, fx!(-0.5)), ..row(40, fx!(1), 10_000)? };
+    let platform = BodyDef {
+        position: vec2(fx!(-3), fx!(3)),
+        velocity: vec2(fx!(0.5), 0),
+        angular_velocity: fx!(0.0625),
+        ..row(8, fx!(0.75), 20_000)?
+    };
+    let mut bodies = vec![
+        BodyDef { kind: umbra_physics::BodyKind::Static, ..floor },
+        BodyDef { kind: umbra_physics::BodyKind::Kinematic, ..platform },
+    ];
+    let mut random = umbra_physics::Random::seeded(29);
+    for key in 0..36_u64 {
+        let at = Vec2::new(random.number(fx!(-6)..=fx!(6)), fx!(4) + Fx::from(key as i32) / 3);
+        let angle = random.number(fx!(0)..=fx!(3));
+        let body = match key % 4 {
+            0 => row(2 + (key / 4 % 4) as i32, fx!(0.375), 100 * key)?,
+            1 => of(pieces()?[0].clone(), at, 100 * key),
+            2 => of(pieces()?[1].clone(), at, 100 * key),
+            _ => of(Shape::circle(fx!(0.25))?, at, 100 * key),
+        };
+        bodies.push(BodyDef { position: at, angle, velocity: vec2(0, -3), ..body });
+    }
+    Ok(bodies)
+}
+
+#[test]
+fn mirrored_shuffled_and_restored_rafts_keep_their_bits() {
+    let mut most = 0;
+    keeps_its_bits(flush().expect("a scene"), (240, 12), |world| most = most.max(world.contacts().count()));
+    assert!(most > 40, "{most}");
+}
+
+#[test]
+fn rafts_that_are_turned_or_listed_otherwise_keep_their_bits() {
+    let bodies = flush().expect("a scene");
+    let (mut here, ids) = world(def(), bodies.clone()).expect("a scene");
+    let reversed = bodies.into_iter().map(|mut def| {
+        def.colliders.reverse();
+        def
+    });
+    let (mut there, twins) = world(def(), reversed).expect("a scene");
+    let mut image = Symmetry::TURN.world(&here).expect("an image");
+    for step in 0..240 {
+        for world in [&mut here, &mut there, &mut image] {
+            world.step();
+        }
+        for (&own, &other) in ids.iter().zip(&twins) {
+            assert_eq!(bits(&here, own), bits(&there, other), "{own} after {step} steps");
+        }
+        assert_eq!(Symmetry::TURN.world(&here).expect("an image").first_difference(&image), None, "{step}");
+    }
+}
+
+/// Rafts, pieces and what falls on them stay above the floor, and come to lie there without sinking into each other.
+#[test]
+fn a_heap_of_rafts_and_pieces_does_not_sink_in() {
+    let mut bodies = flush().expect("a scene");
+    bodies.remove(1);
+    let walls = [-8, 8].map(|x| {
+        let wall = Shape::rectangle(1, 60).expect("a wall");
+        BodyDef { position: vec2(x, 20), key: 50_000 + x as u64 % 3, ..BodyDef::fixed().with_collider(wall) }
+    });
+    bodies.extend(walls);
+    let (mut world, ids) = world(def(), bodies).expect("a scene");
+    // Pieces that hook into each other are pushed apart for a while.
+    (0..1_500).for_each(|_| _ = world.step());
+    let contacts = world.contacts().flat_map(|contact| contact.points().to_vec());
+    let pushed = contacts.filter(|point| point.normal_impulse > Fx::ZERO);
+    let deepest = pushed.fold(Fx::ZERO, |most, point| most.min(point.separation));
+    assert!(deepest > fx!(-0.02), "{deepest}");
+    for &id in &ids[1..37] {
+        let body = world.body(id).expect("a body");
+        assert!(body.position().y > fx!(0.15) && body.position().x.abs() < fx!(8), "{id}: {}", body.position());
+        assert!(body.velocity().x.abs() + body.velocity().y.abs() < fx!(0.2), "{id}: {}", body.velocity());
+    }
 }

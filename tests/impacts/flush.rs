@@ -1,10 +1,10 @@
 //! Parts of a body that lie side by side are one surface, whether the body stands still or moves.
 
-use umbra_physics::{BodyDef, BodyKind, ColliderDef, FieldKind, Mass, Part, Shape, Vec2, fx, vec2};
+use umbra_physics::{BodyDef, BodyKind, ColliderDef, FieldKind, Mass, Part, Shape, Snapshot, Vec2, World, fx, vec2};
 
 use crate::scenes::{
-    between, build, conclude, disc, dynamic, falling, fixed, float, number, of_any_size, point, random, rectangle,
-    seeds, steps,
+    between, build, conclude, disc, dynamic, falling, fixed, float, floating, number, of_any_size, point, position,
+    random, rectangle, seeds, steps,
 };
 
 /// How the surface is put together.
@@ -74,7 +74,6 @@ fn ball(speed: f64, radius: f64) -> BodyDef {
 }
 
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_kinematic_platform_of_tiles() {
     for speed in [1.0, 3.0, 6.0, 12.0] {
         for surface in [Surface::Whole, Surface::Colliders, Surface::Compound] {
@@ -86,7 +85,6 @@ fn a_ball_rolls_over_a_kinematic_platform_of_tiles() {
 }
 
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_heavy_body_of_tiles() {
     for surface in [Surface::Whole, Surface::Colliders, Surface::Compound] {
         let raft = BodyDef { mass: Mass::Kilograms(fx!(2000)), ..tiles(surface, &[1.0; 10]) };
@@ -97,7 +95,6 @@ fn a_ball_rolls_over_a_heavy_body_of_tiles() {
 
 /// Tiles of random widths on a body of any kind, at rest or moving; a ball rolls, a box slides.
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn random_riders_pass_the_seams_of_random_tiles() {
     let (mut failures, mut tried) = (Vec::new(), 0);
     for seed in seeds(150) {
@@ -139,7 +136,6 @@ fn random_riders_pass_the_seams_of_random_tiles() {
 
 /// A ball at 3 m/s over a raft that floats: it moves as over a raft of one piece.
 #[test]
-#[ignore = "parts of a moving body are not one surface yet"]
 fn a_ball_rolls_over_a_raft_of_tiles_as_over_one_of_one_piece() {
     let height = |surface: Surface| -> Vec<f64> {
         let mut raft = tiles(surface, &[1.0; 8]);
@@ -180,4 +176,75 @@ fn a_step_between_tiles_is_seen() {
     platform.colliders[4].position.y = fx!(0.03);
     let [rise, _] = ride(platform, ball(6.0, 0.2), 80);
     assert!(rise > 0.02, "{rise}");
+}
+
+/// A raft of three boxes slides without friction over ten tiles; either of the two is added first.
+#[test]
+fn a_raft_of_tiles_slides_over_tiles_with_other_seams() {
+    let smooth = |mut body: BodyDef| {
+        body.colliders.iter_mut().for_each(|collider| collider.material.friction = fx!(0));
+        body
+    };
+    let mut failures = Vec::new();
+    let all = [Surface::Whole, Surface::Colliders, Surface::Compound];
+    for (ground, raft) in all.into_iter().flat_map(|ground| all.map(|raft| (ground, raft))) {
+        for (speed, kind) in [(2.0, BodyKind::Static), (7.0, BodyKind::Static), (7.0, BodyKind::Kinematic)] {
+            for is_raft_first in [false, true] {
+                let ground = smooth(BodyDef { kind, ..tiles(ground, &[1.0; 30]) });
+                let raft = smooth(BodyDef {
+                    position: point(2.0, 0.5),
+                    velocity: point(speed, 0.0),
+                    ..tiles(raft, &[0.75, 0.5, 0.75])
+                });
+                let (bodies, number) = if is_raft_first { ([raft, ground], 0) } else { ([ground, raft], 1) };
+                let (mut world, ids) = build(falling(), bodies);
+                let mut highest = 0.0f64;
+                for _ in 0..(60.0 * 25.0 / speed) as u32 {
+                    world.step();
+                    highest = highest.max(float(world.body(ids[number]).expect("a body").position().y) - 0.5);
+                }
+                let share = float(world.body(ids[number]).expect("a body").velocity().x) / speed;
+                if highest > 0.001 || (share - 1.0).abs() > 0.001 {
+                    failures.push(format!("{kind}, {is_raft_first}, {speed} m/s: rises by {highest}, keeps {share}"));
+                }
+            }
+        }
+    }
+    conclude(all.len() * all.len() * 6, &failures);
+}
+
+/// A part with another filter covers nothing: a ball that meets only its neighbour is stopped by that neighbour's side.
+#[test]
+fn a_part_with_another_filter_covers_no_edge() {
+    for kind in [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic] {
+        let mut body = BodyDef { kind, mass: Mass::Kilograms(fx!(100)), ..tiles(Surface::Colliders, &[1.0; 2]) };
+        body.colliders[1].filter.category = 2;
+        let mut ball = BodyDef { velocity: point(-3.0, 0.0), ..dynamic(disc(fx!(0.25)), point(1.5, -0.5)) };
+        ball.colliders[0].filter.mask = 1;
+        let (mut world, ids) = build(floating(), [body, ball]);
+        steps(&mut world, 60);
+        let [own, other] = [ids[0], ids[1]].map(|id| float(world.body(id).expect("a body").position().x));
+        assert!(other - own > 0.24, "{kind}: {other} from {own}");
+    }
+}
+
+/// Where a part of a platform is removed, the sides of its neighbours are there from the next step on.
+#[test]
+fn parts_of_a_body_that_are_removed_open_their_neighbours() {
+    let platform = BodyDef { kind: BodyKind::Kinematic, ..tiles(Surface::Colliders, &[1.0; 5]) };
+    let (mut world, ids) = build(falling(), [platform, dynamic(disc(fx!(0.25)), point(2.5, 0.25))]);
+    steps(&mut world, 30);
+    let fresh =
+        |world: &World| Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its bytes").into_world();
+    let middle = world.colliders_of(ids[0]).expect("a body").nth(2).expect("a collider");
+    world.remove_collider(middle).expect("a collider");
+    let mut twin = fresh(&world);
+    for _ in 0..60 {
+        world.step();
+        twin.step();
+        let [x, y] = position(&world, ids[1]);
+        assert!(y > -0.25 || (x - 2.5).abs() <= 0.26, "{x}, {y}");
+    }
+    assert!(position(&world, ids[1])[1] < -1.0, "{:?}", position(&world, ids[1]));
+    assert_eq!(world.state_hash(), twin.state_hash());
 }

@@ -17,3 +17,4 @@ mod rest;
 mod rolling;
 mod rows;
 mod scenes;
+mod thin;

@@ -1,7 +1,7 @@
 //! The heap that steps of worlds with collisions take.
 
 use allocation_counter::measure;
-use umbra_physics::{BodyDef, BodyId, Error, Shape, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, ColliderDef, Error, Shape, World, WorldDef, fx, vec2};
 
 /// A heap of boxes and discs that falls to the ground.
 fn heap() -> World {
@@ -137,4 +137,29 @@ fn queries_after_a_change_of_a_moving_body_build_no_tree_of_static_ones() {
         assert!(before.max(after) < anew / 10, "{which}: {before} and {after} bytes, {anew} anew");
     }
     assert_eq!(world.moving_count(), 0, "asleep");
+}
+
+/// A box comes near the surface of a raft of boxes, which is found then; a collider of the raft changes in between.
+#[test]
+fn a_surface_of_a_raft_that_is_found_again_takes_nothing_from_the_heap() {
+    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
+    let colliders = (-20..20).map(|x| ColliderDef { position: vec2(x, 0), ..ColliderDef::new(unit()) }).collect();
+    let raft = world.add_body(BodyDef { colliders, ..BodyDef::kinematic() }).expect("a raft");
+    let body = BodyDef { position: vec2(0, 1), ..BodyDef::dynamic().with_collider(unit()) };
+    world.add_body(body).expect("a box");
+    assert_eq!(taken_again(&mut world), 0);
+    assert!(world.contacts().count() > 0);
+    let end = world.colliders_of(raft).expect("a raft").next().expect("a collider");
+    let def = world.collider(end).expect("a collider").clone();
+    let other = ColliderDef { user_data: 1, ..def };
+    world.step();
+    let start = world.clone();
+    // A call may take memory; the steps after it do not.
+    let steps = |world: &mut World| {
+        world.clone_from(&start);
+        world.set_collider(end, other.clone()).expect("a collider");
+        measure(|| (0..30).for_each(|_| _ = world.step())).count_total
+    };
+    steps(&mut world);
+    assert_eq!(steps(&mut world), 0);
 }

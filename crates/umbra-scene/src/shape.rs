@@ -6,7 +6,7 @@ use super::error::Flaw;
 use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
-    Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
+    Dimension, Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
     limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
 };
 
@@ -126,23 +126,20 @@ impl From<&Shape> for ShapeDef {
     }
 }
 
-fn size(node: &Node<'_>) -> Result<Fx> {
-    let size = node.number()?;
-    if (SIZE_MIN..=SIZE_MAX).contains(&size) {
-        return Ok(size);
+fn size(node: &Node<'_>, dimension: Dimension) -> Result<Fx> {
+    let value = node.number()?;
+    if (SIZE_MIN..=SIZE_MAX).contains(&value) {
+        return Ok(value);
     }
-    Err(node.fault(Error::OutOfRange { quantity: Quantity::Size }))
+    Err(node.fault(Error::OutOfRange { quantity: Quantity::Size { dimension, value } }))
 }
 
-/// The sizes that an object consists of.
-fn sizes<const N: usize>(object: &Object<'_>, names: [&'static str; N]) -> Result<[Fx; N]> {
-    let read = names.map(|name| object.need(name, size));
-    object.finish()?;
-    let mut sizes = [Fx::ZERO; N];
-    for (size, read) in sizes.iter_mut().zip(read) {
-        *size = read?;
-    }
-    Ok(sizes)
+fn radius(node: &Node<'_>) -> Result<Fx> {
+    size(node, Dimension::Radius)
+}
+
+fn rounding(node: &Node<'_>) -> Result<Fx> {
+    size(node, Dimension::Rounding)
 }
 
 /// Reads a shape and makes sure that it can be made.
@@ -166,7 +163,7 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
         "polygon" => ShapeDef::Polygon { corners: corners(inner)? },
         "rounded_polygon" => {
             let object = inner.object()?;
-            let (corners, radius) = (object.need("corners", corners), object.need("radius", size));
+            let (corners, radius) = (object.need("corners", corners), object.need("radius", rounding));
             object.finish()?;
             ShapeDef::RoundedPolygon { corners: corners?, radius: radius? }
         }
@@ -189,16 +186,21 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
             let object = inner.object()?;
             match name {
                 "circle" => {
-                    let [radius] = sizes(&object, ["radius"])?;
-                    ShapeDef::Circle { radius }
+                    let radius = object.need("radius", radius);
+                    object.finish()?;
+                    ShapeDef::Circle { radius: radius? }
                 }
                 "rectangle" => {
-                    let [width, height] = sizes(&object, ["width", "height"])?;
-                    ShapeDef::Rectangle { width, height }
+                    let width = object.need("width", |node| size(node, Dimension::Width));
+                    let height = object.need("height", |node| size(node, Dimension::Height));
+                    object.finish()?;
+                    ShapeDef::Rectangle { width: width?, height: height? }
                 }
                 _ => {
-                    let [length, radius] = sizes(&object, ["length", "radius"])?;
-                    ShapeDef::Capsule { length, radius }
+                    let length = object.need("length", |node| size(node, Dimension::Length));
+                    let radius = object.need("radius", rounding);
+                    object.finish()?;
+                    ShapeDef::Capsule { length: length?, radius: radius? }
                 }
             }
         }

@@ -47,7 +47,7 @@ const LEAST: i64 = 1 << 20;
 pub(super) struct Workspace {
     /// The flights of fast bodies, ascending.
     pub(super) fast: Vec<u32>,
-    /// By flight: true for a body that impulses of this step sent elsewhere; empty if there are none.
+    /// By flight: true for a body that impulses sent elsewhere in the last look, or after all rounds; empty if there are none.
     pub(super) deflected: Vec<bool>,
     /// By flight, where it is among the courses; [`NONE`] if it has none.
     of: Vec<u32>,
@@ -226,7 +226,7 @@ impl Engine {
         self.sweep.pairs = pairs;
     }
 
-    /// Returns true for a body that impulses of this step sent elsewhere.
+    /// Returns true for a body that impulses sent elsewhere in the last look.
     pub(super) fn is_deflected(&self, flight: u32) -> bool {
         self.sweep.deflected.get(flight as usize).is_some_and(|&is_deflected| is_deflected)
     }

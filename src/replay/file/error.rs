@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 use core::fmt;
 
 use crate::codec::Malformed;
-use crate::error::codes;
+use crate::codes::codes;
 use crate::replay::diff::Difference;
 use crate::replay::snapshot::SnapshotError;
 

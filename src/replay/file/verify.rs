@@ -3,7 +3,7 @@
 use alloc::boxed::Box;
 use core::fmt;
 
-use crate::error::codes;
+use crate::codes::codes;
 use crate::replay::diff::Difference;
 use crate::world::World;
 

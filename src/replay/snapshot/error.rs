@@ -4,7 +4,8 @@ use core::fmt;
 
 use super::owner::Owner;
 use crate::codec::Malformed;
-use crate::error::{Error, codes};
+use crate::codes::codes;
+use crate::error::Error;
 
 /// The reason why bytes cannot be read as a snapshot.
 ///

@@ -7,6 +7,7 @@
 
 use super::super::Solver;
 use super::super::number::shifted;
+use super::jacobian::product;
 use super::shock::Shock;
 use super::{FRACTION, Impacts, SubStep};
 
@@ -40,13 +41,13 @@ impl Shock {
     /// A factor is below 2^61 and a velocity below 2^47. The impulse is within ±2^60.
     fn scaled(&self, factor: i64, velocity: i64) -> i64 {
         let down = 61 + FRACTION - 30 + self.inverse.shift;
-        shifted(-i128::from(factor) * i128::from(velocity), down).clamp(-(1 << 60), 1 << 60) as i64
+        shifted(-product(factor, velocity), down).clamp(-(1 << 60), 1 << 60) as i64
     }
 
     /// The change of the velocity along row `i` by an impulse along row `j`, in 2^-[`FRACTION`].
     fn coupled(&self, element: usize, impulse: i64) -> i64 {
-        // Below 2^68 · 2^60 for velocities that saturate; elements are below 2^46 for one body.
-        let product = shifted(self.matrix[element], 8).saturating_mul(i128::from(impulse));
+        // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
+        let product = product(self.matrix[element], impulse);
         shifted(product, 30 - FRACTION - 8).clamp(-(1 << 60), 1 << 60) as i64
     }
 
@@ -108,6 +109,70 @@ impl Shock {
     }
 }
 
+impl Impacts {
+    /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
+    fn run_ahead(&mut self, momentum: i128) {
+        let mut shocks = core::mem::take(&mut self.shocks);
+        // In 2^-20.
+        let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
+        for shock in &mut shocks {
+            shock.from = shock.impulses;
+            if share > 0 {
+                for row in 0..3 {
+                    let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
+                    shock.from[row] += shifted(last * share, 20) as i64;
+                }
+                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.least[point]));
+            }
+            (shock.last, shock.impulses) = (shock.impulses, shock.from);
+            let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
+            if change != [0; 3] {
+                self.push(shock, change);
+            }
+        }
+        self.shocks = shocks;
+    }
+
+    /// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
+    /// led uphill along the normals.
+    fn correct(&mut self, renews: bool) -> (i64, i128) {
+        let mut shocks = core::mem::take(&mut self.shocks);
+        let (mut largest, mut uphill) = (0, 0);
+        // All changes follow from the same velocities.
+        for shock in &mut shocks {
+            let velocities = self.velocities(shock);
+            if renews {
+                shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
+            }
+            shock.set_shares(shock.bodies.map(|body| self.bodies[body as usize].share));
+            largest = largest.max(shock.residual(velocities));
+            let change = shock.change(velocities);
+            let mut work = 0;
+            for row in 0..3 {
+                shock.impulses[row] = shock.from[row] + change[row];
+                if row < 2 {
+                    work +=
+                        i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+                }
+            }
+            uphill += work >> (self.exponent - shock.exponent).clamp(0, 126);
+        }
+        for shock in &shocks {
+            let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
+            if change != [0; 3] {
+                self.push(shock, change);
+            }
+        }
+        for &body in &self.set {
+            let velocity = &mut self.bodies[body as usize].velocity;
+            // Sums of all shocks of a body are below 2^60.
+            *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
+        }
+        self.shocks = shocks;
+        (largest, uphill)
+    }
+}
+
 impl Solver {
     /// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
     /// Returns true if it has converged.
@@ -130,8 +195,9 @@ impl Solver {
             struck.velocity = struck.begun;
         }
         for _ in 0..LEAST {
-            self.run_ahead(impacts, 0);
-            self.correct(impacts, true);
+            impacts.count_work();
+            impacts.run_ahead(0);
+            impacts.correct(true);
         }
         false
     }
@@ -141,11 +207,12 @@ impl Solver {
         let (mut momentum, mut work, mut largest, mut has_grown) = (0, 0, 0, false);
         for iteration in 1..=ITERATIONS {
             work += impacts.shocks.len();
-            if iteration > LEAST && work > WORK {
+            impacts.count_work();
+            if iteration > LEAST && (work > WORK || impacts.is_busy()) {
                 return None;
             }
-            self.run_ahead(impacts, momentum);
-            let (residual, uphill) = self.correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
+            impacts.run_ahead(momentum);
+            let (residual, uphill) = impacts.correct(iteration <= 4 || iteration % 8 == 0 || has_grown);
             largest = residual;
             momentum = if uphill > 0 { 0 } else { momentum + 1 };
             // Large sets are less exact.
@@ -159,68 +226,6 @@ impl Solver {
             }
         }
         Some(largest)
-    }
-
-    /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
-    fn run_ahead(&self, impacts: &mut Impacts, momentum: i128) {
-        let mut shocks = core::mem::take(&mut impacts.shocks);
-        // In 2^-20.
-        let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
-        for shock in &mut shocks {
-            shock.from = shock.impulses;
-            if share > 0 {
-                for row in 0..3 {
-                    let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
-                    shock.from[row] += shifted(last * share, 20) as i64;
-                }
-                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.least[point]));
-            }
-            (shock.last, shock.impulses) = (shock.impulses, shock.from);
-            let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
-            if change != [0; 3] {
-                self.push_shock(impacts, shock, change);
-            }
-        }
-        impacts.shocks = shocks;
-    }
-
-    /// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
-    /// led uphill along the normals.
-    fn correct(&self, impacts: &mut Impacts, renews: bool) -> (i64, i128) {
-        let mut shocks = core::mem::take(&mut impacts.shocks);
-        let (mut largest, mut uphill) = (0, 0);
-        // All changes follow from the same velocities.
-        for shock in &mut shocks {
-            let velocities = self.velocities(impacts, shock);
-            if renews {
-                shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
-            }
-            shock.set_shares(shock.bodies.map(|body| impacts.bodies[body as usize].share));
-            largest = largest.max(shock.residual(velocities));
-            let change = shock.change(velocities);
-            let mut work = 0;
-            for row in 0..3 {
-                shock.impulses[row] = shock.from[row] + change[row];
-                if row < 2 {
-                    work +=
-                        i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
-                }
-            }
-            uphill += work >> (impacts.exponent - shock.exponent).clamp(0, 126);
-        }
-        for shock in &shocks {
-            let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
-            if change != [0; 3] {
-                self.push_shock(impacts, shock, change);
-            }
-        }
-        for &body in &impacts.set {
-            let velocity = &mut impacts.bodies[body as usize].velocity;
-            // Sums of all shocks of a body are below 2^60.
-            *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
-        }
-        impacts.shocks = shocks;
-        (largest, uphill)
     }
 
     /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.

@@ -2,7 +2,8 @@
 
 use super::super::number::shifted;
 use super::super::{STILL, Solver};
-use super::shock::{Shock, along, gain, wide};
+use super::jacobian::Jacobian;
+use super::shock::{Shock, wide};
 use super::{FINE, FRACTION, Impacts, ONE, Strike, SubStep};
 use crate::kernel::simd::Lanes;
 
@@ -59,63 +60,36 @@ fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-impl Solver {
-    /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
-    pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
-        let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
-        impacts.is_clamped = false;
-        impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
-        impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
-        impacts.fastest = fastest;
-        impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
-        if !self.compress(impacts, substep, true) {
-            self.take_back_gain(impacts);
-        }
-        for shock in &mut impacts.shocks {
-            shock.sure = shock.impulses;
-            shock.more = shock.returned();
-        }
-        if impacts.shocks.iter().all(|shock| shock.more == [0; 3]) {
-            return;
-        }
-        self.add_within_energy(impacts);
-        for shock in &mut impacts.shocks {
-            shock.least = [shock.impulses[0], shock.impulses[1]];
-        }
-        self.compress(impacts, substep, false);
-        // Normal impulses can only take energy away here; friction may not.
-        self.take_back_gain(impacts);
-    }
-
+impl Impacts {
     /// Takes a share of the impulses beyond those that surely do no work back, if all of them do work: friction and a compression that ended
     /// early may.
-    fn take_back_gain(&self, impacts: &mut Impacts) {
-        let mut shocks = core::mem::take(&mut impacts.shocks);
+    fn take_back_gain(&mut self) {
+        let mut shocks = core::mem::take(&mut self.shocks);
         for shock in &mut shocks {
             shock.more = difference(shock.impulses, shock.sure);
-            self.push_shock(impacts, shock, shock.more.map(|impulse| -impulse));
+            self.push(shock, shock.more.map(|impulse| -impulse));
             shock.impulses = shock.sure;
         }
-        impacts.shocks = shocks;
-        self.add_within_energy(impacts);
+        self.shocks = shocks;
+        self.add_within_energy();
     }
 
     /// Adds a share of `more` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
-    fn add_within_energy(&self, impacts: &mut Impacts) {
-        let mut shocks = core::mem::take(&mut impacts.shocks);
+    fn add_within_energy(&mut self) {
+        let mut shocks = core::mem::take(&mut self.shocks);
         let mut total = Work::default();
         for shock in &mut shocks {
-            shock.after = self.velocities(impacts, shock);
-            let (down, velocities) = (impacts.exponent - shock.exponent, sum(shock.relative_before(), shock.after));
+            shock.after = self.velocities(shock);
+            let (down, velocities) = (self.exponent - shock.exponent, sum(shock.relative_before(), shock.after));
             total.constant += work(shock.impulses, velocities, down);
             total.linear += work(shock.more, velocities, down);
         }
         for shock in &shocks {
-            self.push_shock(impacts, shock, shock.more);
+            self.push(shock, shock.more);
         }
         for shock in &shocks {
-            let down = impacts.exponent - shock.exponent;
-            let change = difference(self.velocities(impacts, shock), shock.after);
+            let down = self.exponent - shock.exponent;
+            let change = difference(self.velocities(shock), shock.after);
             total.linear += work(shock.impulses, change, down);
             total.square += work(shock.more, change, down);
             // Rounding of velocities, by up to four units of 2^-16, is no gain.
@@ -126,11 +100,40 @@ impl Solver {
         for shock in &mut shocks {
             let given = shock.more.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
             if share < 1 << SHARE {
-                self.push_shock(impacts, shock, difference(given, shock.more));
+                self.push(shock, difference(given, shock.more));
             }
             shock.impulses = sum(shock.impulses, given);
         }
-        impacts.shocks = shocks;
+        self.shocks = shocks;
+    }
+}
+
+impl Solver {
+    /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
+    pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
+        let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
+        impacts.is_clamped = false;
+        impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
+        impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
+        impacts.fastest = fastest;
+        impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
+        if !self.compress(impacts, substep, true) {
+            impacts.take_back_gain();
+        }
+        for shock in &mut impacts.shocks {
+            shock.sure = shock.impulses;
+            shock.more = shock.returned();
+        }
+        if impacts.shocks.iter().all(|shock| shock.more == [0; 3]) {
+            return;
+        }
+        impacts.add_within_energy();
+        for shock in &mut impacts.shocks {
+            shock.least = [shock.impulses[0], shock.impulses[1]];
+        }
+        self.compress(impacts, substep, false);
+        // Normal impulses can only take energy away here; friction may not.
+        impacts.take_back_gain();
     }
 
     /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
@@ -151,7 +154,7 @@ impl Solver {
             }
             let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
             for (side, &body) in shock.bodies.iter().enumerate() {
-                let back = gain(group, lane, side, late, 1);
+                let back = shock.jacobian.gain(side, late, 1);
                 let struck = &mut bodies[body as usize];
                 (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]));
                 // Impacts of other bodies at one that cannot be moved are none of its own.
@@ -191,7 +194,7 @@ impl Solver {
         let place = &self.places[place as usize];
         let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(self.rows.displacement(row)));
-        let [first, second, _] = along(group, lane, a, b, 0);
+        let [first, second, _] = Jacobian::of(group, lane).along(a, b, 0);
         for (point, moved) in [first, second].into_iter().enumerate() {
             group.separation_now[lane][point] = group.separation[lane][point] + moved as i32;
         }

@@ -24,6 +24,7 @@
 
 mod compress;
 mod expand;
+mod jacobian;
 mod shock;
 
 use alloc::vec::Vec;
@@ -42,8 +43,11 @@ const FRACTION: i32 = 16;
 const FINE: i32 = 30;
 /// One, as a moment of a sub-step.
 const ONE: i64 = 1 << 30;
-/// Rounds of a sub-step. The last one takes all impacts that are left at once.
+/// Rounds of an island in a sub-step. The last one takes all impacts that are left at once.
 const ROUNDS: u32 = 8;
+/// Iterations times shocks of an island in a step after which it is *busy*: all impacts that are left in a sub-step are taken at once, by the
+/// fewest iterations. Impacts in crowds would cost far more than all else.
+const BUSY: u32 = 1 << 12;
 /// Impacts of a body that follow each other within this part of a sub-step are one: a box that lands flat has two.
 const AT_ONCE: i64 = ONE / 8;
 /// The latest moment of an impact that is one with an impact of the sub-step.
@@ -112,10 +116,16 @@ pub(super) struct Impacts {
     tolerance: i64,
     /// The first moment of the shocks.
     moment: i64,
+    /// The island of the shocks.
+    island: usize,
     /// True if the shocks have no solution.
     is_clamped: bool,
     /// The exponent above those of all shocks.
     exponent: i32,
+    /// Iterations times shocks, by island.
+    work: Vec<u32>,
+    /// True for an island after its last round in the sub-step.
+    is_finished: Vec<bool>,
     /// Sorted by contact when the sub-steps are done.
     pub(super) strikes: Vec<Strike>,
 }
@@ -125,6 +135,17 @@ impl Impacts {
     pub(super) fn clear(&mut self) {
         self.first.clear();
         self.strikes.clear();
+        self.work.clear();
+    }
+
+    /// Returns true if the island of the shocks has done much work in the step.
+    fn is_busy(&self) -> bool {
+        self.work[self.island] > BUSY
+    }
+
+    /// Counts an iteration over the shocks.
+    fn count_work(&mut self) {
+        self.work[self.island] += self.shocks.len() as u32;
     }
 
     /// The contacts of a row.
@@ -193,6 +214,9 @@ impl Solver {
             }
         }
         if !impacts.pending.is_empty() {
+            impacts.work.resize(self.graph.islands(), 0);
+            impacts.is_finished.clear();
+            impacts.is_finished.resize(self.graph.islands(), false);
             for round in 1..=ROUNDS {
                 self.find_candidates(&mut impacts, substep);
                 if impacts.candidates.is_empty() {
@@ -259,7 +283,8 @@ impl Solver {
         order.sort_by_key(|&number| candidates[number as usize].island);
     }
 
-    /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once.
+    /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once, as does
+    /// an island that is busy.
     fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
         let (candidates, order) = (core::mem::take(&mut impacts.candidates), core::mem::take(&mut impacts.order));
         impacts.find_first_moments(&candidates);
@@ -267,6 +292,11 @@ impl Solver {
         for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
             impacts.shocks.clear();
             impacts.set.clear();
+            impacts.island = shock(island[0]).island as usize;
+            if impacts.is_finished[impacts.island] {
+                continue;
+            }
+            let is_last = is_last || impacts.is_busy();
             for shock in island.iter().map(|&number| shock(number)) {
                 if impacts.is_first(shock) || is_last && shock.moment() <= ONE {
                     self.join(impacts, shock.clone(), substep);
@@ -275,6 +305,7 @@ impl Solver {
                 }
             }
             if !impacts.shocks.is_empty() {
+                impacts.is_finished[impacts.island] = is_last;
                 self.solve_shocks(impacts, substep);
                 self.strike(impacts, lanes);
             }

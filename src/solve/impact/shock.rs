@@ -4,10 +4,8 @@ use super::super::contact::Group;
 use super::super::motion::Vector;
 use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
+use super::jacobian::{Elements, Jacobian};
 use super::{FINE, FRACTION, Impacts, LATEST, NONE, ONE, SubStep, TOUCH};
-
-/// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
-type Elements = [i64; 6];
 
 /// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,8 +42,10 @@ pub(super) struct Shock {
     pub(super) surface: i64,
     /// log2 of the unit of impulses.
     pub(super) exponent: i32,
+    pub(super) jacobian: Jacobian,
     pub(super) elements: [Elements; 2],
-    pub(super) matrix: [i128; 6],
+    /// In 2^-22.
+    pub(super) matrix: [i64; 6],
     pub(super) inverse: Inverse,
     pub(super) shares: [i64; 2],
     /// Velocities along the rows before the impact.
@@ -92,10 +92,11 @@ impl Shock {
             i128::from(shares[0]) * i128::from(self.elements[0][i])
                 + i128::from(shares[1]) * i128::from(self.elements[1][i])
         };
-        self.matrix = [shared(0), shared(1), shared(2), shared(3), shared(4), shared(5)];
-        let largest = self.matrix[0].max(self.matrix[2]).max(self.matrix[5]).max(1);
+        let matrix = [shared(0), shared(1), shared(2), shared(3), shared(4), shared(5)];
+        self.matrix = matrix.map(|element| shifted(element, 8) as i64);
+        let largest = matrix[0].max(matrix[2]).max(matrix[5]).max(1);
         let down = 128 - largest.leading_zeros() as i32 - 31;
-        let scaled = |i: usize| shifted(self.matrix[i], down) as i64;
+        let scaled = |i: usize| shifted(matrix[i], down) as i64;
         let (k11, k12, k22, ktt) = (scaled(0), scaled(1), scaled(2), scaled(5));
         let over = |value: i64, by: i64| if by <= 0 { 0 } else { ((i128::from(value) << 61) / i128::from(by)) as i64 };
         let inverted = |k: i64| if k <= 0 { 0 } else { ((1_i128 << 61) / i128::from(k)) as i64 };
@@ -118,44 +119,6 @@ pub(super) fn quotient(num: i128, den: i128) -> i128 {
 /// A vector with wide components, without the fourth one.
 pub(super) fn wide(vector: Vector) -> [i64; 3] {
     [vector[0].into(), vector[1].into(), vector[2].into()]
-}
-
-/// Velocities or displacements along the three rows of a contact, in the unit of the bodies': 2^-bits of it. Rounded to nearest, along
-/// the tangent oddly: normal rows are the same in a mirror image.
-///
-/// # Ranges
-/// Components are below 2^61, factors at most 2^30: sums of four products are below 2^94.
-pub(super) fn along(group: &Group, lane: usize, a: [i64; 3], b: [i64; 3], bits: i32) -> [i64; 3] {
-    let [nx, ny] = group.normal[lane].map(i128::from);
-    let [dx, dy] = [i128::from(b[0]) - i128::from(a[0]), i128::from(b[1]) - i128::from(a[1])];
-    let turned = |row: usize| {
-        let [arm_a, arm_b] = group.arms[row][lane].map(i128::from);
-        arm_b * i128::from(b[2]) - arm_a * i128::from(a[2])
-    };
-    let normal = nx * dx + ny * dy;
-    let half = 1_i128 << (29 + bits);
-    [
-        ((normal + turned(0) + half) >> (30 + bits)) as i64,
-        ((normal + turned(1) + half) >> (30 + bits)) as i64,
-        shifted(ny * dx - nx * dy + turned(2), 30 + bits) as i64,
-    ]
-}
-
-/// The change of velocity of a body by the impulses of a contact, in 2^-[`FINE`], within ±2^60 over its share.
-///
-/// # Ranges
-/// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
-pub(super) fn gain(group: &Group, lane: usize, side: usize, impulses: [i64; 3], share: i64) -> [i64; 3] {
-    let limit = i128::from((1_i64 << 60) / share.max(1));
-    let linear = if side == 0 { &group.linear_a } else { &group.linear_b };
-    let [first, second, tangent] = impulses.map(i128::from);
-    let moved = |axis: usize| {
-        let change = i128::from(linear[0][lane][axis]) * (first + second) + i128::from(linear[1][lane][axis]) * tangent;
-        change.clamp(-limit, limit) as i64
-    };
-    let factor = |row: usize| i128::from(group.angular[row][lane][side]);
-    let turned = (factor(0) * first + factor(1) * second + factor(2) * tangent) << group.angular_shift[lane];
-    [moved(0), moved(1), turned.clamp(-limit, limit) as i64]
 }
 
 impl Solver {
@@ -186,11 +149,12 @@ impl Solver {
         if self.is_slow(group, lane, substep) {
             return None;
         }
+        let jacobian = Jacobian::of(group, lane);
         let [a, b] = rows.map(|row| self.velocity_before(row, substep));
-        let before = along(group, lane, a, b, FINE - FRACTION);
+        let before = jacobian.along(a, b, FINE - FRACTION);
         let threshold = i64::from(group.surface[lane][1]) << FRACTION;
         let [change_a, change_b] = rows.map(|row| wide(self.rows.flight(row).change).map(|part| part << FRACTION));
-        let change = along(group, lane, change_a, change_b, 0);
+        let change = jacobian.along(change_a, change_b, 0);
         // Nothing is so fast within the step.
         if (0..2).all(|i| before[i] - change[i].abs() >= -threshold) {
             return None;
@@ -249,7 +213,7 @@ impl Solver {
     pub(super) fn rows_before(&self, place: u32, substep: SubStep<'_>) -> [i64; 3] {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| self.velocity_before(row, substep));
-        along(group, lane, a, b, FINE - FRACTION)
+        Jacobian::of(group, lane).along(a, b, FINE - FRACTION)
     }
 
     /// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
@@ -260,7 +224,7 @@ impl Solver {
             body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
             _ => self.velocity_before(row, substep),
         });
-        let velocities = along(group, lane, a, b, FINE - FRACTION);
+        let velocities = Jacobian::of(group, lane).along(a, b, FINE - FRACTION);
         if velocities[0].min(velocities[1]) >= -slowest {
             return false;
         }
@@ -289,7 +253,8 @@ impl Solver {
         let touch = self.touch(place, substep);
         let rows = [group.a[lane], group.b[lane]];
         let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
-        let (closing, threshold) = (along(group, lane, start_a, start_b, 0), i64::from(group.surface[lane][1]));
+        let jacobian = Jacobian::of(group, lane);
+        let (closing, threshold) = (jacobian.along(start_a, start_b, 0), i64::from(group.surface[lane][1]));
         let touches = |i: usize| {
             let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
             i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
@@ -309,7 +274,8 @@ impl Solver {
             friction: group.friction[lane][1].into(),
             surface: i64::from(group.surface[lane][0]) << FRACTION,
             exponent,
-            elements: [0, 1].map(|side| elements(group, lane, side)),
+            jacobian,
+            elements: [0, 1].map(|side| jacobian.elements(side)),
             matrix: [0; 6],
             inverse: Inverse::default(),
             shares: [0; 2],
@@ -348,21 +314,21 @@ impl Solver {
         }
         body
     }
+}
 
+impl Impacts {
     /// The velocities along the rows of a shock, with what the flight adds up to its moments and without that of its surfaces.
-    pub(super) fn velocities(&self, impacts: &Impacts, shock: &Shock) -> [i64; 3] {
-        let (_, group, lane) = self.lane_of(shock.place);
-        let [a, b] = shock.bodies.map(|body| impacts.bodies[body as usize].velocity);
-        let [first, second, slip] = along(group, lane, a, b, FINE - FRACTION);
+    pub(super) fn velocities(&self, shock: &Shock) -> [i64; 3] {
+        let [a, b] = shock.bodies.map(|body| self.bodies[body as usize].velocity);
+        let [first, second, slip] = shock.jacobian.along(a, b, FINE - FRACTION);
         [first + shock.gained[0], second + shock.gained[1], slip - shock.surface]
     }
 
     /// Applies changes of impulses of a shock to its bodies.
-    pub(super) fn push_shock(&self, impacts: &mut Impacts, shock: &Shock, impulses: [i64; 3]) {
-        let (_, group, lane) = self.lane_of(shock.place);
+    pub(super) fn push(&mut self, shock: &Shock, impulses: [i64; 3]) {
         for (side, &body) in shock.bodies.iter().enumerate() {
-            let struck = &mut impacts.bodies[body as usize];
-            let change = gain(group, lane, side, impulses, struck.share);
+            let struck = &mut self.bodies[body as usize];
+            let change = shock.jacobian.gain(side, impulses, struck.share);
             (0..3).for_each(|i| struck.velocity[i] += change[i]);
         }
     }
@@ -390,16 +356,4 @@ fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i
     }
     let moment = ((2 * gap) << 30) / (speed - velocity);
     (moment <= i128::from(LATEST)).then_some((moment.max(from.into()) as i64, speed as i64))
-}
-
-/// The elements of the matrix of a contact by one body.
-fn elements(group: &Group, lane: usize, side: usize) -> Elements {
-    let column = |impulses: [i64; 3]| {
-        let change = gain(group, lane, side, impulses, 1);
-        let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
-        along(group, lane, a, b, 0)
-    };
-    let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
-    // Both ways, so that the points may come in either order.
-    [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
 }

@@ -205,7 +205,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ),
         (
             "\"shape\": {\"circle\": {\"radius\": 5000}}",
-            "shape.circle.radius: out of range: expected a size (also the distance of two points of a chain) from 2^-7 to 2^12 m, or a coordinate within ±2^12 m",
+            "shape.circle.radius: out of range: expected a radius from 2^-7 to 2^12 m, not 5000",
         ),
         ("\"shape\": {\"ball\": {}}", "shape.ball: unknown field: did you mean `circle`?"),
     ];

@@ -1,0 +1,97 @@
+//! The rows of a contact in words, as impacts see them: what velocities give along them, and what impulses along them give to the bodies.
+
+use super::super::contact::Group;
+use super::super::number::shifted;
+
+/// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
+pub(super) type Elements = [i64; 6];
+
+/// The two normal rows and the friction row of a contact: a copy of what its group holds in lanes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Jacobian {
+    /// In 2^-30.
+    normal: [i32; 2],
+    /// By row, of both bodies, in 2^-30 of the bodies' lengths.
+    arms: [[i32; 2]; 3],
+    /// By body: changes of velocity by an impulse along the normal and along the tangent.
+    linear: [[[i32; 2]; 2]; 2],
+    /// By row: changes of angular velocity of both bodies, in units of 2^shift of the linear ones.
+    angular: [[i32; 2]; 3],
+    angular_shift: i64,
+}
+
+impl Jacobian {
+    pub(super) fn of(group: &Group, lane: usize) -> Self {
+        Self {
+            normal: group.normal[lane],
+            arms: [0, 1, 2].map(|row| group.arms[row][lane]),
+            linear: [&group.linear_a, &group.linear_b].map(|linear| [linear[0][lane], linear[1][lane]]),
+            angular: [0, 1, 2].map(|row| group.angular[row][lane]),
+            angular_shift: group.angular_shift[lane],
+        }
+    }
+
+    /// Velocities or displacements along the three rows, in the unit of the bodies': 2^-bits of it. Rounded to nearest, along the tangent oddly:
+    /// normal rows are the same in a mirror image.
+    ///
+    /// # Ranges
+    /// Components are below 2^61, factors at most 2^30: sums of four products are below 2^94.
+    #[inline(always)]
+    pub(super) fn along(&self, a: [i64; 3], b: [i64; 3], bits: i32) -> [i64; 3] {
+        let [nx, ny] = self.normal.map(i64::from);
+        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        let turned = |row: usize| {
+            let [arm_a, arm_b] = self.arms[row].map(i64::from);
+            product(arm_b, b[2]) - product(arm_a, a[2])
+        };
+        let normal = product(nx, dx) + product(ny, dy) + (1 << (29 + bits));
+        [
+            ((normal + turned(0)) >> (30 + bits)) as i64,
+            ((normal + turned(1)) >> (30 + bits)) as i64,
+            shifted(product(ny, dx) - product(nx, dy) + turned(2), 30 + bits) as i64,
+        ]
+    }
+
+    /// The change of velocity of a body by impulses, in 2^-[`FINE`](super::FINE), within ±2^60 over its share.
+    ///
+    /// # Ranges
+    /// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
+    #[inline(always)]
+    pub(super) fn gain(&self, side: usize, impulses: [i64; 3], share: i64) -> [i64; 3] {
+        let [normal, tangent] = self.linear[side];
+        let pressing = impulses[0] + impulses[1];
+        let moved = |axis: usize| product(normal[axis].into(), pressing) + product(tangent[axis].into(), impulses[2]);
+        let factor = |row: usize| i64::from(self.angular[row][side]);
+        let turned = (0..3).map(|row| product(factor(row), impulses[row])).sum::<i128>() << self.angular_shift;
+        [limited(moved(0), share), limited(moved(1), share), limited(turned, share)]
+    }
+
+    /// The elements of the matrix by one body.
+    pub(super) fn elements(&self, side: usize) -> Elements {
+        let column = |impulses: [i64; 3]| {
+            let change = self.gain(side, impulses, 1);
+            let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
+            self.along(a, b, 0)
+        };
+        let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
+        // Both ways, so that the points may come in either order.
+        [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
+    }
+}
+
+/// The product of words.
+#[inline(always)]
+pub(super) fn product(a: i64, b: i64) -> i128 {
+    i128::from(a) * i128::from(b)
+}
+
+/// A change within ±2^60 over a share. *Domain* shares are below 2^22.
+#[inline(always)]
+fn limited(change: i128, share: i64) -> i64 {
+    // Most need no division.
+    if (change + (1 << 38)) as u128 <= 1 << 39 {
+        return change as i64;
+    }
+    let limit = i128::from((1_i64 << 60) / share.max(1));
+    change.clamp(-limit, limit) as i64
+}
