@@ -11,6 +11,8 @@
 //!
 //! A separation at a moment becomes that of the start by the way along the row that the bodies close up to then.
 
+use core::slice::from_ref;
+
 use super::engine::Engine;
 use super::flights::FlightOf;
 use super::reach::approach_bound;
@@ -223,24 +225,25 @@ impl Engine {
         ends: [u32; 2],
         paths: &Paths<'_>,
     ) -> Option<(Manifold, [Way; 2])> {
-        let path = |side: usize| paths.path(self.flights.body(ends[side]), self.flights.flight(ends[side]), ends[side]);
-        let both = [path(0), path(1)];
-        let reaches = [0, 1].map(|side: usize| colliders[side].outline(parts[side]).radius.to_bits());
-        if both[0].stays_apart(&both[1], reaches[0].saturating_add(reaches[1])) {
+        let legs = ends.map(|flight| self.leg(paths, flight));
+        let outlines = [colliders[0].outline(parts[0]), colliders[1].outline(parts[1])];
+        let reach = outlines[0].radius.saturating_add(outlines[1].radius);
+        if legs[0].stays_apart(&legs[1], reach.to_bits()) {
             return None;
         }
-        let forms = [sweep::form(colliders[0], parts[0]), sweep::form(colliders[1], parts[1])];
-        let pair = Sweep { forms: [&forms[0], &forms[1]], paths: [&both[0], &both[1]], is_mutual: true };
-        let moment = pair.first_touch()?;
+        let forms = [sweep::form(colliders[0], &outlines[0]), sweep::form(colliders[1], &outlines[1])];
+        let both = [from_ref(&legs[0]), from_ref(&legs[1])];
+        let pair = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
+        let moment = pair.first_touch(&mut self.sweep.moments[0])?;
         let mut cores = [0; 2];
         for side in 0..2 {
-            let outline = colliders[side].outline(parts[side]);
-            cores[side] = if both[side].moves() {
-                let (centre, angle) = both[side].leg(moment).0.pose(moment);
+            let outline = &outlines[side];
+            cores[side] = if legs[side].moves() {
+                let (centre, angle) = legs[side].pose(moment);
                 let pose = Pose::new(Vec2::new(Fx::from_bits(centre[0]), Fx::from_bits(centre[1])), angle);
-                self.push_core(scene, numbers[side], &outline, ends[side], &pose)
+                self.push_core(scene, numbers[side], outline, ends[side], &pose)
             } else {
-                self.core(scene, numbers[side], &outline, ends[side])
+                self.core(scene, numbers[side], outline, ends[side])
             };
         }
         let ways = ends.map(|flight| Way::along(&self.flights.deflected(flight), moment));

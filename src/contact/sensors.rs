@@ -15,14 +15,15 @@
 
 use alloc::vec::Vec;
 use core::ops::Range;
+use core::slice::from_ref;
 
 use super::engine::Engine;
-use super::sweep::{Paths, around, form, resting_path};
+use super::sweep::{Paths, around, form, resting_leg};
 use super::{ContactBodies, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collide::broad::{PairLimits, Proxy, Statics};
-use crate::collide::sweep::{Path, Sweep};
+use crate::collide::sweep::{Moment, Path, Sweep};
 use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
 use crate::fx::Fx;
 use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
@@ -122,13 +123,14 @@ impl View<'_> {
         }
         let resting = outlines.map(|(collider, _)| {
             let dense = self.bodies.index_of(collider.body).unwrap_or(0);
-            resting_path(self.bodies.position(dense), self.bodies.angle(dense))
+            resting_leg(self.bodies.position(dense), self.bodies.angle(dense))
         });
         // A sensor has no side.
-        let forms = outlines.map(|(collider, part)| form(collider, part).without_sides());
-        let both = [0, 1].map(|side: usize| paths[side].unwrap_or(&resting[side]));
+        let shapes = outlines.map(|(collider, part)| collider.outline(part));
+        let forms = [0, 1].map(|side: usize| form(outlines[side].0, &shapes[side]).without_sides());
+        let both = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting[side]), Path::legs));
         let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
-        sweep.first_touch().is_some()
+        sweep.first_touch(&mut Moment::default()).is_some()
     }
 
     /// The place of the body of a collider, its kind and its activity, if it takes part.
@@ -152,7 +154,7 @@ impl View<'_> {
                 let core = Core::new(&collider.outline(part).outline, &placement, from)?;
                 let outline = OutlineId { slot: collider.slot, part };
                 let bounds = match self.path(collider.body.slot) {
-                    Some(path) => around(path, collider.outline(part).radius.to_bits()),
+                    Some(path) => around(path.legs(), collider.outline(part).radius.to_bits()),
                     None => {
                         let [min, max] = core.bounds().map(|corner| in_fx(beside(from, corner)));
                         Aabb { min, max }

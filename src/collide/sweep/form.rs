@@ -2,8 +2,11 @@
 
 use super::super::place::odd_shift;
 use super::path::Leg;
+use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
 use crate::limits::CORNERS;
+use crate::math::Vec2;
+use crate::shape::Outline;
 
 /// A vector turned, each component rounded once, oddly. *Domain* components below 2^62.
 pub(super) fn turned([x, y]: [i64; 2], (sin, cos): (i64, i64)) -> [i64; 2] {
@@ -13,21 +16,29 @@ pub(super) fn turned([x, y]: [i64; 2], (sin, cos): (i64, i64)) -> [i64; 2] {
     [part(product(x, cos) - product(y, sin)), part(product(x, sin) + product(y, cos))]
 }
 
-/// The length of a vector in ulps, rounded up. *Domain* components below 2^62.
-pub(super) fn length([x, y]: [i64; 2]) -> i64 {
-    let square = |v: i64| u128::from(v.unsigned_abs()).pow(2);
-    let squares = square(x) + square(y);
-    let root = squares.isqrt();
-    (root + u128::from(root * root < squares)) as i64
+/// The square of the length of a vector. *Domain* components below 2^62.
+fn square([x, y]: [i64; 2]) -> u128 {
+    u128::from(x.unsigned_abs()).pow(2) + u128::from(y.unsigned_abs()).pow(2)
 }
 
-/// An outline in the axes of its body, relative to the body's centre of mass, ulps.
+/// The root of a square, rounded up.
+fn root(square: u128) -> i64 {
+    let root = square.isqrt();
+    (root + u128::from(root * root < square)) as i64
+}
+
+/// A vector in ulps.
+fn ulps(vector: Vec2) -> [i64; 2] {
+    [vector.x.to_bits(), vector.y.to_bits()]
+}
+
+/// An outline in the axes of its body, relative to the body's centre of mass.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Form {
-    count: usize,
-    corners: [[i64; 2]; CORNERS],
-    /// The normals of the edges from each corner to the next one, in units of 2^-32; none for a disc.
-    normals: [[i64; 2]; CORNERS],
+pub(crate) struct Form<'a> {
+    corners: &'a [Vec2],
+    /// The normals of the edges from each corner to the next one; none for a disc.
+    normals: &'a [Vec2],
+    /// Lengths are in ulps.
     pub(super) radius: i64,
     /// The largest distance of a corner from the centre of mass.
     reach: i64,
@@ -37,24 +48,13 @@ pub(crate) struct Form {
     pub(crate) is_link: bool,
 }
 
-impl Form {
+impl<'a> Form<'a> {
     /// *Domain* one to 64 corners within 2^15 m, and a normal for each unless there is one corner.
-    pub(crate) fn new(
-        corners: impl Iterator<Item = [i64; 2]>,
-        normals: impl Iterator<Item = [i64; 2]>,
-        radius: i64,
-        width: i64,
-        is_link: bool,
-    ) -> Self {
-        let mut form =
-            Self { count: 0, corners: [[0; 2]; CORNERS], normals: [[0; 2]; CORNERS], radius, reach: 0, width, is_link };
-        for (place, corner) in form.corners.iter_mut().zip(corners) {
-            *place = corner;
-            form.reach = form.reach.max(length(corner));
-            form.count += 1;
-        }
-        form.normals.iter_mut().zip(normals).for_each(|(place, normal)| *place = normal);
-        form
+    pub(crate) fn new(outline: &'a Outline, width: Fx, is_link: bool) -> Self {
+        let corners = outline.corners();
+        let normals = if corners.len() == 1 { &[] } else { outline.normals() };
+        let reach = root(corners.iter().map(|&corner| square(ulps(corner))).max().unwrap_or(0));
+        Self { corners, normals, radius: outline.radius().to_bits(), reach, width: width.to_bits(), is_link }
     }
 
     /// The outline as one that has no side.
@@ -64,9 +64,11 @@ impl Form {
 }
 
 /// An outline at a moment, relative to the centre of its rotation, in world axes.
+#[derive(Clone, Debug)]
 pub(super) struct Seen {
     pub(super) centre: [i64; 2],
-    count: usize,
+    /// The numbers of corners and normals; what comes after them is of another outline.
+    counts: [usize; 2],
     corners: [[i64; 2]; CORNERS],
     normals: [[i32; 2]; CORNERS],
     /// The largest distance of a corner from the centre of the rotation, rounded up.
@@ -74,50 +76,32 @@ pub(super) struct Seen {
 }
 
 impl Seen {
+    pub(super) const NONE: Self =
+        Self { centre: [0; 2], counts: [0; 2], corners: [[0; 2]; CORNERS], normals: [[0; 2]; CORNERS], reach: 0 };
+
     #[inline(always)]
-    pub(super) fn new(form: &Form, leg: &Leg, at: u64) -> Self {
-        let mut seen = Self {
-            centre: leg.centre(at),
-            count: form.count,
-            corners: [[0; 2]; CORNERS],
-            normals: [[0; 2]; CORNERS],
-            reach: 0,
-        };
+    pub(super) fn set(&mut self, form: &Form<'_>, leg: &Leg, at: u64) {
         let (arm, direction) = (leg.arm(at), sin_cos_turn(leg.angle(at).to_bits()));
+        self.centre = leg.centre(at);
+        self.counts = [form.corners.len(), form.normals.len()];
         // Corners and arms are rounded.
-        seen.reach = form.reach + if arm == [0; 2] { 2 } else { length(arm) + 4 };
-        for (place, &corner) in seen.corners.iter_mut().zip(form.corners()) {
-            let [x, y] = turned(corner, direction);
+        self.reach = form.reach + if arm == [0; 2] { 2 } else { root(square(arm)) + 4 };
+        for (place, &corner) in self.corners.iter_mut().zip(form.corners) {
+            let [x, y] = turned(ulps(corner), direction);
             *place = [x + arm[0], y + arm[1]];
         }
-        for (place, &normal) in seen.normals.iter_mut().zip(form.normals()) {
+        for (place, &normal) in self.normals.iter_mut().zip(form.normals) {
             // From 2^-32 to 2^-30.
-            *place = turned(normal, direction).map(|part| odd_shift(part.into(), 2) as i32);
+            *place = turned(ulps(normal), direction).map(|part| odd_shift(part.into(), 2) as i32);
         }
-        seen
     }
 
     pub(super) fn corners(&self) -> &[[i64; 2]] {
-        &self.corners[..self.count]
+        &self.corners[..self.counts[0]]
     }
 
     /// Outward unit normals of the edges, 2^-30.
     pub(super) fn normals(&self) -> &[[i32; 2]] {
-        &self.normals[..faces(self.count)]
+        &self.normals[..self.counts[1]]
     }
-}
-
-impl Form {
-    fn corners(&self) -> &[[i64; 2]] {
-        &self.corners[..self.count]
-    }
-
-    fn normals(&self) -> &[[i64; 2]] {
-        &self.normals[..faces(self.count)]
-    }
-}
-
-/// A disc has no edges.
-const fn faces(count: usize) -> usize {
-    if count == 1 { 0 } else { count }
 }

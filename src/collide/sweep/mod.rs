@@ -14,10 +14,11 @@ mod form;
 mod path;
 
 use crate::kernel::sqrt::direction;
+use crate::scalar::Turn;
 
 pub(crate) use form::Form;
 use form::Seen;
-pub(crate) use path::{END, Leg, Path};
+pub(crate) use path::{END, Leg, Path, ends};
 
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;
@@ -33,14 +34,16 @@ const TAU: u128 = 26_986_075_410;
 
 /// Two outlines on their paths.
 pub(crate) struct Sweep<'a> {
-    pub(crate) forms: [&'a Form; 2],
-    pub(crate) paths: [&'a Path; 2],
+    pub(crate) forms: [&'a Form<'a>; 2],
+    /// The pieces of their paths.
+    pub(crate) paths: [&'a [Leg]; 2],
     /// True if both give way; else the first one does.
     pub(crate) is_mutual: bool,
 }
 
-/// Two outlines at a moment.
-struct Moment {
+/// Two outlines at a moment: memory for sweeps.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
     seen: [Seen; 2],
     legs: [Leg; 2],
     /// From the centre of the first to that of the second.
@@ -48,12 +51,49 @@ struct Moment {
     radius: i64,
     /// The moment at which a piece of either path ends.
     until: u64,
-    /// The largest distance along a direction that counts.
-    widest: Option<i128>,
+    /// `None` until somebody asks.
+    widest: Option<Widest>,
+}
+
+impl Default for Moment {
+    fn default() -> Self {
+        let leg = Leg::new([0; 2], [0; 2], Turn::default(), 0);
+        Self { seen: [Seen::NONE; 2], legs: [leg; 2], offset: [0; 2], radius: 0, until: 0, widest: None }
+    }
+}
+
+/// The most directions of the largest distance that are kept: faces that lie on each other have four.
+const KEPT: usize = 8;
+
+/// The largest distance along a direction that counts.
+#[derive(Clone, Copy, Debug)]
+struct Widest {
+    /// `None` if no direction counts.
+    distance: Option<i128>,
+    /// The number of directions that have it, and the first ones of these.
+    count: usize,
+    gaps: [Gap; KEPT],
+}
+
+impl Widest {
+    const NONE: Self =
+        Self { distance: None, count: 0, gaps: [Gap { n: [0; 2], most: 0, least: 0, distance: 0 }; KEPT] };
+
+    fn add(&mut self, gap: Gap) {
+        if Some(gap.distance) > self.distance {
+            (self.distance, self.count) = (Some(gap.distance), 0);
+        }
+        if Some(gap.distance) == self.distance {
+            if let Some(place) = self.gaps.get_mut(self.count) {
+                *place = gap;
+            }
+            self.count += 1;
+        }
+    }
 }
 
 /// The distance along a direction, ulps.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Gap {
     n: [i32; 2],
     /// The largest component of a corner of the first one, and the least of the second one, relative to their centres.
@@ -101,31 +141,30 @@ impl Moment {
     fn each_direction(&self, mut visit: impl FnMut([i32; 2])) {
         self.seen[0].normals().iter().for_each(|&n| visit(n));
         self.seen[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
-        let between = |a: [i64; 2], b: [i64; 2]| [0, 1].map(|k| self.offset[k] + i128::from(b[k]) - i128::from(a[k]));
-        // Offsets are below 2^64, squares below 2^129: halves of the components are squared.
-        let square = |d: [i128; 2]| d.iter().map(|part| (part >> 1).unsigned_abs().pow(2)).sum::<u128>();
+        // Centres are cut to words, which tells apart what is never near; corners are below 2^50.
+        let offset = self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64);
         let [a, b] = [0, 1].map(|side: usize| self.seen[side].corners());
-        let pairs = || a.iter().flat_map(|&a| b.iter().map(move |&b| between(a, b)));
-        // Odd differences would be halved to either side: magnitudes are the same in all images.
-        let square = |d: [i128; 2]| square(d.map(|part| part.abs()));
-        let least = pairs().map(square).min().unwrap_or(0);
-        pairs().filter(|&d| square(d) == least).filter_map(unit).for_each(visit);
-    }
-
-    /// The largest distance along a direction that is allowed.
-    fn widest(&self, is_allowed: impl Fn([i32; 2]) -> bool) -> Option<i128> {
-        let mut widest = None;
-        self.each_direction(|n| {
-            if is_allowed(n) {
-                widest = widest.max(Some(self.gap(n).distance));
+        let between = |a: [i64; 2], b: [i64; 2]| [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]];
+        let square = |[x, y]: [i64; 2]| u128::from(x.unsigned_abs()).pow(2) + u128::from(y.unsigned_abs()).pow(2);
+        let mut least = u128::MAX;
+        for &a in a {
+            for &b in b {
+                least = least.min(square(between(a, b)));
             }
-        });
-        widest
+        }
+        for &a in a {
+            for &b in b {
+                let d = between(a, b);
+                if square(d) == least {
+                    unit(d.map(i128::from)).into_iter().for_each(&mut visit);
+                }
+            }
+        }
     }
 
     /// The distance of the outlines, negative where they overlap.
     fn distance(&self) -> i128 {
-        self.widest.unwrap_or(-(1 << 80))
+        self.widest.as_ref().and_then(|widest| widest.distance).unwrap_or(-(1 << 80))
     }
 
     /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
@@ -278,14 +317,46 @@ const LEFT: i64 = 1 << 16;
 const OF_LINES: i64 = (4 << 32) / 100;
 
 impl Sweep<'_> {
-    fn at(&self, at: u64) -> Moment {
-        let [(a, until_a), (b, until_b)] = self.paths.map(|path| path.leg(at));
-        let seen = [Seen::new(self.forms[0], a, at), Seen::new(self.forms[1], b, at)];
-        let offset = [0, 1].map(|k| i128::from(seen[1].centre[k]) - i128::from(seen[0].centre[k]));
-        let radius = self.forms[0].radius + self.forms[1].radius;
-        let mut moment = Moment { seen, legs: [*a, *b], offset, radius, until: until_a.min(until_b), widest: None };
-        moment.widest = moment.widest(|n| self.is_allowed(&moment, n));
-        moment
+    /// Brings both outlines to a moment.
+    fn set(&self, moment: &mut Moment, at: u64) {
+        let [(a, until_a), (b, until_b)] = self.paths.map(|legs| path::leg(legs, at));
+        moment.seen[0].set(self.forms[0], a, at);
+        moment.seen[1].set(self.forms[1], b, at);
+        let [from, to] = [moment.seen[0].centre, moment.seen[1].centre];
+        moment.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
+        moment.legs = [*a, *b];
+        moment.radius = self.forms[0].radius + self.forms[1].radius;
+        moment.until = until_a.min(until_b);
+        moment.widest = None;
+    }
+
+    /// Finds the largest distance along a direction at a moment.
+    fn measure(&self, moment: &mut Moment) {
+        if moment.widest.is_some() {
+            return;
+        }
+        let mut widest = Widest::NONE;
+        moment.each_direction(|n| {
+            if self.is_allowed(moment, n) {
+                widest.add(moment.gap(n));
+            }
+        });
+        moment.widest = Some(widest);
+    }
+
+    /// Visits the directions of the largest distance, all that tie, at a moment that was [measured](Self::measure).
+    fn each_widest(&self, moment: &Moment, mut visit: impl FnMut(&Gap)) {
+        let Some(widest) = &moment.widest else { return };
+        if let Some(gaps) = widest.gaps.get(..widest.count) {
+            gaps.iter().for_each(visit);
+            return;
+        }
+        moment.each_direction(|n| {
+            let gap = moment.gap(n);
+            if self.is_allowed(moment, n) && Some(gap.distance) == widest.distance {
+                visit(&gap);
+            }
+        });
     }
 
     /// The width that an overlap is compared with: that of the outline that gives way, or the lesser one.
@@ -328,21 +399,33 @@ impl Sweep<'_> {
         })
     }
 
-    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end.
-    fn reach(&self, depth: i64, from: u64, start: &Moment) -> Option<u64> {
+    /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. `moment` is
+    /// the start, and then that moment.
+    fn reach(&self, depth: i64, from: u64, moment: &mut Moment) -> Option<u64> {
+        // Most outlines pass each other, or go together.
+        if moment.until == END && self.longest_across(moment, depth, END - from, END) == END - from {
+            return None;
+        }
+        self.measure(moment);
         // From here on the rest of the way counts as gone.
         // Outlines that overlap at the start have only what is left up to the depth.
-        let left = i128::from(depth) + start.distance();
+        let left = i128::from(depth) + moment.distance();
         let way = if left > 0 { left.min(depth.abs().into()) } else { depth.abs().into() };
         let tolerance = (way >> 2).max(ROUNDING.into());
         let (mut at, mut guess) = (from, END);
-        let (mut later, mut moment);
-        moment = start;
         for _ in 0..STEPS {
             let room = moment.until - at;
-            let longest = self.longest(moment, depth, room, guess);
+            let mut longest = self.longest_across(moment, depth, room, guess);
             if longest < room {
-                let widest = moment.widest.unwrap_or(0);
+                self.measure(moment);
+                self.each_widest(moment, |gap| {
+                    if longest < room {
+                        longest = longest.max(moment.time(gap, depth, room, guess));
+                    }
+                });
+            }
+            if longest < room {
+                let widest = moment.widest.as_ref().and_then(|widest| widest.distance).unwrap_or(0);
                 if longest <= SHORTEST || widest + i128::from(depth) <= tolerance {
                     return Some(at);
                 }
@@ -352,49 +435,33 @@ impl Sweep<'_> {
                 return None;
             }
             guess = longest.saturating_mul(16).min(END);
-            later = self.at(at);
-            moment = &later;
+            self.set(moment, at);
         }
         Some(at)
     }
 
-    /// The longest step that a direction proves safe, of those that separate best and those across the way.
-    fn longest(&self, moment: &Moment, depth: i64, room: u64, guess: u64) -> u64 {
-        let time = |n: [i32; 2]| match self.is_allowed(moment, n) {
-            true => moment.time(&moment.gap(n), depth, room, guess),
-            false => 0,
-        };
+    /// The longest step that a direction across the way proves safe.
+    fn longest_across(&self, moment: &Moment, depth: i64, room: u64, guess: u64) -> u64 {
         let [a, b] = &moment.legs;
-        let across = unit([0, 1].map(|k| b.way[k] - a.way[k])).map(|[x, y]| [[-y, x], [y, -x]]);
-        let mut longest = across.into_iter().flatten().map(time).max().unwrap_or(0);
-        if longest == room {
-            return room;
-        }
-        moment.each_direction(|n| {
-            if longest < room && self.is_allowed(moment, n) && Some(moment.gap(n).distance) == moment.widest {
-                longest = longest.max(time(n));
-            }
-        });
-        longest
+        let Some([x, y]) = unit([0, 1].map(|k| b.way[k] - a.way[k])) else { return 0 };
+        let allowed = [[-y, x], [y, -x]].into_iter().filter(|&n| self.is_allowed(moment, n));
+        allowed.map(|n| moment.time(&moment.gap(n), depth, room, guess)).max().unwrap_or(0)
     }
 
     /// Returns true if they are on the same side of each other at two moments, as far as the directions that separate best tell.
     fn are_sides_alike(&self, first: &Moment, second: &Moment) -> bool {
-        let is_best = |at: &Moment, n| self.is_allowed(at, n) && Some(at.gap(n).distance) == at.widest;
         let mut are_alike = false;
-        first.each_direction(|n| {
-            if is_best(first, n) {
-                second.each_direction(|m| are_alike |= is_best(second, m) && height(n, m.map(i64::from)) > 0);
-            }
+        self.each_widest(first, |a| {
+            self.each_widest(second, |b| are_alike |= height(a.n, b.n.map(i64::from)) > 0);
         });
         are_alike
     }
 
     /// The first moment at which the outlines may overlap by a micrometre; `None` if they do not in the tick, or if one of them is behind a
     /// segment of a chain.
-    pub(crate) fn first_touch(&self) -> Option<u64> {
-        let start = self.at(0);
-        if self.is_behind(&start) { None } else { self.reach(TOUCH, 0, &start) }
+    pub(crate) fn first_touch(&self, memory: &mut Moment) -> Option<u64> {
+        self.set(memory, 0);
+        if self.is_behind(memory) { None } else { self.reach(TOUCH, 0, memory) }
     }
 
     /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.
@@ -402,11 +469,12 @@ impl Sweep<'_> {
     /// At that moment they overlap by 5 mm at most, and by less than an eighth of the width. A path may lead to a deeper overlap, up to
     /// that eighth, if the overlap is still there at the end of the tick: then there is a contact, which the next step solves. Outlines
     /// that overlap deeper at `from`, or are behind a segment of a chain, are not looked at.
-    pub(crate) fn impact(&self, from: u64) -> Option<u64> {
+    pub(crate) fn impact(&self, from: u64, [moment, end]: &mut [Moment; 2]) -> Option<u64> {
         let depths = Depths::new(self.width());
-        let start = self.at(from);
-        let before = start.distance();
-        if before < -i128::from(depths.touch) || self.is_behind(&start) {
+        self.set(moment, from);
+        self.measure(moment);
+        let before = moment.distance();
+        if before < -i128::from(depths.touch) || self.is_behind(moment) {
             return None;
         }
         // Outlines that overlap already may do so as deep as a tick may end, or else hardly deeper than now.
@@ -419,11 +487,15 @@ impl Sweep<'_> {
         } else {
             depths.small
         };
-        let hit = self.reach(depth, from, &start)?;
-        let [at_hit, end] = [self.at(hit), self.at(END)];
-        let is_contact = end.distance() < 0
-            && self.reach(depths.deep.max(depth), from, &start).is_none()
-            && self.are_sides_alike(&at_hit, &end);
-        if is_contact || self.is_behind(&at_hit) { None } else { Some(hit) }
+        let hit = self.reach(depth, from, moment)?;
+        self.set(end, END);
+        self.measure(end);
+        let is_contact = end.distance() < 0 && {
+            self.set(moment, from);
+            self.reach(depths.deep.max(depth), from, moment).is_none()
+        };
+        self.set(moment, hit);
+        self.measure(moment);
+        if is_contact && self.are_sides_alike(moment, end) || self.is_behind(moment) { None } else { Some(hit) }
     }
 }

@@ -81,9 +81,58 @@ impl Leg {
         Self { from, centre, angle, arm, ..*by }
     }
 
-    pub(super) fn moves(&self) -> bool {
+    pub(crate) fn moves(&self) -> bool {
         self.way != [0; 2] || self.spin != 0
     }
+
+    /// Returns true if the centres of mass on two paths of one piece stay farther apart than `reach`: a bound that may miss some.
+    ///
+    /// # Ranges
+    /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
+    pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
+        if self.arm != [0; 2] || other.arm != [0; 2] {
+            return false;
+        }
+        let offset = [0, 1].map(|k| i128::from(other.centre[k]) - i128::from(self.centre[k]));
+        let way = [0, 1].map(|k| other.way[k] - self.way[k]);
+        let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
+        let down = (128 - largest.leading_zeros()).saturating_sub(30);
+        // Towards zero: alike in a mirror image.
+        let scaled = |part: i128| (part.unsigned_abs() >> down) as i64 * part.signum() as i64;
+        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
+        let reach = (reach >> down).saturating_add(4);
+        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
+        if dot >= 0 {
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        if dot + square <= 0 {
+            let (x, y) = (x + vx, y + vy);
+            return x * x + y * y > reach.saturating_mul(reach);
+        }
+        let cross = i128::from(x * vy - y * vx);
+        cross * cross > i128::from(reach.saturating_mul(reach)) * i128::from(square)
+    }
+}
+
+/// The piece of a path at a moment, and the moment at which it ends.
+pub(super) fn leg(legs: &[Leg], at: u64) -> (&Leg, u64) {
+    let next = legs.iter().position(|leg| leg.from > at).unwrap_or(legs.len());
+    let until = legs.get(next).map_or(END, |next| next.from);
+    (&legs[next.saturating_sub(1)], until)
+}
+
+/// A box of the centres of the rotation and the arms over the tick: low and high ends.
+pub(crate) fn ends(legs: &[Leg]) -> ([i64; 2], [i64; 2]) {
+    let (mut low, mut high) = ([i64::MAX; 2], [i64::MIN; 2]);
+    for (i, leg) in legs.iter().enumerate() {
+        let until = legs.get(i + 1).map_or(END, |next| next.from);
+        let arm = leg.arm[0].saturating_abs().saturating_add(leg.arm[1].saturating_abs());
+        for centre in [leg.centre, leg.centre(until)] {
+            low = [0, 1].map(|k| low[k].min(centre[k].saturating_sub(arm)));
+            high = [0, 1].map(|k| high[k].max(centre[k].saturating_add(arm)));
+        }
+    }
+    (low, high)
 }
 
 /// The most pieces of a path: its own, at rest, carried along, at rest.
@@ -101,15 +150,13 @@ impl Path {
         Self { legs: [leg; LEGS], count: 1 }
     }
 
-    fn legs(&self) -> &[Leg] {
+    pub(crate) fn legs(&self) -> &[Leg] {
         &self.legs[..self.count]
     }
 
-    /// The piece at a moment, and the moment at which it ends.
-    pub(crate) fn leg(&self, at: u64) -> (&Leg, u64) {
-        let next = self.legs().iter().position(|leg| leg.from > at).unwrap_or(self.count);
-        let until = if next < self.count { self.legs[next].from } else { END };
-        (&self.legs[next.saturating_sub(1)], until)
+    /// The piece at a moment.
+    fn leg(&self, at: u64) -> &Leg {
+        leg(self.legs(), at).0
     }
 
     /// The last piece.
@@ -137,38 +184,9 @@ impl Path {
         }
     }
 
-    /// Returns true if the centres of two paths, of one piece each, stay farther apart than `reach`: a bound that may miss some.
-    ///
-    /// # Ranges
-    /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
-    pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
-        let ([first], [second]) = (self.legs(), other.legs()) else { return false };
-        if first.arm != [0; 2] || second.arm != [0; 2] {
-            return false;
-        }
-        let offset = [0, 1].map(|k| i128::from(second.centre[k]) - i128::from(first.centre[k]));
-        let way = [0, 1].map(|k| second.way[k] - first.way[k]);
-        let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
-        let down = (128 - largest.leading_zeros()).saturating_sub(30);
-        // Towards zero: alike in a mirror image.
-        let scaled = |part: i128| (part / (1 << down)) as i64;
-        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
-        let reach = (reach >> down).saturating_add(4);
-        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
-        if dot >= 0 {
-            return x * x + y * y > reach.saturating_mul(reach);
-        }
-        if dot + square <= 0 {
-            let (x, y) = (x + vx, y + vy);
-            return x * x + y * y > reach.saturating_mul(reach);
-        }
-        let cross = i128::from(x * vy - y * vx);
-        cross * cross > i128::from(reach.saturating_mul(reach)) * i128::from(square)
-    }
-
     /// Stops the body at a moment.
     pub(crate) fn stop(&mut self, at: u64) {
-        let leg = *self.leg(at).0;
+        let leg = *self.leg(at);
         if leg.moves() {
             self.go_on(at, leg.still(at));
         } else {
@@ -190,25 +208,11 @@ impl Path {
 
     /// The piece in which another body carries this one along from a moment on.
     pub(crate) fn carried(&self, by: &Self, at: u64) -> Leg {
-        self.leg(at).0.carried(by.leg(at).0, at)
+        self.leg(at).carried(by.leg(at), at)
     }
 
     /// Goes on from a moment as that piece says.
     pub(crate) fn carry(&mut self, at: u64, leg: Leg) {
         self.go_on(at, leg);
-    }
-
-    /// A box of the centres of the rotation and the arms over the tick: low and high ends.
-    pub(crate) fn ends(&self) -> ([i64; 2], [i64; 2]) {
-        let (mut low, mut high) = ([i64::MAX; 2], [i64::MIN; 2]);
-        for (i, leg) in self.legs().iter().enumerate() {
-            let until = self.legs().get(i + 1).map_or(END, |next| next.from);
-            let arm = leg.arm[0].saturating_abs().saturating_add(leg.arm[1].saturating_abs());
-            for centre in [leg.centre, leg.centre(until)] {
-                low = [0, 1].map(|k| low[k].min(centre[k].saturating_sub(arm)));
-                high = [0, 1].map(|k| high[k].max(centre[k].saturating_add(arm)));
-            }
-        }
-        (low, high)
     }
 }

@@ -15,22 +15,22 @@ mod legs;
 mod paths;
 
 use alloc::vec::Vec;
+use core::slice::from_ref;
 
 use super::engine::Engine;
 use super::flights::{FlightOf, Place};
 use super::{Correction, Scene, Stop};
 use crate::collide::broad::{Proxy, Statics};
-use crate::collide::sweep::{END, Form, Leg, Path, Sweep};
-use crate::collider::{Collider, OutlineId};
+use crate::collide::sweep::{END, Form, Leg, Moment, Path, Sweep};
+use crate::collider::{BodyOutline, Collider, OutlineId};
 use crate::fx::Fx;
-use crate::math::Vec2;
 use crate::shape::Aabb;
 use crate::slots::NONE;
 
 pub(crate) use legs::between;
 use legs::moved;
 pub(crate) use paths::Paths;
-pub(super) use paths::{around, resting_path};
+pub(super) use paths::{around, resting_leg};
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
@@ -58,6 +58,7 @@ pub(super) struct Workspace {
     /// The boxes of what moves, and a tree of them where they are many.
     movers: Vec<Proxy>,
     tree: Option<Statics>,
+    pub(super) moments: [Moment; 2],
 }
 
 /// A body and its path.
@@ -141,8 +142,13 @@ impl Engine {
     fn ended_path(&self, paths: &Paths<'_>, flight: u32) -> Path {
         match self.sweep.of.get(flight as usize) {
             Some(&course) if course != NONE => self.sweep.courses[course as usize].path,
-            _ => paths.path(self.flights.body(flight), self.flights.flight(flight), flight),
+            _ => Path::new(self.leg(paths, flight)),
         }
+    }
+
+    /// The path of a body that does not end early.
+    pub(super) fn leg(&self, paths: &Paths<'_>, flight: u32) -> Leg {
+        paths.leg(self.flights.body(flight), self.flights.flight(flight), flight)
     }
 
     /// Visits the paths of fast bodies, with their slots, after those that end early have ended.
@@ -179,11 +185,11 @@ impl Engine {
         for i in 0..self.sweep.fast.len() {
             let flight = self.sweep.fast[i];
             let place = *self.flights.body(flight);
-            let path = paths.path(&place, self.flights.flight(flight), flight);
+            let leg = self.leg(paths, flight);
             for collider in scene.colliders.solid_of_slot(place.slot) {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
-                    let bounds = around(&path, collider.outline(part).radius.to_bits());
+                    let bounds = around(from_ref(&leg), collider.outline(part).radius.to_bits());
                     let (number, filter) = (first + part, collider.def.filter);
                     let mut found = core::mem::take(&mut self.sweep.pairs);
                     let mut visit = |other: u32| {
@@ -267,13 +273,13 @@ impl Engine {
             if !is_wanted {
                 continue;
             }
-            let path = paths.path(place(flight), self.flights.flight(flight), flight);
+            let leg = self.leg(paths, flight);
             for collider in paths.scene.colliders.solid_of_slot(place(flight).slot) {
                 let first = self.numbers.first(collider.slot);
                 proxies.extend((0..collider.outline_count()).map(|part| Proxy {
                     collider: first + part,
                     body: collider.body.slot,
-                    bounds: around(&path, collider.outline(part).radius.to_bits()),
+                    bounds: around(from_ref(&leg), collider.outline(part).radius.to_bits()),
                     filter: collider.def.filter,
                     digest: 0,
                 }));
@@ -298,7 +304,7 @@ impl Engine {
         }
         if self.sweep.of[at] == NONE {
             self.sweep.of[at] = self.sweep.courses.len() as u32;
-            let path = paths.path(self.flights.body(flight), self.flights.flight(flight), flight);
+            let path = Path::new(self.leg(paths, flight));
             self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE, is_stuck: false });
         }
         self.sweep.of[at] as usize
@@ -331,7 +337,7 @@ impl Engine {
             (outlines, a, b) = ([outlines[1], outlines[0]], b, a);
         }
         let [own, other] = [self.course(paths, a.0), self.course(paths, b.0)];
-        let courses = [self.sweep.courses[own], self.sweep.courses[other]];
+        let courses = [&self.sweep.courses[own], &self.sweep.courses[other]];
         let Some(from) = courses.iter().filter_map(|course| course.changed).min() else { return };
         let is_carried = courses[0].carrier == b.0 || courses[1].carrier == a.0;
         if is_carried || !courses.iter().any(|course| course.path.moves()) {
@@ -339,13 +345,14 @@ impl Engine {
         }
         let colliders = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let [Some(first), Some(second)] = colliders else { return };
-        let forms = [form(first, outlines[0].part), form(second, outlines[1].part)];
+        let shapes = [first.outline(outlines[0].part), second.outline(outlines[1].part)];
+        let forms = [form(first, &shapes[0]), form(second, &shapes[1])];
         let sweep = Sweep {
             forms: [&forms[0], &forms[1]],
-            paths: [&courses[0].path, &courses[1].path],
+            paths: courses.map(|course| course.path.legs()),
             is_mutual: is_dynamic(&b.1, paths),
         };
-        let Some(at) = sweep.impact(from) else { return };
+        let Some(at) = sweep.impact(from, &mut self.sweep.moments) else { return };
         let (own, other) = (own as u32, other as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
         // A dominant body that impulses sent elsewhere does not end its way at those that it dominates.
@@ -448,9 +455,6 @@ fn is_swept([a, b]: [&Place; 2], paths: &Paths<'_>) -> bool {
 }
 
 /// An outline for the time of impact.
-pub(super) fn form(collider: &Collider, part: u32) -> Form {
-    let of = collider.outline(part);
-    let ulps = |v: &Vec2| [v.x.to_bits(), v.y.to_bits()];
-    let (corners, normals) = (of.outline.corners().iter().map(ulps), of.outline.normals().iter().map(ulps));
-    Form::new(corners, normals, of.outline.radius().to_bits(), of.width.to_bits(), collider.def.shape.is_chain())
+pub(super) fn form<'a>(collider: &Collider, outline: &'a BodyOutline<Fx>) -> Form<'a> {
+    Form::new(&outline.outline, outline.width, collider.def.shape.is_chain())
 }

@@ -4,7 +4,7 @@ use super::super::flights::Place;
 use super::super::{Correction, Scene, Stop};
 use super::{Course, legs};
 use crate::body::{BodyKind, Locks};
-use crate::collide::sweep::{END, Path};
+use crate::collide::sweep::{END, Leg, ends};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
@@ -23,11 +23,12 @@ pub(crate) struct Paths<'a> {
 }
 
 impl Paths<'_> {
-    pub(in super::super) fn path(&self, place: &Place, flight: &Flight, number: u32) -> Path {
+    /// The path of a body, in one piece.
+    pub(super) fn leg(&self, place: &Place, flight: &Flight, number: u32) -> Leg {
         let bodies = self.scene.bodies;
         let Some(start) = self.scene.starts.get(number as usize) else {
             let dense = bodies.index_in(place.slot).unwrap_or(0);
-            return resting_path(bodies.position(dense), bodies.angle(dense));
+            return resting_leg(bodies.position(dense), bodies.angle(dense));
         };
         let correction = self.corrections.get(number as usize);
         let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
@@ -37,7 +38,7 @@ impl Paths<'_> {
             angle = angle.turned(correction.rotation);
         }
         let rotation = correction.map(|correction| correction.rotation);
-        Path::new(legs::leg(start, position, angle, flight, rotation))
+        legs::leg(start, position, angle, flight, rotation)
     }
 
     /// The pose at the end of a path that ended early.
@@ -76,13 +77,13 @@ impl Paths<'_> {
 }
 
 /// The path of a body that does not move.
-pub(in super::super) fn resting_path(position: Vec2<FxAccumulator>, angle: Turn) -> Path {
-    Path::new(legs::resting(position, angle))
+pub(in super::super) fn resting_leg(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
+    legs::resting(position, angle)
 }
 
-/// The box around an outline of this reach on a path.
-pub(in super::super) fn around(path: &Path, reach: i64) -> Aabb<Fx> {
-    let (low, high) = path.ends();
+/// The box around an outline of this reach on the pieces of a path.
+pub(in super::super) fn around(legs: &[Leg], reach: i64) -> Aabb<Fx> {
+    let (low, high) = ends(legs);
     let by = reach.saturating_add(GROWTH);
     let at = |ends: [i64; 2], by: i64| {
         let [x, y] = ends.map(|end| Fx::from_bits(end.saturating_add(by)));
