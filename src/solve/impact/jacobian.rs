@@ -58,12 +58,25 @@ impl Jacobian {
     /// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
     #[inline(always)]
     pub(super) fn gain(&self, side: usize, impulses: [i64; 3], share: i64) -> [i64; 3] {
-        let [normal, tangent] = self.linear[side];
+        let [[nx, ny], [tx, ty]] = self.linear[side].map(|factors| factors.map(i64::from));
+        let [first, second, third] = self.angular.map(|factors| i64::from(factors[side]));
         let pressing = impulses[0] + impulses[1];
-        let moved = |axis: usize| product(normal[axis].into(), pressing) + product(tangent[axis].into(), impulses[2]);
-        let factor = |row: usize| i64::from(self.angular[row][side]);
-        let turned = (0..3).map(|row| product(factor(row), impulses[row])).sum::<i128>() << self.angular_shift;
-        [limited(moved(0), share), limited(moved(1), share), limited(turned, share)]
+        let sizes = impulses[0].unsigned_abs() | impulses[1].unsigned_abs() | impulses[2].unsigned_abs();
+        if sizes < 1 << 32 {
+            // Sums of three products are below 2^62.
+            let turned = first * impulses[0] + second * impulses[1] + third * impulses[2];
+            return [
+                limited_word(nx * pressing + tx * impulses[2], share),
+                limited_word(ny * pressing + ty * impulses[2], share),
+                limited(i128::from(turned) << self.angular_shift, share),
+            ];
+        }
+        let turned = product(first, impulses[0]) + product(second, impulses[1]) + product(third, impulses[2]);
+        [
+            limited(product(nx, pressing) + product(tx, impulses[2]), share),
+            limited(product(ny, pressing) + product(ty, impulses[2]), share),
+            limited(turned << self.angular_shift, share),
+        ]
     }
 
     /// The elements of the matrix by one body.
@@ -88,10 +101,16 @@ pub(super) fn product(a: i64, b: i64) -> i128 {
 /// A change within ±2^60 over a share. *Domain* shares are below 2^22.
 #[inline(always)]
 fn limited(change: i128, share: i64) -> i64 {
-    // Most need no division.
-    if (change + (1 << 38)) as u128 <= 1 << 39 {
-        return change as i64;
+    limited_word(change.clamp(-(1 << 60), 1 << 60) as i64, share)
+}
+
+/// [`limited`] for a word.
+#[inline(always)]
+fn limited_word(change: i64, share: i64) -> i64 {
+    // Few are beyond the limit: a product costs less than a quotient.
+    if product(change.unsigned_abs() as i64, share.max(1)) <= 1 << 60 {
+        return change;
     }
-    let limit = i128::from((1_i64 << 60) / share.max(1));
-    change.clamp(-limit, limit) as i64
+    let limit = (1_i64 << 60) / share.max(1);
+    change.clamp(-limit, limit)
 }

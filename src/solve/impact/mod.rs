@@ -105,6 +105,8 @@ pub(super) struct Impacts {
     /// By contact: true while it is among the shocks.
     is_joined: Vec<bool>,
     bodies: Vec<Struck>,
+    /// By row: true for a body that may have an impact in the sub-step.
+    fast: Vec<bool>,
     /// By row: the index in `bodies`, or [`NONE`].
     body_of: Vec<u32>,
     /// The bodies of the shocks.
@@ -205,15 +207,9 @@ impl Solver {
     /// Solves the impacts of a sub-step, after [`Begin`](super::motion::Begin).
     pub(super) fn solve_impacts<L: Lanes>(&mut self, substep: SubStep<'_>, lanes: L) {
         let mut impacts = core::mem::take(&mut self.impacts);
-        impacts.pending.clear();
-        for row in 0..self.rows.len() {
-            if self.rows.is_fast(row) {
-                self.index_contacts(&mut impacts);
-                let places = impacts.places_of(row);
-                impacts.pending.extend_from_slice(&impacts.places[places]);
-            }
-        }
+        self.list_fast(&mut impacts);
         if !impacts.pending.is_empty() {
+            self.index_contacts(&mut impacts);
             impacts.work.resize(self.graph.islands(), 0);
             impacts.is_finished.clear();
             impacts.is_finished.resize(self.graph.islands(), false);
@@ -227,6 +223,31 @@ impl Solver {
             impacts.leave_bodies();
         }
         self.impacts = impacts;
+    }
+
+    /// Lists the contacts of fast bodies, if there are many of these in the order of contacts.
+    fn list_fast(&self, impacts: &mut Impacts) {
+        let Impacts { pending, fast, .. } = impacts;
+        pending.clear();
+        fast.clear();
+        fast.extend((0..self.rows.len()).map(|row| self.rows.is_fast(row)));
+        let count = fast.iter().filter(|&&is_fast| is_fast).count();
+        if count > fast.len() / 4 {
+            for (index, place) in self.places.iter().enumerate() {
+                let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+                if fast[group.a[lane] as usize] || fast[group.b[lane] as usize] {
+                    pending.push(index as u32);
+                }
+            }
+        } else if count > 0 {
+            self.index_contacts(impacts);
+            for row in 0..self.rows.len() {
+                if impacts.fast[row as usize] {
+                    let places = impacts.places_of(row);
+                    impacts.pending.extend_from_slice(&impacts.places[places]);
+                }
+            }
+        }
     }
 
     /// Lists the contacts of each row, once a step. A body that cannot be moved has those that it moves into.
@@ -280,7 +301,7 @@ impl Solver {
         order.clear();
         order.extend(0..candidates.len() as u32);
         // They are sorted by contact.
-        order.sort_by_key(|&number| candidates[number as usize].island);
+        order.sort_unstable_by_key(|&number| (candidates[number as usize].island, number));
     }
 
     /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once, as does

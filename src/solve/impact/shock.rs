@@ -187,26 +187,36 @@ impl Solver {
     /// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
     fn is_slow(&self, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
         let (n, passed) = (i64::from(substep.n), i64::from(substep.k - 1));
-        let [a, b] = [group.a[lane], group.b[lane]].map(|row| {
-            let (flight, (before, _)) = (self.rows.flight(row), self.rows.before(row));
-            [0, 1, 2].map(|i| {
-                let (start, change) = (i64::from(flight.start[i]), i64::from(flight.change[i]));
-                [(start + i64::from(before[i])) * n + change * passed, change * n]
-            })
-        });
+        let [row_a, row_b] = [group.a[lane], group.b[lane]];
+        let ([start_a, change_a], [start_b, change_b]) = (self.motion(row_a, n, passed), self.motion(row_b, n, passed));
         let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
         let threshold = i64::from(group.surface[lane][1]) * n;
-        (0..2).all(|point| {
+        // Truncated factors are off by up to 2^-22 each.
+        let rounding = ((size(start_a) + size(change_a) + size(start_b) + size(change_b)) >> 21) + 4 * n;
+        let straight = nx * (start_b[0] - start_a[0]) + ny * (start_b[1] - start_a[1]);
+        let straight_change = nx * (change_b[0] - change_a[0]) + ny * (change_b[1] - change_a[1]);
+        for point in 0..2 {
             let [arm_a, arm_b] = group.arms[point][lane].map(|arm| i64::from(arm) >> 8);
-            let along = |i: usize| {
-                let sum = nx * (b[0][i] - a[0][i]) + ny * (b[1][i] - a[1][i]) + arm_b * b[2][i] - arm_a * a[2][i];
-                sum >> 22
-            };
-            let sizes = (0..3).flat_map(|axis| (0..2).map(move |i| a[axis][i].abs() + b[axis][i].abs()));
-            // Truncated factors are off by up to 2^-22 each.
-            let rounding = (sizes.sum::<i64>() >> 21) + 4 * n;
-            along(0) - along(1).abs() - rounding >= -threshold
-        })
+            let start = (straight + arm_b * start_b[2] - arm_a * start_a[2]) >> 22;
+            let change = (straight_change + arm_b * change_b[2] - arm_a * change_a[2]) >> 22;
+            if start - change.abs() - rounding < -threshold {
+                return false;
+            }
+        }
+        true
+    }
+
+    /// The velocity of a body at the beginning of a sub-step, after `passed` others, and its change in the step: both times `n`.
+    #[inline(always)]
+    fn motion(&self, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
+        let (flight, (before, _)) = (self.rows.flight(row), self.rows.before(row));
+        let (mut start, mut change) = ([0; 3], [0; 3]);
+        for i in 0..3 {
+            let whole = i64::from(flight.change[i]);
+            start[i] = (i64::from(flight.start[i]) + i64::from(before[i])) * n + whole * passed;
+            change[i] = whole * n;
+        }
+        [start, change]
     }
 
     /// The velocities along the rows of a contact at the beginning of a sub-step.
@@ -332,6 +342,11 @@ impl Impacts {
             (0..3).for_each(|i| struck.velocity[i] += change[i]);
         }
     }
+}
+
+/// The sum of the magnitudes of the components.
+fn size([x, y, angular]: [i64; 3]) -> i64 {
+    x.abs() + y.abs() + angular.abs()
 }
 
 /// The moment, not before `from`, at which a point reaches the surface up to [`LATEST`], and its speed then. `None` if it does not. The
