@@ -26,6 +26,7 @@ const SCENES: &[(&str, Bench)] = &[
     ("memory", bench::memory),
     ("passes", bench::passes),
     ("rays", bench::rays),
+    ("impacts", bench::impacts),
     (QUALITY, bench::quality),
 ];
 

@@ -3,6 +3,7 @@
 mod accuracy;
 mod contacts;
 mod geometry;
+mod impacts;
 mod memory;
 mod passes;
 mod quality;
@@ -12,6 +13,7 @@ mod steady;
 
 pub use accuracy::accuracy;
 pub use contacts::{joints, pyramid, rain};
+pub use impacts::impacts;
 pub use memory::{mem_child, memory};
 pub use passes::passes;
 pub use quality::{names as quality_names, quality};

@@ -1,10 +1,12 @@
 //! Engine-neutral scene descriptions, in f64. Everything is generated from integer
 //! arithmetic and a fixed LCG, so every engine gets the same numbers.
 
+mod impacts;
 mod quality;
 mod speed;
 mod twins;
 
+pub use impacts::*;
 pub use quality::*;
 pub use speed::*;
 pub use twins::{Mirror, mirrored, shuffled};

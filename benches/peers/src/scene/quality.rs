@@ -11,31 +11,31 @@ use std::f64::consts::PI;
 const FRICTION: f64 = 0.6;
 
 /// The nearest multiple of 2^-20; halves are rounded away from zero, so that mirror images stay mirror images.
-fn grid(v: f64) -> f64 {
+pub(super) fn on_grid(v: f64) -> f64 {
     const UNIT: f64 = (1u32 << 20) as f64;
     (v * UNIT).round() / UNIT
 }
 
 impl Scene {
-    fn with_contacts(name: &str, n: usize) -> Self {
+    pub(super) fn with_contacts(name: &str, n: usize) -> Self {
         Scene { contacts: true, ..Scene::new(name, n) }
     }
 
     fn add(&mut self, kind: Kind, x: f64, y: f64, shape: Shape) -> &mut Body {
-        self.bodies.push(Body { kind, friction: FRICTION, ..Body::dynamic(grid(x), grid(y), shape) });
+        self.bodies.push(Body { kind, friction: FRICTION, ..Body::dynamic(on_grid(x), on_grid(y), shape) });
         self.bodies.last_mut().expect("just pushed")
     }
 
-    fn fixed(&mut self, x: f64, y: f64, shape: Shape) -> &mut Body {
+    pub(super) fn fixed(&mut self, x: f64, y: f64, shape: Shape) -> &mut Body {
         self.add(Kind::Fixed, x, y, shape)
     }
 
-    fn dynamic(&mut self, x: f64, y: f64, shape: Shape) -> &mut Body {
+    pub(super) fn dynamic(&mut self, x: f64, y: f64, shape: Shape) -> &mut Body {
         self.add(Kind::Dynamic, x, y, shape)
     }
 
     /// A floor whose top is y = 0.
-    fn floor(&mut self, half_width: f64) -> &mut Body {
+    pub(super) fn floor(&mut self, half_width: f64) -> &mut Body {
         self.fixed(0.0, -1.0, rectangle(half_width, 1.0))
     }
 
@@ -48,21 +48,21 @@ impl Scene {
     }
 }
 
-fn rectangle(hx: f64, hy: f64) -> Shape {
-    Shape::Box { hx: grid(hx), hy: grid(hy) }
+pub(super) fn rectangle(hx: f64, hy: f64) -> Shape {
+    Shape::Box { hx: on_grid(hx), hy: on_grid(hy) }
 }
 
-fn circle(r: f64) -> Shape {
-    Shape::Circle { r: grid(r) }
+pub(super) fn circle(r: f64) -> Shape {
+    Shape::Circle { r: on_grid(r) }
 }
 
-const UNIT_BOX: Shape = Shape::Box { hx: 0.5, hy: 0.5 };
+pub(super) const UNIT_BOX: Shape = Shape::Box { hx: 0.5, hy: 0.5 };
 
 /// The pyramid whose steps are timed too, on the grid.
 pub fn pyramid_on_grid(base: usize) -> Scene {
     let mut s = pyramid(base);
     for b in &mut s.bodies {
-        b.x = grid(b.x);
+        b.x = on_grid(b.x);
     }
     s.symmetric(Mirror::X)
 }
@@ -86,7 +86,7 @@ pub fn belt() -> Scene {
     for i in 0..60 {
         let (row, column) = (i / 20, i % 20);
         let b = s.dynamic(-40.0 + 1.3 * column as f64, 0.5 + 1.01 * row as f64, UNIT_BOX);
-        b.angle = grid(0.02 * g.unit());
+        b.angle = on_grid(0.02 * g.unit());
     }
     s.fixed(0.0, 1.0, rectangle(0.5, 1.0));
     s
@@ -104,7 +104,7 @@ pub fn mixed(n: usize) -> Scene {
             s.dynamic(x, y, circle(0.25 + 0.2 * g.unit()));
         } else {
             let (hx, hy) = (0.2 + 0.2 * g.unit(), 0.2 + 0.2 * g.unit());
-            s.dynamic(x, y, rectangle(hx, hy)).angle = grid(6.0 * g.unit());
+            s.dynamic(x, y, rectangle(hx, hy)).angle = on_grid(6.0 * g.unit());
         }
     }
     s
@@ -117,7 +117,7 @@ pub fn arch(n: usize, inner: f64, outer: f64) -> Scene {
     let middle = n / 2;
     let edge = |k: usize| {
         let t = PI * k as f64 / n as f64;
-        [inner, outer].map(|r| [grid(r * t.cos()), grid(r * t.sin())])
+        [inner, outer].map(|r| [on_grid(r * t.cos()), on_grid(r * t.sin())])
     };
     let mut right = Vec::new();
     for k in 0..middle {
@@ -142,7 +142,7 @@ fn wedge([first, last]: [[[f64; 2]; 2]; 2]) -> Body {
         cx += cross * (a[0] + b[0]) / 6.0;
         cy += cross * (a[1] + b[1]) / 6.0;
     }
-    let (x, y) = (grid(cx / area), grid(cy / area));
+    let (x, y) = (on_grid(cx / area), on_grid(cy / area));
     let shape = Shape::Polygon(Corners::new(&corners.map(|c| [c[0] - x, c[1] - y])));
     Body { friction: FRICTION, ..Body::dynamic(x, y, shape) }
 }
@@ -151,7 +151,7 @@ fn wedge([first, last]: [[[f64; 2]; 2]; 2]) -> Body {
 pub fn cards(storeys: usize) -> Scene {
     let mut s = Scene::with_contacts("cards", storeys);
     s.floor(200.0);
-    let (half, thin, lean) = (0.5, 0.02, grid(0.35));
+    let (half, thin, lean) = (0.5, 0.02, on_grid(0.35));
     let width = 2.0 * (half * lean.sin() + thin * lean.cos()) + 0.002;
     let height = 2.0 * (half * lean.cos() + thin * lean.sin());
     for row in 0..storeys {
@@ -179,7 +179,7 @@ pub fn hopper(n: usize) -> Scene {
     s.floor(40.0);
     for side in [-1.0, 1.0] {
         s.fixed(side * 21.0, 20.0, rectangle(1.0, 20.0));
-        s.fixed(side * 11.0, 18.0, rectangle(11.5, 0.5)).angle = grid(side * 0.7);
+        s.fixed(side * 11.0, 18.0, rectangle(11.5, 0.5)).angle = on_grid(side * 0.7);
     }
     let mut g = Lcg(7);
     for i in 0..n / 2 {
@@ -222,7 +222,7 @@ pub fn flat_drop() -> Scene {
 /// A box on a slope that is steeper than the angle of friction by `excess` rad.
 pub fn slope(excess: f64) -> Scene {
     let mut s = Scene::with_contacts("slope", 1);
-    let angle = grid(FRICTION.atan() + excess);
+    let angle = on_grid(FRICTION.atan() + excess);
     s.fixed(0.0, 0.0, rectangle(20.0, 1.0)).angle = angle;
     // 1 mm deep, so that the box touches from the first step.
     s.dynamic(-1.499 * angle.sin(), 1.499 * angle.cos(), UNIT_BOX).angle = angle;
