@@ -93,15 +93,15 @@ fn widest<'a, P: Product, const N: usize>(
 
 /// Leaves out the separations along edges from which fewer straight ones go on than from others: a surface that goes on to both sides is the
 /// longer one, on which the other leans.
-fn keep_straightest<P: Product, const N: usize>(sides: [(&mut [P; N], &Surface<'_>); 2]) {
-    let ends = |along: &[P; N], surface: &Surface<'_>| {
+fn keep_straightest<P: Product, const N: usize>(separations: [&mut [P; N]; 2], surfaces: [&Surface<'_>; 2]) {
+    let mut straightest = 0;
+    for (along, surface) in separations.iter().zip(surfaces) {
         let edges = (0..N).filter(|&i| along[i] > P::LEAST);
-        edges.map(|i| surface.straight_ends(i)).max().unwrap_or(0)
-    };
-    let most = sides.iter().map(|(along, surface)| ends(along, surface)).max();
-    for (along, surface) in sides {
+        straightest = edges.map(|i| surface.straight_ends(i)).fold(straightest, usize::max);
+    }
+    for (along, surface) in separations.into_iter().zip(surfaces) {
         for (i, separation) in along.iter_mut().enumerate() {
-            if Some(surface.straight_ends(i)) != most {
+            if surface.straight_ends(i) != straightest {
                 *separation = P::LEAST;
             }
         }
@@ -141,7 +141,7 @@ impl<P: Product, const N: usize> Axes<P, N> {
         let (mut along_a, mut along_b) = (of_a(SLACK)?, of_b(SLACK)?);
         if let (Some(on_a), Some(on_b)) = (&surfaces.a, &surfaces.b) {
             let (mut leaning_a, mut leaning_b) = (of_a(LEAN)?, of_b(LEAN)?);
-            keep_straightest([(&mut leaning_a, on_a), (&mut leaning_b, on_b)]);
+            keep_straightest([&mut leaning_a, &mut leaning_b], [on_a, on_b]);
             // Another direction than the one in which they lean on each other leads through one of the two.
             let leaning = || widest(a, b, &leaning_a, &leaning_b);
             let is_along = |n: [i32; 2]| leaning().any(|m| dot(n, m) > 0);

@@ -130,8 +130,8 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>
     let frame = pair.frame_of_surfaces(axes.direction(&pair.a, &pair.b)?, surfaces);
     // An edge that lies over a corner at which the surface goes on straight has no point there.
     let overlap = |frame: &Frame<P>| {
-        let found = ends.overlap(frame, |at| surfaces.is_seam(at));
-        found.or_else(|| ends.deepest(frame, |i, j| surfaces.are_own(i, j)))
+        let manifold = ends.overlap(frame, |at| surfaces.is_seam(at));
+        manifold.or_else(|| ends.deepest(frame, |i, j| surfaces.are_own(i, j)))
     };
     match frame.facing {
         Facing::Edges => {

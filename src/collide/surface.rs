@@ -11,7 +11,7 @@ type Unit = [i32; 2];
 /// by 1.5 ulp over their distance, which is 2^-7 m at least where it counts.
 pub(super) const SLACK: i64 = 1 << 40;
 
-/// The same for flat sides of two surfaces that lean on each other, 2^-4.
+/// The sine of the angle by which a direction may be off for flat sides of two surfaces that lean on each other, in units of 2^-60: 2^-4.
 pub(super) const LEAN: i64 = 1 << 56;
 
 /// Returns true for a direction between two others, counter-clockwise, less than half a turn apart, within the sine of an angle in units of

@@ -6,6 +6,7 @@ mod filter;
 mod mass;
 mod material;
 mod one_way;
+mod outline;
 mod pairs;
 mod set;
 mod settings;
@@ -27,8 +28,9 @@ pub(crate) use mass::ColliderMass;
 pub use material::{Material, MaterialPair, MixRule};
 pub use one_way::OneWay;
 pub(crate) use one_way::Side;
+pub(crate) use outline::BodyOutline;
 pub(crate) use pairs::PairEntry;
-pub(crate) use set::{BodyOutline, Collider, ColliderSet, OutlineId, more_outlines};
+pub(crate) use set::{Collider, ColliderSet, OutlineId, more_outlines};
 pub use settings::ContactSettings;
 
 /// The definition of a collider: a shape at a place of its body. Start from [`ColliderDef::new`] and change what differs.

@@ -3,9 +3,9 @@
 use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::ops::Deref;
 
 use super::chunks::Chunks;
+use super::outline::{BodyOutline, OutlineRef};
 use super::pairs::MaterialPairs;
 use super::{ColliderDef, Side, to_fx};
 use crate::codec::{self, StateHasher, Write as _};
@@ -14,7 +14,7 @@ use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
-use crate::shape::{Aabb, Outline};
+use crate::shape::Aabb;
 use crate::slots::{BodyId, ColliderId, NONE, Slots, push};
 
 /// The colliders. Copies of a world share them until one is changed.
@@ -106,44 +106,6 @@ pub(crate) struct Collider<S: Scalar = Fx> {
     pub(crate) physics_digest: u64,
     /// The revision after the last change of the body's colliders, if this is the first of them.
     body_revision: u64,
-}
-
-/// An outline of a collider in the axes of its body, relative to the body's centre of mass.
-#[derive(Clone, Debug)]
-pub(crate) struct BodyOutline<S: Scalar = Fx> {
-    pub(crate) outline: Outline<S>,
-    /// The least box around the corners of the outline.
-    pub(crate) corners: Aabb<S>,
-    /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
-    pub(crate) radius: S,
-    /// The least distance of two parallel lines that the outline is between, m.
-    pub(crate) width: S,
-}
-
-/// An outline of a collider, kept or made.
-pub(crate) enum OutlineRef<'a, S: Scalar> {
-    Kept(&'a BodyOutline<S>),
-    Made(BodyOutline<S>),
-}
-
-impl<S: Scalar> Deref for OutlineRef<'_, S> {
-    type Target = BodyOutline<S>;
-
-    #[inline(always)]
-    fn deref(&self) -> &BodyOutline<S> {
-        match self {
-            Self::Kept(outline) => outline,
-            Self::Made(outline) => outline,
-        }
-    }
-}
-
-impl<S: Scalar> BodyOutline<S> {
-    fn new(outline: Outline<S>) -> Self {
-        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
-        let width = outline.width();
-        Self { outline, corners, radius, width }
-    }
 }
 
 /// An outline of a collider by name: the collider's slot, and the number of the outline among the shape's.

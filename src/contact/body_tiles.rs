@@ -131,8 +131,8 @@ impl BodyTiles {
                 self.count += 1;
                 self.drop_gone(colliders);
             }
-            let found = self.bodies[at].get_or_insert_default();
-            found.refill(colliders, body, revision, &mut self.workspace.proxies);
+            let tiles = self.bodies[at].get_or_insert_default();
+            tiles.refill(colliders, body, revision, &mut self.workspace.proxies);
         }
         self.bodies[at].as_mut()?.find(colliders, id, &mut self.workspace.polygons)
     }

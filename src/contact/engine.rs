@@ -191,32 +191,34 @@ impl Engine {
     fn start_over_seams(
         &mut self,
         scene: &Scene<'_>,
-        (side, numbers, pair): (usize, [u32; 2], [OutlineId; 2]),
+        numbers: [u32; 2],
+        pair: [OutlineId; 2],
+        side: usize,
         contacts: &ContactSet,
         features: Features,
         start: &mut Impulses,
     ) {
-        let (own, other) = (pair[side], 1 - side);
-        let Some(collider) = scene.colliders.at(own.slot) else { return };
-        let Some(surface) = Union::of(scene, collider) else { return };
+        let other = 1 - side;
+        let Some(collider) = scene.colliders.at(pair[side].slot) else { return };
+        let Some(union) = Union::of(scene, collider) else { return };
         let mut terms = core::mem::take(&mut self.unions.terms);
         terms.clear();
-        let mut seen = None;
+        let mut first_corner = None;
         for corner in corners(features, other) {
-            for i in self.unions.of(scene, contacts, surface, pair[other], corner) {
+            for i in self.unions.find(scene, contacts, union, pair[other], corner..=corner) {
                 let record = contacts.records[self.unions.record(i)];
                 // A body may be the first one of its pair with one tile, and the second one of that with the next.
                 let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
                 let before = record.pair();
                 let is_seen = |corner| corners((record.features(), record.count()), other).any(|name| name == corner);
-                if before[side] == own || seen.is_some_and(is_seen) {
+                if before[side] == pair[side] || first_corner.is_some_and(is_seen) {
                     continue;
                 }
-                let mut near = numbers;
-                near[side] = self.numbers.first(before[side].slot) + before[side].part;
-                let manifold = self.mean_manifold(scene, near, before);
-                let is_joined = matches!(surface, Union::Chain(_)) || {
-                    let faces = [numbers[side], near[side]].map(|number| self.faces(scene, number));
+                let mut numbers_before = numbers;
+                numbers_before[side] = self.numbers.first(before[side].slot) + before[side].part;
+                let manifold = self.mean_manifold(scene, numbers_before, before);
+                let is_joined = matches!(union, Union::Chain(_)) || {
+                    let faces = [numbers[side], numbers_before[side]].map(|number| self.faces(scene, number));
                     are_joined(faces, side, features, &record, SLANTED)
                 };
                 if is_joined {
@@ -224,7 +226,7 @@ impl Engine {
                     take_over(&mut terms, features, &record, features_there, other);
                 }
             }
-            seen = Some(corner);
+            first_corner = Some(corner);
         }
         seams::add(start, &terms);
         self.unions.terms = terms;
@@ -349,7 +351,7 @@ impl Engine {
         for (side, collider) in [a, b].into_iter().enumerate() {
             let may_have_neighbours = kinds[side] == FlightOf::Static || collider.has_others();
             if collider.def.shape.is_chain() || may_have_neighbours && !self.faces(scene, numbers[side]).is_empty() {
-                self.start_over_seams(scene, (side, numbers, pair), contacts, (features, count), &mut start);
+                self.start_over_seams(scene, numbers, pair, side, contacts, (features, count), &mut start);
             }
         }
         self.add_contact(scene, pair, [a, b], ends, &manifold, &ways, start);

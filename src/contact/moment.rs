@@ -198,15 +198,15 @@ impl Engine {
                 continue;
             }
             let Some(union) = Union::of(scene, colliders[side]) else { continue };
-            for i in self.unions.of_outline(scene, contacts, union, pair[1 - side]) {
+            for i in self.unions.find(scene, contacts, union, pair[1 - side], 0..=u32::MAX) {
                 let record = contacts.records[self.unions.record(i)];
                 // A body may be the first one of its pair with one tile, and the second one of that with the next.
                 let record = if record.pair()[1 - side] == pair[1 - side] { record } else { record.swapped() };
-                let (before, mut near) = (record.pair(), numbers);
-                near[side] = self.numbers.first(before[side].slot) + before[side].part;
+                let (before, mut numbers_before) = (record.pair(), numbers);
+                numbers_before[side] = self.numbers.first(before[side].slot) + before[side].part;
                 // The surface of a tile is known once the tile is placed.
-                _ = self.mean_manifold(scene, near, before);
-                let faces = [numbers[side], near[side]].map(|number| self.faces(scene, number));
+                _ = self.mean_manifold(scene, numbers_before, before);
+                let faces = [numbers[side], numbers_before[side]].map(|number| self.faces(scene, number));
                 if are_joined(faces, side, features, &record, cosine) {
                     return true;
                 }

@@ -4,7 +4,7 @@
 //! starts from the impulse that it had there. So a body rolls over a chain as over one long segment.
 
 use alloc::vec::Vec;
-use core::ops::Range;
+use core::ops::{Range, RangeInclusive};
 
 use super::{ContactRecord, ContactSet, Scene};
 use crate::body::BodyKind;
@@ -58,29 +58,21 @@ impl Unions {
         self.is_listed = false;
     }
 
-    /// The records of a corner of an outline on a union: by corner, as many outlines of a body may lie on one outline, and few at a corner of it.
-    pub(super) fn of(
+    /// The records of these corners of an outline on a union: many outlines of a body may lie on one outline, and few at a corner of it.
+    pub(super) fn find(
         &mut self,
         scene: &Scene<'_>,
         contacts: &ContactSet,
         union: Union,
-        on: OutlineId,
-        corner: u32,
+        outline: OutlineId,
+        corners: RangeInclusive<u32>,
     ) -> Range<usize> {
         self.list(scene, contacts);
-        self.range((union, on, corner), (union, on, corner))
-    }
-
-    /// The records of an outline on a union, for each of its corners.
-    pub(super) fn of_outline(
-        &mut self,
-        scene: &Scene<'_>,
-        contacts: &ContactSet,
-        union: Union,
-        on: OutlineId,
-    ) -> Range<usize> {
-        self.list(scene, contacts);
-        self.range((union, on, 0), (union, on, u32::MAX))
+        let key = |&(union, outline, corner, _): &(Union, OutlineId, u32, u32)| (union, outline, corner);
+        let (first, last) = ((union, outline, *corners.start()), (union, outline, *corners.end()));
+        let from = self.records.partition_point(|record| key(record) < first);
+        let count = self.records[from..].partition_point(|record| key(record) <= last);
+        from..from + count
     }
 
     /// Lists the records when they are first asked for.
@@ -101,13 +93,6 @@ impl Unions {
         }
         self.records.sort_unstable();
         self.records.dedup();
-    }
-
-    fn range(&self, first: (Union, OutlineId, u32), last: (Union, OutlineId, u32)) -> Range<usize> {
-        let key = |&(union, on, corner, _): &(Union, OutlineId, u32, u32)| (union, on, corner);
-        let from = self.records.partition_point(|record| key(record) < first);
-        let count = self.records[from..].partition_point(|record| key(record) <= last);
-        from..from + count
     }
 
     /// The index of a record.

@@ -18,7 +18,7 @@ use core::ops::Range;
 use core::slice::from_ref;
 
 use super::engine::Engine;
-use super::sweep::{Paths, around, form, resting_leg};
+use super::sweep::{Paths, around, form, resting};
 use super::{ContactBodies, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
@@ -121,14 +121,14 @@ impl View<'_> {
         if paths.iter().all(Option::is_none) {
             return false;
         }
-        let resting = outlines.map(|(collider, _)| {
+        let resting_legs = outlines.map(|(collider, _)| {
             let dense = self.bodies.index_of(collider.body).unwrap_or(0);
-            resting_leg(self.bodies.position(dense), self.bodies.angle(dense))
+            resting(self.bodies.position(dense), self.bodies.angle(dense))
         });
         // A sensor has no side.
         let shapes = outlines.map(|(collider, part)| collider.outline(part));
         let forms = [0, 1].map(|side: usize| form(outlines[side].0, &shapes[side]).without_sides());
-        let both = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting[side]), Path::legs));
+        let both = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting_legs[side]), Path::legs));
         let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
         sweep.first_touch(&mut Moment::default()).is_some()
     }

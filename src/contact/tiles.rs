@@ -155,7 +155,7 @@ pub(super) fn are_joined(
         // Unit vectors in units of 2^-30.
         dot(0) + dot(1) > cosine
     };
-    let own = || features.into_iter().take(count).flat_map(|name| normals(0, name));
-    let mut there = before.features().into_iter().take(before.count()).flat_map(|name| normals(1, name));
-    there.any(|face| own().any(|own| is_near(own, face)))
+    let faces_now = || features.into_iter().take(count).flat_map(|name| normals(0, name));
+    let mut faces_before = before.features().into_iter().take(before.count()).flat_map(|name| normals(1, name));
+    faces_before.any(|before| faces_now().any(|now| is_near(now, before)))
 }

@@ -27,10 +27,10 @@ fn check_size<S: Scalar>(size: S, dimension: Dimension) -> Result<(), Error> {
 
 /// Refuses the first of some points that is farther out than any shape reaches.
 fn check_points<S: Scalar>(points: impl IntoIterator<Item = Vec2<S>>) -> Result<(), Error> {
-    let most = S::from_fx(SIZE_MAX);
+    let limit = S::from_fx(SIZE_MAX);
     for (number, point) in points.into_iter().enumerate() {
-        if !point.is_within(most) {
-            let is_within = |part: S| part >= -most && part <= most;
+        if !point.is_within(limit) {
+            let is_within = |part: S| part >= -limit && part <= limit;
             let part = if is_within(point.x) { point.y } else { point.x };
             return Err(refused(Dimension::Coordinate(number), part));
         }

@@ -151,11 +151,11 @@ fn row(count: i32, size: Fx, key: u64) -> Result<BodyDef, Error> {
 /// An L and a cross of boxes.
 fn pieces() -> Result<[Shape; 2], Error> {
     let unit = Shape::rectangle(fx!(0.5), fx!(0.5))?;
-    let of = |places: &[[i32; 2]]| {
+    let piece = |places: &[[i32; 2]]| {
         let parts = places.iter().map(|&[x, y]| part(unit.clone(), Fx::from(x) / 2, Fx::from(y) / 2));
         Shape::compound(&parts.collect::<Vec<_>>())
     };
-    Ok([of(&[[0, 0], [0, 1], [0, 2], [1, 0]])?, of(&[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])?])
+    Ok([piece(&[[0, 0], [0, 1], [0, 2], [1, 0]])?, piece(&[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])?])
 }
 
 /// A floor of tiles, a platform of boxes that moves and turns, rafts of boxes, and what falls on them.
@@ -188,29 +188,29 @@ fn flush() -> Result<Vec<BodyDef>, Error> {
 
 #[test]
 fn mirrored_shuffled_and_restored_rafts_keep_their_bits() {
-    let mut most = 0;
-    keeps_its_bits(flush().expect("a scene"), (240, 12), |world| most = most.max(world.contacts().count()));
-    assert!(most > 40, "{most}");
+    let mut contacts = 0;
+    keeps_its_bits(flush().expect("a scene"), (240, 12), |world| contacts = contacts.max(world.contacts().count()));
+    assert!(contacts > 40, "{contacts}");
 }
 
 #[test]
 fn rafts_that_are_turned_or_listed_otherwise_keep_their_bits() {
     let bodies = flush().expect("a scene");
-    let (mut here, ids) = world(def(), bodies.clone()).expect("a scene");
-    let reversed = bodies.into_iter().map(|mut def| {
+    let (mut listed, ids) = world(def(), bodies.clone()).expect("a scene");
+    let bodies_reversed = bodies.into_iter().map(|mut def| {
         def.colliders.reverse();
         def
     });
-    let (mut there, twins) = world(def(), reversed).expect("a scene");
-    let mut image = Symmetry::TURN.world(&here).expect("an image");
+    let (mut reversed, twins) = world(def(), bodies_reversed).expect("a scene");
+    let mut image = Symmetry::TURN.world(&listed).expect("an image");
     for step in 0..240 {
-        for world in [&mut here, &mut there, &mut image] {
+        for world in [&mut listed, &mut reversed, &mut image] {
             world.step();
         }
-        for (&own, &other) in ids.iter().zip(&twins) {
-            assert_eq!(bits(&here, own), bits(&there, other), "{own} after {step} steps");
+        for (&id, &twin) in ids.iter().zip(&twins) {
+            assert_eq!(bits(&listed, id), bits(&reversed, twin), "{id} after {step} steps");
         }
-        assert_eq!(Symmetry::TURN.world(&here).expect("an image").first_difference(&image), None, "{step}");
+        assert_eq!(Symmetry::TURN.world(&listed).expect("an image").first_difference(&image), None, "{step}");
     }
 }
 

@@ -17,7 +17,7 @@ pub(super) fn turned([x, y]: [i64; 2], (sin, cos): (i64, i64)) -> [i64; 2] {
 }
 
 /// The square of the length of a vector. *Domain* components below 2^62.
-fn square([x, y]: [i64; 2]) -> u128 {
+pub(super) fn square([x, y]: [i64; 2]) -> u128 {
     u128::from(x.unsigned_abs()).pow(2) + u128::from(y.unsigned_abs()).pow(2)
 }
 

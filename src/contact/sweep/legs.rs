@@ -63,7 +63,7 @@ pub(super) fn leg(
 }
 
 /// The path of a body that does not move.
-pub(super) fn resting(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
+pub(in super::super) fn resting(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
     Leg::new(ulps(position), [0; 2], angle, 0)
 }
 

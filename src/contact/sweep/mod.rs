@@ -29,8 +29,9 @@ use crate::slots::NONE;
 
 pub(crate) use legs::between;
 use legs::moved;
+pub(super) use legs::resting;
 pub(crate) use paths::Paths;
-pub(super) use paths::{around, resting_leg};
+pub(super) use paths::around;
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;

@@ -7,7 +7,7 @@ use crate::body::{BodyKind, Locks};
 use crate::collide::sweep::{END, Leg, ends};
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
+use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator};
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
@@ -28,7 +28,7 @@ impl Paths<'_> {
         let bodies = self.scene.bodies;
         let Some(start) = self.scene.starts.get(number as usize) else {
             let dense = bodies.index_in(place.slot).unwrap_or(0);
-            return resting_leg(bodies.position(dense), bodies.angle(dense));
+            return legs::resting(bodies.position(dense), bodies.angle(dense));
         };
         let correction = self.corrections.get(number as usize);
         let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
@@ -74,11 +74,6 @@ impl Paths<'_> {
         let bodies = self.scene.bodies;
         bodies.index_in(slot).is_some_and(|dense| bodies.locks(dense) != Locks::NONE)
     }
-}
-
-/// The path of a body that does not move.
-pub(in super::super) fn resting_leg(position: Vec2<FxAccumulator>, angle: Turn) -> Leg {
-    legs::resting(position, angle)
 }
 
 /// The box around an outline of this reach on the pieces of a path.

@@ -1,0 +1,354 @@
+//! Two outlines at a moment of their paths: how far apart they are, and for how long they surely stay so.
+
+use super::form::{Form, Seen, square};
+use super::path::{self, END, Leg};
+use crate::kernel::sqrt::direction;
+use crate::scalar::Turn;
+
+/// The most that rounding adds to a distance, ulps: that of corners, of centres and their angles, and of the parts of a bound.
+pub(super) const ROUNDING: i64 = 16;
+
+/// 2π in 2^-32, rounded up.
+const TAU: u128 = 26_986_075_410;
+
+/// The shortest step: 2^-40 of a tick.
+pub(super) const SHORTEST: u64 = END >> 40;
+
+/// Two outlines at a moment. Sweeps use its memory again.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    pub(super) seen: [Seen; 2],
+    legs: [Leg; 2],
+    /// From the centre of the first to that of the second.
+    pub(super) offset: [i128; 2],
+    radius: i64,
+    /// The moment at which a piece of either path ends.
+    pub(super) until: u64,
+    /// The outer side of a segment of a chain that meets a segment: it has no other side to be told by, and directions to its inner side do not
+    /// count.
+    front: Option<[i32; 2]>,
+    /// `None` until [`measure`](Self::measure).
+    widest: Option<Widest>,
+}
+
+impl Default for Moment {
+    fn default() -> Self {
+        let leg = Leg::new([0; 2], [0; 2], Turn::default(), 0);
+        Self { seen: [Seen::NONE; 2], legs: [leg; 2], offset: [0; 2], radius: 0, until: 0, front: None, widest: None }
+    }
+}
+
+/// The most directions of the largest distance that are kept: faces that lie on each other have four.
+const KEPT: usize = 8;
+
+/// The largest distance along a direction that counts.
+#[derive(Clone, Copy, Debug)]
+struct Widest {
+    /// `None` if no direction counts.
+    distance: Option<i128>,
+    /// The number of directions that have it, and the first ones of these.
+    count: usize,
+    gaps: [Gap; KEPT],
+}
+
+impl Widest {
+    const NONE: Self =
+        Self { distance: None, count: 0, gaps: [Gap { n: [0; 2], support_a: 0, support_b: 0, distance: 0 }; KEPT] };
+
+    fn add(&mut self, gap: Gap) {
+        if Some(gap.distance) > self.distance {
+            (self.distance, self.count) = (Some(gap.distance), 0);
+        }
+        if Some(gap.distance) == self.distance {
+            if let Some(place) = self.gaps.get_mut(self.count) {
+                *place = gap;
+            }
+            self.count += 1;
+        }
+    }
+}
+
+/// The distance along a direction, ulps.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gap {
+    pub(super) n: [i32; 2],
+    /// The largest component of a corner of the first one, and the least of the second one, relative to their centres.
+    support_a: i64,
+    support_b: i64,
+    /// The distance of the surfaces, rounded down.
+    distance: i128,
+}
+
+/// n·p in units of p, rounded down. *Domain* |p| < 2^72: products are below 2^103.
+pub(super) fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
+    (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
+}
+
+/// n·p in units of 2^-30 of p's.
+pub(super) fn height(n: [i32; 2], p: [i64; 2]) -> i128 {
+    i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
+}
+
+/// The unit vector along a vector of any size, 2^-30.
+fn unit([x, y]: [i128; 2]) -> Option<[i32; 2]> {
+    if (x, y) == (0, 0) {
+        return None;
+    }
+    let bits = 128 - (x.unsigned_abs() | y.unsigned_abs()).leading_zeros();
+    // The magnitudes are cut off, so that it is odd.
+    let cut = |v: i128| {
+        let size = (v.unsigned_abs() >> bits.saturating_sub(62)) as i64;
+        if v < 0 { -size } else { size }
+    };
+    Some(direction(cut(x), cut(y)).0)
+}
+
+impl Moment {
+    /// Brings two outlines on the pieces of their paths to a moment.
+    pub(super) fn set(&mut self, forms: [&Form<'_>; 2], paths: [&[Leg]; 2], at: u64) {
+        let [(a, until_a), (b, until_b)] = paths.map(|legs| path::leg(legs, at));
+        self.seen[0].set(forms[0], a, at);
+        self.seen[1].set(forms[1], b, at);
+        let [from, to] = [self.seen[0].centre, self.seen[1].centre];
+        self.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
+        self.legs = [*a, *b];
+        self.radius = forms[0].radius + forms[1].radius;
+        self.until = until_a.min(until_b);
+        self.front = match (forms[0].is_link, forms[1].is_link) {
+            (true, _) if forms[1].width == 0 => Some(self.seen[0].normals()[0]),
+            (_, true) if forms[0].width == 0 => Some(self.seen[1].normals()[0].map(|part| -part)),
+            _ => None,
+        };
+        self.widest = None;
+    }
+
+    /// Returns true if a direction counts.
+    fn is_allowed(&self, n: [i32; 2]) -> bool {
+        self.front.is_none_or(|front| height(n, front.map(i64::from)) >= 0)
+    }
+
+    fn gap(&self, n: [i32; 2]) -> Gap {
+        let highest = self.seen[0].corners().iter().map(|&corner| height(n, corner)).max().unwrap_or(0);
+        let lowest = self.seen[1].corners().iter().map(|&corner| height(n, corner)).min().unwrap_or(0);
+        // Rounded to what is farther out.
+        let (support_a, support_b) = (-((-highest) >> 30) as i64, (lowest >> 30) as i64);
+        let between = along(n, self.offset) + i128::from(support_b) - i128::from(support_a);
+        Gap { n, support_a, support_b, distance: between - i128::from(self.radius) }
+    }
+
+    /// The directions that may separate best: of all edges, and between the corners that are nearest to each other.
+    fn each_direction(&self, mut visit: impl FnMut([i32; 2])) {
+        self.seen[0].normals().iter().for_each(|&n| visit(n));
+        self.seen[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
+        // Centres are cut to words, which tells apart what is never near; corners are below 2^50.
+        let offset = self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64);
+        let [a, b] = [0, 1].map(|side: usize| self.seen[side].corners());
+        let between = |a: [i64; 2], b: [i64; 2]| [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]];
+        let mut nearest = u128::MAX;
+        for &a in a {
+            for &b in b {
+                nearest = nearest.min(square(between(a, b)));
+            }
+        }
+        for &a in a {
+            for &b in b {
+                let d = between(a, b);
+                if square(d) == nearest {
+                    unit(d.map(i128::from)).into_iter().for_each(&mut visit);
+                }
+            }
+        }
+    }
+
+    /// Finds the largest distance along a direction.
+    pub(super) fn measure(&mut self) {
+        if self.widest.is_some() {
+            return;
+        }
+        let mut widest = Widest::NONE;
+        self.each_direction(|n| {
+            if self.is_allowed(n) {
+                widest.add(self.gap(n));
+            }
+        });
+        self.widest = Some(widest);
+    }
+
+    /// Visits the directions of the largest distance, all that tie. *Domain* a moment that was [measured](Self::measure).
+    pub(super) fn each_widest(&self, mut visit: impl FnMut(&Gap)) {
+        let Some(widest) = &self.widest else { return };
+        if let Some(gaps) = widest.gaps.get(..widest.count) {
+            gaps.iter().for_each(visit);
+            return;
+        }
+        self.each_direction(|n| {
+            let gap = self.gap(n);
+            if self.is_allowed(n) && Some(gap.distance) == widest.distance {
+                visit(&gap);
+            }
+        });
+    }
+
+    /// The largest distance along a direction, if one counts. *Domain* a moment that was [measured](Self::measure).
+    pub(super) fn widest_distance(&self) -> Option<i128> {
+        self.widest.as_ref().and_then(|widest| widest.distance)
+    }
+
+    /// The distance of the outlines, negative where they overlap. *Domain* a moment that was [measured](Self::measure).
+    pub(super) fn distance(&self) -> i128 {
+        self.widest_distance().unwrap_or(-(1 << 80))
+    }
+
+    /// The longest step that a direction across the way proves safe.
+    pub(super) fn longest_across(&self, depth: i64, room: u64, guess: u64) -> u64 {
+        let [a, b] = &self.legs;
+        let Some([x, y]) = unit([0, 1].map(|k| b.way[k] - a.way[k])) else { return 0 };
+        let allowed = [[-y, x], [y, -x]].into_iter().filter(|&n| self.is_allowed(n));
+        allowed.map(|n| self.time(&self.gap(n), depth, room, guess)).max().unwrap_or(0)
+    }
+
+    /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
+    fn turn_speed(&self, side: usize) -> i128 {
+        let turns = self.legs[side].spin.unsigned_abs();
+        if turns == 0 {
+            return 0;
+        }
+        // Below 2^50 in units of 2^-32 turns, 2^85 in 2^-64 rad; corners are below 2^49.
+        let radians = ((((turns >> 32) + 1) * TAU) >> 32) + 1;
+        (((radians * self.seen[side].reach.unsigned_abs() as u128) >> 32) + 2) as i128
+    }
+
+    /// The angle that a body turns in a part of the tick, in 2^-44 rad, rounded up by at most 8; `None` above half a turn.
+    fn angle(&self, side: usize, time: u64) -> Option<i64> {
+        let (turns, time) = (self.legs[side].spin.unsigned_abs(), u128::from(time));
+        // Whole turns below 2^18, and the rest.
+        let turned = (((turns >> 64) * time) << 2) + (((turns & u128::from(u64::MAX)) * time) >> 62);
+        // From 2^-64 turns to 2^-44 rad: below 2^43 · 2^35.
+        (turned < 1 << 63).then(|| (((((turned >> 20) + 1) * TAU) >> 32) + 1) as i64)
+    }
+
+    /// The time for which the distance along a direction surely stays above −depth, at most `room`.
+    pub(super) fn time(&self, gap: &Gap, depth: i64, room: u64, guess: u64) -> u64 {
+        let free = gap.distance + i128::from(depth - ROUNDING - (self.radius >> 26));
+        if free <= 0 {
+            return 0;
+        }
+        let [a, b] = &self.legs;
+        // Rounded up.
+        let closing = -along(gap.n, [0, 1].map(|k| b.way[k] - a.way[k]));
+        let bounds = [0, 1].map(|side| {
+            // By how much the farthest corner may reach farther out; a unit vector is off by 2^-29.
+            let reach = self.seen[side].reach;
+            let reach = reach + (reach >> 28) + 2;
+            let more = if side == 0 { reach - gap.support_a } else { reach + gap.support_b };
+            (self.turn_speed(side), i128::from(more.max(0)))
+        });
+        let time = bounded(free, closing, bounds).min(room);
+        if time == room || bounds.iter().all(|(speed, most)| *speed == 0 || *most == 0) {
+            return time;
+        }
+        let stays = |time: u64| self.stays_apart(gap, free, closing, time);
+        if stays(room) {
+            return room;
+        }
+        let mut next = room.min(guess) >> 1;
+        while next > time && next > SHORTEST {
+            if stays(next) {
+                let more = next + (next >> 1);
+                return if more < room && stays(more) { more } else { next };
+            }
+            next >>= 1;
+        }
+        time
+    }
+
+    /// Returns true if a distance along a direction stays below `free` for some time, as far as the speeds of corners and the bound of
+    /// their acceleration say. This bound is convex in the time and zero at first, so that it holds all the time if it holds at the end.
+    fn stays_apart(&self, gap: &Gap, free: i128, closing: i128, time: u64) -> bool {
+        let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
+        let farther = |side: usize, turn: i64| {
+            let (seen, leg) = (&self.seen[side], &self.legs[side]);
+            if leg.spin == 0 {
+                return 0;
+            }
+            let [x, y] = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
+            let (turn, size) = (if leg.spin < 0 { -i128::from(turn) } else { turn.into() }, i128::from(turn));
+            // Along n, and along n the corner turned by a quarter. Corners are below 2^49.5 ulps, angles below 2^46: below 2^126.
+            let at = |&corner: &[i64; 2]| height([x, y], corner) + ((height([y, -x], corner) * turn) >> 44);
+            let highest = seen.corners().iter().map(at).max().unwrap_or(0);
+            let support = if side == 0 { gap.support_a } else { -gap.support_b };
+            // Rounded up: the product above, the angle, and half of its square.
+            let rounding = i128::from(2 + (seen.reach >> 40));
+            let square = ((size * size) >> 44) + 1;
+            (highest >> 30) - i128::from(support) + rounding + ((square * i128::from(seen.reach + 2)) >> 45) + 1
+        };
+        // Below 2^66 · 2^58, rounded up.
+        let part = i128::from(if closing > 0 { (time >> 4) + 1 } else { time >> 4 });
+        let closed = ((closing * part) >> 58) + 1;
+        farther(0, turn_a) + farther(1, turn_b) + closed < free
+    }
+}
+
+/// The time for which `closing·t + Σ min(speed·t, most)` stays below `free`, rounded down.
+fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
+    // distance / speed. Both are cut to 64 bits, the speed rounded up.
+    let time = |distance: i128, speed: i128| {
+        if speed <= 0 || distance >= speed {
+            return END;
+        }
+        let right = (128 - speed.leading_zeros()).saturating_sub(64);
+        (((distance.max(0).unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
+    };
+    // A rotation is at its bound from some time on.
+    let [first, second] = bounds.map(|(speed, most)| {
+        let most = if speed == 0 { 0 } else { most };
+        (time(most, speed.max(1)), speed, most)
+    });
+    let (first, second) = if first.0 <= second.0 { (first, second) } else { (second, first) };
+    // The sum is concave: where it stops growing below `free`, it stays there. Each line is an upper bound of it.
+    let both = time(free, closing + first.1 + second.1);
+    if both <= first.0 {
+        return both;
+    }
+    let one = time(free - first.2, closing + second.1);
+    if one <= second.0 {
+        return one.max(first.0);
+    }
+    time(free - first.2 - second.2, closing).max(second.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+    use core::slice::from_ref;
+
+    use super::*;
+    use crate::fx;
+    use crate::math::vec2;
+    use crate::shape::{Outline, Shape};
+
+    /// Two polygons in one place, with eight edges that turns by a quarter and mirror images take to each other: along the normals of all sixteen
+    /// they are equally far apart, which is more than are kept.
+    #[test]
+    fn all_directions_that_tie_are_visited_where_there_are_more_than_are_kept() {
+        let corners: Vec<_> = (0..4)
+            .flat_map(|turns| {
+                [(10, 2), (7, 7), (2, 10)].map(|(x, y)| [vec2(x, y), vec2(-y, x), vec2(-x, -y), vec2(y, -x)][turns])
+            })
+            .collect();
+        let shape = Shape::polygon(&corners).expect("a polygon");
+        let outline: &Outline = shape.outlines().first().expect("an outline");
+        let form = Form::new(outline, fx!(1), false);
+        let leg = Leg::new([0; 2], [0; 2], Turn::default(), 0);
+        let mut moment = Moment::default();
+        moment.set([&form; 2], [from_ref(&leg); 2], 0);
+        moment.measure();
+        let mut directions = Vec::new();
+        moment.each_widest(|gap| directions.push(gap.n));
+        assert_eq!(directions.len(), 16, "{directions:?}");
+        directions.sort_unstable();
+        let mut turned: Vec<_> = directions.iter().map(|&[x, y]| [-y, x]).collect();
+        turned.sort_unstable();
+        assert_eq!(directions, turned);
+    }
+}

@@ -1,0 +1,45 @@
+//! Outlines of colliders in the axes of their bodies.
+
+use core::ops::Deref;
+
+use crate::fx::Fx;
+use crate::scalar::Scalar;
+use crate::shape::{Aabb, Outline};
+
+/// An outline of a collider in the axes of its body, relative to the body's centre of mass.
+#[derive(Clone, Debug)]
+pub(crate) struct BodyOutline<S: Scalar = Fx> {
+    pub(crate) outline: Outline<S>,
+    /// The least box around the corners of the outline.
+    pub(crate) corners: Aabb<S>,
+    /// The largest distance of a point of the outline from the body's centre of mass, m, rounded up.
+    pub(crate) radius: S,
+    /// The least distance of two parallel lines that the outline is between, m.
+    pub(crate) width: S,
+}
+
+/// An outline of a collider, kept or made.
+pub(crate) enum OutlineRef<'a, S: Scalar> {
+    Kept(&'a BodyOutline<S>),
+    Made(BodyOutline<S>),
+}
+
+impl<S: Scalar> Deref for OutlineRef<'_, S> {
+    type Target = BodyOutline<S>;
+
+    #[inline(always)]
+    fn deref(&self) -> &BodyOutline<S> {
+        match self {
+            Self::Kept(outline) => outline,
+            Self::Made(outline) => outline,
+        }
+    }
+}
+
+impl<S: Scalar> BodyOutline<S> {
+    pub(super) fn new(outline: Outline<S>) -> Self {
+        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
+        let width = outline.width();
+        Self { outline, corners, radius, width }
+    }
+}
