@@ -7,6 +7,9 @@ use super::seam;
 use super::surface::{LEAN, Link, SLACK, Surface, Surfaces, is_reached};
 use crate::kernel::sqrt::direction;
 
+/// Half of the least size of a shape, ulps. No overlap that is less deep leads through a shape.
+const DEEP: i64 = 1 << 24;
+
 /// The separations of a pair along its normals.
 pub(super) struct Axes<P, const N: usize> {
     along_a: [P; N],
@@ -73,9 +76,9 @@ fn along<P: Product, const N: usize>(
     Some(along)
 }
 
-/// The dot product of unit vectors, in units of 2^-60: below 2^61.
-fn dot(n: [i32; 2], m: [i32; 2]) -> i64 {
-    i64::from(n[0]) * i64::from(m[0]) + i64::from(n[1]) * i64::from(m[1])
+/// The largest of the separations along normals of A and of B.
+fn largest<P: Product, const N: usize>(along_a: &[P; N], along_b: &[P; N]) -> P {
+    along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation))
 }
 
 /// The directions from A to B, normals of edges, with the largest of these separations.
@@ -85,7 +88,7 @@ fn widest<'a, P: Product, const N: usize>(
     along_a: &'a [P; N],
     along_b: &'a [P; N],
 ) -> impl Iterator<Item = [i32; 2]> + 'a {
-    let largest = along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation));
+    let largest = largest(along_a, along_b);
     let is_widest = move |separation: P| separation == largest && separation > P::LEAST;
     let of_a = (0..N).filter(move |&i| is_widest(along_a[i])).map(|i| a.normals[i]);
     of_a.chain((0..N).filter(move |&i| is_widest(along_b[i])).map(|i| b.normals[i].map(|part| -part)))
@@ -106,6 +109,19 @@ fn keep_straightest<P: Product, const N: usize>(separations: [&mut [P; N]; 2], s
             }
         }
     }
+}
+
+/// Returns true if B has passed A along −n but for a quarter of the narrower one's width: it is at the neighbours, and its way back along n
+/// would lead through all of A.
+fn is_behind<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, n: [i32; 2]) -> bool {
+    let range = |core: &Core<P, N>| {
+        core.heights(n)
+            .fold((P::dot(n, core.corners[0]), P::LEAST), |(low, high), height| (low.min(height), high.max(height)))
+    };
+    let ((low_a, high_a), (low_b, high_b)) = (range(a), range(b));
+    let overlap = high_b - low_a;
+    let width = (high_a - low_a).min(high_b - low_b);
+    overlap + overlap + overlap + overlap < width
 }
 
 /// Numbers of edges of A and of B, one bit each: at most 64.
@@ -143,18 +159,25 @@ impl<P: Product, const N: usize> Axes<P, N> {
             let (mut leaning_a, mut leaning_b) = (of_a(LEAN)?, of_b(LEAN)?);
             keep_straightest([&mut leaning_a, &mut leaning_b], [on_a, on_b]);
             // Another direction than the one in which they lean on each other leads through one of the two.
-            let leaning = || widest(a, b, &leaning_a, &leaning_b);
-            let is_along = |n: [i32; 2]| leaning().any(|m| dot(n, m) > 0);
-            if !widest(a, b, &along_a, &along_b).any(is_along) {
+            if largest(&leaning_a, &leaning_b) > largest(&along_a, &along_b) {
                 (along_a, along_b) = (leaning_a, leaning_b);
             }
         }
-        let largest = along_a.iter().chain(&along_b).fold(P::LEAST, |most, &s| most.max(s));
+        let largest = largest(&along_a, &along_b);
         if largest == P::LEAST || limit.is_below_product(largest, k) {
-            None
-        } else {
-            Some(Self { along_a, along_b, largest, slack })
+            return None;
         }
+        let is_one_sided = [&surfaces.a, &surfaces.b].into_iter().flatten().any(|surface| surface.is_one_sided);
+        if !is_one_sided && largest < P::ZERO - P::length(DEEP, k) {
+            // Polygons that are apart along a normal that is not on a surface do not overlap.
+            let apart = slack + limit.radii_product(k);
+            let separations = [a.separations(b, slack), b.separations(a, slack)];
+            let are_apart = separations.as_flattened().iter().any(|&separation| separation > apart);
+            if are_apart || widest(a, b, &along_a, &along_b).any(|n| is_behind(a, b, n)) {
+                return None;
+            }
+        }
+        Some(Self { along_a, along_b, largest, slack })
     }
 
     /// Returns true if all separations are less than this one, by more than rounding.

@@ -44,16 +44,19 @@ const FINE: i32 = 30;
 /// One, as a moment of a sub-step.
 const ONE: i64 = 1 << 30;
 /// Rounds of an island in a sub-step. The last one takes all impacts that are left at once.
-const ROUNDS: u32 = 8;
+const ROUNDS: u32 = 64;
 /// Iterations times shocks of an island in a step after which it is *busy*: all impacts that are left in a sub-step are taken at once, by the
 /// fewest iterations. Impacts in crowds would cost far more than all else.
 const BUSY: u32 = 1 << 12;
-/// Impacts of a body that follow each other within this part of a sub-step are one: a box that lands flat has two.
+/// Impacts of a body that follow each other within this part of a sub-step, and on a way of at most [`NEAR`] times [`TOUCH`], are one: a box
+/// that lands flat has two.
 const AT_ONCE: i64 = ONE / 8;
 /// The latest moment of an impact that is one with an impact of the sub-step.
 const LATEST: i64 = ONE + AT_ONCE;
 /// Points up to this distance apart touch, m.
 const TOUCH: Fx = fx!(0.001);
+/// See [`AT_ONCE`].
+const NEAR: i128 = 5;
 /// No index.
 const NONE: u32 = u32::MAX;
 
@@ -391,6 +394,6 @@ impl Impacts {
     fn is_first(&self, shock: &Shock) -> bool {
         let firsts = [0, 1].map(|side| self.first_moment[shock.rows[side] as usize]);
         let [a, b] = [0, 1].map(|side| if shock.is_movable(side) { firsts[side] } else { LATEST });
-        shock.moment() <= a.min(b).saturating_add(AT_ONCE) && a.min(b) <= ONE
+        shock.moment() <= a.min(b).saturating_add(shock.window) && a.min(b) <= ONE
     }
 }

@@ -5,7 +5,7 @@ use super::super::motion::Vector;
 use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
 use super::jacobian::{Elements, Jacobian};
-use super::{FINE, FRACTION, Impacts, LATEST, NONE, ONE, SubStep, TOUCH};
+use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, SubStep, TOUCH};
 
 /// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,6 +31,8 @@ pub(super) struct Shock {
     pub(super) moments: [Option<i64>; 2],
     /// By point: the speed of its impact.
     pub(super) speeds: [i64; 2],
+    /// The time after an impact of one of its bodies within which its own is one with that, in 2^-30.
+    pub(super) window: i64,
     /// By point: the velocity that the flight adds up to the impact.
     pub(super) gained: [i64; 2],
     /// By point: true if it may bounce. A point that overlapped at the start of the step without closing was pushed out.
@@ -178,6 +180,9 @@ impl Solver {
                 None => shock.gained[i] = ((accelerations[i] * i128::from(first)) >> 30) as i64,
             }
         }
+        let fastest = i128::from(shock.speeds[0].max(shock.speeds[1]));
+        let way = (NEAR * i128::from(self.touch(place, substep))) << (30 + FRACTION);
+        shock.window = (way / fastest).min(AT_ONCE.into()) as i64;
         Some(shock)
     }
 
@@ -278,6 +283,7 @@ impl Solver {
             joined: [touches(0), touches(1)],
             moments: [None; 2],
             speeds: [0; 2],
+            window: 0,
             gained: [0; 2],
             bounces: [bounces(0), bounces(1)],
             restitution: contact.restitution.to_bits(),
