@@ -148,14 +148,15 @@ fn row(count: i32, size: Fx, key: u64) -> Result<BodyDef, Error> {
     Ok(BodyDef { key, colliders: (0..count).map(collider).collect::<Result<_, Error>>()?, ..BodyDef::dynamic() })
 }
 
-/// An L and a cross of boxes.
-fn pieces() -> Result<[Shape; 2], Error> {
+/// The squares of an L, of a cross and of a row, in units of their side.
+const PIECES: [&[[i32; 2]]; 3] =
+    [&[[0, 0], [0, 1], [0, 2], [1, 0]], &[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], &[[0, 0], [1, 0], [2, 0]]];
+
+/// A compound of squares of 0.5 m.
+fn piece(places: &[[i32; 2]]) -> Result<Shape, Error> {
     let unit = Shape::rectangle(fx!(0.5), fx!(0.5))?;
-    let piece = |places: &[[i32; 2]]| {
-        let parts = places.iter().map(|&[x, y]| part(unit.clone(), Fx::from(x) / 2, Fx::from(y) / 2));
-        Shape::compound(&parts.collect::<Vec<_>>())
-    };
-    Ok([piece(&[[0, 0], [0, 1], [0, 2], [1, 0]])?, piece(&[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]])?])
+    let parts = places.iter().map(|&[x, y]| part(unit.clone(), Fx::from(x) / 2, Fx::from(y) / 2));
+    Shape::compound(&parts.collect::<Vec<_>>())
 }
 
 /// A floor of tiles, a platform of boxes that moves and turns, rafts of boxes, and what falls on them.
@@ -177,8 +178,8 @@ fn flush() -> Result<Vec<BodyDef>, Error> {
         let angle = random.number(fx!(0)..=fx!(3));
         let body = match key % 4 {
             0 => row(2 + (key / 4 % 4) as i32, fx!(0.375), 100 * key)?,
-            1 => of(pieces()?[0].clone(), at, 100 * key),
-            2 => of(pieces()?[1].clone(), at, 100 * key),
+            1 => of(piece(PIECES[0])?, at, 100 * key),
+            2 => of(piece(PIECES[1])?, at, 100 * key),
             _ => of(Shape::circle(fx!(0.25))?, at, 100 * key),
         };
         bodies.push(BodyDef { position: at, angle, velocity: vec2(0, -3), ..body });
@@ -219,7 +220,7 @@ fn rafts_that_are_turned_or_listed_otherwise_keep_their_bits() {
 fn a_heap_of_rafts_and_pieces_does_not_sink_in() {
     let mut bodies = flush().expect("a scene");
     bodies.remove(1);
-    let walls = [-8_i32, 8].map(|x| {
+    let walls = [-8, 8].map(|x| {
         let wall = Shape::rectangle(1, 60).expect("a wall");
         BodyDef { position: vec2(x, 20), key: 50_000 + x as u64 % 3, ..BodyDef::fixed().with_collider(wall) }
     });
@@ -246,9 +247,9 @@ fn square(side: f64, at: [f64; 2], angle: f64) -> [[f64; 2]; 4] {
 
 /// The depth by which two convex polygons overlap, negative if they are apart.
 fn depth(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
-    let separation = |of: &[[f64; 2]; 4], other: &[[f64; 2]; 4]| {
+    let separation = |polygon: &[[f64; 2]; 4], other: &[[f64; 2]; 4]| {
         let along = (0..4).map(|i| {
-            let ([x, y], [to_x, to_y]) = (of[i], of[(i + 1) % 4]);
+            let ([x, y], [to_x, to_y]) = (polygon[i], polygon[(i + 1) % 4]);
             let length = (to_x - x).hypot(to_y - y);
             let height = |&[px, py]: &[f64; 2]| ((to_y - y) * (px - x) - (to_x - x) * (py - y)) / length;
             other.iter().map(height).fold(f64::INFINITY, f64::min)
@@ -262,13 +263,6 @@ fn depth(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
 /// pair of squares pushes the one through the other.
 #[test]
 fn pieces_that_overlap_a_little_are_pushed_apart_a_little() {
-    let places: [&[[i32; 2]]; 3] =
-        [&[[0, 0], [0, 1], [0, 2], [1, 0]], &[[0, 0], [1, 0], [-1, 0], [0, 1], [0, -1]], &[[0, 0], [1, 0], [2, 0]]];
-    let piece = |places: &[[i32; 2]]| {
-        let unit = Shape::rectangle(fx!(0.5), fx!(0.5)).expect("a square");
-        let parts = places.iter().map(|&[x, y]| part(unit.clone(), Fx::from(x) / 2, Fx::from(y) / 2));
-        Shape::compound(&parts.collect::<Vec<_>>()).expect("a piece")
-    };
     let mut random = umbra_physics::Random::seeded(7);
     let (mut tried, mut failures) = (0, Vec::new());
     for case in 0..20_000 {
@@ -279,24 +273,24 @@ fn pieces_that_overlap_a_little_are_pushed_apart_a_little() {
         let bodies = [(0, Vec2::new(fx!(0), fx!(0)), fx!(0)), (1, Vec2::new(x, y), angle)].map(
             |(side, position, angle): (usize, _, _)| BodyDef {
                 angle,
-                ..of(piece(places[kinds[side]]), position, side as u64)
+                ..of(piece(PIECES[kinds[side]]).expect("a piece"), position, side as u64)
             },
         );
         let still = WorldDef { gravity: vec2(0, 0), ..def() };
         let (mut world, ids) = world(still, bodies).expect("a scene");
         let squares = |world: &World, side: usize| -> Vec<[[f64; 2]; 4]> {
             let body = world.body(ids[side]).expect("a body");
-            let count = places[kinds[side]].len() as f64;
+            let count = PIECES[kinds[side]].len() as f64;
             // A compound is centred at its centre of mass.
             let centre =
-                [0, 1].map(|axis| places[kinds[side]].iter().map(|at| f64::from(at[axis]) / 2.0).sum::<f64>() / count);
+                [0, 1].map(|axis| PIECES[kinds[side]].iter().map(|at| f64::from(at[axis]) / 2.0).sum::<f64>() / count);
             let corner = |at: &[i32; 2]| {
                 let [x, y] = [0, 1].map(|axis| f64::from(at[axis]) / 2.0 - centre[axis]);
                 let (sin, cos) = f(body.angle()).sin_cos();
                 let place = [f(body.position().x) + cos * x - sin * y, f(body.position().y) + sin * x + cos * y];
                 square(0.5, place, f(body.angle()))
             };
-            places[kinds[side]].iter().map(corner).collect()
+            PIECES[kinds[side]].iter().map(corner).collect()
         };
         let deepest = |world: &World| {
             let (a, b) = (squares(world, 0), squares(world, 1));

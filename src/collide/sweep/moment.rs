@@ -300,9 +300,9 @@ fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
         (((distance.max(0).unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
     };
     // A rotation is at its bound from some time on.
-    let [first, second] = bounds.map(|(speed, most)| {
-        let most = if speed == 0 { 0 } else { most };
-        (time(most, speed.max(1)), speed, most)
+    let [first, second] = bounds.map(|(speed, bound)| {
+        let bound = if speed == 0 { 0 } else { bound };
+        (time(bound, speed.max(1)), speed, bound)
     });
     let (first, second) = if first.0 <= second.0 { (first, second) } else { (second, first) };
     // The sum is concave: where it stops growing below `free`, it stays there. Each line is an upper bound of it.
@@ -310,9 +310,9 @@ fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
     if both <= first.0 {
         return both;
     }
-    let one = time(free - first.2, closing + second.1);
-    if one <= second.0 {
-        return one.max(first.0);
+    let slower = time(free - first.2, closing + second.1);
+    if slower <= second.0 {
+        return slower.max(first.0);
     }
     time(free - first.2 - second.2, closing).max(second.0)
 }
