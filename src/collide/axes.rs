@@ -19,11 +19,16 @@ pub(super) struct Axes<P, const N: usize> {
     slack: P,
 }
 
-/// Returns true if a core reaches over the part of an edge that is on the surface, or beyond an end of it.
-pub(super) fn reaches<P: Product, const N: usize>(link: &Link, end: Option<usize>, core: &Core<P, N>, k: u32) -> bool {
+/// Returns true if a core reaches over the part of an edge of another one that is on the surface, or beyond an end of it.
+pub(super) fn reaches<P: Product, const N: usize>(
+    [owner, core]: [&Core<P, N>; 2],
+    link: &Link,
+    end: Option<usize>,
+    k: u32,
+) -> bool {
     let Some(part) = link.part else { return true };
     let place = |p: [i64; 2]| P::dot(across(link.normal), p);
-    let [low, high] = part.map(|end| place(end.map(|part| P::coordinate(part, k))));
+    let [low, high] = part.map(|end| place([0, 1].map(|i| owner.origin[i] + P::coordinate(end[i], k))));
     let places = || core.corners.iter().map(|&corner| place(corner));
     let slop = P::length(seam::REACH + (4 << k), k);
     let (least, most) = places().fold((place(core.corners[0]), P::LEAST), |(a, b), p| (a.min(p), b.max(p)));
@@ -56,7 +61,7 @@ fn along<P: Product, const N: usize>(
         }
     }
     let is_on = |surface: &Surface<'_>, i: usize| {
-        surface.links.iter().any(|link| link.corners[0] == i && reaches(link, None, other, k))
+        surface.links.iter().any(|link| link.corners[0] == i && reaches([core, other], link, None, k))
     };
     let mut along = [P::LEAST; N];
     for (i, along) in along.iter_mut().enumerate().take(core.faces()) {
@@ -65,7 +70,7 @@ fn along<P: Product, const N: usize>(
         }
         let back = core.normals[i].map(|part| -part);
         match facing {
-            Some(facing) if !facing.has(back, slack, |link, end| reaches(link, end, core, k)) => {
+            Some(facing) if !facing.has(back, slack, |link, end| reaches([other, core], link, end, k)) => {
                 if facing.is_across && core.separation(i, other) > limit.radii_product(k) {
                     return None;
                 }

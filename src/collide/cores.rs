@@ -125,6 +125,8 @@ pub(super) fn across(n: [i32; 2]) -> [i32; 2] {
 pub(super) struct Core<P: Product, const N: usize> {
     pub(super) corners: [[i64; 2]; N],
     pub(super) normals: [[i32; 2]; N],
+    /// The body's centre.
+    pub(super) origin: [i64; 2],
     pub(super) count: usize,
     faces: usize,
     /// The largest coordinate of a corner relative to the body's centre, ulps.
@@ -144,13 +146,22 @@ impl<P: Product, const N: usize> Core<P, N> {
             for i in 0..N {
                 corners[i] = place(from[i]);
             }
-            return Self { corners, normals: *normals, count, faces, extent, is_box, products: PhantomData };
+            return Self {
+                corners,
+                normals: *normals,
+                origin: shift,
+                count,
+                faces,
+                extent,
+                is_box,
+                products: PhantomData,
+            };
         }
         let (mut corners, mut normals) = ([place(view.corners[0]); N], [[0; 2]; N]);
         for (i, (&corner, &normal)) in view.corners.iter().zip(view.normals).enumerate().take(N) {
             (corners[i], normals[i]) = (place(corner), normal);
         }
-        Self { corners, normals, count, faces, extent, is_box, products: PhantomData }
+        Self { corners, normals, origin: shift, count, faces, extent, is_box, products: PhantomData }
     }
 
     /// The number of places to go through for `count` corners: few are as soon gone through as counted.

@@ -136,10 +136,12 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>
     match frame.facing {
         Facing::Edges => {
             let [last, first] = frame.b.corners;
-            let is_on_a =
-                |surface: &Surface<'_>| surface.has_edge(frame.a.corners, |link, end| reaches(link, end, &pair.b, k));
-            let is_on_b =
-                |surface: &Surface<'_>| surface.has_edge([first, last], |link, end| reaches(link, end, &pair.a, k));
+            let is_on_a = |surface: &Surface<'_>| {
+                surface.has_edge(frame.a.corners, |link, end| reaches([&pair.a, &pair.b], link, end, k))
+            };
+            let is_on_b = |surface: &Surface<'_>| {
+                surface.has_edge([first, last], |link, end| reaches([&pair.b, &pair.a], link, end, k))
+            };
             let are_on = surfaces.a.as_ref().is_none_or(is_on_a) && surfaces.b.as_ref().is_none_or(is_on_b);
             are_on.then(|| overlap(&frame)).flatten()
         }

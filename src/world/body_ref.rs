@@ -162,7 +162,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// The position in the world of a point of the body, m; `local` is in the body's axes, from its centre of mass. `None` if a
-    /// component does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
+    /// component, or one of the vector from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn world_point(&self, local: Vec2<S>) -> Option<Vec2<S>> {
         let (centre, arm) = (self.position(), self.angle_exact().rotate(local)?);

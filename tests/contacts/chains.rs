@@ -35,11 +35,11 @@ fn ground(segments: usize) -> Shape {
 }
 
 /// The largest differences of height and of velocities, ulp, between a body on a chain and on one segment, from one step to another; how
-/// many seams it went over.
-fn differences(shape: &Shape, body: &BodyDef, settled: usize, steps: usize) -> ([u64; 4], usize) {
+/// many seams it went over, and in how many steps it had two contacts.
+fn differences(shape: &Shape, body: &BodyDef, settled: usize, steps: usize) -> ([u64; 4], usize, usize) {
     let (mut here, ids) = world(def(), [fixed(shape.clone()), body.clone()]).expect("a scene");
     let (mut there, _) = world(def(), [fixed(ground(1)), body.clone()]).expect("a scene");
-    let (mut most, mut seams, mut last) = ([0; 4], 0, 0);
+    let (mut most, mut seams, mut last, mut double) = ([0; 4], 0, 0, 0);
     for step in 0..steps {
         here.step();
         there.step();
@@ -60,17 +60,21 @@ fn differences(shape: &Shape, body: &BodyDef, settled: usize, steps: usize) -> (
             seams += part.abs_diff(last);
             last = part;
         }
+        double += usize::from(here.contacts().count() > 1);
     }
-    (most, seams)
+    (most, seams, double)
 }
 
 #[test]
 fn a_ball_rolls_over_ten_thousand_seams_without_a_bump() {
     let start =
         BodyDef { velocity: vec2(30, 0), angular_velocity: fx!(-60), ..ball(vec2(-1_990, fx!(0.5)), fx!(0.5), 1) };
-    let (most, seams) = differences(&ground(12_000), &start, 0, 7_200);
+    let (most, seams, double) = differences(&ground(12_000), &start, 0, 7_200);
     assert!(seams >= 10_000, "{seams}");
-    assert_eq!(most, [0; 4], "ulp, after {seams} seams");
+    // With the middle within half a micrometre of a seam, which happens at one of 10^5, it is on both segments for a step: it is off
+    // by 8 µm and 0.3 mm/s afterwards.
+    let most_allowed = if double == 0 { [0; 4] } else { [1 << 15, 1 << 20, 1 << 20, 1 << 21] };
+    assert!(double < 3 && (0..4).all(|i| most[i] <= most_allowed[i]), "{most:?} ulp, after {seams} seams");
 }
 
 #[test]
@@ -87,7 +91,7 @@ fn boxes_and_capsules_slide_over_seams_without_a_bump() {
             velocity: vec2(20, 0),
             ..BodyDef::dynamic().with_collider(collider)
         };
-        let (most, seams) = differences(&ground(12_000), &body, 120, 1_200);
+        let (most, seams, _) = differences(&ground(12_000), &body, 120, 1_200);
         assert!(seams >= 1_100, "{seams}");
         // 2^12 ulp are 1 µm, and 2^19 ulp are 0.12 mm/s: the corners are on two segments, which the solver does not have in one block, and
         // a corner that comes over a seam in a step is on one of both segments for all of it.

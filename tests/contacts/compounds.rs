@@ -1,6 +1,7 @@
 //! Compounds as colliders: each part touches by itself.
 
 use super::scenes::{def, ground, keeps_its_bits, through_bytes, world};
+use crate::seeds::run_seed;
 use umbra_physics::{
     BodyDef, BodyId, Cause, ColliderDef, ContactSettings, Error, Fx, Geometry, Mass, Part, Shape, Symmetry, Vec2,
     World, WorldDef, fx, vec2,
@@ -216,6 +217,49 @@ fn rafts_that_are_turned_or_listed_otherwise_keep_their_bits() {
 }
 
 /// Rafts, pieces and what falls on them stay above the floor, and come to lie there without sinking into each other.
+/// Boxes of unlike heights beside each other: each covers a part of an edge of the next one.
+fn stairs(random: &mut umbra_physics::Random, key: u64) -> BodyDef {
+    let mut left = Fx::ZERO;
+    let mut collider = |i: u64| {
+        let [width, height, up] = [fx!(1), fx!(1), fx!(0.25)].map(|most| random.number(fx!(0.125)..=most));
+        let position = Vec2::new(left + width / 2, up);
+        left += width;
+        ColliderDef { position, key: key + i, ..ColliderDef::new(Shape::rectangle(width, height).expect("a box")) }
+    };
+    BodyDef { key, colliders: (0..4).map(&mut collider).collect(), ..BodyDef::dynamic() }
+}
+
+#[test]
+fn edges_that_are_covered_in_part_have_the_same_contacts_in_either_order() {
+    let mut random = umbra_physics::Random::seeded(run_seed(11));
+    let mut contacts = 0;
+    for case in 0..2_000 {
+        let bodies = [0, 100].map(|key| {
+            let [x, y] = [0, 1].map(|_| random.number(fx!(-1)..=fx!(1)));
+            let angle = if case % 3 == 0 { fx!(0) } else { random.number(fx!(0)..=fx!(6)) };
+            BodyDef { position: Vec2::new(x, y), angle, ..stairs(&mut random, key) }
+        });
+        let reversed = [bodies[1].clone(), bodies[0].clone()];
+        let (mut here, [a, b]) = pair_of(bodies);
+        let (mut there, [other_b, other_a]) = pair_of(reversed);
+        for step in 0..4 {
+            here.step();
+            there.step();
+            for (own, other) in [(a, other_a), (b, other_b)] {
+                assert_eq!(bits(&here, own), bits(&there, other), "case {case}, {step}");
+            }
+        }
+        contacts += here.contacts().count();
+    }
+    assert!(contacts > 500, "{contacts}");
+}
+
+/// A world of two bodies.
+fn pair_of(bodies: [BodyDef; 2]) -> (World, [BodyId; 2]) {
+    let (world, ids) = world(def(), bodies).expect("a scene");
+    (world, [ids[0], ids[1]])
+}
+
 #[test]
 fn a_heap_of_rafts_and_pieces_does_not_sink_in() {
     let mut bodies = flush().expect("a scene");

@@ -74,7 +74,7 @@ fn is_kept(ticks: i128) {
         }
         before = after;
     }
-    assert!(pressed > ticks * 99 / 100, "{pressed} of {ticks} ticks with impulses");
+    assert!(pressed > ticks * 9 / 10, "{pressed} of {ticks} ticks with impulses");
     println!(
         "{ticks} ticks, impulses {:.0} N·s, momentum off by at most {:.1e} N·s, angular momentum {:.6} to {:.6} N·m·s",
         taken as f64 / 2f64.powi(97),

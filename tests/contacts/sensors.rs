@@ -121,7 +121,7 @@ fn a_restored_world_a_mirror_image_and_a_shuffled_one_have_the_same_overlaps() {
     let mut image = Symmetry::MIRROR.world(&here).expect("an image");
     let mut restored = here.clone();
     let mut count = 0;
-    for tick in 0..400 {
+    for tick in 0..800 {
         let bytes = restored.snapshot().to_bytes();
         restored = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
         let lists = |world: &mut World| {

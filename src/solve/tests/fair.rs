@@ -81,7 +81,7 @@ fn images_stay_images() {
             assert_eq!(&seen.solve(), expected, "image {index} of {scene:?}");
         }
     }
-    assert!(moved > 300 && rolled > 100, "{moved}, {rolled}");
+    assert!(moved > 300 && rolled > 50, "{moved}, {rolled}");
 }
 
 fn shuffled(random: &mut Random, count: usize) -> Vec<usize> {
