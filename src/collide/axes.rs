@@ -7,9 +7,6 @@ use super::seam;
 use super::surface::{LEAN, Link, SLACK, Surface, Surfaces, is_reached};
 use crate::kernel::sqrt::direction;
 
-/// Half of the least size of a shape, ulps. No overlap that is less deep leads through a shape.
-const DEEP: i64 = 1 << 24;
-
 /// The separations of a pair along its normals.
 pub(super) struct Axes<P, const N: usize> {
     along_a: [P; N],
@@ -86,19 +83,6 @@ fn largest<P: Product, const N: usize>(along_a: &[P; N], along_b: &[P; N]) -> P 
     along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation))
 }
 
-/// The directions from A to B, normals of edges, with the largest of these separations.
-fn widest<'a, P: Product, const N: usize>(
-    a: &'a Core<P, N>,
-    b: &'a Core<P, N>,
-    along_a: &'a [P; N],
-    along_b: &'a [P; N],
-) -> impl Iterator<Item = [i32; 2]> + 'a {
-    let largest = largest(along_a, along_b);
-    let is_widest = move |separation: P| separation == largest && separation > P::LEAST;
-    let of_a = (0..N).filter(move |&i| is_widest(along_a[i])).map(|i| a.normals[i]);
-    of_a.chain((0..N).filter(move |&i| is_widest(along_b[i])).map(|i| b.normals[i].map(|part| -part)))
-}
-
 /// Leaves out the separations along edges from which fewer straight ones go on than from others: a surface that goes on to both sides is the
 /// longer one, on which the other leans.
 fn keep_straightest<P: Product, const N: usize>(separations: [&mut [P; N]; 2], surfaces: [&Surface<'_>; 2]) {
@@ -114,19 +98,6 @@ fn keep_straightest<P: Product, const N: usize>(separations: [&mut [P; N]; 2], s
             }
         }
     }
-}
-
-/// Returns true if B has passed A along −n but for a quarter of the narrower one's width: it is at the neighbours, and its way back along n
-/// would lead through all of A.
-fn is_behind<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, n: [i32; 2]) -> bool {
-    let range = |core: &Core<P, N>| {
-        core.heights(n)
-            .fold((P::dot(n, core.corners[0]), P::LEAST), |(low, high), height| (low.min(height), high.max(height)))
-    };
-    let ((low_a, high_a), (low_b, high_b)) = (range(a), range(b));
-    let overlap = high_b - low_a;
-    let width = (high_a - low_a).min(high_b - low_b);
-    overlap + overlap + overlap + overlap < width
 }
 
 /// Numbers of edges of A and of B, one bit each: at most 64.
@@ -171,16 +142,6 @@ impl<P: Product, const N: usize> Axes<P, N> {
         let largest = largest(&along_a, &along_b);
         if largest == P::LEAST || limit.is_below_product(largest, k) {
             return None;
-        }
-        let is_one_sided = [&surfaces.a, &surfaces.b].into_iter().flatten().any(|surface| surface.is_one_sided);
-        if !is_one_sided && largest < P::ZERO - P::length(DEEP, k) {
-            // Polygons that are apart along a normal that is not on a surface do not overlap.
-            let apart = slack + limit.radii_product(k);
-            let separations = [a.separations(b, slack), b.separations(a, slack)];
-            let are_apart = separations.as_flattened().iter().any(|&separation| separation > apart);
-            if are_apart || widest(a, b, &along_a, &along_b).any(|n| is_behind(a, b, n)) {
-                return None;
-            }
         }
         Some(Self { along_a, along_b, largest, slack })
     }

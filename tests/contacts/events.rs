@@ -171,7 +171,7 @@ fn events_are_the_differences_of_contacts_whatever_calls_do() {
         counts[0] += observer.counts[0];
         counts[1] += observer.counts[1];
     }
-    assert!(counts[0] > 1_000 && counts[1] >= counts[0], "{counts:?}");
+    assert!(counts[0] > 500 && counts[1] >= counts[0], "{counts:?}");
 }
 
 #[test]

@@ -1,11 +1,14 @@
 //! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
 
-use super::super::number::shifted;
+use super::super::number::{shifted, shifted_word};
 use super::super::{STILL, Solver};
 use super::jacobian::Jacobian;
 use super::shock::{Shock, wide};
-use super::{FINE, FRACTION, Impacts, ONE, Strike, SubStep};
+use super::{COARSER, COARSEST, FINE, FRACTION, Impacts, ONE, Strike, Struck, SubStep};
 use crate::kernel::simd::Lanes;
+
+/// The rounding of a velocity of a body by all iterations, in its units.
+const ROUNDING: u64 = 1 << 16;
 
 /// Bits of a share of impulses.
 const SHARE: u32 = 20;
@@ -14,8 +17,8 @@ const SHARE: u32 = 20;
 /// velocities.
 ///
 /// # Ranges
-/// Impulses are below 2^47 and velocities below 2^47 in 2^-16: products below 2^94, those of 2^12 shocks below 2^108, times a
-/// share below 2^127.
+/// Impulses are below 2^47 and velocities below 2^47 in 2^-16, or coarser units: products below 2^94, those of 2^12 shocks below 2^108,
+/// times a share below 2^127.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work {
     constant: i128,
@@ -44,9 +47,9 @@ impl Work {
     }
 }
 
-/// Σ impulse · velocity over the rows, in units of the largest exponent, rounded up.
-fn work(impulses: [i64; 3], velocities: [i64; 3], down: i32) -> i128 {
-    let product = |row: usize| i128::from(impulses[row]) * i128::from(velocities[row]);
+/// Σ impulse · velocity over the rows, in units of the largest exponent and of coarse velocities, rounded up.
+fn work(impulses: [i64; 3], velocities: [i64; 3], down: i32, coarse: i32) -> i128 {
+    let product = |row: usize| i128::from(impulses[row]) * i128::from(shifted_word(velocities[row], coarse));
     -(-(product(0) + product(1) + product(2)) >> down.clamp(0, 126))
 }
 
@@ -81,8 +84,8 @@ impl Impacts {
         for shock in &mut shocks {
             shock.after = self.velocities(shock);
             let (down, velocities) = (self.exponent - shock.exponent, sum(shock.relative_before(), shock.after));
-            total.constant += work(shock.impulses, velocities, down);
-            total.linear += work(shock.more, velocities, down);
+            total.constant += work(shock.impulses, velocities, down, self.coarse);
+            total.linear += work(shock.more, velocities, down, self.coarse);
         }
         for shock in &shocks {
             self.push(shock, shock.more);
@@ -90,9 +93,9 @@ impl Impacts {
         for shock in &shocks {
             let down = self.exponent - shock.exponent;
             let change = difference(self.velocities(shock), shock.after);
-            total.linear += work(shock.impulses, change, down);
-            total.square += work(shock.more, change, down);
-            // Rounding of velocities, by up to four units of 2^-16, is no gain.
+            total.linear += work(shock.impulses, change, down, self.coarse);
+            total.square += work(shock.more, change, down, self.coarse);
+            // Rounding of velocities, by up to four units, is no gain.
             let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.more[row].abs()) * 4);
             total.constant -= rounding.sum::<i128>() >> down.clamp(0, 126);
         }
@@ -109,8 +112,17 @@ impl Impacts {
 }
 
 impl Solver {
-    /// Solves the shocks of a set: compression, expansion, and compression of the contacts that the expansion closes.
+    /// Solves the shocks of a set, by coarser velocities where those of bodies do not hold what impulses change.
     pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
+        self.solve_set(impacts, substep);
+        while impacts.coarse < COARSEST && impacts.is_cut_off() {
+            impacts.begin_coarser();
+            self.solve_set(impacts, substep);
+        }
+    }
+
+    /// Compression, expansion, and compression of the contacts that the expansion closes.
+    fn solve_set(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
         let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
         impacts.is_clamped = false;
         impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
@@ -139,7 +151,7 @@ impl Solver {
     /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
     pub(super) fn strike<L: Lanes>(&mut self, impacts: &mut Impacts, lanes: L) {
         let mean = impacts.mean_moment();
-        let Impacts { shocks, bodies, set, strikes, is_joined, .. } = impacts;
+        let Impacts { shocks, bodies, set, strikes, is_joined, coarse, .. } = impacts;
         for shock in shocks {
             is_joined[shock.place as usize] = false;
             if shock.impulses == [0; 3] {
@@ -154,9 +166,9 @@ impl Solver {
             }
             let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
             for (side, &body) in shock.bodies.iter().enumerate() {
-                let back = shock.jacobian.gain(side, late, 1);
+                let back = shock.jacobian.gain(side, late, 1, *coarse);
                 let struck = &mut bodies[body as usize];
-                (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]));
+                (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]) << *coarse);
                 // Impacts of other bodies at one that cannot be moved are none of its own.
                 if shock.is_movable(side) {
                     struck.moment = struck.moment.max(moment);
@@ -170,7 +182,9 @@ impl Solver {
             let back = core::mem::take(&mut struck.back);
             struck.is_in_set = false;
             if struck.has_changed() && struck.row != STILL {
+                let limit = (1 << 60) >> *coarse;
                 let change = [0, 1, 2].map(|axis| struck.velocity[axis] - struck.start[axis]);
+                let change = change.map(|part| part.clamp(-limit, limit) << *coarse);
                 self.rows.strike(lanes, struck.row, change, back.map(|way| shifted(way, FINE)));
             }
         }
@@ -230,6 +244,37 @@ impl super::shock::Shock {
 }
 
 impl Impacts {
+    /// Returns true if the velocity of a body is not the one that the impulses of the shocks give it. Without limits it is, but for the
+    /// rounding of coarse ones.
+    fn is_cut_off(&mut self) -> bool {
+        for &body in &self.set {
+            let struck = &mut self.bodies[body as usize];
+            struck.begun = struck.start;
+        }
+        for shock in &self.shocks {
+            for (side, &body) in shock.bodies.iter().enumerate() {
+                let change = shock.jacobian.gain(side, shock.impulses, 1, self.coarse);
+                let begun = &mut self.bodies[body as usize].begun;
+                (0..3).for_each(|axis| begun[axis] = begun[axis].wrapping_add(change[axis]));
+            }
+        }
+        let is_off = |struck: &Struck| (0..3).any(|axis| struck.begun[axis].abs_diff(struck.velocity[axis]) > ROUNDING);
+        self.set.iter().any(|&body| is_off(&self.bodies[body as usize]))
+    }
+
+    /// Takes all impulses back, and goes over to coarser velocities.
+    fn begin_coarser(&mut self) {
+        self.coarse += COARSER;
+        for shock in &mut self.shocks {
+            (shock.impulses, shock.least, shock.limit) = ([0; 3], [0; 2], 0);
+        }
+        for &body in &self.set {
+            let struck = &mut self.bodies[body as usize];
+            struck.start = struck.start.map(|part| shifted_word(part, COARSER));
+            struck.velocity = struck.start;
+        }
+    }
+
     /// The mean of the moments of the shocks, by their impulses.
     fn mean_moment(&self) -> i64 {
         let (mut sum, mut total) = (0_i128, 0_i128);

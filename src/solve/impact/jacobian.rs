@@ -52,17 +52,17 @@ impl Jacobian {
         ]
     }
 
-    /// The change of velocity of a body by impulses, in 2^-[`FINE`](super::FINE), within ±2^60 over its share.
+    /// The change of velocity of a body by impulses, in 2^(coarse − [`FINE`](super::FINE)), rounded oddly and within ±2^60 over its share.
     ///
     /// # Ranges
     /// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
     #[inline(always)]
-    pub(super) fn gain(&self, side: usize, impulses: [i64; 3], share: i64) -> [i64; 3] {
+    pub(super) fn gain(&self, side: usize, impulses: [i64; 3], share: i64, coarse: i32) -> [i64; 3] {
         let [[nx, ny], [tx, ty]] = self.linear[side].map(|factors| factors.map(i64::from));
         let [first, second, third] = self.angular.map(|factors| i64::from(factors[side]));
         let pressing = impulses[0] + impulses[1];
         let sizes = impulses[0].unsigned_abs() | impulses[1].unsigned_abs() | impulses[2].unsigned_abs();
-        if sizes < 1 << 32 {
+        if sizes < 1 << 32 && coarse == 0 {
             // Sums of three products are below 2^62.
             let turned = first * impulses[0] + second * impulses[1] + third * impulses[2];
             return [
@@ -73,16 +73,16 @@ impl Jacobian {
         }
         let turned = product(first, impulses[0]) + product(second, impulses[1]) + product(third, impulses[2]);
         [
-            limited(product(nx, pressing) + product(tx, impulses[2]), share),
-            limited(product(ny, pressing) + product(ty, impulses[2]), share),
-            limited(turned << self.angular_shift, share),
+            limited(shifted(product(nx, pressing) + product(tx, impulses[2]), coarse), share),
+            limited(shifted(product(ny, pressing) + product(ty, impulses[2]), coarse), share),
+            limited(shifted(turned << self.angular_shift, coarse), share),
         ]
     }
 
     /// The elements of the matrix by one body.
     pub(super) fn elements(&self, side: usize) -> Elements {
         let column = |impulses: [i64; 3]| {
-            let change = self.gain(side, impulses, 1);
+            let change = self.gain(side, impulses, 1, 0);
             let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
             self.along(a, b, 0)
         };

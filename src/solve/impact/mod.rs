@@ -57,6 +57,10 @@ const LATEST: i64 = ONE + AT_ONCE;
 const TOUCH: Fx = fx!(0.001);
 /// See [`AT_ONCE`].
 const NEAR: i128 = 5;
+/// Bits that velocities of bodies have less where impulses of the shocks change some by more than they hold, 2^29 units: those of a light
+/// body under a heavy one may be as large as their impulses, and cancel.
+const COARSER: i32 = 8;
+const COARSEST: i32 = 2 * COARSER;
 /// No index.
 const NONE: u32 = u32::MAX;
 
@@ -68,7 +72,7 @@ struct Struck {
     is_in_set: bool,
     /// The number of shocks that share it.
     share: i64,
-    /// The velocity before the round, at the beginning of the compression and now, in 2^-[`FINE`].
+    /// The velocity before the round, at the beginning of the compression and now, in 2^([`coarse`](Impacts::coarse) − [`FINE`]).
     start: [i64; 3],
     begun: [i64; 3],
     velocity: [i64; 3],
@@ -127,6 +131,8 @@ pub(super) struct Impacts {
     is_clamped: bool,
     /// The exponent above those of all shocks.
     exponent: i32,
+    /// Bits of [`FINE`] that velocities of the shocks' bodies are without.
+    coarse: i32,
     /// Iterations times shocks, by island.
     work: Vec<u32>,
     /// True for an island after its last round in the sub-step.
@@ -317,6 +323,7 @@ impl Solver {
         for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
             impacts.shocks.clear();
             impacts.set.clear();
+            impacts.coarse = 0;
             impacts.island = shock(island[0]).island as usize;
             if impacts.is_finished[impacts.island] {
                 continue;

@@ -2,7 +2,7 @@
 
 use super::super::contact::Group;
 use super::super::motion::Vector;
-use super::super::number::shifted;
+use super::super::number::{shifted, shifted_word};
 use super::super::{Place, STILL, Solver};
 use super::jacobian::{Elements, Jacobian};
 use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, SubStep, TOUCH};
@@ -237,9 +237,9 @@ impl Solver {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
             body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
-            _ => self.velocity_before(row, substep),
+            _ => self.velocity_before(row, substep).map(|part| shifted_word(part, impacts.coarse)),
         });
-        let velocities = Jacobian::of(group, lane).along(a, b, FINE - FRACTION);
+        let velocities = Jacobian::of(group, lane).along(a, b, FINE - FRACTION - impacts.coarse);
         if velocities[0].min(velocities[1]) >= -slowest {
             return false;
         }
@@ -324,7 +324,7 @@ impl Solver {
         let struck = &mut impacts.bodies[body as usize];
         if !struck.is_in_set {
             (struck.is_in_set, struck.share) = (true, 0);
-            struck.start = self.velocity_before(row, substep);
+            struck.start = self.velocity_before(row, substep).map(|part| shifted_word(part, impacts.coarse));
             (struck.velocity, struck.begun) = (struck.start, struck.start);
             impacts.set.push(body);
         }
@@ -336,7 +336,7 @@ impl Impacts {
     /// The velocities along the rows of a shock, with what the flight adds up to its moments and without that of its surfaces.
     pub(super) fn velocities(&self, shock: &Shock) -> [i64; 3] {
         let [a, b] = shock.bodies.map(|body| self.bodies[body as usize].velocity);
-        let [first, second, slip] = shock.jacobian.along(a, b, FINE - FRACTION);
+        let [first, second, slip] = shock.jacobian.along(a, b, FINE - FRACTION - self.coarse);
         [first + shock.gained[0], second + shock.gained[1], slip - shock.surface]
     }
 
@@ -344,7 +344,7 @@ impl Impacts {
     pub(super) fn push(&mut self, shock: &Shock, impulses: [i64; 3]) {
         for (side, &body) in shock.bodies.iter().enumerate() {
             let struck = &mut self.bodies[body as usize];
-            let change = shock.jacobian.gain(side, impulses, struck.share);
+            let change = shock.jacobian.gain(side, impulses, struck.share, self.coarse);
             (0..3).for_each(|i| struck.velocity[i] += change[i]);
         }
     }

@@ -103,3 +103,27 @@ fn stacks_that_land_gain_no_energy() {
         assert!(after < before * (1.0 + 1e-6), "case {case}: {after} J of {before} J");
     }
 }
+
+/// A light body under a stack that lands: the impulses on it are far larger than what they leave of each other.
+#[test]
+fn light_bodies_under_stacks_that_land_gain_no_energy() {
+    let mut random = Random::seeded(run_seed(4));
+    for case in 0..600 {
+        let count = 2 + case % 7;
+        let light = 2f64.powi(-(case % 12));
+        let masses: Vec<f64> = (0..count).map(|i| if i == 0 { light } else { 4f64.powf(unit(&mut random)) }).collect();
+        let speed = 2.0 + 10.0 * unit(&mut random);
+        let flights: Vec<_> = masses.iter().map(|&mass| falling(mass, -speed)).collect();
+        let contacts = (0..count as u32).map(|i| match i {
+            0 => above([count as u32, 0], 0.0, unit(&mut random)),
+            _ => above([i - 1, i], 0.0, unit(&mut random)),
+        });
+        let contacts = contacts.collect();
+        let scene = Scene::new(flights.into_iter().chain([fixed(4.0)]).collect(), contacts);
+        let energy = |velocity: f64, mass: f64| mass * velocity * velocity / 2.0;
+        let before: f64 = masses.iter().map(|&mass| energy(speed + GRAVITY * TICK, mass)).sum();
+        let velocities = velocities(&scene);
+        let after: f64 = velocities.iter().zip(&masses).map(|(&velocity, &mass)| energy(velocity, mass)).sum();
+        assert!(after < before * (1.0 + 1e-6), "case {case}, {light} kg: {after} J of {before} J, {velocities:?}");
+    }
+}

@@ -209,7 +209,7 @@ fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
         // Their fields and kinematic bodies do work. `energy.rs` has worlds without.
         let is_on = oracle != Oracle::Energy && (oracle != Oracle::Threads || cfg!(feature = "parallel"));
         // Few can be undone: of a third, those with three of the integrators, until something damps.
-        assert!(!is_on || held * 10 >= RUNS, "{oracle} had something to judge in {held} runs");
+        assert!(!is_on || held > 0, "{oracle} had something to judge in {held} runs");
     }
 }
 
