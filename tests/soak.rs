@@ -221,12 +221,12 @@ fn soak(mut more: impl FnMut(u64) -> bool) -> String {
         let window = measure(|| (0..WINDOW).for_each(|_| soak.tick()));
         heap.push(heap.last().unwrap_or(&0) + window.bytes_current);
     }
-    // A crowd makes buffers larger once, and they stay so; a leak makes the heap larger than ever before in each window.
-    let half = heap.len() / 2;
-    let is_highest = |&i: &usize| heap[..i].iter().all(|before| heap[i] > before + before / 100);
-    let highest = (half..heap.len()).filter(is_highest).count();
-    assert!(2 * highest <= heap.len() - half, "{heap:?} bytes");
-    let [early, late] = [&heap[..half], &heap[half..]].map(|half| half.iter().max().expect("windows"));
+    // Of eight parts of the time. A crowd makes buffers larger once, and they stay so; a leak makes each part higher than all before.
+    let parts: Vec<_> = heap.chunks(heap.len().div_ceil(8)).map(|part| *part.iter().max().expect("windows")).collect();
+    let (early, late) = parts.split_at(parts.len() / 2);
+    let is_highest = |&i: &usize| parts[..i].iter().all(|before| parts[i] > before + before / 100);
+    let highest = (early.len()..parts.len()).filter(is_highest).count();
+    assert!(2 * highest <= late.len(), "{parts:?} bytes");
     let Soak { world, counts, .. } = &soak;
     let ticks = world.tick();
     let Counts { refused, faults, fell_asleep, woke, began, hits, entered, touching } = counts;
@@ -238,7 +238,7 @@ fn soak(mut more: impl FnMut(u64) -> bool) -> String {
     }
     assert!(fell_asleep.min(began) > &ticks && *touching > 40 * ticks, "{counts:?} in {ticks} ticks");
     format!(
-        "{ticks} ticks, {} bodies, {} fields, {counts:?}; at most {early} bytes in the first half, {late} in the second; hash {:016x}",
+        "{ticks} ticks, {} bodies, {} fields, {counts:?}; at most {parts:?} bytes; hash {:016x}",
         world.bodies().count(),
         world.fields().count(),
         world.state_hash(),

@@ -38,7 +38,7 @@ impl Shock {
     /// −factor · velocity as an impulse, rounded oddly: velocities in 2^-[`FRACTION`], elements of the matrix in 2^-30.
     ///
     /// # Ranges
-    /// A factor is below 2^61 and a velocity below 2^47. The impulse is within ±2^60.
+    /// A factor is below 2^61 and a velocity below 2^58. The impulse is within ±2^60.
     fn scaled(&self, factor: i64, velocity: i64) -> i64 {
         let down = 61 + FRACTION - 30 + self.inverse.shift;
         shifted(-product(factor, velocity), down).clamp(-(1 << 60), 1 << 60) as i64
@@ -155,7 +155,8 @@ impl Impacts {
                         i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
                 }
             }
-            uphill += work >> (self.exponent - shock.exponent).clamp(0, 126);
+            // Coarse velocities are larger.
+            uphill += work >> (self.exponent - shock.exponent + self.coarse).clamp(0, 126);
         }
         for shock in &shocks {
             let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);

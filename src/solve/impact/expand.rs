@@ -4,7 +4,7 @@ use super::super::number::{shifted, shifted_word};
 use super::super::{STILL, Solver};
 use super::jacobian::Jacobian;
 use super::shock::{Shock, wide};
-use super::{COARSER, COARSEST, FINE, FRACTION, Impacts, ONE, Strike, Struck, SubStep};
+use super::{COARSER, FINE, FRACTION, Impacts, ONE, Strike, Struck, SubStep};
 use crate::kernel::simd::Lanes;
 
 /// The rounding of a velocity of a body by all iterations, in its units.
@@ -48,8 +48,10 @@ impl Work {
 }
 
 /// Σ impulse · velocity over the rows, in units of the largest exponent and of coarse velocities, rounded up.
+#[inline(always)]
 fn work(impulses: [i64; 3], velocities: [i64; 3], down: i32, coarse: i32) -> i128 {
-    let product = |row: usize| i128::from(impulses[row]) * i128::from(shifted_word(velocities[row], coarse));
+    let velocities = if coarse == 0 { velocities } else { velocities.map(|part| shifted_word(part, coarse)) };
+    let product = |row: usize| i128::from(impulses[row]) * i128::from(velocities[row]);
     -(-(product(0) + product(1) + product(2)) >> down.clamp(0, 126))
 }
 
@@ -112,12 +114,21 @@ impl Impacts {
 }
 
 impl Solver {
-    /// Solves the shocks of a set, by coarser velocities where those of bodies do not hold what impulses change.
+    /// Solves the shocks of a set, by coarser velocities where those of bodies do not hold what impulses change. Where these do not either,
+    /// there is no impact, and the passes stop the bodies.
     pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
         self.solve_set(impacts, substep);
-        while impacts.coarse < COARSEST && impacts.is_cut_off() {
-            impacts.begin_coarser();
+        if impacts.is_cut_off() {
+            impacts.coarse = COARSER;
+            for &body in &impacts.set {
+                let struck = &mut impacts.bodies[body as usize];
+                struck.start = struck.start.map(|part| shifted_word(part, COARSER));
+            }
+            impacts.take_all_back();
             self.solve_set(impacts, substep);
+            if impacts.is_cut_off() {
+                impacts.take_all_back();
+            }
         }
     }
 
@@ -262,15 +273,13 @@ impl Impacts {
         self.set.iter().any(|&body| is_off(&self.bodies[body as usize]))
     }
 
-    /// Takes all impulses back, and goes over to coarser velocities.
-    fn begin_coarser(&mut self) {
-        self.coarse += COARSER;
+    /// Takes all impulses of the shocks back.
+    fn take_all_back(&mut self) {
         for shock in &mut self.shocks {
-            (shock.impulses, shock.least, shock.limit) = ([0; 3], [0; 2], 0);
+            (shock.impulses, shock.least) = ([0; 3], [0; 2]);
         }
         for &body in &self.set {
             let struck = &mut self.bodies[body as usize];
-            struck.start = struck.start.map(|part| shifted_word(part, COARSER));
             struck.velocity = struck.start;
         }
     }

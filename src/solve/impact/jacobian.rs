@@ -2,6 +2,7 @@
 
 use super::super::contact::Group;
 use super::super::number::shifted;
+use super::{COARSER, FINE, FRACTION};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
 pub(super) type Elements = [i64; 6];
@@ -35,7 +36,8 @@ impl Jacobian {
     /// normal rows are the same in a mirror image.
     ///
     /// # Ranges
-    /// Components are below 2^61, factors at most 2^30: sums of four products are below 2^94.
+    /// Components are below 2^61, factors at most 2^30: sums of four products are below 2^94, and results below 2^50 or, of coarse
+    /// velocities, 2^58.
     #[inline(always)]
     pub(super) fn along(&self, a: [i64; 3], b: [i64; 3], bits: i32) -> [i64; 3] {
         let [nx, ny] = self.normal.map(i64::from);
@@ -52,7 +54,14 @@ impl Jacobian {
         ]
     }
 
-    /// The change of velocity of a body by impulses, in 2^(coarse − [`FINE`](super::FINE)), rounded oddly and within ±2^60 over its share.
+    /// [`along`](Self::along) of velocities in 2^(coarse − [`FINE`]), in 2^-[`FRACTION`].
+    #[inline(always)]
+    pub(super) fn velocities(&self, a: [i64; 3], b: [i64; 3], coarse: i32) -> [i64; 3] {
+        // Shifts by constants.
+        if coarse == 0 { self.along(a, b, FINE - FRACTION) } else { self.along(a, b, FINE - FRACTION - COARSER) }
+    }
+
+    /// The change of velocity of a body by impulses, in 2^(coarse − [`FINE`]), rounded oddly and within ±2^60 over its share.
     ///
     /// # Ranges
     /// Impulses are below 2^62, factors at most 2^28 and angular ones 2^28 with a shift of at most 36: sums are below 2^127.
@@ -72,11 +81,13 @@ impl Jacobian {
             ];
         }
         let turned = product(first, impulses[0]) + product(second, impulses[1]) + product(third, impulses[2]);
-        [
-            limited(shifted(product(nx, pressing) + product(tx, impulses[2]), coarse), share),
-            limited(shifted(product(ny, pressing) + product(ty, impulses[2]), coarse), share),
-            limited(shifted(turned << self.angular_shift, coarse), share),
-        ]
+        let changes = [
+            product(nx, pressing) + product(tx, impulses[2]),
+            product(ny, pressing) + product(ty, impulses[2]),
+            turned << self.angular_shift,
+        ];
+        let changes = if coarse == 0 { changes } else { changes.map(|change| shifted(change, coarse)) };
+        changes.map(|change| limited(change, share))
     }
 
     /// The elements of the matrix by one body.

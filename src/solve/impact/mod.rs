@@ -57,10 +57,9 @@ const LATEST: i64 = ONE + AT_ONCE;
 const TOUCH: Fx = fx!(0.001);
 /// See [`AT_ONCE`].
 const NEAR: i128 = 5;
-/// Bits that velocities of bodies have less where impulses of the shocks change some by more than they hold, 2^29 units: those of a light
-/// body under a heavy one may be as large as their impulses, and cancel.
+/// Bits that velocities of bodies have less where impulses of the shocks change some by more than they hold, 2^29 units: those on a light
+/// body under a heavy one may be large, and cancel.
 const COARSER: i32 = 8;
-const COARSEST: i32 = 2 * COARSER;
 /// No index.
 const NONE: u32 = u32::MAX;
 
@@ -131,7 +130,7 @@ pub(super) struct Impacts {
     is_clamped: bool,
     /// The exponent above those of all shocks.
     exponent: i32,
-    /// Bits of [`FINE`] that velocities of the shocks' bodies are without.
+    /// Bits of [`FINE`] that velocities of the shocks' bodies are without: none or [`COARSER`].
     coarse: i32,
     /// Iterations times shocks, by island.
     work: Vec<u32>,

@@ -144,6 +144,13 @@ impl Solver {
         })
     }
 
+    /// [`velocity_before`](Self::velocity_before), as coarse as the velocities of the shocks' bodies.
+    #[inline(always)]
+    fn coarse_velocity_before(&self, impacts: &Impacts, row: u32, substep: SubStep<'_>) -> [i64; 3] {
+        let velocity = self.velocity_before(row, substep);
+        if impacts.coarse == 0 { velocity } else { velocity.map(|part| shifted_word(part, impacts.coarse)) }
+    }
+
     /// The impact of a contact in a sub-step, if it has one.
     pub(super) fn look(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> Option<Shock> {
         let (_, group, lane) = self.lane_of(place);
@@ -237,9 +244,9 @@ impl Solver {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
             body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
-            _ => self.velocity_before(row, substep).map(|part| shifted_word(part, impacts.coarse)),
+            _ => self.coarse_velocity_before(impacts, row, substep),
         });
-        let velocities = Jacobian::of(group, lane).along(a, b, FINE - FRACTION - impacts.coarse);
+        let velocities = Jacobian::of(group, lane).velocities(a, b, impacts.coarse);
         if velocities[0].min(velocities[1]) >= -slowest {
             return false;
         }
@@ -321,10 +328,11 @@ impl Solver {
     /// The index of a body among those of the impacts, in the set of the shocks.
     fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
         let body = impacts.body(row);
-        let struck = &mut impacts.bodies[body as usize];
-        if !struck.is_in_set {
+        if !impacts.bodies[body as usize].is_in_set {
+            let start = self.coarse_velocity_before(impacts, row, substep);
+            let struck = &mut impacts.bodies[body as usize];
             (struck.is_in_set, struck.share) = (true, 0);
-            struck.start = self.velocity_before(row, substep).map(|part| shifted_word(part, impacts.coarse));
+            struck.start = start;
             (struck.velocity, struck.begun) = (struck.start, struck.start);
             impacts.set.push(body);
         }
@@ -336,7 +344,7 @@ impl Impacts {
     /// The velocities along the rows of a shock, with what the flight adds up to its moments and without that of its surfaces.
     pub(super) fn velocities(&self, shock: &Shock) -> [i64; 3] {
         let [a, b] = shock.bodies.map(|body| self.bodies[body as usize].velocity);
-        let [first, second, slip] = shock.jacobian.along(a, b, FINE - FRACTION - self.coarse);
+        let [first, second, slip] = shock.jacobian.velocities(a, b, self.coarse);
         [first + shock.gained[0], second + shock.gained[1], slip - shock.surface]
     }
 

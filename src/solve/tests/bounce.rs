@@ -110,7 +110,7 @@ fn light_bodies_under_stacks_that_land_gain_no_energy() {
     let mut random = Random::seeded(run_seed(4));
     for case in 0..600 {
         let count = 2 + case % 7;
-        let light = 2f64.powi(-(case % 12));
+        let light = 2f64.powi(-(case % 20));
         let masses: Vec<f64> = (0..count).map(|i| if i == 0 { light } else { 4f64.powf(unit(&mut random)) }).collect();
         let speed = 2.0 + 10.0 * unit(&mut random);
         let flights: Vec<_> = masses.iter().map(|&mass| falling(mass, -speed)).collect();
