@@ -1,8 +1,8 @@
 //! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
 
-use super::super::number::{shifted, shifted_word};
+use super::super::number::shifted;
 use super::super::{STILL, Solver};
-use super::jacobian::Jacobian;
+use super::jacobian::{Jacobian, coarsened};
 use super::shock::{Shock, wide};
 use super::{COARSER, FINE, FRACTION, Impacts, ONE, Strike, Struck, SubStep};
 use crate::kernel::simd::Lanes;
@@ -50,7 +50,7 @@ impl Work {
 /// Σ impulse · velocity over the rows, in units of the largest exponent and of coarse velocities, rounded up.
 #[inline(always)]
 fn work(impulses: [i64; 3], velocities: [i64; 3], down: i32, coarse: i32) -> i128 {
-    let velocities = if coarse == 0 { velocities } else { velocities.map(|part| shifted_word(part, coarse)) };
+    let velocities = coarsened(velocities, coarse);
     let product = |row: usize| i128::from(impulses[row]) * i128::from(velocities[row]);
     -(-(product(0) + product(1) + product(2)) >> down.clamp(0, 126))
 }
@@ -122,7 +122,7 @@ impl Solver {
             impacts.coarse = COARSER;
             for &body in &impacts.set {
                 let struck = &mut impacts.bodies[body as usize];
-                struck.start = struck.start.map(|part| shifted_word(part, COARSER));
+                struck.start = coarsened(struck.start, COARSER);
             }
             impacts.take_all_back();
             self.solve_set(impacts, substep);

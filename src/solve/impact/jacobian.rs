@@ -1,7 +1,7 @@
 //! The rows of a contact in words, as impacts see them: what velocities give along them, and what impulses along them give to the bodies.
 
 use super::super::contact::Group;
-use super::super::number::shifted;
+use super::super::number::{shifted, shifted_word};
 use super::{COARSER, FINE, FRACTION};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
@@ -57,7 +57,7 @@ impl Jacobian {
     /// [`along`](Self::along) of velocities in 2^(coarse − [`FINE`]), in 2^-[`FRACTION`].
     #[inline(always)]
     pub(super) fn velocities(&self, a: [i64; 3], b: [i64; 3], coarse: i32) -> [i64; 3] {
-        // Shifts by constants.
+        // By constants: shifts of words twice as long by a number cost several times as much.
         if coarse == 0 { self.along(a, b, FINE - FRACTION) } else { self.along(a, b, FINE - FRACTION - COARSER) }
     }
 
@@ -101,6 +101,12 @@ impl Jacobian {
         // Both ways, so that the points may come in either order.
         [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
     }
+}
+
+/// A velocity in units 2^coarse times as large, rounded oddly.
+#[inline(always)]
+pub(super) fn coarsened(velocity: [i64; 3], coarse: i32) -> [i64; 3] {
+    if coarse == 0 { velocity } else { velocity.map(|part| shifted_word(part, coarse)) }
 }
 
 /// The product of words.

@@ -2,9 +2,9 @@
 
 use super::super::contact::Group;
 use super::super::motion::Vector;
-use super::super::number::{shifted, shifted_word};
+use super::super::number::shifted;
 use super::super::{Place, STILL, Solver};
-use super::jacobian::{Elements, Jacobian};
+use super::jacobian::{Elements, Jacobian, coarsened};
 use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, SubStep, TOUCH};
 
 /// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
@@ -144,13 +144,6 @@ impl Solver {
         })
     }
 
-    /// [`velocity_before`](Self::velocity_before), as coarse as the velocities of the shocks' bodies.
-    #[inline(always)]
-    fn coarse_velocity_before(&self, impacts: &Impacts, row: u32, substep: SubStep<'_>) -> [i64; 3] {
-        let velocity = self.velocity_before(row, substep);
-        if impacts.coarse == 0 { velocity } else { velocity.map(|part| shifted_word(part, impacts.coarse)) }
-    }
-
     /// The impact of a contact in a sub-step, if it has one.
     pub(super) fn look(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> Option<Shock> {
         let (_, group, lane) = self.lane_of(place);
@@ -244,7 +237,7 @@ impl Solver {
         let (_, group, lane) = self.lane_of(place);
         let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
             body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
-            _ => self.coarse_velocity_before(impacts, row, substep),
+            _ => coarsened(self.velocity_before(row, substep), impacts.coarse),
         });
         let velocities = Jacobian::of(group, lane).velocities(a, b, impacts.coarse);
         if velocities[0].min(velocities[1]) >= -slowest {
@@ -329,7 +322,7 @@ impl Solver {
     fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
         let body = impacts.body(row);
         if !impacts.bodies[body as usize].is_in_set {
-            let start = self.coarse_velocity_before(impacts, row, substep);
+            let start = coarsened(self.velocity_before(row, substep), impacts.coarse);
             let struck = &mut impacts.bodies[body as usize];
             (struck.is_in_set, struck.share) = (true, 0);
             struck.start = start;

@@ -209,8 +209,8 @@ fn every_oracle_holds_of_scripts_and_has_something_to_judge() {
         // Their fields and kinematic bodies do work. `energy.rs` has worlds without.
         let is_on = oracle != Oracle::Energy && (oracle != Oracle::Threads || cfg!(feature = "parallel"));
         // Few can be undone: of a third, those with three of the integrators, until something damps. Of some seeds it is one.
-        let least = if oracle == Oracle::Reverse { 1 } else { RUNS.div_ceil(10) };
-        assert!(!is_on || held >= least, "{oracle} had something to judge in {held} runs");
+        let required_runs = if oracle == Oracle::Reverse { 1 } else { RUNS.div_ceil(10) };
+        assert!(!is_on || held >= required_runs, "{oracle} had something to judge in {held} runs");
     }
 }
 
