@@ -236,7 +236,7 @@ fn soak(mut more: impl FnMut(u64) -> bool) -> String {
     {
         assert!(count * 64 > ticks, "{what}: {count} in {ticks} ticks");
     }
-    assert!(fell_asleep.min(began) > &ticks && *touching > 40 * ticks, "{counts:?} in {ticks} ticks");
+    assert!(fell_asleep.min(began) > &ticks && *touching > 20 * ticks, "{counts:?} in {ticks} ticks");
     format!(
         "{ticks} ticks, {} bodies, {} fields, {counts:?}; at most {parts:?} bytes; hash {:016x}",
         world.bodies().count(),

@@ -58,6 +58,7 @@ impl Values<'_> {
                 damping_ratio: self.size(2, 5),
                 push_speed: self.size(-20, 20),
                 restitution_speed: self.size(-20, 20),
+                relax_passes: 1 + self.below(65) as u32,
                 substeps,
                 ..SolverOptions::default()
             },

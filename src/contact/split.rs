@@ -1,17 +1,24 @@
-//! Islands in which light bodies carry heavy ones: they are solved in finer sub-steps than the others.
+//! Islands that are solved otherwise than the rest: in finer sub-steps, and with more relax passes.
 //!
-//! A soft contact is a spring: under the impulse P of a sub-step h it gives way by P·K·h/(hω)², where K is the sum of both inverse masses
-//! and hω is the same for all contacts. A light body under a heavy one sinks in by that much: with 5 sub-steps of a step of 1/60 s four
-//! boxes collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an island
-//! takes [`FINE`] sub-steps.
+//! *Heavy loads.* A soft contact is a spring: under the impulse P of a sub-step h it gives way by P·K·h/(hω)², where K is the sum of both
+//! inverse masses and hω is the same for all contacts. A light body under a heavy one sinks in by that much: with 5 sub-steps of a step of
+//! 1/60 s four boxes collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an
+//! island takes [`FINE_SUBSTEPS`].
 //!
 //! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts, from the bodies that
 //! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
 //! out what makes the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever their island takes.
 //!
-//! A body that dominates others must not depend on them: the sub-steps of its island do not follow theirs. An island under such a body
-//! takes finer sub-steps if the body's island does. If only its own loads are heavy, it is solved after the body's island, and sees that
-//! body go along the flight that this has found.
+//! *Deep overlaps.* The solve pass gives bodies the velocity that pushes them out of each other, and the relax pass takes it back. It does
+//! so contact by contact: where one body wedges another out, at many times its own speed, a pass takes back a few hundredths, and the rest
+//! is energy from nothing. (A capsule that a ceiling pushes out by 15 cm squeezes a disc out below it, whose locks leave it one direction:
+//! 27 m/s, and 0.4 m/s with 65 passes.) So an island with an overlap of more than [`DEEP_OVERLAP`] takes [`RELAX_PASSES`], if it has up to
+//! [`FEW`] contacts: in piles overlaps are common, as loads and impacts make them, friction takes the energy away, and the passes would
+//! cost more than all else.
+//!
+//! A body that dominates others must not depend on them: how its island is solved does not follow from theirs. An island under such a body
+//! is solved as the body's island is, if that one is special. If only its own contacts are, it is solved after the body's island, and sees
+//! that body go along the flight that this has found.
 
 use alloc::vec::Vec;
 
@@ -23,7 +30,22 @@ use crate::slots::NONE;
 use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
 
 /// The sub-steps of islands under heavy loads: the most that a world may have.
-const FINE: u32 = 16;
+const FINE_SUBSTEPS: u32 = 16;
+
+/// The relax passes of a sub-step in islands with deep overlaps.
+const RELAX_PASSES: u32 = 65;
+
+/// An overlap of more than this is deep, ulps: 2^-8 m. Most loads press bodies into each other by less.
+const DEEP_OVERLAP: i64 = 1 << 24;
+
+/// The most contacts of an island that takes more relax passes.
+const FEW: u32 = 32;
+
+/// Ways in which an island is special, one bit each.
+const IS_HEAVY: usize = 1;
+const IS_DEEP: usize = 2;
+/// The number of sets of such bits. A superset is a larger number.
+const KINDS: usize = 4;
 
 /// A load is heavy if a body on top has more than this times the mass of the one that carries it.
 const HEAVY: i64 = 64;
@@ -32,6 +54,18 @@ const HEAVY: i64 = 64;
 fn is_heavy(load: Fx, mass: Fx) -> bool {
     // Masses are at most 2^56 ulps: a product is at most 2^62.
     load.to_bits() > mass.to_bits() * HEAVY
+}
+
+/// Returns true for a contact with a deep overlap.
+fn is_deep(contact: &Contact) -> bool {
+    contact.points[..contact.count].iter().any(|point| point.separation.to_bits() < -DEEP_OVERLAP)
+}
+
+/// The options for islands of a kind.
+fn options_of(kind: usize, options: &SolverOptions) -> SolverOptions {
+    let substeps = if kind & IS_HEAVY == 0 { options.substeps } else { FINE_SUBSTEPS };
+    let relax_passes = if kind & IS_DEEP == 0 { options.relax_passes } else { RELAX_PASSES };
+    SolverOptions { substeps, relax_passes, ..*options }
 }
 
 /// Contacts of whole islands, and their flights.
@@ -79,24 +113,25 @@ impl Part {
     }
 }
 
-/// The contacts of a step, split by the sub-steps that their islands take, and a solver for each part.
+/// The contacts of a step, split by the kinds of their islands, and a solver for each part.
 #[derive(Debug, Default)]
 pub(crate) struct Solvers<C> {
     graph: Graph,
     /// The largest mass on top of each body, kg.
     loads: Vec<Fx>,
     /// By island.
-    is_heavy: Vec<bool>,
-    /// True if the last step had two parts.
+    kinds: Vec<usize>,
+    contact_counts: Vec<u32>,
+    /// True if an island of the last step was special.
     is_split: bool,
-    parts: [Part; 2],
-    solvers: [C; 2],
+    /// By kind.
+    parts: [Part; KINDS],
+    solvers: [C; KINDS],
     corrections: Vec<Correction>,
 }
 
 impl<C: ContactSolver> Solvers<C> {
-    /// Solves contacts, those of islands under heavy loads in finer sub-steps than the options say: writes impulses to the contacts.
-    /// Returns the corrections of all flights.
+    /// Solves contacts, those of special islands as these need it: writes impulses to the contacts. Returns the corrections of all flights.
     pub(super) fn solve(
         &mut self,
         time_step: TimeStep,
@@ -104,29 +139,32 @@ impl<C: ContactSolver> Solvers<C> {
         flights: &[Flight],
         contacts: &mut [Contact],
     ) -> &[Correction] {
-        let substeps = options.substeps;
-        self.is_split = substeps < FINE && self.find(flights, contacts);
+        self.is_split = self.find_special(options, flights, contacts);
         if !self.is_split {
             self.solvers[0].solve(time_step, options, flights, contacts, &mut self.corrections);
             return &self.corrections;
         }
         self.corrections.clear();
         self.corrections.resize(flights.len(), Correction::default());
-        for (index, part_substeps) in [substeps, FINE].into_iter().enumerate() {
-            self.take(index, time_step, flights, contacts);
-            let (part, to, from) = (&mut self.parts[index], u64::from(part_substeps), u64::from(substeps));
-            for contact in &mut part.contacts {
-                contact.impulses = contact.impulses.rescaled(from, to);
+        for kind in 0..KINDS {
+            self.take(kind, time_step, flights, contacts);
+            let part = &mut self.parts[kind];
+            if part.contacts.is_empty() {
+                continue;
             }
-            let options = SolverOptions { substeps: part_substeps, ..*options };
-            let solver = &mut self.solvers[index];
-            solver.solve(time_step, &options, &part.flights, &mut part.contacts, &mut part.corrections);
-            // Fixed bodies, which may be in both parts, have none.
+            let part_options = options_of(kind, options);
+            let [part_substeps, substeps] = [part_options.substeps, options.substeps].map(u64::from);
+            for contact in &mut part.contacts {
+                contact.impulses = contact.impulses.rescaled(substeps, part_substeps);
+            }
+            let solver = &mut self.solvers[kind];
+            solver.solve(time_step, &part_options, &part.flights, &mut part.contacts, &mut part.corrections);
+            // Fixed bodies, which may be in several parts, have none.
             for (&number, correction) in part.flight_numbers.iter().zip(&part.corrections) {
                 self.corrections[number as usize] = *correction;
             }
             for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
-                contacts[number as usize].impulses = contact.impulses.rescaled(to, from);
+                contacts[number as usize].impulses = contact.impulses.rescaled(part_substeps, substeps);
             }
         }
         &self.corrections
@@ -134,7 +172,7 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        (0..self.part_count()).flat_map(move |part| {
+        self.solved_parts().flat_map(move |part| {
             let totals = self.solvers[part].totals();
             totals.map(move |(contact, sums, exponent)| (self.number(part, contact), sums, exponent))
         })
@@ -142,16 +180,17 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// The impacts in the step of these contacts, which are those that were solved.
     pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
-        (0..self.part_count()).flat_map(move |part| {
+        self.solved_parts().flat_map(move |part| {
             let contacts = if self.is_split { &self.parts[part].contacts } else { contacts };
             let impacts = self.solvers[part].impacts(contacts);
             impacts.map(move |impact| ContactImpact { contact: self.number(part, impact.contact), ..impact })
         })
     }
 
-    /// The number of parts of the last step.
-    fn part_count(&self) -> usize {
-        if self.is_split { 2 } else { 1 }
+    /// The parts with contacts of the last step.
+    fn solved_parts(&self) -> impl Iterator<Item = usize> + '_ {
+        let is_solved = |part: &usize| if self.is_split { !self.parts[*part].contacts.is_empty() } else { *part == 0 };
+        (0..KINDS).filter(is_solved)
     }
 
     /// The number among all of a contact of a part.
@@ -159,34 +198,56 @@ impl<C: ContactSolver> Solvers<C> {
         if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
     }
 
-    /// Finds the islands under heavy loads. Returns true if there is one.
-    fn find(&mut self, flights: &[Flight], contacts: &[Contact]) -> bool {
-        may_be_heavy(flights, contacts) && {
-            self.find_heavy(flights, contacts);
-            self.follow_leaders(flights);
-            self.is_heavy.contains(&true)
+    /// Finds the kinds of the islands. Returns true if one is special.
+    fn find_special(&mut self, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) -> bool {
+        let may_be_heavy = options.substeps < FINE_SUBSTEPS && may_be_heavy(flights, contacts);
+        let any_deep = contacts.iter().any(is_deep);
+        if !may_be_heavy && !any_deep {
+            return false;
+        }
+        let links = contacts.iter().map(|contact| contact.bodies);
+        // Islands that no fixed body holds carry nothing: they get no levels.
+        self.graph.build(|body| flights[body as usize].is_fixed(), flights.len(), links, |_, _| {});
+        self.kinds.clear();
+        self.kinds.resize(self.graph.islands(), 0);
+        if may_be_heavy {
+            self.find_heavy(flights);
+        }
+        if any_deep {
+            self.find_deep(contacts);
+        }
+        self.follow_leaders(flights);
+        self.kinds.iter().any(|&kind| kind != 0)
+    }
+
+    fn find_deep(&mut self, contacts: &[Contact]) {
+        let Self { graph, kinds, contact_counts, .. } = self;
+        contact_counts.clear();
+        contact_counts.resize(graph.islands(), 0);
+        for contact in contacts {
+            if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+                contact_counts[island as usize] += 1;
+                kinds[island as usize] |= if is_deep(contact) { IS_DEEP } else { 0 };
+            }
+        }
+        for (kind, &count) in kinds.iter_mut().zip(&*contact_counts) {
+            *kind &= if count > FEW { !IS_DEEP } else { *kind };
         }
     }
 
-    fn find_heavy(&mut self, flights: &[Flight], contacts: &[Contact]) {
-        let Self { graph, loads, is_heavy: heavy, .. } = self;
-        let (links, is_fixed) =
-            (contacts.iter().map(|contact| contact.bodies), |body: u32| flights[body as usize].is_fixed());
-        // Islands that no fixed body holds carry nothing: they get no levels.
-        graph.build(is_fixed, flights.len(), links, |_, _| {});
+    fn find_heavy(&mut self, flights: &[Flight]) {
+        let Self { graph, loads, kinds, .. } = self;
         graph.largest_above(|body| flights[body as usize].mass, loads);
-        heavy.clear();
-        heavy.resize(graph.islands(), false);
         for ((body, flight), &load) in (0..).zip(flights).zip(&*loads) {
             if let Some(island) = graph.island_of(body).filter(|_| is_heavy(load, flight.mass)) {
-                heavy[island as usize] = true;
+                kinds[island as usize] |= IS_HEAVY;
             }
         }
     }
 
-    /// Gives islands below bodies that dominate them fine sub-steps where these have them.
+    /// Gives islands below bodies that dominate them what the islands of these have.
     fn follow_leaders(&mut self, flights: &[Flight]) {
-        let Self { graph, is_heavy, .. } = self;
+        let Self { graph, kinds, .. } = self;
         let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader?)));
         let below = |follower| graph.touched_by(follower).filter_map(|body| graph.island_of(body));
         // Leaders may be below others in turn: at most one round for each number of dominance.
@@ -194,30 +255,29 @@ impl<C: ContactSolver> Solvers<C> {
         while has_changed {
             has_changed = false;
             for (follower, leader) in followers() {
-                if !graph.island_of(leader).is_some_and(|island| is_heavy[island as usize]) {
-                    continue;
-                }
+                let Some(kind) = graph.island_of(leader).map(|island| kinds[island as usize]) else { continue };
                 for island in below(follower) {
-                    has_changed |= !is_heavy[island as usize];
-                    is_heavy[island as usize] = true;
+                    let below = &mut kinds[island as usize];
+                    has_changed |= *below | kind != *below;
+                    *below |= kind;
                 }
             }
         }
     }
 
-    /// Copies the contacts of a part, and the flights that they join, with the corrections of the part before.
-    fn take(&mut self, index: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
-        let Self { graph, is_heavy, parts, corrections, .. } = self;
-        let part = &mut parts[index];
+    /// Copies the contacts of the islands of a kind, and the flights that they join, with the corrections of the parts before.
+    fn take(&mut self, kind: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
+        let Self { graph, kinds, parts, corrections, .. } = self;
+        let part = &mut parts[kind];
         part.take(flights, contacts, |contact| {
             let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
-            island.is_some_and(|island| is_heavy[island as usize]) == (index == 1)
+            island.map_or(0, |island| kinds[island as usize]) == kind
         });
         for at in 0..part.flights.len() {
             let Some(leader) = part.flights[at].leader else { continue };
             let place = part.flight(leader);
             if place.is_none() {
-                // The leader was in the part before, or has no contacts at all.
+                // The leader was in a part before, or has no contacts at all.
                 correct(&mut part.flights[at], &corrections[leader as usize], time_step);
             }
             part.flights[at].leader = place;

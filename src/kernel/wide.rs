@@ -97,6 +97,7 @@ pub(crate) const fn mul_shift_64(a: i128, b: u64, shift: i32) -> Option<i128> {
 }
 
 /// (high·2^128 + low) / 2^shift to nearest, ties to even, with the sign of `sign`; `None` if it leaves i128.
+#[inline(always)]
 const fn shifted(sign: i128, high: u128, low: u128, shift: i32) -> Option<i128> {
     let rounded = if 0 < shift && shift < 128 {
         // Nearly every product comes this way: it is worth its own few shifts.

@@ -24,7 +24,10 @@ fn factor(value: i64, bits: i32) -> i32 {
     clamped_word(shifted_word(value, bits), most)
 }
 
-/// Element 12 over a diagonal one in 2^-28, within ±4.
+/// The largest ratio of element 12 to a diagonal one.
+const RATIO: i64 = 4;
+
+/// Element 12 over a diagonal one in 2^-28, within ±[`RATIO`].
 pub(super) fn ratio(k12: i64, diagonal: i64) -> i32 {
     let bits = (bits_in(diagonal) - 31).max(0);
     let (k12, diagonal) = (k12 >> bits, diagonal >> bits);
@@ -32,7 +35,7 @@ pub(super) fn ratio(k12: i64, diagonal: i64) -> i32 {
         return 0;
     }
     // The diagonal is below 2^31, the numerator below 2^33: their quotient in 2^-28 is below 2^30. It is rounded towards zero.
-    let quotient = ((k12.abs().min(4 * diagonal) << 28) as u64 / diagonal as u64) as i32;
+    let quotient = ((k12.abs().min(RATIO * diagonal) << 28) as u64 / diagonal as u64) as i32;
     if k12 < 0 { -quotient } else { quotient }
 }
 
@@ -121,6 +124,9 @@ impl Matrices {
     ///
     /// Both rows of a body that can only turn, or only move, are multiples of each other, and all that rounding, by one in each element, leaves of the
     /// determinant is noise. They are solved one by one, each as that of half of the body.
+    ///
+    /// A row may move the other one by many times as much as itself: that of a point without a lever on a body that locks let move but little along
+    /// the normal. Its element is raised so that it is by [`RATIO`] times: beside an open point, a row is solved alone by that ratio.
     #[inline(always)]
     fn stiffen(&mut self, batch: &mut Batch) {
         for lane in 0..GROUP {
@@ -128,7 +134,9 @@ impl Matrices {
             let product = i128::from(k11) * i128::from(k22);
             let determinant = product - i128::from(k12) * i128::from(k12);
             let more = if determinant < product >> 6 { batch.two[lane] } else { 0 };
-            (self.first[0][lane], self.second[0][lane]) = (k11 + ((k11 >> 13) & more), k22 + ((k22 >> 13) & more));
+            let least = ((k12.abs() & batch.two[lane]) + RATIO - 1) / RATIO;
+            self.first[0][lane] = (k11 + ((k11 >> 13) & more)).max(least);
+            self.second[0][lane] = (k22 + ((k22 >> 13) & more)).max(least);
             if batch.two[lane] != 0 && determinant <= 4 * (i128::from(k11) + i128::from(k22)) {
                 (self.first[0][lane], self.second[0][lane]) = (2 * k11, 2 * k22);
                 batch.split[1][lane] = 0;

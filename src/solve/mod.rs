@@ -89,6 +89,8 @@ pub struct SolverOptions {
     pub push_speed: Fx,
     /// Bodies bounce where they meet faster than this, m/s.
     pub restitution_speed: Fx,
+    /// Relax passes of a sub-step, 1 to 65.
+    pub relax_passes: u32,
 }
 
 impl Default for SolverOptions {
@@ -101,6 +103,7 @@ impl Default for SolverOptions {
             joint_damping_ratio: fx!(2),
             push_speed: fx!(3),
             restitution_speed: fx!(1),
+            relax_passes: 1,
         }
     }
 }
@@ -416,7 +419,7 @@ impl Solver {
     /// Runs all sub-steps. Returns the number of values that were cut off.
     pub fn run_passes(&mut self, time_step: TimeStep, options: &SolverOptions, contacts: &[Contact]) -> u64 {
         let clock = Clock::new(time_step, options.substeps);
-        simd::run(SubSteps { solver: self, clock: &clock, contacts })
+        simd::run(SubSteps { solver: self, clock: &clock, relax_passes: options.relax_passes, contacts })
     }
 
     /// A pass over the contacts of all phases.
@@ -437,6 +440,7 @@ impl Solver {
 struct SubSteps<'a> {
     solver: &'a mut Solver,
     clock: &'a Clock,
+    relax_passes: u32,
     contacts: &'a [Contact],
 }
 
@@ -445,7 +449,7 @@ impl Job for SubSteps<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> u64 {
-        let Self { solver, clock, contacts } = self;
+        let Self { solver, clock, relax_passes, contacts } = self;
         let (n, mut cut) = (clock.substeps, 0);
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
@@ -462,6 +466,9 @@ impl Job for SubSteps<'_> {
             cut += solver.joints.relax(&mut solver.rows, lanes);
             follow(&solver.followers, &mut solver.rows);
             cut += solver.pass(Pass::Relax, lanes);
+            for _ in 1..relax_passes {
+                cut += solver.pass(Pass::RelaxAgain, lanes);
+            }
         }
         cut
     }

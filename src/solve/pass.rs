@@ -19,7 +19,7 @@
 //! - *Slip*: velocities below 2^59.3 and two products with the coupling below 2^58 each: below 2^60.2 before the rounding; less the
 //!   velocity of the surface (2^27) below 2^30.4. Times the inverse below 2^31: below 2^61.4.
 //! - *Impulses*: at most 2^44 ([`IMPULSE`](super::contact::IMPULSE)) at the start and below 2^45 in a step: the change of one in
-//!   a pass is within ±2^30, and larger ones are cut off and counted.
+//!   a pass is within ±2^30, larger ones are cut off and counted, and a step has at most 16·(1 + 65) passes.
 //! - *Gains*: in 2^-30, a factor is at most 2^28 over the share of the body. With changes of both normal impulses and of friction
 //!   a contact gives below 2^59.6 over the share, so that all contacts of a phase together give below 2^59.6. Gains with a
 //!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share. The rest that a body carries, at
@@ -40,6 +40,9 @@ pub(super) enum Pass {
     Solve,
     /// Rigid contacts and friction; overlaps stay as they are.
     Relax,
+    /// Rigid contacts once more, and friction that does not grow: where it pulls a contact tighter than the normal impulse can part it, as
+    /// that of a body with locks may, both would grow with each pass.
+    RelaxAgain,
     /// The impulses of the step before.
     WarmStart,
 }
@@ -47,6 +50,7 @@ pub(super) enum Pass {
 /// The aims of [`normal`], as constants for the compiler.
 const SOLVE: u8 = 0;
 const RELAX: u8 = 1;
+const RELAX_AGAIN: u8 = 2;
 
 /// One pass over the groups of a phase. The result is the number of impulses that were cut off.
 pub(super) struct PassOver<'a> {
@@ -68,6 +72,7 @@ impl Job for PassOver<'_> {
                 match self.pass {
                     Pass::Solve => cut += normal::<L, SOLVE>(lanes, group, self.rows, at),
                     Pass::Relax => cut += normal::<L, RELAX>(lanes, group, self.rows, at),
+                    Pass::RelaxAgain => cut += normal::<L, RELAX_AGAIN>(lanes, group, self.rows, at),
                     Pass::WarmStart => warm_start(lanes, group, self.rows, at),
                 }
             }
@@ -282,11 +287,11 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let paw = dot(lanes, (ga1, ga2), (d1, d2));
     let pbw = dot(lanes, (gb1, gb2), (d1, d2));
     let mut gains = [[pax, pay, paw], [pbx, pby, pbw]];
-    if AIM == RELAX {
+    if AIM != SOLVE {
         let slip = lanes.sub(lanes.times(n.1, v.0), lanes.times(n.0, v.1));
-        cut += friction(lanes, group, at, (slip, turning), lanes.add(n1, n2), (d1, d2), &mut gains);
-        add_up(lanes, group, at, 0, l1, n1);
-        add_up(lanes, group, at, 1, l2, n2);
+        cut += friction::<L, AIM>(lanes, group, at, (slip, turning), lanes.add(n1, n2), (d1, d2), &mut gains);
+        add_up::<L, AIM>(lanes, group, at, 0, l1, n1);
+        add_up::<L, AIM>(lanes, group, at, 1, l2, n2);
     }
     let [[pax, pay, paw], [pbx, pby, pbw]] = gains;
     let [paw, pbw] = turns(lanes, group, at, [paw, pbw]);
@@ -299,7 +304,7 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
 /// the tangent (ny, −nx) without that of turning, `pressing` the sum of the normal impulses and `changes` their changes in this pass.
 /// Returns the number of impulses that were cut off.
 #[inline(always)]
-fn friction<L: Lanes>(
+fn friction<L: Lanes, const AIM: u8>(
     lanes: L,
     group: &mut Group,
     at: usize,
@@ -316,6 +321,9 @@ fn friction<L: Lanes>(
     let before = lanes.wide(&group.impulses[2], at);
     let wanted = lanes.sub(before, lanes.rounded_oddly::<27>(lanes.times(m, slip)));
     let mut after = lanes.clamped(wanted, lanes.share(mu, pressing));
+    if AIM == RELAX_AGAIN {
+        after = lanes.clamped(after, size(lanes, before));
+    }
     let (mut change, mut cut) = (lanes.sub(after, before), 0);
     if lanes.is_beyond(change) {
         let mut words = [0; GROUP];
@@ -325,7 +333,7 @@ fn friction<L: Lanes>(
         change = lanes.sub(after, before);
     }
     lanes.store(&mut group.impulses[2], at, after);
-    add_up(lanes, group, at, 2, before, after);
+    add_up::<L, AIM>(lanes, group, at, 2, before, after);
     let change = lanes.low(change);
     let (gat, gbt) = lanes.pair(&group.angular[2], at);
     for (gains, (factors, turn)) in gains.iter_mut().zip([(&group.linear_a[1], gat), (&group.linear_b[1], gbt)]) {
@@ -336,13 +344,23 @@ fn friction<L: Lanes>(
     cut
 }
 
-/// Adds an impulse of a sub-step to the sums: at the end of the solve pass and at the end of the relax pass.
+/// |a|.
 #[inline(always)]
-fn add_up<L: Lanes>(lanes: L, group: &mut Group, at: usize, k: usize, solved: L::Wide, relaxed: L::Wide) {
-    let (applied, weighted) = (lanes.wide(&group.applied[k], at), lanes.wide(&group.weighted[k], at));
-    // Bodies moved at the impulses of the sub-steps before, and at those of this one's solve pass.
-    lanes.store(&mut group.weighted[k], at, lanes.add(weighted, lanes.add(applied, solved)));
-    lanes.store(&mut group.applied[k], at, lanes.add(applied, relaxed));
+fn size<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
+    lanes.add(lanes.positive(a), lanes.positive(lanes.sub(lanes.sub(a, a), a)))
+}
+
+/// Adds an impulse of a sub-step to the sums: as the solve pass left it, with which the bodies moved, and as the relax passes leave it.
+#[inline(always)]
+fn add_up<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, at: usize, k: usize, before: L::Wide, after: L::Wide) {
+    let applied = lanes.wide(&group.applied[k], at);
+    if AIM == RELAX_AGAIN {
+        lanes.store(&mut group.applied[k], at, lanes.add(applied, lanes.sub(after, before)));
+        return;
+    }
+    let weighted = lanes.wide(&group.weighted[k], at);
+    lanes.store(&mut group.weighted[k], at, lanes.add(weighted, lanes.add(applied, before)));
+    lanes.store(&mut group.applied[k], at, lanes.add(applied, after));
 }
 
 /// Applies the impulses of the step before.

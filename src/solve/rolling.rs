@@ -82,12 +82,15 @@ impl Roll {
     }
 
     /// The impulse after a relax pass, and whether its change was cut off.
-    fn solved(&self, groups: &[Group], rows: &Rows) -> (i64, bool) {
+    fn solved(&self, groups: &[Group], rows: &Rows, pass: Pass) -> (i64, bool) {
+        let mut limit = i128::from(self.limit(groups));
+        if pass == Pass::RelaxAgain {
+            limit = limit.min(i128::from(self.impulse).abs());
+        }
         let turning = self.rows.map(|row| i128::from(rows.velocity(row)[2]));
         let velocity = i128::from(self.arms[1]) * turning[1] - i128::from(self.arms[0]) * turning[0];
         let (reciprocal, shift) = self.inverse;
         let change = shifted(velocity * i128::from(reciprocal), shift);
-        let limit = i128::from(self.limit(groups));
         let wanted = (i128::from(self.impulse) - change).clamp(-limit, limit) as i64 - self.impulse;
         let change = wanted.clamp(-CHANGE, CHANGE);
         (self.impulse + change, change != wanted)
@@ -129,9 +132,12 @@ impl Rolls {
                 roll.push(rows, roll.impulse);
                 continue;
             }
-            let ((after, is_cut), before) = (roll.solved(groups, rows), roll.impulse);
-            roll.weighted += roll.applied + before;
-            roll.applied += after;
+            let ((after, is_cut), before) = (roll.solved(groups, rows, pass), roll.impulse);
+            if pass == Pass::Relax {
+                roll.weighted += roll.applied + before;
+                roll.applied += before;
+            }
+            roll.applied += after - before;
             roll.impulse = after;
             cut += u64::from(is_cut);
             roll.push(rows, after - before);

@@ -13,7 +13,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::sleep::rests;
+use super::sleep::{has_stayed, is_slow};
 use super::{Constants, Found, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
@@ -416,7 +416,6 @@ impl<S: Scalar> Step<'_, S> {
 
     /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
     fn correct(&mut self, own: &Workspace<S>, constants: &Constants<'_, S>) {
-        let colliders = self.contacts.colliders;
         let from_fixed = <S::Accumulator as Accumulator<S>>::from_fixed;
         for (start, by) in own.starts.iter().zip(&own.corrections) {
             if !by.is_pushed {
@@ -438,18 +437,26 @@ impl<S: Scalar> Step<'_, S> {
             if leaves_range(bodies, i, &mut self.workspace.found) {
                 start.restore(bodies);
             } else if bodies.info(i).kind == BodyKind::Dynamic {
-                // Impulses change it in each step: it counts as at rest while it is slow and nothing else is applied to it.
-                let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
-                let rests = constants.sleep_after.is_some()
-                    && is_left_alone
-                    && rests(bodies, colliders, (constants.sleep_speed, constants.plan.rate), start);
-                let ticks_at_rest = &mut bodies.columns.motion.ticks_at_rest[i];
-                *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
-                if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {
-                    self.workspace.found.candidates.push(i);
-                }
+                let is_slow = is_slow(self.bodies, self.contacts.colliders, constants.sleep_speed, i);
+                self.count_rest(start, is_slow, constants);
             }
             self.note_pushed(i);
+        }
+    }
+
+    /// Counts a step of a body that contacts moved or stopped: it is at rest while it is slow and stays where it is, and nothing else is
+    /// applied to it.
+    fn count_rest(&mut self, start: &Start<S>, is_slow: bool, constants: &Constants<'_, S>) {
+        let (i, speed) = (start.dense, constants.sleep_speed);
+        let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
+        let rests = constants.sleep_after.is_some()
+            && is_slow
+            && is_left_alone
+            && has_stayed(self.bodies, self.contacts.colliders, speed, constants.plan.rate, start);
+        let ticks_at_rest = &mut self.bodies.columns.motion.ticks_at_rest[i];
+        *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
+        if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {
+            self.workspace.found.candidates.push(i);
         }
     }
 

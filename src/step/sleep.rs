@@ -76,24 +76,21 @@ pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>,
     is_within(velocity(bodies, i), radius(bodies, colliders, i), speed)
 }
 
-/// Returns true if no point of a body's colliders is faster than this, nor was on the way from the start of the step, at this number of
-/// steps a second: a body that is pushed out of another one moves without a velocity.
-pub(super) fn rests<S: Scalar>(
+/// Returns true if no point of a body's colliders was faster than this on its way from the start of the step, at this number of steps
+/// a second: a body that is pushed out of another one moves without a velocity.
+pub(super) fn has_stayed<S: Scalar>(
     bodies: &Bodies<S>,
     colliders: &ColliderSet<S>,
-    (speed, rate): (S, S::Factor),
+    speed: S,
+    rate: S::Factor,
     start: &Start<S>,
 ) -> bool {
     let (motion, i) = (&bodies.columns.motion, start.dense);
-    let radius = radius(bodies, colliders, i);
-    if !is_within(velocity(bodies, i), radius, speed) {
-        return false;
-    }
     let (from, to) = (start.position, motion.position.get(i));
     let way = [(from.x, to.x), (from.y, to.y)].map(|(from, to)| to.plus(from.negated()).scaled(rate));
     let turned = start.angle.way_to(motion.angle[i]).times(rate).and_then(S::Wide::to_scalar);
     let ([Some(x), Some(y)], Some(turned)) = (way, turned) else { return false };
-    is_within([x.value(), y.value(), turned], radius, speed)
+    is_within([x.value(), y.value(), turned], radius(bodies, colliders, i), speed)
 }
 
 /// The velocity of a body along x and y and around its centre of mass.

@@ -4,8 +4,8 @@ use umbra_physics::{BodyDef, BodyId, ColliderDef, Event, Fx, Random, Shape, Vec2
 
 use crate::flights::{length, random_angle};
 use crate::scenes::{
-    allowance, between, build, conclude, conclude_but, disc, dynamic, energy, falling, fixed, float, floating, floor,
-    kinematic, motion, number, of_any_size, point, position, random, rectangle, room, seeds, velocity,
+    allowance, between, build, conclude, disc, dynamic, energy, falling, fixed, float, floating, floor, kinematic,
+    motion, number, of_any_size, point, position, random, rectangle, room, seeds, velocity,
 };
 
 /// Looks for bodies that stand still to the bit while they have a speed, and for energy from nothing.
@@ -105,7 +105,7 @@ fn a_rod_that_falls_on_a_disc_moves_on() {
 #[test]
 fn random_rods_that_fall_on_bodies_move_on() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(200) {
+    for seed in seeds(200).chain([273, 643, 854, 1048]) {
         let random = &mut random("rods", seed);
         let support = [
             fixed(disc(fx!(0.5)), vec2(0, 0)),
@@ -281,7 +281,7 @@ fn a_kinematic_wall_does_not_pass_a_row_of_bullets() {
 #[test]
 fn a_kinematic_wall_does_not_pass_a_cloud_of_bodies() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(300) {
+    for seed in seeds(300).chain([365, 387, 535, 809, 824, 1048]) {
         let random = &mut random("cloud", seed);
         let speed = of_any_size(random, 10.0, 300.0);
         let count = random.integer(2..=10) as i32;
@@ -315,8 +315,7 @@ fn a_kinematic_wall_does_not_pass_a_cloud_of_bodies() {
             }
         }
     }
-    // Two bodies that the wall pushes stop each other in all rounds, and the wall goes on.
-    conclude_but(&[232], tried, &failures);
+    conclude(tried, &failures);
 }
 
 /// The number of entries into sensors and of exits from them.

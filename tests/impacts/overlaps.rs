@@ -1,6 +1,6 @@
 //! Pushing out of an overlap is no impact: it has no restitution, and bodies get no more than the push-out's speed.
 
-use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Locks, Part, Shape, TimeStep, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Locks, Mass, Part, Shape, TimeStep, World, WorldDef, fx, vec2};
 
 use crate::flights::{length, random_angle, random_shape};
 use crate::scenes::{
@@ -165,11 +165,37 @@ fn a_disc_between_surfaces_at_a_small_angle_is_pushed_out_at_the_push_speed() {
     conclude(tried, &failures);
 }
 
+/// A disc on the floor, under a larger one that a ceiling overlaps.
+#[test]
+fn a_disc_that_another_one_wedges_out_leaves_about_as_fast_as_it_is_pushed() {
+    for across in [0.05f64, 0.1, 0.2, 0.3, 0.5] {
+        for depth in [0.02, 0.05, 0.1] {
+            for friction in [fx!(0), fx!(0.6)] {
+                for ratio in [fx!(0.25), fx!(1), fx!(4)] {
+                    let up = 0.5 + (1.5 * 1.5 - across * across).sqrt();
+                    let ceiling = fixed(rectangle(fx!(20), fx!(2)), point(0.0, up + 2.0 - depth));
+                    let small = dynamic(disc(fx!(0.5)), point(across, 0.5));
+                    let large = dynamic(disc(fx!(1)), point(0.0, up));
+                    let [small, large] = [(small, fx!(1)), (large, ratio)]
+                        .map(|(body, mass)| BodyDef { mass: Mass::Kilograms(mass), ..body });
+                    let bodies = [floor(), ceiling, small, large].map(|body| of_material(body, friction, fx!(0)));
+                    let (mut world, ids) = build(floating(), bodies);
+                    let [most, _] = fastest(&mut world, ids[2], 0.0, 90);
+                    assert!(most > 0.0, "nothing pushed");
+                    let limit = 4.0 / 3.0 * PUSH_SPEED;
+                    assert!(most < limit, "{across} m, {depth} m, μ {friction}, masses 1:{ratio}: {most} m/s");
+                }
+            }
+        }
+    }
+}
+
 /// Random bodies, some with locks, put into each other at rest: nobody is thrown out faster than pushing allows.
 #[test]
 fn random_bodies_at_rest_in_each_other_are_pushed_apart_gently() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(400) {
+    // Beyond the first 400 are contacts of which one point has hardly a lever, and friction that pulls tighter than its contact can part.
+    for seed in seeds(400).chain([2143, 2384, 3525, 5328]) {
         let random = &mut random("overlaps", seed);
         let restitution = [0.0, 0.5, 1.0][random.below(3) as usize];
         let count = random.integer(2..=4);
@@ -207,8 +233,8 @@ fn random_bodies_at_rest_in_each_other_are_pushed_apart_gently() {
             failures.push(format!("seed {seed}: {most:.2} m/s, {count} bodies, e {restitution}"));
         }
     }
-    // Bodies with locks that several others wedge: up to 22 m/s.
-    conclude_but(&[244, 280, 289, 363], tried, &failures);
+    // A small wheel on a pin, between a segment and a body that slides on a rail: up to 60 m/s.
+    conclude_but(&[1312], tried, &failures);
 }
 
 /// What pushes a body out leaves no speed when it is out.

@@ -178,7 +178,7 @@ fn a_large_pile_of_random_polygons_falls_asleep() {
 }
 
 #[test]
-#[ignore = "twenty piles of 500 bodies, of which two stay awake"]
+#[ignore = "twenty piles of 500 bodies"]
 fn large_piles_of_random_polygons_fall_asleep() {
     piles_fall_asleep(20, 500, BOX2D * 3 / 2, BOX2D * 3);
 }

@@ -15,6 +15,8 @@ const LIFT: i128 = 200;
 /// The bound allows each body half its mass times (2^-18 m/s)², some units in which the solver has velocities, squared: shifted right by so
 /// many bits, a mass in 2^-32 kg is that in 2^-64 J.
 const ROUNDING: u32 = 5;
+/// The bound allows each body half its mass times `push_speed` divided by this, squared: a body that others wedge out keeps some of that speed.
+const WEDGED: i64 = 64;
 /// Contacts are soft over a sub-step. In longer steps than one of this many a second bodies that fall into them come out higher.
 const RATE: u32 = 30;
 
@@ -79,14 +81,16 @@ fn bound(world: &World) -> Result<FxWide, &'static str> {
     let kinetic = world.kinetic_energy().map_err(|_| TOO_LARGE)?.to_bits();
     let potential = world.potential_energy().map_err(|_| TOO_LARGE)?.to_bits();
     let gravity = i128::from(length(world.def().gravity));
-    let (mut weight, mut rounding) = (0i128, 0i128);
+    // Speeds are below 2^47 units of 2^-32 m/s, their squares of 2^-64 below 2^82.
+    let kept = i128::from(world.def().contacts.push_speed.to_bits() / WEDGED).pow(2) >> 32;
+    let (mut weight, mut others) = (0i128, 0i128);
     for body in world.bodies().filter(|body| body.activity().takes_part()) {
         let mass = i128::from(body.mass().unwrap_or(Fx::ZERO).to_bits());
         let acceleration = (gravity * i128::from(body.gravity_scale().to_bits().abs())) >> 32;
         weight = weight.checked_add(mass * acceleration).ok_or(TOO_LARGE)?;
-        rounding += mass >> ROUNDING;
+        others += (mass >> ROUNDING) + ((mass * kept) >> 33);
     }
-    let allowed = kinetic / SHARE + (potential / SHARE).abs() + weight / LIFT + rounding;
+    let allowed = kinetic / SHARE + (potential / SHARE).abs() + weight / LIFT + others;
     let most = kinetic.checked_add(potential).and_then(|energy| energy.checked_add(allowed));
     most.map(FxWide::from_bits).ok_or(TOO_LARGE)
 }

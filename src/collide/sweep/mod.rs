@@ -161,13 +161,16 @@ impl Sweep<'_> {
         if before < -i128::from(depths.touch) || self.is_behind(moment) {
             return None;
         }
-        // Outlines that overlap already may do so as deep as a tick may end, or else hardly deeper than now.
+        // Outlines that overlap already may do so as deep as a tick may end, or else somewhat deeper than now.
         let depth = if depths.small == 0 {
             -((before >> 1).min(i128::from(LEFT)) as i64)
         } else if before < -i128::from(depths.small >> 1) {
-            // Thin ones would creep through in some ticks.
-            let more = if depths.deep > depths.small { depths.small >> 2 } else { 2 * ROUNDING };
-            depths.deep.max(more - before as i64)
+            // Thin ones would creep through in some ticks: they get a part of what is left, and so never deeper than a touch. A line that
+            // is as deep in a segment of a chain is almost behind it.
+            let are_lines = self.forms.iter().all(|form| form.width == 0);
+            let limit = if are_lines { depths.deep } else { depths.touch };
+            let more = if depths.deep > depths.small { depths.small >> 2 } else { (limit + before as i64) >> 4 };
+            depths.deep.max(more.max(2 * ROUNDING) - before as i64)
         } else {
             depths.small
         };

@@ -202,6 +202,11 @@ impl Path {
         }
     }
 
+    /// Returns true if the body stands still from a moment on.
+    pub(crate) fn stands_from(&self, at: u64) -> bool {
+        self.last().from <= at && !self.last().moves()
+    }
+
     pub(crate) fn differs(&self, other: &Self) -> bool {
         self.legs() != other.legs()
     }

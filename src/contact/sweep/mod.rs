@@ -369,6 +369,7 @@ impl Engine {
     /// Ends the paths that meet something at their times of impact, or after the last round at the start. Returns true if a path changed.
     fn end_paths(&mut self, paths: &Paths<'_>, is_last: bool) -> bool {
         let mut hits = core::mem::take(&mut self.sweep.hits);
+        hits.retain(|hit| !self.is_vain(hit, is_last));
         hits.sort_unstable();
         let mut has_changed = false;
         for own in hits.chunk_by(|a, b| a.course == b.course) {
@@ -407,6 +408,13 @@ impl Engine {
         }
         self.sweep.hits = hits;
         has_changed
+    }
+
+    /// Returns true if a body that stands already meets another one, which stops by itself. Such a hit would hide a later one by a body that
+    /// carries this one along.
+    fn is_vain(&self, hit: &Hit, is_last: bool) -> bool {
+        let path = &self.sweep.courses[hit.course as usize].path;
+        path.stands_from(hit.at) && !self.is_kinematic(hit) && !(is_last && hit.is_mutual)
     }
 
     /// Returns true if a body meets a kinematic one.

@@ -43,6 +43,8 @@ enum Pass {
     WarmStart,
     Solve,
     Relax,
+    /// Rigid contacts once more, and friction that does not grow.
+    RelaxAgain,
 }
 
 /// The sub-steps of a step.
@@ -103,6 +105,9 @@ impl ContactSolver for FloatSolver {
             self.bodies.iter_mut().for_each(|body| body.advance(clock.length));
             self.follow();
             self.pass(clock.length, Pass::Relax);
+            for _ in 1..options.relax_passes {
+                self.pass(clock.length, Pass::RelaxAgain);
+            }
         }
         let threshold = options.restitution_speed.to_f64();
         self.bounces.run(clock, threshold, &self.graph, flights, &self.bodies, &mut self.phases);

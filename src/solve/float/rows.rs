@@ -150,9 +150,11 @@ impl Solution {
         } else {
             1.0
         };
-        let (diagonal, across) = (split.normal.map(|k| k * more), if is_single { 0.0 } else { across });
+        // No row moves the other one by more than four times as much as itself.
+        let diagonal = split.normal.map(|k| (k * more).max(across.abs() / 4.0));
+        let across = if is_single { 0.0 } else { across };
         let soft = whole.normal.map(|k| (k + coupled) * softness.compliance + rounding.within(ulp));
-        let mut ratio = |k: f64| within(across / k, 4.0) + rounding.within(power(-28));
+        let mut ratio = |k: f64| across / k + rounding.within(power(-28));
         Self {
             ratio: [0, 1].map(|k| [ratio(diagonal[k]), ratio(diagonal[k] + soft[k])]),
             inverse: inverses(diagonal, across, soft, is_double, rounding),
@@ -324,7 +326,8 @@ impl Rows {
         let coupled = self.coupling[0] * (n1 - before[0]) + self.coupling[1] * (n2 - before[1]);
         let slip = self.along(2, velocities) + coupled - self.surface_speed + rounding.within(velocity_unit);
         let friction = before[2] - slip * self.slip_inverse + rounding.within(impulse_unit);
-        [n1, n2, within(friction, self.friction * (n1 + n2))]
+        let friction = within(friction, self.friction * (n1 + n2));
+        [n1, n2, if pass == Pass::RelaxAgain { within(friction, before[2].abs()) } else { friction }]
     }
 
     /// Computes the impulses of a pass, and adds what they change of the bodies' velocities.
@@ -335,7 +338,10 @@ impl Rows {
             change = [0, 1, 2].map(|k| impulses[k] - self.impulses[k]);
             if pass == Pass::Relax {
                 self.weighted = [0, 1, 2].map(|k| self.weighted[k] + self.applied[k] + self.impulses[k]);
-                self.applied = [0, 1, 2].map(|k| self.applied[k] + impulses[k]);
+                self.applied = [0, 1, 2].map(|k| self.applied[k] + self.impulses[k]);
+            }
+            if pass != Pass::Solve {
+                self.applied = [0, 1, 2].map(|k| self.applied[k] + change[k]);
             }
             self.impulses = impulses;
         }
@@ -349,15 +355,21 @@ impl Rows {
         let roll = &mut self.roll;
         let before = roll.impulse;
         let mut change = before;
-        if pass == Pass::Relax {
+        if pass != Pass::WarmStart {
             let [a, b] = self.bodies.map(|body| bodies[body as usize].seen[2]);
             // The reciprocal has 30 bits, and its terms are rounded to 2^-30 of a unit.
             let stopping = roll.radius * (b - a) / roll.ease * (1.0 + rounding.within(power(-26)));
             let wanted = before - stopping + rounding.within(self.units.impulse);
             roll.impulse = within(wanted, roll.resistance * self.impulses[0]);
-            roll.weighted += roll.applied + before;
-            roll.applied += roll.impulse;
+            if pass == Pass::RelaxAgain {
+                roll.impulse = within(roll.impulse, before.abs());
+            }
             change = roll.impulse - before;
+            if pass == Pass::Relax {
+                roll.weighted += roll.applied + before;
+                roll.applied += before;
+            }
+            roll.applied += change;
         }
         for (body, turn) in self.bodies.into_iter().zip(roll.turns(change)) {
             let body = &mut bodies[body as usize];

@@ -23,6 +23,7 @@ fn scenes(seed: u64, count: u64, most: u64) -> impl Iterator<Item = (Scene, Rand
         let contacts = 1 + random.below(2 * bodies);
         let mut scene = ranges.scene(&mut random, bodies as usize, contacts as usize);
         scene.options.substeps = 1 + random.below(8) as u32;
+        scene.options.relax_passes = if random.below(8) == 0 { 1 + random.below(65) as u32 } else { 1 };
         (scene, random)
     })
 }
@@ -206,6 +207,9 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
         cut += pass_in_parts(&mut solver, Pass::Solve, threads);
         Advance { rows: &mut solver.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
+        for _ in 1..scene.options.relax_passes {
+            cut += pass_in_parts(&mut solver, Pass::RelaxAgain, threads);
+        }
     }
     solver.finish(scene.time_step, &scene.options, &scene.flights, &mut [], &mut contacts, &mut corrections);
     let impulses = contacts.iter().map(|contact| contact.impulses).collect();

@@ -56,7 +56,6 @@ impl<S: Scalar> Step<'_, S> {
             let motion = &mut self.bodies.columns.motion;
             motion.position.set(stop.dense, stop.position.map(S::Accumulator::from_fixed));
             motion.angle[stop.dense] = S::Angle::from_turn(stop.angle);
-            motion.ticks_at_rest[stop.dense] = 0;
             let start = &starts[stop.start];
             let by = corrections.get(stop.start).copied().unwrap_or_default();
             if stop.is_stuck && !by.is_pushed {
@@ -84,6 +83,9 @@ impl<S: Scalar> Step<'_, S> {
             // What a fast kinematic body carries along may leave the allowed range.
             if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
                 start.restore(self.bodies);
+            } else {
+                // A body that is pushed in each step and kept at its start has a velocity and goes nowhere.
+                self.count_rest(start, true, constants);
             }
             self.note_pushed(stop.dense);
         }

@@ -118,7 +118,7 @@ fn known_figures_hold() {
         assert!((found - about).abs() <= by, "{scene} {name}: {found}");
     };
     is("tower_100x", "top_sink", 0.0253, 0.001);
-    is("tower_1000x", "overlap_worst", 0.0453, 0.001);
+    is("tower_1000x", "overlap_worst", 0.0418, 0.001);
     is("tower_1000x", "top_sink", 0.102, 0.001);
     is("break", "energy_left", 0.9138, 0.001);
     is("break", "overlap_worst", 0.0000365, 0.0001);
@@ -136,7 +136,7 @@ fn known_figures_hold() {
         is("pyramid40", "largest_shift", 0.0274, 0.001);
         is("cards", "largest_shift", 0.1019, 0.001);
         is("arch", "largest_shift", 0.0159, 0.001);
-        is("thin_arch", "largest_shift", 0.0648, 0.001);
+        is("thin_arch", "largest_shift", 0.0768, 0.001);
     }
     let heavy = measure(&PAGE.data, "tower_1000x", "top_sink");
     assert_eq!((&heavy["verdict"], &heavy["unit"]), (&"passed".into(), &"m".into()));
