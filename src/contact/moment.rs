@@ -20,7 +20,7 @@ use super::seams::Union;
 use super::sweep::{self, Paths};
 use super::tiles::{SLANTED, are_joined};
 use super::{ContactRecord, ContactSet, MARGIN, Scene, Start};
-use crate::collide::sweep::Sweep;
+use crate::collide::sweep::{Second, Sweep};
 use crate::collide::{Manifold, Pose};
 use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
@@ -233,7 +233,7 @@ impl Engine {
         }
         let forms = [sweep::form(colliders[0], &outlines[0]), sweep::form(colliders[1], &outlines[1])];
         let both = [from_ref(&legs[0]), from_ref(&legs[1])];
-        let pair = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
+        let pair = Sweep { forms: [&forms[0], &forms[1]], paths: both, second: Second::GivesWay };
         let moment = pair.first_touch(&mut self.sweep.moments[0])?;
         let mut cores = [0; 2];
         for side in 0..2 {

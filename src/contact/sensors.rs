@@ -23,7 +23,7 @@ use super::{ContactBodies, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collide::broad::{PairLimits, Proxy, Statics};
-use crate::collide::sweep::{Moment, Path, Sweep};
+use crate::collide::sweep::{Moment, Path, Second, Sweep};
 use crate::collider::{Collider, ColliderSet, ContactSettings, OutlineId};
 use crate::fx::Fx;
 use crate::query::{Core, Placement, Sum, beside, contains, in_fx};
@@ -129,7 +129,7 @@ impl View<'_> {
         let shapes = outlines.map(|(collider, part)| collider.outline(part));
         let forms = [0, 1].map(|side: usize| form(outlines[side].0, &shapes[side]).without_sides());
         let both = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting_legs[side]), Path::legs));
-        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, is_mutual: true };
+        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, second: Second::GivesWay };
         sweep.first_touch(&mut Moment::default()).is_some()
     }
 

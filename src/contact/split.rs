@@ -62,7 +62,7 @@ fn is_deep(contact: &Contact) -> bool {
 }
 
 /// The options for islands of a kind.
-fn options_of(kind: usize, options: &SolverOptions) -> SolverOptions {
+fn kind_options(kind: usize, options: &SolverOptions) -> SolverOptions {
     let substeps = if kind & IS_HEAVY == 0 { options.substeps } else { FINE_SUBSTEPS };
     let relax_passes = if kind & IS_DEEP == 0 { options.relax_passes } else { RELAX_PASSES };
     SolverOptions { substeps, relax_passes, ..*options }
@@ -152,7 +152,7 @@ impl<C: ContactSolver> Solvers<C> {
             if part.contacts.is_empty() {
                 continue;
             }
-            let part_options = options_of(kind, options);
+            let part_options = kind_options(kind, options);
             let [part_substeps, substeps] = [part_options.substeps, options.substeps].map(u64::from);
             for contact in &mut part.contacts {
                 contact.impulses = contact.impulses.rescaled(substeps, part_substeps);

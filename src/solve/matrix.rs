@@ -134,9 +134,9 @@ impl Matrices {
             let product = i128::from(k11) * i128::from(k22);
             let determinant = product - i128::from(k12) * i128::from(k12);
             let more = if determinant < product >> 6 { batch.two[lane] } else { 0 };
-            let least = ((k12.abs() & batch.two[lane]) + RATIO - 1) / RATIO;
-            self.first[0][lane] = (k11 + ((k11 >> 13) & more)).max(least);
-            self.second[0][lane] = (k22 + ((k22 >> 13) & more)).max(least);
+            let smallest_diagonal = ((k12.abs() & batch.two[lane]) + RATIO - 1) / RATIO;
+            self.first[0][lane] = (k11 + ((k11 >> 13) & more)).max(smallest_diagonal);
+            self.second[0][lane] = (k22 + ((k22 >> 13) & more)).max(smallest_diagonal);
             if batch.two[lane] != 0 && determinant <= 4 * (i128::from(k11) + i128::from(k22)) {
                 (self.first[0][lane], self.second[0][lane]) = (2 * k11, 2 * k22);
                 batch.split[1][lane] = 0;

@@ -398,7 +398,7 @@ fn a_polygon_in_two_parts_pushes_as_a_whole_one() {
         counts[usize::from(is_disc)][1] += i32::from(differs && found.is_some());
     }
     // Near a corner of the whole, one manifold has the deeper edge alone, and two manifolds have both. How many do depends on the seed.
-    let is_alike = |[pushed, off]: &[i32; 2]| cfg!(debug_assertions) || *pushed > 100 && off * 8 < *pushed;
+    let is_alike = |[pushed, off]: &[i32; 2]| cfg!(debug_assertions) || *pushed > 50 && off * 8 < *pushed;
     assert!(counts.iter().all(is_alike), "{counts:?}");
 }
 

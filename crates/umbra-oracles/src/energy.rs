@@ -83,14 +83,14 @@ fn bound(world: &World) -> Result<FxWide, &'static str> {
     let gravity = i128::from(length(world.def().gravity));
     // Speeds are below 2^47 units of 2^-32 m/s, their squares of 2^-64 below 2^82.
     let kept = i128::from(world.def().contacts.push_speed.to_bits() / WEDGED).pow(2) >> 32;
-    let (mut weight, mut others) = (0i128, 0i128);
+    let (mut weight, mut leftover) = (0i128, 0i128);
     for body in world.bodies().filter(|body| body.activity().takes_part()) {
         let mass = i128::from(body.mass().unwrap_or(Fx::ZERO).to_bits());
         let acceleration = (gravity * i128::from(body.gravity_scale().to_bits().abs())) >> 32;
         weight = weight.checked_add(mass * acceleration).ok_or(TOO_LARGE)?;
-        others += (mass >> ROUNDING) + ((mass * kept) >> 33);
+        leftover += (mass >> ROUNDING) + ((mass * kept) >> 33);
     }
-    let allowed = kinetic / SHARE + (potential / SHARE).abs() + weight / LIFT + others;
+    let allowed = kinetic / SHARE + (potential / SHARE).abs() + weight / LIFT + leftover;
     let most = kinetic.checked_add(potential).and_then(|energy| energy.checked_add(allowed));
     most.map(FxWide::from_bits).ok_or(TOO_LARGE)
 }

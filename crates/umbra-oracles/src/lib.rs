@@ -122,8 +122,8 @@ pub enum Oracle {
     /// The [energy](umbra_physics::World::energy) of a world that nobody acts on never exceeds that after the last input by more
     /// than a thousandth of its kinetic and of its potential part, what lifts all bodies by 5 mm, the roundings of the solver
     /// (4 µm/s of each body), and what a wedge leaves of the speed of pushing out (a 64th of
-    /// [`push_speed`](umbra_physics::ContactSettings::push_speed) of each body). A command that is carried out is an input, and so is a force until the end of its step. It finds
-    /// impacts, and changes past the driver, that add energy.
+    /// [`push_speed`](umbra_physics::ContactSettings::push_speed) of each body). A command that is carried out is an input, and so is
+    /// a force until the end of its step. It finds impacts, and changes past the driver, that add energy.
     ///
     /// Worlds are judged that nothing else gives energy to: no kinematic body moves, no collider has a
     /// [`surface_speed`](umbra_physics::Material::surface_speed), all dynamic bodies have the same

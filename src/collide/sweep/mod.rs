@@ -30,8 +30,19 @@ pub(crate) struct Sweep<'a> {
     pub(crate) forms: [&'a Form<'a>; 2],
     /// The pieces of their paths.
     pub(crate) paths: [&'a [Leg]; 2],
-    /// True if both give way; else the first one does.
-    pub(crate) is_mutual: bool,
+    /// The first one gives way.
+    pub(crate) second: Second,
+}
+
+/// What the body of the second outline does where the two meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Second {
+    /// It gives way as well.
+    GivesWay,
+    /// It stands still.
+    Stands,
+    /// It goes on, and carries the first one along.
+    Carries,
 }
 
 /// The depths that a path may reach, ulps.
@@ -50,14 +61,16 @@ const SMALL: i64 = (5 << 32) / 1000;
 
 impl Depths {
     /// The depths for outlines of this width: an eighth of it, so that most of an outline never crosses.
-    fn new(width: i64) -> Self {
+    fn new(width: i64, second: Second) -> Self {
         let eighth = width >> 3;
         let small = eighth.min(SMALL);
         if small == 0 {
             // A line may overlap another one at its ends alone.
             return Self { small, deep: 1 << 22, touch: -APART };
         }
-        Self { small, deep: eighth, touch: width >> 2 }
+        // A body that others press into what carries it would be left behind for good.
+        let touch = if second == Second::Carries { width >> 1 } else { width >> 2 };
+        Self { small, deep: eighth, touch }
     }
 }
 
@@ -79,11 +92,12 @@ impl Sweep<'_> {
     /// The width that an overlap is compared with: that of the outline that gives way, or the lesser one.
     fn width(&self) -> i64 {
         let [a, b] = self.forms;
+        let is_mutual = self.second == Second::GivesWay;
         match (a.width, b.width) {
             (0, 0) if a.is_link || b.is_link => OF_LINES,
             (0, width) => width.min(OF_LINES),
-            (width, 0) if self.is_mutual => width.min(OF_LINES),
-            (a, b) if self.is_mutual => a.min(b),
+            (width, 0) if is_mutual => width.min(OF_LINES),
+            (a, b) if is_mutual => a.min(b),
             (width, _) => width,
         }
     }
@@ -154,7 +168,7 @@ impl Sweep<'_> {
     /// that eighth, if the overlap is still there at the end of the tick: then there is a contact, which the next step solves. Outlines
     /// that overlap deeper at `from`, or are behind a segment of a chain, are not looked at.
     pub(crate) fn impact(&self, from: u64, [moment, end]: &mut [Moment; 2]) -> Option<u64> {
-        let depths = Depths::new(self.width());
+        let depths = Depths::new(self.width(), self.second);
         self.set(moment, from);
         moment.measure();
         let before = moment.distance();

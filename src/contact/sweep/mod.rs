@@ -21,7 +21,7 @@ use super::engine::Engine;
 use super::flights::{FlightOf, Place};
 use super::{Correction, Scene, Stop};
 use crate::collide::broad::{Proxy, Statics};
-use crate::collide::sweep::{END, Form, Leg, Moment, Path, Sweep};
+use crate::collide::sweep::{END, Form, Leg, Moment, Path, Second, Sweep};
 use crate::collider::{BodyOutline, Collider, OutlineId};
 use crate::fx::Fx;
 use crate::shape::Aabb;
@@ -351,7 +351,13 @@ impl Engine {
         let sweep = Sweep {
             forms: [&forms[0], &forms[1]],
             paths: courses.map(|course| course.path.legs()),
-            is_mutual: is_dynamic(&b.1, paths),
+            second: if is_dynamic(&b.1, paths) {
+                Second::GivesWay
+            } else if b.1.kind == FlightOf::Kinematic && courses[1].path.moves() {
+                Second::Carries
+            } else {
+                Second::Stands
+            },
         };
         let Some(at) = sweep.impact(from, &mut self.sweep.moments) else { return };
         let (own, other) = (own as u32, other as u32);

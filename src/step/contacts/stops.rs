@@ -84,8 +84,10 @@ impl<S: Scalar> Step<'_, S> {
             if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
                 start.restore(self.bodies);
             } else {
-                // A body that is pushed in each step and kept at its start has a velocity and goes nowhere.
-                self.count_rest(start, true, constants);
+                // A body that is pushed in each step and kept at its start has a velocity and goes nowhere. Without impulses nothing would
+                // wake it when its way is free, and at a sleep speed of 0 only what moves no more to the bit is at rest.
+                let is_kept = by.is_pushed && constants.sleep_speed > S::ZERO;
+                self.count_rest(start, is_kept, constants);
             }
             self.note_pushed(stop.dense);
         }
