@@ -128,10 +128,10 @@ typedef struct UmbraWorldDef {
 } UmbraWorldDef;
 
 // Result of a command: nothing, a body, a field, or a collider.
-typedef uint32_t UmbraMadeKind;
+typedef uint32_t UmbraCreatedKind;
 
 // Result of an input.
-typedef struct UmbraOutcome {
+typedef struct UmbraInputResult {
     // The player.
     uint32_t player;
     // Sequence of the input among the inputs of this player.
@@ -139,10 +139,10 @@ typedef struct UmbraOutcome {
     // `UMBRA_OK`, or why it was refused: then it changed nothing.
     UmbraStatus status;
     // Body, field or collider that the input created.
-    UmbraMadeKind made;
-    // The handle of what it made, or `UMBRA_NO_HANDLE`.
+    UmbraCreatedKind created;
+    // The handle of the created thing, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
-} UmbraOutcome;
+} UmbraInputResult;
 
 // Summary of a step in numbers; `umbra_world_faults` and similar functions list the bodies.
 typedef struct UmbraReport {
@@ -207,7 +207,7 @@ typedef struct UmbraBodyDef {
     UmbraMassKind mass_kind;
     // Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     UmbraFx mass;
-    // Moment of inertia, for `UMBRA_MASS_WITH_INERTIA` only.
+    // Moment of inertia, for `UMBRA_MASS_EXPLICIT` only.
     UmbraFx inertia;
     // Position of the centre of mass, m, within ±2^30; default the origin.
     struct UmbraVec2 position;
@@ -740,14 +740,14 @@ typedef struct UmbraCharacterPush {
 } UmbraCharacterPush;
 
 // Body or force field that a command created.
-typedef struct UmbraMade {
-    // The handle of what it made, or `UMBRA_NO_HANDLE`.
+typedef struct UmbraCreated {
+    // The handle of the created thing, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
     // Kind of the created thing.
-    UmbraMadeKind kind;
+    UmbraCreatedKind kind;
     // 0.
     uint32_t reserved;
-} UmbraMade;
+} UmbraCreated;
 
 // Limits on what a replay may ask for. They also hold for finding out where a run diverges.
 typedef struct UmbraReplayLimits {
@@ -950,24 +950,24 @@ typedef struct UmbraReplayLimits {
 #define UMBRA_YOSHIDA4 4
 
 // Nothing new.
-#define UMBRA_MADE_NOTHING 0
+#define UMBRA_CREATED_NOTHING 0
 
 // A body.
-#define UMBRA_MADE_BODY 1
+#define UMBRA_CREATED_BODY 1
 
 // A force field.
-#define UMBRA_MADE_FIELD 2
+#define UMBRA_CREATED_FIELD 2
 
 // A collider.
-#define UMBRA_MADE_COLLIDER 3
+#define UMBRA_CREATED_COLLIDER 3
 
-// Nothing.
+// Never moves.
 #define UMBRA_STATIC 0
 
-// The velocity it is given; no force and no damping.
+// Moves at the velocity you set. Forces, damping and contacts have no effect on it; it pushes dynamic bodies.
 #define UMBRA_KINEMATIC 1
 
-// Everything.
+// Responds to forces, gravity, damping and contacts.
 #define UMBRA_DYNAMIC 2
 
 // The body takes part in steps.
@@ -985,13 +985,13 @@ typedef struct UmbraReplayLimits {
 // `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
 #define UMBRA_MASS_DENSITY 0
 
-// `mass` is in kg; the inertia is from the shape, or from the colliders, or infinite without either: such a body does not turn.
-#define UMBRA_MASS_OF 1
+// `mass` in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite.
+#define UMBRA_MASS_KILOGRAMS 1
 
 // `mass` in kg and `inertia` in kg·m².
-#define UMBRA_MASS_WITH_INERTIA 2
+#define UMBRA_MASS_EXPLICIT 2
 
-// The mass and the inertia of the colliders; without any as `UMBRA_MASS_OF` with 1 kg. `mass` is not read.
+// The mass and the inertia of the colliders; without any as `UMBRA_MASS_KILOGRAMS` with 1 kg. `mass` is not read.
 #define UMBRA_MASS_FROM_COLLIDERS 3
 
 // In place of a damping of a body's own: that of the world.
@@ -1224,7 +1224,7 @@ UmbraStatus umbra_world_step_inputs(struct UmbraWorld *world,
 // Lists go into a buffer with room for `capacity` entries. `count`, which may be null, is given the number of entries, also if
 // the buffer is too small; a `capacity` of 0 asks for the number alone.
 UmbraStatus umbra_world_outcomes(const struct UmbraWorld *world,
-                                 struct UmbraOutcome *outcomes,
+                                 struct UmbraInputResult *outcomes,
                                  size_t capacity,
                                  size_t *count);
 
@@ -1732,11 +1732,11 @@ UmbraStatus umbra_movement_pushes(const struct UmbraMovement *movement,
 // Frees a movement. Null is ignored.
 void umbra_movement_free(struct UmbraMovement *movement);
 
-// Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
+// Carries out a command that comes as bytes (`docs/formats.md`). `created` may be null.
 UmbraStatus umbra_world_execute(struct UmbraWorld *world,
                                 const uint8_t *command,
                                 size_t length,
-                                struct UmbraMade *made);
+                                struct UmbraCreated *created);
 
 // Checks whether `umbra_world_execute` would carry a command out now: gives the same answer and changes nothing.
 UmbraStatus umbra_world_check(const struct UmbraWorld *world, const uint8_t *command, size_t length);

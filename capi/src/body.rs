@@ -9,16 +9,16 @@ use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFactor, UmbraFx, UmbraInt128, UmbraVec2, vector};
 use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_BODY, UMBRA_ERROR_NUMBER_OUT_OF_RANGE, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, look, made, word};
+use crate::world::{UmbraWorld, body_id, change, change_by, created, look, word};
 
 /// How a body moves: one of the three values below.
 pub type UmbraBodyKind = u32;
 
-/// Nothing.
+/// Never moves.
 pub const UMBRA_STATIC: UmbraBodyKind = 0;
-/// The velocity it is given; no force and no damping.
+/// Moves at the velocity you set. Forces, damping and contacts have no effect on it; it pushes dynamic bodies.
 pub const UMBRA_KINEMATIC: UmbraBodyKind = 1;
-/// Everything.
+/// Responds to forces, gravity, damping and contacts.
 pub const UMBRA_DYNAMIC: UmbraBodyKind = 2;
 
 /// State of activity of a body: one of the four values below.
@@ -38,11 +38,11 @@ pub type UmbraMassKind = u32;
 
 /// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
 pub const UMBRA_MASS_DENSITY: UmbraMassKind = 0;
-/// `mass` is in kg; the inertia is from the shape, or from the colliders, or infinite without either: such a body does not turn.
-pub const UMBRA_MASS_OF: UmbraMassKind = 1;
+/// `mass` in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite.
+pub const UMBRA_MASS_KILOGRAMS: UmbraMassKind = 1;
 /// `mass` in kg and `inertia` in kg·m².
-pub const UMBRA_MASS_WITH_INERTIA: UmbraMassKind = 2;
-/// The mass and the inertia of the colliders; without any as `UMBRA_MASS_OF` with 1 kg. `mass` is not read.
+pub const UMBRA_MASS_EXPLICIT: UmbraMassKind = 2;
+/// The mass and the inertia of the colliders; without any as `UMBRA_MASS_KILOGRAMS` with 1 kg. `mass` is not read.
 pub const UMBRA_MASS_FROM_COLLIDERS: UmbraMassKind = 3;
 
 /// In place of a damping of a body's own: that of the world.
@@ -71,7 +71,7 @@ pub struct UmbraBodyDef {
     pub mass_kind: UmbraMassKind,
     /// Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
     pub mass: UmbraFx,
-    /// Moment of inertia, for `UMBRA_MASS_WITH_INERTIA` only.
+    /// Moment of inertia, for `UMBRA_MASS_EXPLICIT` only.
     pub inertia: UmbraFx,
     /// Position of the centre of mass, m, within ±2^30; default the origin.
     pub position: UmbraVec2,
@@ -236,8 +236,8 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
     let (mass, inertia) = (Fx::from_bits(mass), Fx::from_bits(inertia));
     match kind {
         UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
-        UMBRA_MASS_OF => Ok(Mass::Kilograms(mass)),
-        UMBRA_MASS_WITH_INERTIA => Ok(Mass::Explicit { mass, inertia }),
+        UMBRA_MASS_KILOGRAMS => Ok(Mass::Kilograms(mass)),
+        UMBRA_MASS_EXPLICIT => Ok(Mass::Explicit { mass, inertia }),
         UMBRA_MASS_FROM_COLLIDERS => Ok(Mass::FromColliders),
         _ => Err(Refusal::bad("no way to give a mass has this number")),
     }
@@ -368,7 +368,7 @@ pub unsafe extern "C" fn umbra_world_add_body(
             key: def.key,
             user_data: def.user_data,
         }))?;
-        place.write(made(new).1);
+        place.write(created(new).1);
         Ok(())
     })
 }
@@ -412,8 +412,8 @@ pub extern "C" fn umbra_world_body_mass_def(
         let (world, kind, mass, inertia) = (given(world)?, given(kind)?, given(mass)?, given(inertia)?);
         let given = match world.world().body(body_id(body))?.mass_def() {
             Mass::Density(density) => (UMBRA_MASS_DENSITY, density, Fx::ZERO),
-            Mass::Kilograms(mass) => (UMBRA_MASS_OF, mass, Fx::ZERO),
-            Mass::Explicit { mass, inertia } => (UMBRA_MASS_WITH_INERTIA, mass, inertia),
+            Mass::Kilograms(mass) => (UMBRA_MASS_KILOGRAMS, mass, Fx::ZERO),
+            Mass::Explicit { mass, inertia } => (UMBRA_MASS_EXPLICIT, mass, inertia),
             Mass::FromColliders => (UMBRA_MASS_FROM_COLLIDERS, Fx::ZERO, Fx::ZERO),
         };
         kind.write(given.0);

@@ -10,7 +10,7 @@ use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFx, UmbraVec2};
 use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, look, made, word};
+use crate::world::{UmbraWorld, body_id, change, change_by, created, look, word};
 
 /// All categories of colliders.
 pub const UMBRA_ALL_CATEGORIES: u32 = 0xFFFF_FFFF;
@@ -287,7 +287,7 @@ pub unsafe extern "C" fn umbra_world_add_collider(
         let (world, def, place) = (given(world)?, given(def)?, given(collider)?);
         // SAFETY: the caller promises that the shape is null or was not freed.
         let def = unsafe { def.def() }?;
-        place.write(made(world.execute(&Command::AddCollider { body: body_id(body), def })?).1);
+        place.write(created(world.execute(&Command::AddCollider { body: body_id(body), def })?).1);
         Ok(())
     })
 }

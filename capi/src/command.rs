@@ -6,35 +6,35 @@ use umbra_physics::Command;
 
 use crate::memory::{fill, given, slice};
 use crate::status::{UmbraStatus, guard};
-use crate::world::{UmbraMadeKind, UmbraWorld, made};
+use crate::world::{UmbraCreatedKind, UmbraWorld, created};
 
 /// Body or force field that a command created.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct UmbraMade {
-    /// The handle of what it made, or `UMBRA_NO_HANDLE`.
+pub struct UmbraCreated {
+    /// The handle of the created thing, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
     /// Kind of the created thing.
-    pub kind: UmbraMadeKind,
+    pub kind: UmbraCreatedKind,
     /// 0.
     pub reserved: u32,
 }
 
-/// Carries out a command that comes as bytes (`docs/formats.md`). `made` may be null.
+/// Carries out a command that comes as bytes (`docs/formats.md`). `created` may be null.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_execute(
     world: Option<&mut UmbraWorld>,
     command: *const u8,
     length: usize,
-    made: Option<&mut MaybeUninit<UmbraMade>>,
+    created: Option<&mut MaybeUninit<UmbraCreated>>,
 ) -> UmbraStatus {
     guard(|| {
         // SAFETY: as the caller promises.
         let bytes = unsafe { slice(command, length) }?;
         let new = given(world)?.execute(&Command::from_bytes(bytes)?)?;
-        if let Some(place) = made {
-            let (kind, handle) = self::made(new);
-            place.write(UmbraMade { handle, kind, reserved: 0 });
+        if let Some(place) = created {
+            let (kind, handle) = self::created(new);
+            place.write(UmbraCreated { handle, kind, reserved: 0 });
         }
         Ok(())
     })

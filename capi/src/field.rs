@@ -8,7 +8,7 @@ use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, field_id, look, made, word};
+use crate::world::{UmbraWorld, body_id, change, change_by, created, field_id, look, word};
 
 /// A kind of force field: one of the six below.
 pub type UmbraFieldKind = u32;
@@ -266,7 +266,7 @@ pub extern "C" fn umbra_world_add_field(
 ) -> UmbraStatus {
     guard(|| {
         let (world, def, place) = (given(world)?, given(def)?, given(field)?);
-        place.write(made(world.execute(&Command::AddField(def.field()?))?).1);
+        place.write(created(world.execute(&Command::AddField(def.field()?))?).1);
         Ok(())
     })
 }

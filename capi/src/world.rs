@@ -104,21 +104,21 @@ pub struct UmbraFault {
 }
 
 /// Result of a command: nothing, a body, a field, or a collider.
-pub type UmbraMadeKind = u32;
+pub type UmbraCreatedKind = u32;
 
 /// Nothing new.
-pub const UMBRA_MADE_NOTHING: UmbraMadeKind = 0;
+pub const UMBRA_CREATED_NOTHING: UmbraCreatedKind = 0;
 /// A body.
-pub const UMBRA_MADE_BODY: UmbraMadeKind = 1;
+pub const UMBRA_CREATED_BODY: UmbraCreatedKind = 1;
 /// A force field.
-pub const UMBRA_MADE_FIELD: UmbraMadeKind = 2;
+pub const UMBRA_CREATED_FIELD: UmbraCreatedKind = 2;
 /// A collider.
-pub const UMBRA_MADE_COLLIDER: UmbraMadeKind = 3;
+pub const UMBRA_CREATED_COLLIDER: UmbraCreatedKind = 3;
 
 /// Result of an input.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct UmbraOutcome {
+pub struct UmbraInputResult {
     /// The player.
     pub player: u32,
     /// Sequence of the input among the inputs of this player.
@@ -126,8 +126,8 @@ pub struct UmbraOutcome {
     /// `UMBRA_OK`, or why it was refused: then it changed nothing.
     pub status: UmbraStatus,
     /// Body, field or collider that the input created.
-    pub made: UmbraMadeKind,
-    /// The handle of what it made, or `UMBRA_NO_HANDLE`.
+    pub created: UmbraCreatedKind,
+    /// The handle of the created thing, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
 }
 
@@ -362,12 +362,12 @@ pub(crate) const fn field_id(word: u64) -> FieldId {
     FieldId::from_parts(word as u32, (word >> 32) as u32)
 }
 
-pub(crate) fn made(made: Created) -> (UmbraMadeKind, u64) {
-    match made {
-        Created::Body(body) => (UMBRA_MADE_BODY, word(body.parts())),
-        Created::ForceField(field) => (UMBRA_MADE_FIELD, word(field.parts())),
-        Created::Collider(collider) => (UMBRA_MADE_COLLIDER, word(collider.parts())),
-        _ => (UMBRA_MADE_NOTHING, UMBRA_NO_HANDLE),
+pub(crate) fn created(created: Created) -> (UmbraCreatedKind, u64) {
+    match created {
+        Created::Body(body) => (UMBRA_CREATED_BODY, word(body.parts())),
+        Created::ForceField(field) => (UMBRA_CREATED_FIELD, word(field.parts())),
+        Created::Collider(collider) => (UMBRA_CREATED_COLLIDER, word(collider.parts())),
+        _ => (UMBRA_CREATED_NOTHING, UMBRA_NO_HANDLE),
     }
 }
 
@@ -551,15 +551,15 @@ pub extern "C" fn umbra_world_step_inputs(world: Option<&mut UmbraWorld>, inputs
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_outcomes(
     world: Option<&UmbraWorld>,
-    outcomes: *mut UmbraOutcome,
+    outcomes: *mut UmbraInputResult,
     capacity: usize,
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
         let rows = given(world)?.outcomes.iter().map(|&InputResult { player, sequence, result }| {
-            let (made, handle) = made(result.unwrap_or(Created::Nothing));
+            let (created, handle) = self::created(result.unwrap_or(Created::Nothing));
             let status = result.map_or_else(|error| error.code().into(), |_| UMBRA_OK);
-            UmbraOutcome { player, sequence, status, made, handle }
+            UmbraInputResult { player, sequence, status, created, handle }
         });
         // SAFETY: as the caller promises.
         unsafe { fill(rows, outcomes, capacity, count) }

@@ -665,8 +665,8 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_set_velocity(BODY_WORD, -4, 5) => Command::SetVelocity { body, velocity: pair(-4, 5) };
         umbra_world_set_angular_velocity(BODY_WORD, 6) => Command::SetAngularVelocity { body, velocity: bits(6) };
         umbra_world_set_mass(BODY_WORD, UMBRA_MASS_DENSITY, 7, 8) => Command::SetMass { body, mass: Mass::Density(bits(7)) };
-        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_OF, 7, 8) => Command::SetMass { body, mass: Mass::Kilograms(bits(7)) };
-        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_WITH_INERTIA, 7, 8) =>
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_KILOGRAMS, 7, 8) => Command::SetMass { body, mass: Mass::Kilograms(bits(7)) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_EXPLICIT, 7, 8) =>
             Command::SetMass { body, mass: Mass::Explicit { mass: bits(7), inertia: bits(8) } };
         umbra_world_set_shape(BODY_WORD, Some(&shape)) => Command::SetShape { body, shape: Some(capsule) };
         umbra_world_set_shape(BODY_WORD, None) => Command::SetShape { body, shape: None };
@@ -774,7 +774,7 @@ fn every_change_is_the_command_of_its_name() {
     }
     let def = UmbraBodyDef {
         kind: UMBRA_KINEMATIC,
-        mass_kind: UMBRA_MASS_WITH_INERTIA,
+        mass_kind: UMBRA_MASS_EXPLICIT,
         mass: 1,
         inertia: 2,
         position: UmbraVec2 { x: 3, y: 4 },
@@ -1055,8 +1055,8 @@ fn the_rest_of_a_body_is_read() {
     };
     assert_eq!(mass_def(&here, rod), Ok((UMBRA_MASS_DENSITY, 3 * ONE, 0)));
     assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_FROM_COLLIDERS, 0, 0)));
-    assert_eq!(umbra_world_set_mass(Some(&mut here), lift, UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6), UMBRA_OK);
-    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_WITH_INERTIA, 5 * ONE, 6)));
+    assert_eq!(umbra_world_set_mass(Some(&mut here), lift, UMBRA_MASS_EXPLICIT, 5 * ONE, 6), UMBRA_OK);
+    assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_EXPLICIT, 5 * ONE, 6)));
     assert_eq!(mass_def(&here, 99), Err(UMBRA_ERROR_NO_SUCH_BODY));
 
     let point = (5 * ONE + 1, -7 * ONE);
@@ -1219,11 +1219,11 @@ fn a_packet_that_comes_twice_is_taken_once() {
     assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_OK);
     // SAFETY: the buffers are those of `list`.
     let outcomes = list(|to, size, count| unsafe { umbra_world_outcomes(Some(&world), to, size, count) });
-    let made = |sequence| UmbraOutcome {
+    let made = |sequence| UmbraInputResult {
         player: 4,
         sequence,
         status: UMBRA_OK,
-        made: UMBRA_MADE_NOTHING,
+        created: UMBRA_CREATED_NOTHING,
         handle: UMBRA_NO_HANDLE,
     };
     assert_eq!(outcomes, Ok(vec![made(0), made(1), made(2)]));

@@ -188,7 +188,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_angle(None, b, 0);
         umbra_world_set_velocity(None, b, 0, 0);
         umbra_world_set_angular_velocity(None, b, 0);
-        umbra_world_set_mass(None, b, UMBRA_MASS_OF, UMBRA_ONE, 0);
+        umbra_world_set_mass(None, b, UMBRA_MASS_KILOGRAMS, UMBRA_ONE, 0);
         umbra_world_set_shape(None, b, None);
         umbra_world_set_kind(None, b, UMBRA_STATIC);
         umbra_world_set_gravity_scale(None, b, 0);

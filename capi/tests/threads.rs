@@ -87,7 +87,7 @@ fn tick(world: &mut UmbraWorld, shape: Option<&UmbraShape>, dice: &mut Random) -
             4 => umbra_world_apply_force(Some(world), body, x, y, None, 0),
             5 => umbra_world_apply_impulse(Some(world), body, x, y, Some(&UmbraVec2 { x: y, y: x }), UMBRA_BODY_FRAME),
             6 => umbra_world_set_shape(Some(world), body, shape),
-            7 => umbra_world_set_mass(Some(world), body, UMBRA_MASS_OF, x, 0),
+            7 => umbra_world_set_mass(Some(world), body, UMBRA_MASS_KILOGRAMS, x, 0),
             8 => umbra_world_disable(Some(world), body),
             9 => {
                 let mut spring = out(|def| umbra_field_def_default(UMBRA_SPRING, def)).expect("a definition");
@@ -317,7 +317,7 @@ fn inputs_are_read_by_several_worlds_at_once() {
                 state_hash(&world)
             })
             .collect();
-        let mut outcomes = [UmbraOutcome::default(); 4];
+        let mut outcomes = [UmbraInputResult::default(); 4];
         // SAFETY: the buffer is there.
         let status = unsafe { umbra_world_outcomes(Some(&world), outcomes.as_mut_ptr(), outcomes.len(), None) };
         assert_eq!(status, UMBRA_OK);

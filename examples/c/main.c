@@ -112,7 +112,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_shape_rectangle(4 * UMBRA_ONE, fx("0.25"), &shape));
     DO(umbra_body_def_default(&body));
     body.shape = shape;
-    body.mass_kind = UMBRA_MASS_OF;
+    body.mass_kind = UMBRA_MASS_KILOGRAMS;
     body.mass = 2 * UMBRA_ONE;
     body.angle = fx("0.1");
     body.position.x = 20 * UMBRA_ONE;
@@ -160,7 +160,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_shape_polygon(nose, 3, &shape));
     DO(umbra_body_def_default(&body));
     body.shape = shape;
-    body.mass_kind = UMBRA_MASS_WITH_INERTIA;
+    body.mass_kind = UMBRA_MASS_EXPLICIT;
     body.mass = 3 * UMBRA_ONE;
     body.inertia = 2 * UMBRA_ONE;
     body.position.x = -20 * UMBRA_ONE;
@@ -316,7 +316,7 @@ static void sent(void)
     uint64_t ball = 0, rocket = 0;
     UmbraWorld *here = build(&ball, &rocket), *there = build(&ball, &rocket), *draft = NULL;
     UmbraInputs *inputs = NULL;
-    UmbraOutcome outcomes[2];
+    UmbraInputResult outcomes[2];
     uint8_t packet[128];
     size_t length = 0, count = 0;
 

@@ -85,7 +85,7 @@ fn looks_ahead_with_few(script: &Script) -> Verdict {
                 (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
             };
             if bits(&seen) != bits(&is) {
-                return Err(format!("{body} goes another way than was foreseen, {tick} ticks on"));
+                return Err(format!("{body} does not move as its preview, {tick} ticks on"));
             }
         }
     }

@@ -24,7 +24,7 @@ const HELP: &str = "\
 A line for each file, in the order given: what it is, its name, and why.
   ok               every hash is the one recorded
   tampered         the file was changed after it was recorded
-  diverged         the run goes another way than the one recorded
+  diverged         the run differs from the recorded one
   cut_off          the file ends before the recording did; as far as it goes it is ok
   physics_version  it was recorded under another physics version
   malformed        no replay that this program can play

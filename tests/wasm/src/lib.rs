@@ -123,7 +123,7 @@ pub extern "C" fn record_end(recorder: Box<Recorder>, world: &World) -> Box<Vec<
     Box::new(recorder.finish(world))
 }
 
-/// Runs a replay again: its number of ticks, -1 if it is none, -2 if it goes another way.
+/// Runs a replay again: its number of ticks, -1 if it is none, -2 if the run differs.
 #[unsafe(no_mangle)]
 pub extern "C" fn verify(bytes: &Vec<u8>) -> i64 {
     let Ok(replay) = Replay::from_bytes(bytes, &[]) else { return -1 };
