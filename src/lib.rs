@@ -48,10 +48,14 @@ extern crate self as umbra_physics;
 
 /// Implements `Clone` field by field. Unlike a derive it also implements `clone_from`, which reuses memory.
 ///
-/// The form `(clone, clone_from)` names functions of [`compiled`] that the impl calls, for types with much to clone.
+/// A list in brackets has the generic parameters; without a list the type has a scalar. The form `(clone, clone_from)` names functions of
+/// [`compiled`] that the impl calls, for types with much to clone.
 macro_rules! clone_by_field {
     ($type:ident { $($field:ident),* $(,)? }) => {
-        impl<S: crate::scalar::Scalar> Clone for $type<S> {
+        clone_by_field!([S: crate::scalar::Scalar] $type<S> { $($field),* });
+    };
+    ([$($parameters:tt)*] $type:ty { $($field:ident),* $(,)? }) => {
+        impl<$($parameters)*> Clone for $type {
             fn clone(&self) -> Self {
                 Self { $($field: self.$field.clone()),* }
             }

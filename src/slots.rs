@@ -112,16 +112,7 @@ pub(crate) struct Slots<H> {
     handle: PhantomData<H>,
 }
 
-impl<H> Clone for Slots<H> {
-    fn clone(&self) -> Self {
-        Self { slots: self.slots.clone(), free: self.free.clone(), handle: PhantomData }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.slots.clone_from(&source.slots);
-        self.free.clone_from(&source.free);
-    }
-}
+clone_by_field!([H] Slots<H> { slots, free, handle });
 
 impl<H> Default for Slots<H> {
     fn default() -> Self {

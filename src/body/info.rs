@@ -112,17 +112,11 @@ impl<S: Scalar> BodyInfo<S> {
 
 /// The shapes in use. Bodies share a shape if and only if their shapes are equal. The key is the hash of the shape, and a
 /// number that tells shapes with one hash apart.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Shapes<S: Scalar>(BTreeMap<(u64, u32), Shared<S>>);
 
 /// A shape, and how many bodies have it.
 type Shared<S> = (Arc<Shape<S>>, u32);
-
-impl<S: Scalar> Default for Shapes<S> {
-    fn default() -> Self {
-        Self(BTreeMap::new())
-    }
-}
 
 impl<S: Scalar> Shapes<S> {
     /// The shared shape that is equal to this one. [`release`](Self::release) gives it back.
@@ -162,7 +156,7 @@ const STALE: usize = 256;
 /// The properties of all bodies that no step changes. Copies of a world share the table until it is changed in one.
 ///
 /// A slot without a body has no info: it takes as little memory as in a file, however many there are.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct BodyTable<S: Scalar> {
     /// The index of the info of each slot, or [`NONE`].
     at: Vec<u32>,
@@ -176,13 +170,6 @@ pub(super) struct BodyTable<S: Scalar> {
     /// The slots whose digests were set to [`NOT_MADE`]. Some of them may have lost their body since.
     stale: Vec<u32>,
     pub(super) shapes: Shapes<S>,
-}
-
-impl<S: Scalar> Default for BodyTable<S> {
-    fn default() -> Self {
-        let (at, infos, vacant, digests) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { at, infos, vacant, digests, stale: Vec::new(), shapes: Shapes::default() }
-    }
 }
 
 impl<S: Scalar> BodyTable<S> {

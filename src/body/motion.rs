@@ -21,16 +21,7 @@ pub(crate) struct Plane<T> {
     pub(crate) y: Vec<T>,
 }
 
-impl<T: Clone> Clone for Plane<T> {
-    fn clone(&self) -> Self {
-        Self { x: self.x.clone(), y: self.y.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.x.clone_from(&source.x);
-        self.y.clone_from(&source.y);
-    }
-}
+clone_by_field!([T: Clone] Plane<T> { x, y });
 
 impl<T: Copy> Plane<T> {
     pub(crate) fn get(&self, i: usize) -> Vec2<T> {
@@ -58,7 +49,7 @@ impl<T: Copy> Plane<T> {
 }
 
 /// Quantities of the bodies that a step changes.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct Motion<S: Scalar> {
     pub(crate) position: Plane<S::Accumulator>,
     pub(crate) velocity: Plane<S::Accumulator>,
@@ -71,19 +62,6 @@ pub(crate) struct Motion<S: Scalar> {
 }
 
 clone_by_field!(Motion { position, velocity, angle, angular_velocity, ticks_at_rest, last_acceleration });
-
-impl<S: Scalar> Default for Motion<S> {
-    fn default() -> Self {
-        Self {
-            position: Plane::default(),
-            velocity: Plane::default(),
-            angle: Vec::new(),
-            angular_velocity: Vec::new(),
-            ticks_at_rest: Vec::new(),
-            last_acceleration: Vec::new(),
-        }
-    }
-}
 
 impl<S: Scalar> Motion<S> {
     /// Adds a body; its last acceleration is left to the caller.

@@ -43,21 +43,7 @@ impl<R> Default for SharedRows<R> {
     }
 }
 
-impl<R: Clone> Clone for SharedRows<R> {
-    fn clone(&self) -> Self {
-        let Self { rows, users, free, places, taken } = self;
-        let (rows, users, free, places) = (rows.clone(), users.clone(), free.clone(), places.clone());
-        Self { rows, users, free, places, taken: *taken }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.rows.clone_from(&source.rows);
-        self.users.clone_from(&source.users);
-        self.free.clone_from(&source.free);
-        self.places.clone_from(&source.places);
-        self.taken = source.taken;
-    }
-}
+clone_by_field!([R: Clone] SharedRows<R> { rows, users, free, places, taken });
 
 impl<R: Keyed> SharedRows<R> {
     /// All rows, those without a body as well.

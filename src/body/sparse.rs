@@ -19,16 +19,7 @@ pub(crate) struct Sparse<T> {
     at: Vec<u32>,
 }
 
-impl<T: Clone> Clone for Sparse<T> {
-    fn clone(&self) -> Self {
-        Self { rows: self.rows.clone(), at: self.at.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.rows.clone_from(&source.rows);
-        self.at.clone_from(&source.at);
-    }
-}
+clone_by_field!([T: Clone] Sparse<T> { rows, at });
 
 impl<T> Default for Sparse<T> {
     fn default() -> Self {

@@ -107,7 +107,7 @@ impl<S: Scalar> Row for (BodyId, KinematicTarget<S>) {
 }
 
 /// The targets of the bodies that have one.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub(crate) struct KinematicTargets<S: Scalar> {
     rows: Sparse<(BodyId, KinematicTarget<S>)>,
     /// The tick after the last step in which a body reached its target or was stopped there, or 0. That step cannot be undone.
@@ -115,12 +115,6 @@ pub(crate) struct KinematicTargets<S: Scalar> {
 }
 
 clone_by_field!(KinematicTargets { rows, moved_at });
-
-impl<S: Scalar> Default for KinematicTargets<S> {
-    fn default() -> Self {
-        Self { rows: Sparse::default(), moved_at: 0 }
-    }
-}
 
 impl<S: Scalar> KinematicTargets<S> {
     /// The rows in no order.

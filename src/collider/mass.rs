@@ -7,7 +7,7 @@ use crate::shape::Aabb;
 /// The mass of a body's colliders together, and their moment of inertia about the body's centre of mass; zero without colliders.
 ///
 /// A collider that comes or goes changes it alike whatever the others are, and in the same time however many there are.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct ColliderMass<S: Scalar> {
     count: u32,
     /// The number of colliders that are chains.
@@ -20,14 +20,6 @@ pub(crate) struct ColliderMass<S: Scalar> {
     pub(crate) gyration: S::Factor,
     /// The distance from the centre of mass of the body, m, that no point of a collider exceeds which it has, or had since it last had none.
     pub(crate) reach: S,
-}
-
-impl<S: Scalar> Default for ColliderMass<S> {
-    fn default() -> Self {
-        let sum = ExactSum::default();
-        let (zero, reach) = (S::Factor::ZERO, S::ZERO);
-        Self { count: 0, chains: 0, masses: sum, inertias: sum, mass: zero, gyration: zero, reach }
-    }
 }
 
 impl<S: Scalar> ColliderMass<S> {

@@ -32,14 +32,8 @@ impl Read for PairEntry<crate::fx::Fx> {
 }
 
 /// The pairs of a world, sorted by both numbers.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct MaterialPairs<S: Scalar>(Vec<PairEntry<S>>);
-
-impl<S: Scalar> Default for MaterialPairs<S> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
 
 impl<S: Scalar> MaterialPairs<S> {
     fn find(&self, ids: [u32; 2]) -> Result<usize, usize> {

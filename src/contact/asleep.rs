@@ -14,16 +14,7 @@ pub(crate) struct AsleepContacts {
     by_second: Vec<([OutlineId; 2], bool)>,
 }
 
-impl Clone for AsleepContacts {
-    fn clone(&self) -> Self {
-        Self { records: self.records.clone(), by_second: self.by_second.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.records.clone_from(&source.records);
-        self.by_second.clone_from(&source.by_second);
-    }
-}
+clone_by_field!([] AsleepContacts { records, by_second });
 
 impl AsleepContacts {
     pub(super) fn records(&self) -> &[ContactRecord] {

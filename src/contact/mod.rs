@@ -216,17 +216,7 @@ pub(crate) struct Changed {
     pub(crate) owners: Vec<u32>,
 }
 
-impl Clone for Changed {
-    fn clone(&self) -> Self {
-        Self { bodies: self.bodies.clone(), colliders: self.colliders.clone(), owners: self.owners.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.bodies.clone_from(&source.bodies);
-        self.colliders.clone_from(&source.colliders);
-        self.owners.clone_from(&source.owners);
-    }
-}
+clone_by_field!([] Changed { bodies, colliders, owners });
 
 impl Changed {
     /// Nothing changed.

@@ -30,30 +30,7 @@ pub(crate) struct ContactSet {
     pub(crate) pushed_at: u64,
 }
 
-impl Clone for ContactSet {
-    fn clone(&self) -> Self {
-        let Self { records, asleep, passes, excluded, overlaps, ended, pushed_at } = self;
-        Self {
-            records: records.clone(),
-            asleep: asleep.clone(),
-            passes: passes.clone(),
-            excluded: excluded.clone(),
-            overlaps: overlaps.clone(),
-            ended: ended.clone(),
-            pushed_at: *pushed_at,
-        }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.records.clone_from(&source.records);
-        self.asleep.clone_from(&source.asleep);
-        self.passes.clone_from(&source.passes);
-        self.excluded.clone_from(&source.excluded);
-        self.overlaps.clone_from(&source.overlaps);
-        self.ended.clone_from(&source.ended);
-        self.pushed_at = source.pushed_at;
-    }
-}
+clone_by_field!([] ContactSet { records, asleep, passes, excluded, overlaps, ended, pushed_at });
 
 impl ContactSet {
     /// The contacts in a saved world, sorted by pair. `is_asleep` tells whether the body of a collider is asleep, by its slot.

@@ -66,7 +66,7 @@ impl Found {
 }
 
 /// The report of the last step.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(crate) struct Report<S> {
     pub(crate) faults: Vec<Fault>,
     pub(crate) fell_asleep: Vec<BodyId>,
@@ -81,6 +81,19 @@ pub(crate) struct Report<S> {
     pub(crate) sensors_crossed: Vec<ColliderPair>,
     pub(crate) drag_outside: u32,
 }
+
+clone_by_field!([S: Clone] Report<S> {
+    faults,
+    fell_asleep,
+    woke,
+    contacts_ended,
+    contacts_began,
+    hits,
+    sensors_left,
+    sensors_entered,
+    sensors_crossed,
+    drag_outside,
+});
 
 impl<S> Report<S> {
     pub(crate) fn clear(&mut self) {
@@ -163,15 +176,6 @@ impl<S: Scalar> Clone for Workspace<S> {
 
     fn clone_from(&mut self, source: &Self) {
         self.drop_cached();
-        self.report.faults.clone_from(&source.report.faults);
-        self.report.fell_asleep.clone_from(&source.report.fell_asleep);
-        self.report.woke.clone_from(&source.report.woke);
-        self.report.contacts_ended.clone_from(&source.report.contacts_ended);
-        self.report.contacts_began.clone_from(&source.report.contacts_began);
-        self.report.hits.clone_from(&source.report.hits);
-        self.report.sensors_left.clone_from(&source.report.sensors_left);
-        self.report.sensors_entered.clone_from(&source.report.sensors_entered);
-        self.report.sensors_crossed.clone_from(&source.report.sensors_crossed);
-        self.report.drag_outside = source.report.drag_outside;
+        self.report.clone_from(&source.report);
     }
 }

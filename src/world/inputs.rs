@@ -75,7 +75,7 @@ impl<S: Scalar> Input<S> {
 /// inputs.clear(); // keeps the memory for another tick
 /// assert_eq!((inputs.is_empty(), inputs.len()), (true, 0));
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Default)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Deserialize),
@@ -97,13 +97,6 @@ impl<S: Scalar> PartialEq for Inputs<S> {
     /// Compares the inputs, regardless of the order in which they arrived.
     fn eq(&self, other: &Self) -> bool {
         self.iter().eq(other)
-    }
-}
-
-impl<S: Scalar> Default for Inputs<S> {
-    /// No inputs.
-    fn default() -> Self {
-        Self { rows: Vec::new(), late: BTreeMap::new() }
     }
 }
 

@@ -8,18 +8,13 @@ use crate::math::Random;
 use crate::scalar::Scalar;
 
 /// The changes since the journal was started; nothing while it is off. It is no part of the state.
+#[derive(Default)]
 pub(crate) struct Journal<S: Scalar> {
     is_on: bool,
     /// The calls that changed the world, in their order.
     commands: Vec<Command<S>>,
     /// True if the random generator was handed out to draw from.
     has_drawn: bool,
-}
-
-impl<S: Scalar> Default for Journal<S> {
-    fn default() -> Self {
-        Self { is_on: false, commands: Vec::new(), has_drawn: false }
-    }
 }
 
 /// A copy of a world has a journal of its own, which is off. A world that becomes a copy goes on with its journal.

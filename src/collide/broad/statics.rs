@@ -30,17 +30,7 @@ pub struct Statics {
     added: Part,
 }
 
-impl Clone for Statics {
-    fn clone(&self) -> Self {
-        Self { base: Arc::clone(&self.base), gone: self.gone.clone(), added: self.added.clone() }
-    }
-
-    fn clone_from(&mut self, source: &Self) {
-        self.base.clone_from(&source.base);
-        self.gone.clone_from(&source.gone);
-        self.added.clone_from(&source.added);
-    }
-}
+clone_by_field!([] Statics { base, gone, added });
 
 /// Colliders in a tree.
 #[derive(Debug, Default)]

@@ -233,13 +233,8 @@ impl<S: Scalar> Write for StateView<'_, S> {
 }
 
 /// The shapes of the bodies so far, with the slot of the first body that has each.
+#[derive(Default)]
 pub(super) struct Sources<S: Scalar>(BTreeMap<*const Shape<S>, u32>);
-
-impl<S: Scalar> Default for Sources<S> {
-    fn default() -> Self {
-        Self(BTreeMap::new())
-    }
-}
 
 impl<S: Scalar> Sources<S> {
     /// Says how the shape of the body in this slot is written.

@@ -33,7 +33,7 @@ type Predicate<'a, S> = &'a dyn Fn(ColliderId, &ColliderDef<S>) -> bool;
 /// assert_eq!(first(&marked), 5.into());
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub struct QueryFilter<'a, S: Scalar = Fx> {
     /// The filter of the query: colliders are found whose own filter [agrees](Filter::agrees) with it. It counts both ways: a collider is
     /// found only if its mask has a category of the query, which is 1 by default. `None` for all colliders.
@@ -47,12 +47,6 @@ pub struct QueryFilter<'a, S: Scalar = Fx> {
     /// [`closest_point`](super::Queries::closest_point) may call it again for the same collider. It is not recorded, and is called again in
     /// a rollback or a replay: it must depend on the world and its arguments only.
     pub predicate: Option<Predicate<'a, S>>,
-}
-
-impl<S: Scalar> Default for QueryFilter<'_, S> {
-    fn default() -> Self {
-        Self { filter: None, without_bodies: &[], without_colliders: &[], predicate: None }
-    }
 }
 
 impl<S: Scalar> fmt::Debug for QueryFilter<'_, S> {
