@@ -25,7 +25,7 @@ use crate::contact::{
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, Touching, is_candidate};
-use crate::math::Vec2;
+use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator, Angle as _, FxAccumulator, Scalar};
 use crate::slots::BodyId;
 
@@ -93,6 +93,35 @@ fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, found: &mut Found) 
     bounds::is_out_of_bounds(&bodies.columns.motion, dense, &mut found.faults)
 }
 
+/// The scene of bodies since contacts were found: nothing has changed.
+fn scene<'a, S: Scalar>(
+    bodies: &'a Bodies<S>,
+    colliders: &'a ColliderSet<S>,
+    starts: &'a [Start],
+    settings: &'a ContactSettings,
+    time_step: TimeStep,
+) -> Scene<'a> {
+    let colliders = colliders.fixed();
+    Scene {
+        bodies,
+        colliders,
+        starts,
+        may_have_moved_statics: false,
+        changed: Some(Changed::NONE),
+        settings,
+        time_step,
+    }
+}
+
+/// Why contacts that were detected are not those of the step.
+#[derive(Clone, Copy)]
+enum Blocked {
+    /// Sleeping bodies are touched: they wake and move with the others.
+    Sleepers,
+    /// Bodies have too many pairs: they are taken back to the start, at fault.
+    Crowded,
+}
+
 impl<S: Scalar> Workspace<S> {
     /// The engine with the static colliders of the last step, if they stand where they did then.
     pub(super) fn current_statics(
@@ -146,9 +175,9 @@ impl<S: Scalar> Workspace<S> {
         // A world that nothing moves in for long has its colliders looked through instead.
         self.are_all_changed &= listed.is_some() && self.changed.len() <= MOST_CHANGED;
         if let (true, Some(changed)) = (self.are_all_changed, listed) {
-            for one in changed.iter().filter(|one| !is_motion(bodies, one)) {
-                let list = if is_of_body(one) { &mut self.changed.bodies } else { &mut self.changed.owners };
-                list.push(one.0);
+            for change in changed.iter().filter(|change| !is_motion(bodies, change)) {
+                let list = if is_of_body(change) { &mut self.changed.bodies } else { &mut self.changed.owners };
+                list.push(change.0);
             }
         }
         match self.revision.and_then(|revision| colliders.changed_since(revision)) {
@@ -242,133 +271,136 @@ impl<S: Scalar> Step<'_, S> {
     /// Returns true if nothing can touch anything.
     pub(super) fn are_contacts_idle(&self) -> bool {
         let Contacts { colliders, contacts, .. } = &self.contacts;
-        self.workspace.contacts.as_ref().is_none_or(|own| own.is_idle(self.bodies, colliders, contacts))
+        self.workspace.contacts.as_ref().is_none_or(|memory| memory.is_idle(self.bodies, colliders, contacts))
     }
 
-    /// Finds and solves the contacts of the step.
+    /// Finds and solves the contacts of the step, and changes the free flight by their impulses.
     pub(super) fn run_contacts(&mut self, constants: &Constants<'_, S>, schedule: Schedule) {
-        let Some(mut own) = self.workspace.contacts.take() else { return };
-        self.leave_out_faulty(&mut own, 0, 0);
-        own.is_detected = true;
+        let Some(mut memory) = self.workspace.contacts.take() else { return };
+        self.leave_out_faulty(&mut memory, 0, 0);
+        memory.is_detected = true;
         let settings = self.contacts.settings.to_fx();
-        loop {
-            own.detected.touched.clear();
-            own.detected.crowded.clear();
-            let scene = Scene {
-                bodies: self.bodies,
-                colliders: self.contacts.colliders.fixed(),
-                starts: Start::all_fixed(&own.starts, &mut own.fixed_starts),
-                may_have_moved_statics: own.may_have_moved_statics,
-                changed: own.are_all_changed.then_some(&own.changed),
-                settings: &settings,
-                time_step: self.settings.time_step,
-            };
-            own.engine.detect(&scene, self.contacts.contacts, &mut own.detected);
-            let is_complete = own.detected.touched.is_empty() && own.detected.crowded.is_empty();
-            if is_complete {
-                own.engine.solve(&mut own.solvers, &scene, &mut own.corrections);
-                let mut rounds = 0;
-                while rounds < ROUNDS && own.engine.add_deflected(&scene, &own.corrections, &mut own.detected) {
-                    own.engine.solve_again(&mut own.solvers, &scene, &mut own.corrections);
-                    rounds += 1;
-                }
-                if rounds == ROUNDS {
-                    own.engine.find_deflected(&scene, &own.corrections);
-                }
-            }
-            if is_complete && own.detected.touched.is_empty() {
-                let contacts = &mut *self.contacts.contacts;
-                if scene.colliders.any_contact_events() {
-                    list_pairs(&contacts.records, scene.colliders, &mut own.touching_before);
-                }
-                let (was_near, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
-                if self.probe.is_some() {
-                    own.engine.swap_starts();
-                    own.engine.list(contacts);
-                    show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
-                    own.engine.swap_starts();
-                }
-                own.engine.list(contacts);
-                if scene.colliders.any_hit_events() {
-                    own.engine.hits(&scene, &mut self.workspace.report.hits);
-                }
-                let is_near = was_near || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
-                // Contacts that touched without an impulse are state that the step before does not have.
-                if is_near || !own.corrections.is_empty() || !contacts.records.is_empty() {
-                    contacts.pushed_at = self.settings.tick;
-                }
-                self.show(StageKind::Solve);
-                self.correct(&own, constants);
-                self.end_paths(&mut own, &settings, constants);
-                self.follow_paths(&mut own, &settings);
-                self.show(StageKind::Push);
-                break;
-            }
-            // Bodies that wake may be crowded: then they are detected once more.
-            if own.detected.touched.is_empty() {
-                self.refuse_crowded(&mut own);
-            } else {
-                self.wake_touched(&mut own, &settings, constants, schedule);
+        while let Some(blocked) = self.solve_contacts(&mut memory, &settings) {
+            match blocked {
+                Blocked::Sleepers => self.wake_touched(&mut memory, &settings, constants, schedule),
+                Blocked::Crowded => self.refuse_crowded(&mut memory),
             }
         }
-        own.changed.clear();
-        own.are_all_changed = true;
-        own.detected.disturbed.clear();
-        self.workspace.contacts = Some(own);
+        self.list_contacts(&mut memory, &settings);
+        self.show(StageKind::Solve);
+        self.correct(&memory, constants);
+        self.end_paths(&mut memory, &settings, constants);
+        self.follow_paths(&mut memory, &settings);
+        self.show(StageKind::Push);
+        memory.changed.clear();
+        memory.are_all_changed = true;
+        memory.detected.disturbed.clear();
+        self.workspace.contacts = Some(memory);
+    }
+
+    /// Detects the contacts of the bodies that take part, and solves them. Impulses send bodies where they meet others: such contacts are
+    /// added and all are solved again, up to [`ROUNDS`] times. Returns what keeps the contacts from being those of the step, if anything
+    /// does.
+    fn solve_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) -> Option<Blocked> {
+        let Workspace { engine, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
+        detected.touched.clear();
+        detected.crowded.clear();
+        let starts = Start::all_fixed(starts, fixed_starts);
+        let scene = Scene {
+            may_have_moved_statics: memory.may_have_moved_statics,
+            changed: memory.are_all_changed.then_some(&memory.changed),
+            ..scene(self.bodies, self.contacts.colliders, starts, settings, self.settings.time_step)
+        };
+        engine.detect(&scene, self.contacts.contacts, detected);
+        if !detected.touched.is_empty() {
+            return Some(Blocked::Sleepers);
+        }
+        if !detected.crowded.is_empty() {
+            return Some(Blocked::Crowded);
+        }
+        engine.solve(solvers, &scene, corrections);
+        let mut rounds = 0;
+        while rounds < ROUNDS && engine.add_deflected(&scene, corrections, detected) {
+            engine.solve_again(solvers, &scene, corrections);
+            rounds += 1;
+        }
+        if rounds == ROUNDS {
+            engine.find_deflected(&scene, corrections);
+        }
+        (!detected.touched.is_empty()).then_some(Blocked::Sleepers)
+    }
+
+    /// Writes the contacts of the step, with their impulses, to the state, and hits to the report.
+    fn list_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) {
+        let Workspace { engine, starts, fixed_starts, corrections, touching_before, .. } = memory;
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        if colliders.any_contact_events() {
+            list_pairs(&contacts.records, colliders.fixed(), touching_before);
+        }
+        let (had_passes, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
+        if self.probe.is_some() {
+            engine.swap_starts();
+            engine.list(contacts);
+            show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
+            engine.swap_starts();
+        }
+        engine.list(contacts);
+        if colliders.any_hit_events() {
+            let starts = Start::all_fixed(starts, fixed_starts);
+            let scene = scene(self.bodies, colliders, starts, settings, self.settings.time_step);
+            engine.hits(&scene, &mut self.workspace.report.hits);
+        }
+        let has_passes = had_passes || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
+        // Contacts that touched without an impulse are state that the step before does not have.
+        if has_passes || !corrections.is_empty() || !contacts.records.is_empty() {
+            contacts.pushed_at = self.settings.tick;
+        }
     }
 
     /// The scene of these bodies, since contacts were found.
     fn unchanged<'a>(&'a self, starts: &'a [Start], settings: &'a ContactSettings) -> Scene<'a> {
-        Scene {
-            bodies: self.bodies,
-            colliders: self.contacts.colliders.fixed(),
-            starts,
-            may_have_moved_statics: false,
-            changed: Some(Changed::NONE),
-            settings,
-            time_step: self.settings.time_step,
-        }
+        scene(self.bodies, self.contacts.colliders, starts, settings, self.settings.time_step)
     }
 
     /// Takes bodies with too many pairs back to the start, at fault.
-    fn refuse_crowded(&mut self, own: &mut Workspace<S>) {
-        own.detected.crowded.sort_unstable();
-        own.detected.crowded.dedup();
-        let is_crowded = |start: &Start<S>| own.detected.crowded.binary_search(&start.dense).is_ok();
-        for start in own.starts.iter().filter(|start| is_crowded(start)) {
+    fn refuse_crowded(&mut self, memory: &mut Workspace<S>) {
+        memory.detected.crowded.sort_unstable();
+        memory.detected.crowded.dedup();
+        let is_crowded = |start: &Start<S>| memory.detected.crowded.binary_search(&start.dense).is_ok();
+        for start in memory.starts.iter().filter(|start| is_crowded(start)) {
             start.restore(self.bodies);
             self.workspace.found.faults.push((start.dense, Cause::Pairs));
         }
-        own.starts.retain(|start| !is_crowded(start));
+        memory.starts.retain(|start| !is_crowded(start));
     }
 
     /// Wakes sleeping bodies that are touched, those that they touch then, and so on, and lets them fly freely over the step.
     fn wake_touched(
         &mut self,
-        own: &mut Workspace<S>,
+        memory: &mut Workspace<S>,
         settings: &ContactSettings,
         constants: &Constants<'_, S>,
         schedule: Schedule,
     ) {
         loop {
-            own.detected.touched.sort_unstable();
-            own.detected.touched.dedup();
-            let (first, from, known) = (self.bodies.moving(), own.starts.len(), self.workspace.found.faults.len());
-            let touched = own.detected.touched.iter().copied();
+            memory.detected.touched.sort_unstable();
+            memory.detected.touched.dedup();
+            let (first, from, known) = (self.bodies.moving(), memory.starts.len(), self.workspace.found.faults.len());
+            let touched = memory.detected.touched.iter().copied();
             let woke = &mut self.workspace.report.woke;
             let Contacts { colliders, contacts, .. } = &mut self.contacts;
             let before = woke.len();
             island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
-            own.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
+            memory.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
             let indices = first..self.bodies.moving();
             let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
-            own.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
+            memory.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
             self.fly(indices, constants, schedule);
-            self.leave_out_faulty(own, from, known);
-            own.detected.touched.clear();
-            let starts = &Start::all_fixed(&own.starts, &mut own.fixed_starts)[from..];
-            own.engine.spread(&self.unchanged(starts, settings), self.contacts.contacts, &mut own.detected);
-            if own.detected.touched.is_empty() {
+            self.leave_out_faulty(memory, from, known);
+            memory.detected.touched.clear();
+            let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[from..];
+            memory.engine.spread(&self.unchanged(starts, settings), self.contacts.contacts, &mut memory.detected);
+            if memory.detected.touched.is_empty() {
                 break;
             }
         }
@@ -378,12 +410,12 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Leaves out those of the starts from `from` on that are at fault, by the faults from `known` on.
-    fn leave_out_faulty(&self, own: &mut Workspace<S>, from: usize, known: usize) {
+    fn leave_out_faulty(&self, memory: &mut Workspace<S>, from: usize, known: usize) {
         let faults = &self.workspace.found.faults[known..];
         if faults.is_empty() {
             return;
         }
-        let Workspace { starts, at_fault, .. } = own;
+        let Workspace { starts, at_fault, .. } = memory;
         list_faulty(faults, at_fault);
         let mut kept = from;
         for i in from..starts.len() {
@@ -415,9 +447,9 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
-    fn correct(&mut self, own: &Workspace<S>, constants: &Constants<'_, S>) {
+    fn correct(&mut self, memory: &Workspace<S>, constants: &Constants<'_, S>) {
         let from_fixed = <S::Accumulator as Accumulator<S>>::from_fixed;
-        for (start, by) in own.starts.iter().zip(&own.corrections) {
+        for (start, by) in memory.starts.iter().zip(&memory.corrections) {
             if !by.is_pushed {
                 continue;
             }

@@ -40,31 +40,31 @@ impl<S: Scalar> Step<'_, S> {
         for ended in contacts.ended.drain(..) {
             if ended.is_sensor { &mut report.sensors_left } else { &mut report.contacts_ended }.push(ended.pair);
         }
-        if let Some(own) = workspace.contacts.as_deref_mut() {
+        if let Some(memory) = workspace.contacts.as_deref_mut() {
             if any_contacts {
-                list_pairs(&contacts.records, colliders, &mut own.touching_after);
+                list_pairs(&contacts.records, colliders, &mut memory.touching_after);
                 let pair = |slots| ColliderPair::of_contact(bodies, colliders, slots);
-                let lists = [&own.touching_before[..], &own.touching_after];
+                let lists = [&memory.touching_before[..], &memory.touching_after];
                 let (ended, began) = (&mut report.contacts_ended, &mut report.contacts_began);
                 compare(lists, |slots| ended.extend(pair(slots)), |slots| began.extend(pair(slots)));
             }
             if any_overlaps {
-                own.find_overlaps(bodies, colliders, &report.fell_asleep, &settings.to_fx());
+                memory.find_overlaps(bodies, colliders, &report.fell_asleep, &settings.to_fx());
                 let pair = |overlap: Overlap| ColliderPair::new(bodies, colliders, overlap.slots());
-                let lists = [&contacts.overlaps[..], own.overlaps()];
+                let lists = [&contacts.overlaps[..], memory.overlaps()];
                 let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);
                 compare(lists, |overlap| left.extend(pair(overlap)), |overlap| entered.extend(pair(overlap)));
                 // Those that were in the sensor at the start leave it alone, also where a call made them do so.
                 left.sort_unstable_by_key(ColliderPair::rank);
                 let has_left =
                     |pair: &ColliderPair| left.binary_search_by_key(&pair.rank(), ColliderPair::rank).is_ok();
-                let crossed = own.crossed().iter().filter_map(|&overlap| pair(overlap));
+                let crossed = memory.crossed().iter().filter_map(|&overlap| pair(overlap));
                 report.sensors_crossed.extend(crossed.filter(|pair| !has_left(pair)));
                 left.extend_from_slice(&report.sensors_crossed);
                 entered.extend_from_slice(&report.sensors_crossed);
-                if contacts.overlaps != own.overlaps() {
+                if contacts.overlaps != memory.overlaps() {
                     contacts.overlaps.clear();
-                    contacts.overlaps.extend_from_slice(own.overlaps());
+                    contacts.overlaps.extend_from_slice(memory.overlaps());
                     contacts.pushed_at = self.settings.tick;
                 }
             }

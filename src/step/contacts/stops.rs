@@ -37,15 +37,15 @@ impl<S: Scalar> Step<'_, S> {
     /// it faster in the time that is lost. The next step solves the contact.
     pub(super) fn end_paths(
         &mut self,
-        own: &mut Workspace<S>,
+        memory: &mut Workspace<S>,
         settings: &ContactSettings,
         constants: &Constants<'_, S>,
     ) {
         #[cfg(feature = "selftest")]
-        if own.is_blind {
+        if memory.is_blind {
             return;
         }
-        let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = own;
+        let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
         list_faulty(&self.workspace.found.faults, at_fault);
         let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
         engine.sweep_paths(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
@@ -94,9 +94,9 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Keeps the paths of fast bodies for sensors.
-    pub(super) fn follow_paths(&self, own: &mut Workspace<S>, settings: &ContactSettings) {
+    pub(super) fn follow_paths(&self, memory: &mut Workspace<S>, settings: &ContactSettings) {
         if self.contacts.colliders.any_sensors() {
-            let Workspace { engine, corrections, starts, fixed_starts, sensors, .. } = own;
+            let Workspace { engine, corrections, starts, fixed_starts, sensors, .. } = memory;
             let scene = &self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
             sensors.follow(&Paths { scene, corrections, is_corrected: true }, engine);
         }
