@@ -9,7 +9,7 @@ use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFactor, UmbraFx, UmbraInt128, UmbraVec2, vector};
 use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_BODY, UMBRA_ERROR_NUMBER_OUT_OF_RANGE, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, created, look, word};
+use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
 
 /// How a body moves: one of the three values below.
 pub type UmbraBodyKind = u32;
@@ -501,7 +501,7 @@ pub extern "C" fn umbra_world_body_with_key(
     body: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     look(world, body, |world| match world.body_with_key(key) {
-        Some(body) => Ok(word(body.id().parts())),
+        Some(body) => Ok(body_word(body.id())),
         None => Err(Refusal::own(UMBRA_ERROR_NO_SUCH_BODY, "no body has this key")),
     })
 }
@@ -516,7 +516,7 @@ pub unsafe extern "C" fn umbra_world_bodies_with_key(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let all: Vec<u64> = given(world)?.world().bodies_with_key(key).map(|body| word(body.id().parts())).collect();
+        let all: Vec<u64> = given(world)?.world().bodies_with_key(key).map(|body| body_word(body.id())).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), bodies, capacity, count) }
     })
@@ -551,7 +551,7 @@ pub unsafe extern "C" fn umbra_world_bodies(
 ) -> UmbraStatus {
     guard(|| {
         let world = given(world)?.world();
-        let rows = Counted { rows: world.bodies().map(|body| word(body.id().parts())), left: world.body_count() };
+        let rows = Counted { rows: world.bodies().map(|body| body_word(body.id())), left: world.body_count() };
         // SAFETY: as the caller promises.
         unsafe { fill(rows, bodies, capacity, count) }
     })
@@ -568,7 +568,7 @@ pub unsafe extern "C" fn umbra_world_poses(
     guard(|| {
         let world = given(world)?.world();
         let rows = world.bodies().map(|body| UmbraPose {
-            body: word(body.id().parts()),
+            body: body_word(body.id()),
             position: body.position().into(),
             angle: body.angle().to_bits(),
             key: body.key(),
@@ -782,4 +782,4 @@ pub extern "C" fn umbra_world_release(world: Option<&mut UmbraWorld>, body: u64)
     change(world, Command::Release(body_id(body)))
 }
 
-const _: () = assert!(word((u32::MAX, u32::MAX)) == UMBRA_NO_HANDLE);
+const _: () = assert!(word(u32::MAX, u32::MAX) == UMBRA_NO_HANDLE);

@@ -15,12 +15,13 @@ use std::mem::MaybeUninit;
 use umbra_physics::{Character, CharacterHit, Command, ForceOrImpulse, Fx, Ground, Movement};
 
 use crate::UMBRA_NO_HANDLE;
+use crate::collider::collider_word;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
 use crate::query::{UmbraQueryFilter, query};
 use crate::shape::UmbraShape;
 use crate::status::{UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, word};
+use crate::world::{UmbraWorld, body_id, body_word};
 
 /// A character; `umbra_character_def_default` fills it in, but for the shape. Values out of range are refused with the causes 190 to 194.
 #[repr(C)]
@@ -133,15 +134,15 @@ const NO_GROUND: UmbraGround =
 
 impl From<Ground> for UmbraGround {
     fn from(ground: Ground) -> Self {
-        Self { body: word(ground.body.parts()), local: ground.local.into(), point: ground.point.into() }
+        Self { body: body_word(ground.body), local: ground.local.into(), point: ground.point.into() }
     }
 }
 
 impl From<&CharacterHit> for UmbraCharacterHit {
     fn from(hit: &CharacterHit) -> Self {
         Self {
-            collider: word(hit.collider.parts()),
-            body: word(hit.body.parts()),
+            collider: collider_word(hit.collider),
+            body: body_word(hit.body),
             point: hit.point.into(),
             normal: hit.normal.into(),
             part: hit.part,
@@ -155,7 +156,7 @@ impl UmbraCharacterPush {
     fn of(command: &Command) -> Option<Self> {
         let Command::Apply { body, action, .. } = command else { return None };
         let ForceOrImpulse::Impulse { impulse, point: Some(point) } = action else { return None };
-        Some(Self { body: word(body.parts()), impulse: (*impulse).into(), point: (*point).into() })
+        Some(Self { body: body_word(*body), impulse: (*impulse).into(), point: (*point).into() })
     }
 }
 
@@ -234,7 +235,7 @@ pub extern "C" fn umbra_movement_state(
         place.write(UmbraMovementState {
             position: movement.position.into(),
             ground: movement.ground.map_or(NO_GROUND, UmbraGround::from),
-            ground_collider: movement.ground_collider.map_or(UMBRA_NO_HANDLE, |collider| word(collider.parts())),
+            ground_collider: movement.ground_collider.map_or(UMBRA_NO_HANDLE, collider_word),
             ground_normal: movement.ground_normal.into(),
             ground_velocity: movement.ground_velocity.into(),
             desired: movement.desired.into(),

@@ -10,7 +10,7 @@ use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFx, UmbraVec2};
 use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, created, look, word};
+use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
 
 /// All categories of colliders.
 pub const UMBRA_ALL_CATEGORIES: u32 = 0xFFFF_FFFF;
@@ -154,6 +154,11 @@ pub struct UmbraContactSettings {
 /// A number that is 0 or 1.
 fn flag(number: u32, otherwise: &'static str) -> Result<bool> {
     if number <= 1 { Ok(number == 1) } else { Err(Refusal::bad(otherwise)) }
+}
+
+pub(crate) const fn collider_word(collider: ColliderId) -> u64 {
+    let (slot, generation) = collider.parts();
+    word(slot, generation)
 }
 
 pub(crate) const fn collider_id(word: u64) -> ColliderId {
@@ -340,7 +345,7 @@ pub extern "C" fn umbra_world_collider_body(
     collider: u64,
     body: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
-    look(world, body, |world| Ok(word(world.collider_body(collider_id(collider))?.parts())))
+    look(world, body, |world| Ok(body_word(world.collider_body(collider_id(collider))?)))
 }
 
 /// The handles of the colliders of a body, in the order of their slots; a list as `umbra_world_outcomes` gives it.
@@ -354,7 +359,7 @@ pub unsafe extern "C" fn umbra_world_body_colliders(
 ) -> UmbraStatus {
     guard(|| {
         let own = given(world)?.world().colliders_of(body_id(body))?;
-        let all: Vec<u64> = own.map(|id| word(id.parts())).collect();
+        let all: Vec<u64> = own.map(collider_word).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), colliders, capacity, count) }
     })
@@ -463,7 +468,7 @@ pub unsafe extern "C" fn umbra_world_excluded_pairs(
 ) -> UmbraStatus {
     guard(|| {
         let all = given(world)?.world().excluded_pairs().map(|(bodies, exclusion)| UmbraExcludedPair {
-            bodies: bodies.map(|body| word(body.parts())),
+            bodies: bodies.map(body_word),
             exclusion: if exclusion == Exclusion::Always { UMBRA_EXCLUDE_ALWAYS } else { UMBRA_EXCLUDE_UNTIL_APART },
             reserved: 0,
         });

@@ -4,10 +4,11 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{Contact, ContactPoint};
 
+use crate::collider::collider_word;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
 use crate::status::{UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, word};
+use crate::world::{UmbraWorld, body_id, body_word};
 
 /// A point of a contact.
 #[repr(C)]
@@ -57,8 +58,8 @@ impl From<&Contact> for UmbraContact {
     fn from(contact: &Contact) -> Self {
         let points = contact.points();
         Self {
-            colliders: contact.colliders.map(|collider| word(collider.parts())),
-            bodies: contact.bodies.map(|body| word(body.parts())),
+            colliders: contact.colliders.map(collider_word),
+            bodies: contact.bodies.map(body_word),
             normal: contact.normal.into(),
             tangent_impulse: contact.tangent_impulse.to_bits(),
             rolling_impulse: contact.rolling_impulse.to_bits(),

@@ -4,10 +4,11 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{ColliderPair, ContactHit, StepReport};
 
+use crate::collider::collider_word;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
 use crate::status::{UmbraStatus, guard};
-use crate::world::{UmbraWorld, word};
+use crate::world::{UmbraWorld, body_word};
 
 /// Two colliders that an event is about. Handles of what calls removed before the step are those that it had: calls refuse them.
 ///
@@ -47,8 +48,8 @@ pub struct UmbraContactHit {
 impl From<&ColliderPair> for UmbraColliderPair {
     fn from(pair: &ColliderPair) -> Self {
         Self {
-            colliders: pair.colliders.map(|collider| word(collider.parts())),
-            bodies: pair.bodies.map(|body| word(body.parts())),
+            colliders: pair.colliders.map(collider_word),
+            bodies: pair.bodies.map(body_word),
             collider_keys: pair.collider_keys,
             body_keys: pair.body_keys,
         }

@@ -8,7 +8,7 @@ use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, change, change_by, created, field_id, look, word};
+use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, field_id, field_word, look};
 
 /// A kind of force field: one of the six below.
 pub type UmbraFieldKind = u32;
@@ -145,13 +145,13 @@ impl UmbraFieldDef {
     }
 
     fn set_near(&mut self, at: &Attachment) {
-        (self.body, self.point) = (word(at.body.parts()), at.point.into());
+        (self.body, self.point) = (body_word(at.body), at.point.into());
     }
 
     fn set_end(&mut self, end: &End) {
         (self.other, self.other_point) = match end {
             End::World(point) => (UMBRA_NO_HANDLE, (*point).into()),
-            End::Body(at) => (word(at.body.parts()), at.point.into()),
+            End::Body(at) => (body_word(at.body), at.point.into()),
         };
     }
 
@@ -307,7 +307,7 @@ pub unsafe extern "C" fn umbra_world_fields(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let all: Vec<u64> = given(world)?.world().fields().map(|(id, _)| word(id.parts())).collect();
+        let all: Vec<u64> = given(world)?.world().fields().map(|(id, _)| field_word(id)).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), fields, capacity, count) }
     })

@@ -44,14 +44,16 @@ pub(crate) unsafe fn text<'a>(pointer: *const c_char, length: usize) -> Result<&
     std::str::from_utf8(bytes).map_err(|error| Refusal::bad(&error.to_string()))
 }
 
-/// Writes values to a buffer if they all fit, and `count`, the number that the caller goes by, unless the buffer is none.
+/// Writes values to a buffer if they all fit, and to a place, if there is one, `count`, the number that the caller goes by.
 ///
 /// # Safety
 /// The buffer, unless it is null, has room for `capacity` values, and nothing else uses it meanwhile.
 unsafe fn put<T>(
     values: impl ExactSizeIterator<Item = T>,
-    (buffer, capacity): (*mut T, usize),
-    (count, place): (usize, Option<&mut MaybeUninit<usize>>),
+    buffer: *mut T,
+    capacity: usize,
+    count: usize,
+    place: Option<&mut MaybeUninit<usize>>,
 ) -> Result {
     check_length::<T>(capacity)?;
     if capacity > 0 && buffer.is_null() {
@@ -83,7 +85,7 @@ pub(crate) unsafe fn fill<T>(
 ) -> Result {
     let needed = values.len();
     // SAFETY: as the caller promises.
-    unsafe { put(values, (buffer, capacity), (needed, count)) }
+    unsafe { put(values, buffer, capacity, needed, count) }
 }
 
 /// Writes text with a zero after it; its length is counted without.
@@ -99,7 +101,7 @@ pub(crate) unsafe fn write_text(
     let mut bytes = text.as_bytes().to_vec();
     bytes.push(0);
     // SAFETY: as the caller promises; bytes are characters of C.
-    unsafe { put(bytes.into_iter(), (buffer.cast::<u8>(), capacity), (text.len(), length)) }
+    unsafe { put(bytes.into_iter(), buffer.cast::<u8>(), capacity, text.len(), length) }
 }
 
 /// Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.

@@ -10,12 +10,12 @@ use umbra_physics::{
     Aabb, BodyId, CastHit, ClosestPoint, ColliderDef, ColliderId, Filter, Fx, Queries, QueryFilter, ShapeHit,
 };
 
-use crate::collider::{UMBRA_ALL_CATEGORIES, collider_id};
+use crate::collider::{UMBRA_ALL_CATEGORIES, collider_id, collider_word};
 use crate::memory::{fill, given, slice};
 use crate::number::{UmbraFx, UmbraVec2, vector};
 use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UmbraStatus, guard};
-use crate::world::{UmbraWorld, body_id, word};
+use crate::world::{UmbraWorld, body_id, body_word};
 
 /// A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must
 /// not call functions that change the world.
@@ -98,8 +98,8 @@ pub struct UmbraClosestPoint {
 impl From<CastHit> for UmbraCastHit {
     fn from(hit: CastHit) -> Self {
         Self {
-            collider: word(hit.collider.parts()),
-            body: word(hit.body.parts()),
+            collider: collider_word(hit.collider),
+            body: body_word(hit.body),
             fraction: hit.fraction.to_bits(),
             point: hit.point.into(),
             normal: hit.normal.into(),
@@ -125,8 +125,8 @@ impl From<ShapeHit> for UmbraCastHit {
 impl From<ClosestPoint> for UmbraClosestPoint {
     fn from(near: ClosestPoint) -> Self {
         Self {
-            collider: word(near.collider.parts()),
-            body: word(near.body.parts()),
+            collider: collider_word(near.collider),
+            body: body_word(near.body),
             distance: near.distance.to_bits(),
             point: near.point.into(),
             part: near.part,
@@ -155,7 +155,7 @@ pub(crate) unsafe fn query<T>(
     let called = own.predicate.map(|predicate| {
         move |id: ColliderId, def: &ColliderDef| {
             // SAFETY: as the caller promises.
-            (unsafe { predicate(own.context, word(id.parts()), def.user_data) }) != 0
+            (unsafe { predicate(own.context, collider_word(id), def.user_data) }) != 0
         }
     });
     let UmbraQueryFilter { category, mask, group, .. } = *own;
@@ -306,7 +306,7 @@ pub unsafe extern "C" fn umbra_world_overlap_shape(
         // SAFETY: as the caller promises.
         let all = unsafe { query(world, filter, |queries, filter| Ok(queries.overlap_shape(shape, pose, filter)?)) }?;
         // SAFETY: as the caller promises.
-        unsafe { fill(all.into_iter().map(|collider| word(collider.parts())), colliders, capacity, count) }
+        unsafe { fill(all.into_iter().map(collider_word), colliders, capacity, count) }
     })
 }
 
@@ -329,7 +329,7 @@ pub unsafe extern "C" fn umbra_world_overlap_box(
         // SAFETY: as the caller promises.
         let all = unsafe { query(world, filter, |queries, filter| Ok(queries.overlap_box(bounds, filter)?)) }?;
         // SAFETY: as the caller promises.
-        unsafe { fill(all.into_iter().map(|collider| word(collider.parts())), colliders, capacity, count) }
+        unsafe { fill(all.into_iter().map(collider_word), colliders, capacity, count) }
     })
 }
 

@@ -11,6 +11,7 @@ use umbra_physics::{
 use umbra_scene::{Scene, SceneRun};
 
 use crate::UMBRA_NO_HANDLE;
+use crate::collider::collider_word;
 use crate::memory::{fill, given, slice, text, write_text};
 use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
 use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
@@ -343,15 +344,25 @@ unsafe fn reported(
     of: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [BodyId],
 ) -> UmbraStatus {
     guard(|| {
-        let rows = of(&given(world)?.world().last_report()).iter().map(|body| word(body.parts()));
+        let rows = of(&given(world)?.world().last_report()).iter().copied().map(body_word);
         // SAFETY: as the caller promises.
         unsafe { fill(rows, bodies, capacity, count) }
     })
 }
 
 /// A handle as one word: the generation above the slot, so that its bytes are those of the formats.
-pub(crate) const fn word((slot, generation): (u32, u32)) -> u64 {
+pub(crate) const fn word(slot: u32, generation: u32) -> u64 {
     (generation as u64) << 32 | slot as u64
+}
+
+pub(crate) const fn body_word(body: BodyId) -> u64 {
+    let (slot, generation) = body.parts();
+    word(slot, generation)
+}
+
+pub(crate) const fn field_word(field: FieldId) -> u64 {
+    let (slot, generation) = field.parts();
+    word(slot, generation)
 }
 
 pub(crate) const fn body_id(word: u64) -> BodyId {
@@ -364,9 +375,9 @@ pub(crate) const fn field_id(word: u64) -> FieldId {
 
 pub(crate) fn created(created: Created) -> (UmbraCreatedKind, u64) {
     match created {
-        Created::Body(body) => (UMBRA_CREATED_BODY, word(body.parts())),
-        Created::ForceField(field) => (UMBRA_CREATED_FIELD, word(field.parts())),
-        Created::Collider(collider) => (UMBRA_CREATED_COLLIDER, word(collider.parts())),
+        Created::Body(body) => (UMBRA_CREATED_BODY, body_word(body)),
+        Created::ForceField(field) => (UMBRA_CREATED_FIELD, field_word(field)),
+        Created::Collider(collider) => (UMBRA_CREATED_COLLIDER, collider_word(collider)),
         _ => (UMBRA_CREATED_NOTHING, UMBRA_NO_HANDLE),
     }
 }
@@ -462,7 +473,7 @@ pub unsafe extern "C" fn umbra_world_find_body(
         let found =
             world.play()?.run.world().bodies().map(|body| body.id()).find(|&body| world.name(body) == Some(name));
         let found = found.ok_or_else(|| Refusal::bad("no body has this name"))?;
-        place.write(word(found.parts()));
+        place.write(body_word(found));
         Ok(())
     })
 }
@@ -674,9 +685,9 @@ pub unsafe extern "C" fn umbra_world_faults(
     use umbra_physics::Cause;
     guard(|| {
         let rows = given(world)?.world().last_report().faults.iter().map(|fault| UmbraFault {
-            body: word(fault.body.parts()),
+            body: body_word(fault.body),
             field: match fault.cause {
-                Cause::Field { field } | Cause::CustomForce { field, .. } => word(field.parts()),
+                Cause::Field { field } | Cause::CustomForce { field, .. } => field_word(field),
                 _ => UMBRA_NO_HANDLE,
             },
             cause: fault.code().into(),

@@ -240,8 +240,10 @@ impl<S: Scalar> Bodies<S> {
             Some(digests) if self.len() == self.slots.len() => sink.all(digests, u64::to_le_bytes),
             Some(digests) => sink.each(taken.map(|slot| digests[slot]), u64::to_le_bytes),
             None => {
-                let with = |slot| hashed_with(&self.slots, &self.columns, &self.masses, factor_table, slot);
-                let digest = |slot| self.table.digest(slot, with(slot));
+                let digest = |slot| {
+                    let (key, locks) = hashed_with(&self.slots, &self.columns, &self.masses, factor_table, slot);
+                    self.table.digest(slot, key, locks)
+                };
                 sink.each(taken.map(digest), u64::to_le_bytes);
             }
         }
@@ -261,11 +263,12 @@ impl<S: Scalar> Bodies<S> {
     pub(crate) fn insert(
         &mut self,
         mut def: BodyDef<S>,
-        (collider_mass, properties): (ColliderMass<S>, MassProperties<S>),
+        collider_mass: ColliderMass<S>,
+        properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
         let shape = def.shape.take();
-        self.insert_with(&def, shape, (collider_mass, properties), factor_table)
+        self.insert_with(&def, shape, collider_mass, properties, factor_table)
     }
 
     /// Adds a body with this shape. *Domain* the definition was checked, and there is room.
@@ -273,14 +276,15 @@ impl<S: Scalar> Bodies<S> {
         &mut self,
         def: &BodyDef<S>,
         shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
-        masses: (ColliderMass<S>, MassProperties<S>),
+        collider_mass: ColliderMass<S>,
+        properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) -> BodyId {
         let slot = match self.slots.reuse() {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, shape, masses, factor_table);
+        self.insert_at(slot, def, shape, collider_mass, properties, factor_table);
         self.slots.handle(slot)
     }
 
@@ -296,7 +300,8 @@ impl<S: Scalar> Bodies<S> {
         slot: u32,
         def: &BodyDef<S>,
         shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
-        (collider_mass, properties): (ColliderMass<S>, MassProperties<S>),
+        collider_mass: ColliderMass<S>,
+        properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
     ) {
         let dense = self.len();

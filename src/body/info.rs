@@ -90,7 +90,7 @@ impl<S: Scalar> BodyInfo<S> {
     }
 
     /// A hash of the info, the key of the body's factors, and its locks.
-    pub(super) fn digest(&self, (key, locks): (&Key<S>, Locks)) -> u64 {
+    pub(super) fn digest(&self, key: &Key<S>, locks: Locks) -> u64 {
         let mut sink = StateHasher::new();
         self.kind.write(&mut sink);
         self.is_bullet.write(&mut sink);
@@ -198,15 +198,19 @@ impl<S: Scalar> BodyTable<S> {
     {
         for slot in self.stale.drain(..).map(|slot| slot as usize) {
             let info = self.infos.get(self.at[slot] as usize);
-            self.digests[slot] = info.map_or(!NOT_MADE, |info| info.digest(key(slot)));
+            let digest = |info: &BodyInfo<S>| {
+                let (key, locks) = key(slot);
+                info.digest(key, locks)
+            };
+            self.digests[slot] = info.map_or(!NOT_MADE, digest);
         }
         self.stale.shrink_to(STALE);
     }
 
     /// The up-to-date digest of the body in a slot.
-    pub(super) fn digest(&self, slot: usize, key: (&Key<S>, Locks)) -> u64 {
+    pub(super) fn digest(&self, slot: usize, key: &Key<S>, locks: Locks) -> u64 {
         match self.digests[slot] {
-            NOT_MADE => self.info(slot).digest(key),
+            NOT_MADE => self.info(slot).digest(key, locks),
             digest => digest,
         }
     }

@@ -374,7 +374,8 @@ fn within<S: Scalar>(value: S, limit: Fx) -> bool {
 /// accumulator: for the results of steps.
 pub(crate) fn within_envelope<S: Scalar>(
     position: Vec2<S::Accumulator>,
-    (velocity, angular_velocity): Velocities<S>,
+    velocity: Vec2<S::Accumulator>,
+    angular_velocity: S::Accumulator,
     limits: [Fx; 3],
 ) -> Result<(), Error> {
     let [at, speed, angular_speed] = limits.map(S::from_fx);

@@ -76,7 +76,7 @@ impl<S: Scalar> Record<S> {
                 [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED]
             }
         };
-        within_envelope::<S>(self.position, (self.velocity, self.angular_velocity), limits)?;
+        within_envelope::<S>(self.position, self.velocity, self.angular_velocity, limits)?;
         let none = S::Accumulator::default();
         let moves = self.velocity != Vec2::new(none, none) || self.angular_velocity != none;
         if self.kind == BodyKind::Static && moves {
@@ -192,7 +192,7 @@ impl<S: Scalar> Bodies<S> {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, &record.def(), shape, (colliders, properties), factor_table);
+        self.insert_at(slot, &record.def(), shape, colliders, properties, factor_table);
         let dense = self.slots.all()[slot as usize].index_or_none() as usize;
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
@@ -210,13 +210,15 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a copy of a body of another world with the same parameters. Everything is copied but its handle.
     pub(crate) fn adopt(
         &mut self,
-        (other, body): (&Self, BodyId),
-        (other_factors, factor_table): (&FactorTable<S>, &mut FactorTable<S>),
+        other: &Self,
+        body: BodyId,
+        other_factors: &FactorTable<S>,
+        factor_table: &mut FactorTable<S>,
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
         let (def, shape) = (other.record(from, other_factors).def(), other.info(from).shape.clone());
-        let adopted =
-            self.insert_with(&def, shape, (other.info(from).collider_mass(), *other.mass(from)), factor_table);
+        let collider_mass = other.info(from).collider_mass();
+        let adopted = self.insert_with(&def, shape, collider_mass, *other.mass(from), factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();

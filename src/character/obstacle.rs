@@ -48,13 +48,13 @@ impl Plane {
 #[derive(Debug, Default)]
 pub(super) struct Contacts {
     pub(super) planes: Vec<Plane>,
-    /// Obstacles that no way from this place meets, by their numbers: those of planes, and those that let the point pass.
+    /// The numbers of obstacles that do not stop a way from this place: the obstacles of planes, and obstacles that let the point pass.
     skipped: Vec<usize>,
 }
 
 /// The obstacles around a character.
 pub(super) struct Obstacles<'a> {
-    pub(super) all: &'a [Neighbour],
+    pub(super) neighbours: &'a [Neighbour],
     pub(super) terms: &'a Terms,
     /// The body on which the character stood: its one-way colliders hold it until it has left their skins.
     pub(super) stood_on: Option<BodyId>,
@@ -84,15 +84,15 @@ fn depth_of(core: &Core, i: usize) -> i64 {
     (distance(core, Near::Edge(i)) >> 16) as i64 + 1
 }
 
-/// The edges of a core through which the origin, which is in it, leaves it on the shortest way, and of those that tie the ones that lead up
-/// the most. A core that is a point or a line is left upwards.
+/// The edges of a core through which the origin, which is in it, leaves it on the shortest way; if several tie, the ones that lead up the
+/// most. A core that is a point or a line is left upwards.
 fn ways_out(core: &Core, link: Option<Point>, up: Point) -> (i64, Vec<(Point, Feature)>) {
     let corners = core.corners();
     if corners.len() < 3 {
         return (0, alloc::vec![(up, Feature::Corner(0))]);
     }
     let mut best: Option<(i64, i64)> = None;
-    let mut found = Vec::new();
+    let mut ways = Vec::new();
     for i in 0..corners.len() {
         let e = edge(corners, i);
         // A segment of a chain is left to its outer side.
@@ -102,22 +102,22 @@ fn ways_out(core: &Core, link: Option<Point>, up: Point) -> (i64, Vec<(Point, Fe
         let rank = (depth_of(core, i), -along(unit(outward(e)), up));
         if best.is_none_or(|best| rank < best) {
             best = Some(rank);
-            found.clear();
+            ways.clear();
         }
         if best == Some(rank) {
-            found.push((outward(e), Feature::Edge(i)));
+            ways.push((outward(e), Feature::Edge(i)));
         }
     }
-    (best.map_or(0, |(depth, _)| depth), found)
+    (best.map_or(0, |(depth, _)| depth), ways)
 }
 
 impl Obstacles<'_> {
     /// Returns true if an obstacle is a segment of a chain, and the middle of the corners of the character is behind it.
     fn is_behind(neighbour: &Neighbour, at: Point) -> bool {
         let (Some(link), &[from, ..]) = (neighbour.link, neighbour.cores[1].corners()) else { return false };
-        let side = |corner: &Point| cross(from_to(sum(*corner, at), from), link);
+        let corners = neighbour.cores[0].corners().iter();
         // At most 64 terms below 2^105.
-        neighbour.cores[0].corners().iter().map(side).sum::<i128>() > 0
+        corners.map(|&corner| cross(from_to(sum(corner, at), from), link)).sum::<i128>() > 0
     }
 
     /// Returns true if a one-way obstacle holds a point in this direction from it.
@@ -127,21 +127,21 @@ impl Obstacles<'_> {
         })
     }
 
-    /// The planes at a point, relative to the start. Obstacles of the body `without` are left out.
-    pub(super) fn contacts(&self, at: Point, without: Option<BodyId>) -> Contacts {
+    /// The planes at a point, relative to the start. Obstacles of the body `excluded` are left out.
+    pub(super) fn contacts(&self, at: Point, excluded: Option<BodyId>) -> Contacts {
         let Terms { up, skin, .. } = *self.terms;
         let mut contacts = Contacts::default();
-        for (index, neighbour) in self.all.iter().enumerate() {
+        for (index, neighbour) in self.neighbours.iter().enumerate() {
             let radius = neighbour.sum.core.radius;
             let core = neighbour.sum.core.seen_from(at, 0);
-            if without == Some(neighbour.body) || Self::is_behind(neighbour, at) {
+            if excluded == Some(neighbour.body) || Self::is_behind(neighbour, at) {
                 contacts.skipped.push(index);
                 continue;
             }
-            let near = nearest(core.corners());
+            let nearest = nearest(core.corners());
             // Below 2^55.
-            let away = (distance(&core, near) >> 16) as i64 - radius;
-            if away > skin + NEAR {
+            let separation = (distance(&core, nearest) >> 16) as i64 - radius;
+            if separation > skin + NEAR {
                 continue;
             }
             contacts.skipped.push(index);
@@ -155,9 +155,9 @@ impl Obstacles<'_> {
                     contacts.planes.push(Plane { index, direction, unit, cosine, depth, feature, overlaps });
                 }
             };
-            match near {
-                Near::Edge(i) => add(outward(edge(core.corners(), i)), skin - away, Feature::Edge(i)),
-                Near::Corner(i) => add(core.corners()[i].map(|part| -part), skin - away, Feature::Corner(i)),
+            match nearest {
+                Near::Edge(i) => add(outward(edge(core.corners(), i)), skin - separation, Feature::Edge(i)),
+                Near::Corner(i) => add(core.corners()[i].map(|part| -part), skin - separation, Feature::Corner(i)),
                 Near::Inside => {
                     let (depth, ways) = ways_out(&core, neighbour.link, up);
                     ways.into_iter().for_each(|(direction, feature)| add(direction, depth + radius + skin, feature));
@@ -170,8 +170,8 @@ impl Obstacles<'_> {
     /// The fraction of a way from a point to where it is stopped, in units of 2^-62. Obstacles of its contacts, which it leads along or out
     /// of, do not stop it.
     pub(super) fn cast(&self, at: Point, way: Point, contacts: &Contacts) -> u64 {
-        let mut least = FULL;
-        for (index, neighbour) in self.all.iter().enumerate() {
+        let mut first_fraction = FULL;
+        for (index, neighbour) in self.neighbours.iter().enumerate() {
             // In ascending order.
             if contacts.skipped.binary_search(&index).is_ok() {
                 continue;
@@ -180,12 +180,12 @@ impl Obstacles<'_> {
                 continue;
             }
             let core = neighbour.sum.core.seen_from(at, neighbour.sum.core.radius + self.terms.skin - REST);
-            let Some(end) = first_hit(&core, way).filter(|end| end.fraction < least) else { continue };
+            let Some(end) = first_hit(&core, way).filter(|end| end.fraction < first_fraction) else { continue };
             if neighbour.side.is_none() || Self::holds(neighbour, normal_bits(&core, way, end)) {
-                least = end.fraction;
+                first_fraction = end.fraction;
             }
         }
-        least
+        first_fraction
     }
 }
 

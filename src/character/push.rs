@@ -15,7 +15,7 @@ impl<S: Scalar> Character<S> {
     /// The character counts as a body with the mass M = [`push_mass`](Self::push_mass) that moves by its desired translation in a step of
     /// the world. If it approaches a body of mass m and inertia I with the speed v along the normal n, at a point r from the body's centre
     /// of mass, the impulse is v / (1/M + 1/m + (r × n)²/I), as in an impact without bounce. Each body gets one impulse: the greatest, or
-    /// of equal ones that of the first hit. With a push mass of 0 there are none.
+    /// of equal ones the impulse of the first hit. With a push mass of 0 there are none.
     ///
     /// A dynamic body below gets one too: with gravity in the translation it is pressed in each tick, and it and its island stay awake. Take
     /// hits whose normal points up out of [`Movement::hits`] if you do not want that.
@@ -59,22 +59,23 @@ impl<S: Scalar> Character<S> {
     fn impulse(&self, world: &World<S>, movement: &Movement<S>, hit: &CharacterHit<S>) -> Option<(S, Vec2<S>)> {
         let body = world.body(hit.body).ok()?;
         let (num, den) = world.def().time_step.seconds();
-        let of = S::Factor::from_scalar;
         let rate = S::Factor::from_ratio(u64::from(den), u64::from(num));
         let dot = |a: Vec2<S>, b: Vec2<S>| a.x.product(b.x).plus(a.y.product(b.y));
-        let (normal, own) = (hit.normal, body.velocity_at(hit.point)?);
+        let normal = hit.normal;
+        let body_velocity = body.velocity_at(hit.point)?;
         let towards = dot(movement.desired, normal)?.times(rate)?.negated();
-        let speed = towards.plus(dot(own, normal)?)?;
+        let speed = towards.plus(dot(body_velocity, normal)?)?;
         if speed.is_negative() {
             return None;
         }
-        let (centre, at) = (body.position(), hit.point);
-        let arm = Vec2::new(at.x.offset(centre.x).to_scalar()?, at.y.offset(centre.y).to_scalar()?);
+        let centre = body.position();
+        let arm = Vec2::new(hit.point.x.offset(centre.x).to_scalar()?, hit.point.y.offset(centre.y).to_scalar()?);
         let lever = arm.x.product(normal.y).plus(arm.y.product(normal.x).negated())?;
         let lever = S::Factor::from_wide(lever);
         let turning = lever.times(lever).times(body.inverse_inertia());
-        let whole = S::Factor::from_ratio(1, 1).over(of(self.push_mass)).plus(body.inverse_mass()).plus(turning);
-        let size = S::Factor::from_wide(speed).over(whole).to_scalar()?;
+        let inverse_push_mass = S::Factor::from_ratio(1, 1).over(S::Factor::from_scalar(self.push_mass));
+        let inverse_mass = inverse_push_mass.plus(body.inverse_mass()).plus(turning);
+        let size = S::Factor::from_wide(speed).over(inverse_mass).to_scalar()?;
         let part = |n: S| n.times(size);
         let impulse = Vec2::new(part(normal.x)?, part(normal.y)?).map(|part| S::ZERO.offset(part).to_scalar());
         Some((size, Vec2::new(impulse.x?, impulse.y?)))

@@ -78,7 +78,7 @@ pub struct Movement<S = Fx> {
     pub ground_normal: Vec2<S>,
     /// The velocity of the ground at the centre of the character, m/s: add it when the character jumps off. Zero without ground.
     pub ground_velocity: Vec2<S>,
-    /// The colliders that it moved against, in the order in which it met them; those that it met at the same time by key, then by handle.
+    /// The colliders that it moved against, in the order in which it met them; at the same time, by key, then by handle.
     pub hits: Vec<CharacterHit<S>>,
     /// True if it overlaps a collider that it could not get out of: it is being crushed, or was put there.
     pub is_overlapping: bool,

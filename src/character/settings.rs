@@ -75,16 +75,16 @@ impl<S: Scalar> Character<S> {
     /// ```
     #[must_use]
     pub fn new(shape: Shape<S>) -> Self {
-        let of = S::from_fx;
+        let scalar = S::from_fx;
         Self {
             shape,
             up: Vec2::new(S::ZERO, S::ONE),
-            skin: of(fx!(0.015625)),
-            max_slope: of(fx!(0.785398163)),
-            max_rest_slope: of(fx!(0.785398163)),
-            step_height: of(fx!(0.25)),
-            step_width: of(fx!(0.0625)),
-            snap: of(fx!(0.25)),
+            skin: scalar(fx!(0.015625)),
+            max_slope: scalar(fx!(0.785398163)),
+            max_rest_slope: scalar(fx!(0.785398163)),
+            step_height: scalar(fx!(0.25)),
+            step_width: scalar(fx!(0.0625)),
+            snap: scalar(fx!(0.25)),
             push_mass: S::ZERO,
         }
     }
@@ -102,16 +102,14 @@ impl<S: Scalar> Character<S> {
         if self.shape.is_chain() {
             return Err(Error::DynamicChain);
         }
-        let within = |value: S, least: Fx, most: Fx, quantity| {
-            let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+        let within = |value: S, min: Fx, max: Fx, quantity| {
+            let is_within = value >= S::from_fx(min) && value <= S::from_fx(max);
             if is_within { Ok(value.to_fx()) } else { Err(Error::OutOfRange { quantity }) }
         };
         let skin = within(self.skin, Fx::from_bits(1 << 20), Fx::ONE, Quantity::CharacterSkin)?;
-        let most = Fx::from_bits(1 << 42);
-        let (x, y) = (
-            within(self.up.x, -most, most, Quantity::CharacterUp)?,
-            within(self.up.y, -most, most, Quantity::CharacterUp)?,
-        );
+        let limit = Fx::from_bits(1 << 42);
+        let x = within(self.up.x, -limit, limit, Quantity::CharacterUp)?;
+        let y = within(self.up.y, -limit, limit, Quantity::CharacterUp)?;
         let up = Vec2::new(x, y).normalize().filter(|_| x.abs().max(y.abs()).to_bits() >= 1 << 22);
         let up = up.ok_or(Error::OutOfRange { quantity: Quantity::CharacterUp })?;
         let cosine = |angle: S| {
@@ -144,9 +142,9 @@ const LENGTH: Fx = Fx::from_bits(1 << 36);
 pub(super) struct Terms {
     pub(super) up: Point,
     pub(super) skin: i64,
-    /// The least cosine of the angle between up and the normal of what is climbed.
+    /// The smallest cosine of the angle between up and the normal of a surface that it climbs.
     pub(super) climbs: i64,
-    /// The same of what it rests on.
+    /// The same for a surface that it rests on.
     pub(super) rests: i64,
     pub(super) step_height: i64,
     pub(super) step_width: i64,

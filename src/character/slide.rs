@@ -15,7 +15,7 @@ const EDGES: usize = 4;
 
 /// The point is pushed out of skins this often, and by this many ulps in all at most, 1 m.
 const PUSHES: usize = 4;
-pub(super) const MOST_PUSH: i64 = 1 << 32;
+pub(super) const MAX_PUSH: i64 = 1 << 32;
 
 /// A plane that the character moved against.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +42,8 @@ pub(super) fn project(way: Point, normal: Point) -> Point {
     // |tangent|·|length| / square is at most |way|, so that the quotient fits.
     let mut moved = tangent.map(|part| {
         let (high, low) = mul_128(u128::from(part.unsigned_abs()), length.unsigned_abs());
-        let (quotient, rest) = div_256(high, low, square);
-        let size = (quotient + u128::from(rest >= square - rest)) as i64;
+        let (quotient, remainder) = div_256(high, low, square);
+        let size = (quotient + u128::from(remainder >= square - remainder)) as i64;
         if (part < 0) == (length < 0) { size } else { -size }
     });
     // Rounding moved it by at most ½ ulp along each axis: one along the longer axis of the normal leads out again.
@@ -56,7 +56,7 @@ pub(super) fn project(way: Point, normal: Point) -> Point {
     moved
 }
 
-/// Returns true if a way leads into a plane by more than the rounding of ways along others.
+/// Returns true if a way leads into a plane by more than the rounding of ways along other planes.
 fn leads_into(way: Point, normal: Point) -> bool {
     let slack = 2 * (i128::from(normal[0].unsigned_abs()) + i128::from(normal[1].unsigned_abs()));
     dot(way, normal) < -slack
@@ -91,16 +91,16 @@ impl<'a> Walker<'a> {
         plane.cosine >= self.obstacles.terms.climbs
     }
 
-    /// The plane that the point stands on: the one that is the most level, and of those the first.
+    /// The plane that the point stands on: the most level one, or the first of several.
     pub(super) fn ground_of(&self, contacts: &Contacts) -> Option<Plane> {
         let grounds = contacts.planes.iter().filter(|plane| self.is_ground(plane));
         grounds.copied().min_by_key(|plane| (-plane.cosine, plane.index))
     }
 
-    /// Goes a way and slides along everything except the body `without`. This is for riding: slopes and steps make no difference.
-    pub(super) fn carry(&mut self, mut way: Point, without: BodyId) {
+    /// Goes a way and slides along everything except the body `excluded`. This is for riding: slopes and steps make no difference.
+    pub(super) fn carry(&mut self, mut way: Point, excluded: BodyId) {
         for _ in 0..ROUNDS {
-            let mut contacts = self.obstacles.contacts(self.at, Some(without));
+            let mut contacts = self.obstacles.contacts(self.at, Some(excluded));
             contacts.planes.retain(|plane| !plane.is_deep());
             let free = clip(way, &contacts.planes);
             if free == [0; 2] {
@@ -114,13 +114,13 @@ impl<'a> Walker<'a> {
 
     /// Moves out of the skins that the point is in, as far as other obstacles allow.
     pub(super) fn push_out(&mut self) {
-        let mut left = MOST_PUSH;
+        let mut remaining = MAX_PUSH;
         for _ in 0..PUSHES {
             let contacts = self.contacts();
             // The farthest push along each axis either way: the same for any order, and for several planes that are flush.
             let (mut low, mut high) = ([0; 2], [0; 2]);
             for plane in contacts.planes.iter().filter(|plane| plane.is_deep()) {
-                let push = times(plane.unit, plane.depth.min(MOST_PUSH));
+                let push = times(plane.unit, plane.depth.min(MAX_PUSH));
                 for k in 0..2 {
                     low[k] = low[k].min(push[k]);
                     high[k] = high[k].max(push[k]);
@@ -128,12 +128,12 @@ impl<'a> Walker<'a> {
             }
             let push = sum(low, high);
             let length = push[0].abs() + push[1].abs();
-            if push == [0; 2] || length > left {
+            if push == [0; 2] || length > remaining {
                 return;
             }
-            left -= length;
-            let others: Vec<Plane> = contacts.planes.iter().filter(|plane| !plane.is_deep()).copied().collect();
-            let free = clip(push, &others);
+            remaining -= length;
+            let shallow_planes: Vec<Plane> = contacts.planes.iter().filter(|plane| !plane.is_deep()).copied().collect();
+            let free = clip(push, &shallow_planes);
             let fraction = self.obstacles.cast(self.at, free, &contacts);
             self.at = sum(self.at, point_at(free, fraction));
         }
@@ -157,7 +157,7 @@ impl<'a> Walker<'a> {
         clip(free, planes)
     }
 
-    /// Goes a way, slides along what it meets, and climbs steps. Returns the ground of the step that it climbed at last.
+    /// Goes a way, slides along obstacles and climbs steps. Returns the ground of the step that it climbed at last.
     pub(super) fn walk(&mut self, mut way: Point, stands: bool) -> Option<Plane> {
         let is_up = along(way, self.obstacles.terms.up) > 0;
         for _ in 0..ROUNDS {
@@ -194,10 +194,11 @@ impl<'a> Walker<'a> {
 
     /// Moves the point down as far as it goes, if there is ground below it within reach. Returns that ground.
     ///
-    /// At the edge of a step the point stops before it gets there. It stays on what is below the edge.
+    /// At the edge of a step the point stops before it gets there. It stays on the ground below the edge.
     pub(super) fn snap(&mut self) -> Option<Plane> {
-        let way = times(self.obstacles.terms.up, -self.obstacles.terms.snap);
-        let (mut at, mut way, mut stop) = (self.at, way, None);
+        let mut at = self.at;
+        let mut way = times(self.obstacles.terms.up, -self.obstacles.terms.snap);
+        let mut stop = None;
         let mut contacts = self.contacts();
         for _ in 0..EDGES {
             let ground = self.ground_of(&contacts);

@@ -28,8 +28,9 @@ pub(super) fn reaches<P: Product, const N: usize>(
     let [low, high] = part.map(|end| place([0, 1].map(|i| owner.origin[i] + P::coordinate(end[i], k))));
     let places = || core.corners.iter().map(|&corner| place(corner));
     let slop = P::length(seam::REACH + (4 << k), k);
-    let (least, most) = places().fold((place(core.corners[0]), P::LEAST), |(a, b), p| (a.min(p), b.max(p)));
-    is_reached([least, most + slop], [low, high + slop], end)
+    let (first, last) =
+        places().fold((place(core.corners[0]), P::LEAST), |(first, last), p| (first.min(p), last.max(p)));
+    is_reached([first, last + slop], [low, high + slop], end)
 }
 
 /// The difference of two separations that may come from rounding: corners err by a unit, and normals by 2^-30 of a length.
@@ -42,7 +43,7 @@ fn slack<P: Product, const N: usize>(a: &Core<P, N>, b: &Core<P, N>, k: u32) -> 
 /// are surfaces; `None` if the cores do not touch.
 fn along<P: Product, const N: usize>(
     core: &Core<P, N>,
-    other: &Core<P, N>,
+    other_core: &Core<P, N>,
     k: u32,
     limit: &Limit,
     surface: Option<&Surface<'_>>,
@@ -53,12 +54,12 @@ fn along<P: Product, const N: usize>(
     if let Some(surface) = surface.filter(|surface| !surface.is_one_sided) {
         let reach = P::length(seam::REACH + (4 << k), k);
         let is_covered = |i: &usize| surface.links.iter().all(|link| link.corners[0] != *i);
-        if (0..core.faces()).filter(is_covered).any(|i| core.separation(i, other) > reach) {
+        if (0..core.faces()).filter(is_covered).any(|i| core.separation(i, other_core) > reach) {
             return None;
         }
     }
     let is_on = |surface: &Surface<'_>, i: usize| {
-        surface.links.iter().any(|link| link.corners[0] == i && reaches([core, other], link, None, k))
+        surface.links.iter().any(|link| link.corners[0] == i && reaches([core, other_core], link, None, k))
     };
     let mut along = [P::LEAST; N];
     for (i, along) in along.iter_mut().enumerate().take(core.faces()) {
@@ -67,12 +68,12 @@ fn along<P: Product, const N: usize>(
         }
         let back = core.normals[i].map(|part| -part);
         match facing {
-            Some(facing) if !facing.has(back, slack, |link, end| reaches([other, core], link, end, k)) => {
-                if facing.is_across && core.separation(i, other) > limit.radii_product(k) {
+            Some(facing) if !facing.has(back, slack, |link, end| reaches([other_core, core], link, end, k)) => {
+                if facing.is_across && core.separation(i, other_core) > limit.radii_product(k) {
                     return None;
                 }
             }
-            _ => *along = core.separation(i, other),
+            _ => *along = core.separation(i, other_core),
         }
     }
     Some(along)
@@ -80,11 +81,11 @@ fn along<P: Product, const N: usize>(
 
 /// The largest of the separations along normals of A and of B.
 fn largest<P: Product, const N: usize>(along_a: &[P; N], along_b: &[P; N]) -> P {
-    along_a.iter().chain(along_b).fold(P::LEAST, |most, &separation| most.max(separation))
+    along_a.iter().chain(along_b).fold(P::LEAST, |largest, &separation| largest.max(separation))
 }
 
 /// Leaves out the separations along edges from which fewer straight ones go on than from others: a surface that goes on to both sides is the
-/// longer one, on which the other leans.
+/// longer one, on which the other surface leans.
 fn keep_straightest<P: Product, const N: usize>(separations: [&mut [P; N]; 2], surfaces: [&Surface<'_>; 2]) {
     let mut straightest = 0;
     for (along, surface) in separations.iter().zip(surfaces) {
@@ -109,12 +110,12 @@ impl<P: Product, const N: usize> Axes<P, N> {
     pub(super) fn new(a: &Core<P, N>, b: &Core<P, N>, k: u32, limit: &Limit) -> Option<Self> {
         let slack = slack(a, b, k);
         let along_a = a.separations(b, slack);
-        let largest = along_a.iter().fold(P::LEAST, |most, &s| most.max(s));
+        let largest = along_a.iter().fold(P::LEAST, |largest, &s| largest.max(s));
         if limit.is_below_product(largest, k) {
             return None;
         }
         let along_b = b.separations(a, slack);
-        let largest = along_b.iter().fold(largest, |most, &s| most.max(s));
+        let largest = along_b.iter().fold(largest, |largest, &s| largest.max(s));
         if limit.is_below_product(largest, k) { None } else { Some(Self { along_a, along_b, largest, slack }) }
     }
 
@@ -128,13 +129,13 @@ impl<P: Product, const N: usize> Axes<P, N> {
         surfaces: &Surfaces<'_>,
     ) -> Option<Self> {
         let slack = slack(a, b, k);
-        let of_a = |slack| along(a, b, k, limit, surfaces.a.as_ref(), surfaces.b.as_ref(), slack);
-        let of_b = |slack| along(b, a, k, limit, surfaces.b.as_ref(), surfaces.a.as_ref(), slack);
-        let (mut along_a, mut along_b) = (of_a(SLACK)?, of_b(SLACK)?);
+        let separations_a = |slack| along(a, b, k, limit, surfaces.a.as_ref(), surfaces.b.as_ref(), slack);
+        let separations_b = |slack| along(b, a, k, limit, surfaces.b.as_ref(), surfaces.a.as_ref(), slack);
+        let (mut along_a, mut along_b) = (separations_a(SLACK)?, separations_b(SLACK)?);
         if let (Some(on_a), Some(on_b)) = (&surfaces.a, &surfaces.b) {
-            let (mut leaning_a, mut leaning_b) = (of_a(LEAN)?, of_b(LEAN)?);
+            let (mut leaning_a, mut leaning_b) = (separations_a(LEAN)?, separations_b(LEAN)?);
             keep_straightest([&mut leaning_a, &mut leaning_b], [on_a, on_b]);
-            // Another direction than the one in which they lean on each other leads through one of the two.
+            // Any direction but the one in which the surfaces lean on each other leads through one of the two.
             if largest(&leaning_a, &leaning_b) > largest(&along_a, &along_b) {
                 (along_a, along_b) = (leaning_a, leaning_b);
             }
@@ -146,28 +147,28 @@ impl<P: Product, const N: usize> Axes<P, N> {
         Some(Self { along_a, along_b, largest, slack })
     }
 
-    /// Returns true if all separations are less than this one, by more than rounding.
-    pub(super) fn is_less(&self, than: P) -> bool {
-        self.largest + self.slack < than
+    /// Returns true if all separations are less than `separation`, by more than rounding.
+    pub(super) fn is_less(&self, separation: P) -> bool {
+        self.largest + self.slack < separation
     }
 
-    /// The edges with a separation of at least `least`.
+    /// The edges with a separation of at least `threshold`.
     #[inline(always)]
-    fn edges(&self, least: P) -> Edges {
-        let edges = |along: &[P; N]| (0..N).fold(0, |set, i| set | u64::from(along[i] >= least) << i);
+    fn edges(&self, threshold: P) -> Edges {
+        let edges = |along: &[P; N]| (0..N).fold(0, |set, i| set | u64::from(along[i] >= threshold) << i);
         [edges(&self.along_a), edges(&self.along_b)]
     }
 
-    /// The direction of largest separation; the mean of those that tie, `None` if they cancel.
+    /// The direction of largest separation; the mean of the directions that tie, `None` if they cancel.
     #[inline(always)]
     pub(super) fn direction(&self, a: &Core<P, N>, b: &Core<P, N>) -> Option<Direction> {
         let edges = self.edges(self.largest);
-        let [of_a, of_b] = edges;
+        let [edges_a, edges_b] = edges;
         let first = |set: u64| set.trailing_zeros() as usize & (N - 1);
-        let is_one = |set: u64| set & set.wrapping_sub(1) == 0;
-        let n = match (of_a, of_b) {
-            (_, 0) if is_one(of_a) => a.normals[first(of_a)],
-            (0, _) if is_one(of_b) => b.normals[first(of_b)].map(|part| -part),
+        let is_single = |set: u64| set & set.wrapping_sub(1) == 0;
+        let n = match (edges_a, edges_b) {
+            (_, 0) if is_single(edges_a) => a.normals[first(edges_a)],
+            (0, _) if is_single(edges_b) => b.normals[first(edges_b)].map(|part| -part),
             _ => return tied(a, b, edges),
         };
         Some(Direction { n, is_mean: false })
@@ -182,20 +183,20 @@ impl<P: Product, const N: usize> Axes<P, N> {
         b: &Core<P, N>,
         passes: impl Fn(Direction) -> bool,
     ) -> Option<Direction> {
-        let mut found: Option<(P, Direction)> = None;
+        let mut best: Option<(P, Direction)> = None;
         let mut is_tie = false;
-        let [of_a, of_b] = self.edges(self.largest - self.slack);
-        let of_a = bits(of_a).map(|i| (self.along_a[i], a.normals[i]));
-        let of_b = bits(of_b).map(|i| (self.along_b[i], b.normals[i].map(|part| -part)));
-        for (separation, n) in of_a.chain(of_b) {
+        let [edges_a, edges_b] = self.edges(self.largest - self.slack);
+        let candidates_a = bits(edges_a).map(|i| (self.along_a[i], a.normals[i]));
+        let candidates_b = bits(edges_b).map(|i| (self.along_b[i], b.normals[i].map(|part| -part)));
+        for (separation, n) in candidates_a.chain(candidates_b) {
             let direction = Direction { n, is_mean: false };
-            if found.is_some_and(|(most, _)| separation < most) || !passes(direction) {
+            if best.is_some_and(|(largest, _)| separation < largest) || !passes(direction) {
                 continue;
             }
-            is_tie = found.is_some_and(|(most, other)| separation == most && (is_tie || other.n != n));
-            found = Some((separation, direction));
+            is_tie = best.is_some_and(|(largest, tied)| separation == largest && (is_tie || tied.n != n));
+            best = Some((separation, direction));
         }
-        found.filter(|_| !is_tie).map(|(_, direction)| direction)
+        best.filter(|_| !is_tie).map(|(_, direction)| direction)
     }
 }
 
@@ -213,13 +214,13 @@ fn bits(mut set: u64) -> impl Iterator<Item = usize> {
 pub(super) fn tied<P: Product, const N: usize>(
     a: &Core<P, N>,
     b: &Core<P, N>,
-    [of_a, of_b]: Edges,
+    [edges_a, edges_b]: Edges,
 ) -> Option<Direction> {
     let square = |core: &Core<P, N>, i: usize| P::half_square(core.between(i, i + 1));
-    let of_a = bits(of_a).map(|i| (square(a, i), a.normals[i]));
-    let of_b = bits(of_b).map(|i| (square(b, i), b.normals[i].map(|part| -part)));
+    let candidates_a = bits(edges_a).map(|i| (square(a, i), a.normals[i]));
+    let candidates_b = bits(edges_b).map(|i| (square(b, i), b.normals[i].map(|part| -part)));
     let (mut longest, mut first, mut sum, mut differ) = (P::LEAST, [0; 2], [0; 2], false);
-    for (square, n) in of_a.chain(of_b) {
+    for (square, n) in candidates_a.chain(candidates_b) {
         if square > longest {
             (longest, first, sum, differ) = (square, n, n.map(i64::from), false);
         } else if square == longest {

@@ -1,9 +1,9 @@
 //! Two boxes: the manifold that `cores`, `axes` and `frame` find, in fewer instructions.
 //!
-//! The corners of a box around its centre are c, d, −c, −d and its normals m, n, −m, −n, to the bit: rounding is odd. So two products
-//! give the heights of all four corners along a direction and along the opposite one, relative to the centre; the offset of the
-//! centres adds a third. Products and sums are exact, so that what is compared here are the integers that are compared there. Pairs
-//! whose choice takes more than a comparison are left [`Undecided`].
+//! The corners of a box around its centre are c, d, −c, −d and its normals m, n, −m, −n, to the bit: rounding is odd. So two products give
+//! the heights of all four corners along a direction and along the opposite one, relative to the centre; the offset of the centres adds a
+//! third. Products and sums are exact, so that the integers compared here are the integers that `axes` and `frame` compare. Pairs whose
+//! choice takes more than a comparison are left [`Undecided`].
 
 use core::cmp::Ordering;
 
@@ -26,20 +26,20 @@ type Halves<T> = [T; 2];
 
 /// Number `i` of the four.
 #[inline(always)]
-fn at<P: Product>(of: Halves<P>, i: usize) -> P {
-    let half = of[i & 1];
+fn at<P: Product>(halves: Halves<P>, i: usize) -> P {
+    let half = halves[i & 1];
     if i & 2 == 0 { half } else { -half }
 }
 
 /// The largest of the four.
 #[inline(always)]
-fn most<P: Product>([first, second]: Halves<P>) -> P {
+fn max_component<P: Product>([first, second]: Halves<P>) -> P {
     first.max(-first).max(second.max(-second))
 }
 
 /// The higher one of the ends of edge 0 or 1.
 #[inline(always)]
-fn of_edge<P: Product>([first, second]: Halves<P>, edge: usize) -> P {
+fn edge_height<P: Product>([first, second]: Halves<P>, edge: usize) -> P {
     second.max(if edge == 0 { first } else { -first })
 }
 
@@ -75,15 +75,15 @@ impl Rectangle {
         let slack = P::length((3 << k) + (self.extent >> 29), k);
         // Of each two opposite corners the higher one.
         let (first, second) = (if h < P::ZERO { 2 } else { 0 }, if g < P::ZERO { 3 } else { 1 });
-        let (high, other) = (h.max(-h), g.max(-g));
-        if high > other + slack {
+        let (first_height, second_height) = (h.max(-h), g.max(-g));
+        if first_height > second_height + slack {
             return Ok([first, first]);
         }
-        if other > high + slack {
+        if second_height > first_height + slack {
             return Ok([second, second]);
         }
         // A lower one may be as high within rounding.
-        if high + other <= slack {
+        if first_height + second_height <= slack {
             return Err(Undecided);
         }
         let [start, end] = if second == (first + 1) & 3 { [first, second] } else { [second, first] };
@@ -124,13 +124,13 @@ impl<P: Product> Along<P> {
     /// The larger one of the separations along normal `i` of A and along its opposite, as far as the offset goes.
     #[inline(always)]
     fn separation_by_a(&self, i: usize) -> P {
-        self.offset.max(-self.offset) - most(self.b) - of_edge(self.a, i)
+        self.offset.max(-self.offset) - max_component(self.b) - edge_height(self.a, i)
     }
 
     /// The larger one of the separations along normal `i` of B and along its opposite.
     #[inline(always)]
     fn separation_by_b(&self, i: usize) -> P {
-        self.offset.max(-self.offset) - most(self.a) - of_edge(self.b, i)
+        self.offset.max(-self.offset) - max_component(self.a) - edge_height(self.b, i)
     }
 
     /// The pair along the opposite vector.
@@ -143,8 +143,8 @@ impl<P: Product> Along<P> {
     #[inline(always)]
     fn spans(&self, a: [usize; 2], b: [usize; 2]) -> (Span<P>, Span<P>) {
         let places = [self.offset + at(self.b, b[1]), self.offset + at(self.b, b[0])];
-        let of_a = Span { corners: a, places: [at(self.a, a[0]), at(self.a, a[1])] };
-        (of_a, Span { corners: [b[1], b[0]], places })
+        let span_a = Span { corners: a, places: [at(self.a, a[0]), at(self.a, a[1])] };
+        (span_a, Span { corners: [b[1], b[0]], places })
     }
 }
 
@@ -162,8 +162,8 @@ type Chosen<P> = ([i32; 2], Along<P>);
 impl Boxes {
     #[inline(always)]
     fn along<P: Product>(&self, n: [i32; 2]) -> Along<P> {
-        let of = |own: &Rectangle| [P::dot(n, own.corners[0]), P::dot(n, own.corners[1])];
-        Along { a: of(&self.a), b: of(&self.b), offset: P::dot(n, self.offset) }
+        let components = |rectangle: &Rectangle| [P::dot(n, rectangle.corners[0]), P::dot(n, rectangle.corners[1])];
+        Along { a: components(&self.a), b: components(&self.b), offset: P::dot(n, self.offset) }
     }
 
     /// The direction of largest separation; `None` if that is above the limit.
@@ -171,13 +171,13 @@ impl Boxes {
     fn direction<P: Product>(&self, ends: &Ends<'_>) -> Result<Option<Chosen<P>>, Undecided> {
         let ([m, n], [o, p]) = (self.a.normals, self.b.normals);
         let (first, second): (Along<P>, Along<P>) = (self.along(m), self.along(n));
-        let (by_first, by_second) = (first.separation_by_a(0), second.separation_by_a(1));
-        if ends.limit.is_below_product(by_first.max(by_second), self.k) {
+        let (first_separation, second_separation) = (first.separation_by_a(0), second.separation_by_a(1));
+        if ends.limit.is_below_product(first_separation.max(second_separation), self.k) {
             return Ok(None);
         }
         let (third, fourth) = (self.along(o), self.along(p));
-        let separations = [by_first, by_second, third.separation_by_b(0), fourth.separation_by_b(1)];
-        let largest = separations.into_iter().fold(by_first, P::max);
+        let separations = [first_separation, second_separation, third.separation_by_b(0), fourth.separation_by_b(1)];
+        let largest = separations.into_iter().fold(first_separation, P::max);
         if ends.limit.is_below_product(largest, self.k) {
             return Ok(None);
         }
@@ -195,26 +195,26 @@ impl Boxes {
         Ok(Some(if along.offset > P::ZERO { (n, along) } else { ([-n[0], -n[1]], along.reversed()) }))
     }
 
-    /// The direction among those that tie, for the set of normals and their offsets: of the two separations by one normal the one along
-    /// the offset is larger, and without an offset both are the same.
+    /// The direction among the directions that tie, for the set of normals and their offsets: of the two separations by one normal the one
+    /// along the offset is larger, and without an offset both are the same.
     #[cold]
     fn tied<P: Product>(&self, ends: &Ends<'_>, ties: u32, offsets: [P; 4]) -> Result<Chosen<P>, Undecided> {
         let is_tied = |i: usize, is_along: bool| u64::from(ties >> i & 1 == 1 && is_along);
-        let [mut of_a, mut of_b]: Edges = [0, 0];
+        let [mut edges_a, mut edges_b]: Edges = [0, 0];
         for i in 0..2 {
-            let (own, other) = (offsets[i], offsets[i + 2]);
-            of_a |= is_tied(i, own >= P::ZERO) << i | is_tied(i, own <= P::ZERO) << (i + 2);
+            let (offset_a, offset_b) = (offsets[i], offsets[i + 2]);
+            edges_a |= is_tied(i, offset_a >= P::ZERO) << i | is_tied(i, offset_a <= P::ZERO) << (i + 2);
             // The inward normals of B point from A to B.
-            of_b |= is_tied(i + 2, other <= P::ZERO) << i | is_tied(i + 2, other >= P::ZERO) << (i + 2);
+            edges_b |= is_tied(i + 2, offset_b <= P::ZERO) << i | is_tied(i + 2, offset_b >= P::ZERO) << (i + 2);
         }
         let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], self.k), Core::<P, N>::new(&ends.b, ends.offset, self.k));
-        let direction = tied(&a, &b, [of_a, of_b]).filter(|direction| !direction.is_mean).ok_or(Undecided)?;
+        let direction = tied(&a, &b, [edges_a, edges_b]).filter(|direction| !direction.is_mean).ok_or(Undecided)?;
         Ok((direction.n, self.along(direction.n)))
     }
 
     /// The separation from which on a corner next to a corner counts, as in `frame`.
     #[inline(always)]
-    fn far<P: Product>(&self, is_rounded: bool) -> P {
+    fn corner_threshold<P: Product>(&self, is_rounded: bool) -> P {
         if is_rounded { P::ZERO } else { P::length(self.a.extent.min(self.b.extent) >> 11, self.k) }
     }
 
@@ -222,13 +222,14 @@ impl Boxes {
     #[inline(always)]
     fn frame<P: Product>(&self, (n, heights): Chosen<P>, is_rounded: bool) -> Result<Frame<P>, Undecided> {
         let places = self.along(across(n));
-        let (down_b, back_b, back) = (opposite(heights.b), opposite(places.b), n.map(|part| -part));
+        let (down_b, back_b) = (opposite(heights.b), opposite(places.b));
+        let back = n.map(|part| -part);
         let support_a = self.a.support(heights.a, places.a, self.k)?;
         let support_b = self.b.support(down_b, back_b, self.k)?;
-        let separation = heights.offset - most(heights.b) - most(heights.a);
-        if separation > P::ZERO && separation > self.far(is_rounded) {
-            let (own, other) = places.spans(support_a, support_b);
-            if nearest(&own, &other).is_some_and(|(gap, _)| gap > P::ZERO) {
+        let separation = heights.offset - max_component(heights.b) - max_component(heights.a);
+        if separation > P::ZERO && separation > self.corner_threshold(is_rounded) {
+            let (span_a, span_b) = places.spans(support_a, support_b);
+            if nearest(&span_a, &span_b).is_some_and(|(gap, _)| gap > P::ZERO) {
                 return Err(Undecided);
             }
         }
@@ -262,11 +263,11 @@ mod tests {
     use crate::scalar::Turn;
     use crate::shape::{Geometry, Outline, Shape};
 
-    /// Both ways on a pair with products of this type: the manifold of the short one, if it decides.
-    fn both<P: Product>(ends: &Ends<'_>, k: u32) -> Option<Option<Manifold>> {
-        let found = collide_boxes::<P>(ends, k).ok()?;
-        assert_eq!(found, collide_cores::<P, N>(ends, k));
-        Some(found)
+    /// Compares both ways on a pair with products of a type: the manifold of the short way, if it decides.
+    fn compared<P: Product>(ends: &Ends<'_>, k: u32) -> Option<Option<Manifold>> {
+        let manifold = collide_boxes::<P>(ends, k).ok()?;
+        assert_eq!(manifold, collide_cores::<P, N>(ends, k));
+        Some(manifold)
     }
 
     /// A box of up to 4 m in each direction; one in four is a square of 1 m, and one in eight has a radius.
@@ -283,7 +284,7 @@ mod tests {
         Shape::new(geometry).expect("a fair box").outlines()[0].clone()
     }
 
-    /// Compares the manifolds of boxes found here with those of the general way, to the bit: at any angles, and at those at which
+    /// Compares the manifolds of boxes with the manifolds of the general way, to the bit: at any angles, and at angles at which
     /// directions tie.
     #[test]
     fn the_short_way_finds_the_same_manifolds() {
@@ -315,10 +316,10 @@ mod tests {
             let limit = margin.limit(placed[0].radius + placed[1].radius);
             let ends = Ends { a, b, offset, limit };
             let (k, is_fine) = super::super::unit(&ends);
-            let found = if is_fine { both::<i64>(&ends, k) } else { None };
-            for (i, found) in [found, both::<i128>(&ends, 0)].into_iter().enumerate() {
-                decided[i] += usize::from(found.is_some());
-                touching[i] += usize::from(found.flatten().is_some());
+            let manifold = if is_fine { compared::<i64>(&ends, k) } else { None };
+            for (i, manifold) in [manifold, compared::<i128>(&ends, 0)].into_iter().enumerate() {
+                decided[i] += usize::from(manifold.is_some());
+                touching[i] += usize::from(manifold.flatten().is_some());
             }
         }
         for i in 0..2 {

@@ -140,11 +140,13 @@ impl<P: Product, const N: usize> Core<P, N> {
     pub(super) fn new(view: &View<'_>, shift: [i64; 2], k: u32) -> Self {
         let shift = shift.map(|part| P::coordinate(part, k));
         let place = |corner: [i64; 2]| [P::coordinate(corner[0], k) + shift[0], P::coordinate(corner[1], k) + shift[1]];
-        let (faces, &Placed { count, extent, is_box, .. }) = (view.faces(), view.placed);
-        if let (Some(from), Some(normals)) = (view.corners.first_chunk::<N>(), view.normals.first_chunk::<N>()) {
+        let faces = view.faces();
+        let &Placed { count, extent, is_box, .. } = view.placed;
+        if let (Some(view_corners), Some(normals)) = (view.corners.first_chunk::<N>(), view.normals.first_chunk::<N>())
+        {
             let mut corners = [[0; 2]; N];
             for i in 0..N {
-                corners[i] = place(from[i]);
+                corners[i] = place(view_corners[i]);
             }
             return Self {
                 corners,
@@ -170,7 +172,7 @@ impl<P: Product, const N: usize> Core<P, N> {
         if N <= 8 { N } else { count.min(N) }
     }
 
-    /// Components of the corners along a vector, perhaps with that of the first corner again at the end.
+    /// Components of the corners along a vector, perhaps with the component of the first corner again at the end.
     #[inline(always)]
     pub(super) fn heights(&self, n: [i32; 2]) -> impl Iterator<Item = P> {
         self.corners[..Self::places(self.count)].iter().map(move |&corner| P::dot(n, corner))
@@ -185,7 +187,7 @@ impl<P: Product, const N: usize> Core<P, N> {
 
     /// The larger component of an edge's two ends along its normal: the core's own largest one, but for rounding.
     #[inline(always)]
-    fn own(&self, i: usize) -> P {
+    fn face_height(&self, i: usize) -> P {
         let n = self.normals[i];
         P::dot(n, self.corners[i]).max(P::dot(n, self.corners[(i + 1) & (N - 1)]))
     }
@@ -196,50 +198,50 @@ impl<P: Product, const N: usize> Core<P, N> {
 
     /// The separation of another core along a normal.
     #[inline(always)]
-    pub(super) fn separation(&self, i: usize, other: &Self) -> P {
+    pub(super) fn separation(&self, i: usize, other_core: &Self) -> P {
         let n = self.normals[i];
-        let first = P::dot(n, other.corners[0]);
-        if other.count == 1 {
-            return first - self.own(i);
+        let first = P::dot(n, other_core.corners[0]);
+        if other_core.count == 1 {
+            return first - self.face_height(i);
         }
-        other.heights(n).fold(first, |least, height| least.min(height)) - self.own(i)
+        other_core.heights(n).fold(first, |lowest, height| lowest.min(height)) - self.face_height(i)
     }
 
     /// Separations of another core along the normals: the least component of the other core less the largest one of this core. For
     /// cores with many corners, separations more than `slack` below the largest may be left out, as the least product.
     #[inline(always)]
-    pub(super) fn separations(&self, other: &Self, slack: P) -> [P; N] {
+    pub(super) fn separations(&self, other_core: &Self, slack: P) -> [P; N] {
         if N > 8 {
-            return self.largest_separations(other, slack);
+            return self.largest_separations(other_core, slack);
         }
         if self.is_box {
-            return self.separations_of_box(other);
+            return self.separations_of_box(other_core);
         }
         let mut separations = [P::LEAST; N];
         for (i, separation) in separations.iter_mut().enumerate() {
             if i < self.faces {
-                *separation = self.separation(i, other);
+                *separation = self.separation(i, other_core);
             }
         }
         separations
     }
 
-    /// The separations along four normals that are opposite in pairs: the same ones, of two normals at once.
+    /// The same separations along four normals that are opposite in pairs, of two normals at once.
     #[inline(always)]
-    fn separations_of_box(&self, other: &Self) -> [P; N] {
+    fn separations_of_box(&self, other_core: &Self) -> [P; N] {
         let mut separations = [P::LEAST; N];
         for i in 0..2 {
             let n = self.normals[i];
-            let own: [P; 4] = core::array::from_fn(|j| P::dot(n, self.corners[j]));
-            let first = P::dot(n, other.corners[0]);
-            let (mut least, mut most) = (first, first);
-            if other.count > 1 {
-                for height in other.heights(n).skip(1) {
-                    (least, most) = (least.min(height), most.max(height));
+            let heights: [P; 4] = core::array::from_fn(|j| P::dot(n, self.corners[j]));
+            let first = P::dot(n, other_core.corners[0]);
+            let (mut lowest, mut highest) = (first, first);
+            if other_core.count > 1 {
+                for height in other_core.heights(n).skip(1) {
+                    (lowest, highest) = (lowest.min(height), highest.max(height));
                 }
             }
-            separations[i] = least - own[i].max(own[i + 1]);
-            separations[i + 2] = own[i + 2].min(own[(i + 3) & 3]) - most;
+            separations[i] = lowest - heights[i].max(heights[i + 1]);
+            separations[i + 2] = heights[i + 2].min(heights[(i + 3) & 3]) - highest;
         }
         separations
     }
@@ -248,25 +250,25 @@ impl<P: Product, const N: usize> Core<P, N> {
     ///
     /// The component of any one corner bounds a separation from above, so that most normals need no second look. The order of corners
     /// decides which normals get one, but not which are within `slack`.
-    fn largest_separations(&self, other: &Self, slack: P) -> [P; N] {
+    fn largest_separations(&self, other_core: &Self, slack: P) -> [P; N] {
         let mut separations = [P::LEAST; N];
         let count = self.faces.min(N);
         for (i, bound) in separations.iter_mut().enumerate().take(count) {
-            *bound = P::dot(self.normals[i], other.corners[0]) - self.own(i);
+            *bound = P::dot(self.normals[i], other_core.corners[0]) - self.face_height(i);
         }
         let (mut largest, mut nearest) = (P::LEAST, 0);
         let first = (0..count).max_by_key(|&i| separations[i]).unwrap_or(0);
         for i in core::iter::once(first).filter(|&i| i < count).chain(0..count) {
             let n = self.normals[i];
-            let own = self.own(i);
-            let bound = separations[i].min(P::dot(n, other.corners[nearest]) - own);
+            let face_height = self.face_height(i);
+            let bound = separations[i].min(P::dot(n, other_core.corners[nearest]) - face_height);
             if largest > P::LEAST && bound < largest - slack {
                 separations[i] = P::LEAST;
                 continue;
             }
-            let by_height = other.heights(n).enumerate().map(|(j, height)| (height, j)).min();
-            let (least, corner) = by_height.unwrap_or((P::ZERO, 0));
-            separations[i] = least - own;
+            let lowest_corner = other_core.heights(n).enumerate().map(|(j, height)| (height, j)).min();
+            let (lowest, corner) = lowest_corner.unwrap_or((P::ZERO, 0));
+            separations[i] = lowest - face_height;
             if separations[i] > largest {
                 (largest, nearest) = (separations[i], corner);
             }

@@ -36,7 +36,7 @@ pub(super) struct Frame<P> {
 }
 
 /// The corners of a core that are farthest out along a direction, within rounding: from the first to the last in counter-clockwise
-/// order. A corner alone is both.
+/// order. A corner alone is both ends.
 struct Support<P> {
     ends: [usize; 2],
     height: P,
@@ -49,13 +49,13 @@ fn support<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], k: u32) -
     if core.count == 1 {
         return Support { ends: [0, 0], height: P::dot(w, core.corners[0]) };
     }
-    let height = core.heights(w).fold(P::LEAST, |most, height| most.max(height));
-    let least = height - P::length((3 << k) + (core.extent >> 29), k);
-    let near = core.heights(w).enumerate().fold(0, |set, (i, height)| set | u64::from(height >= least) << i);
+    let height = core.heights(w).fold(P::LEAST, |highest, height| highest.max(height));
+    let min_height = height - P::length((3 << k) + (core.extent >> 29), k);
+    let corner_set = core.heights(w).enumerate().fold(0, |set, (i, height)| set | u64::from(height >= min_height) << i);
     // A place that repeats the first corner is none.
-    let near = near & (u64::MAX >> (64 - core.count));
-    let (first, last) = (near.trailing_zeros() as usize, 63 - near.leading_zeros() as usize);
-    let are_two = near == 1 << first | 1 << last;
+    let corner_set = corner_set & (u64::MAX >> (64 - core.count));
+    let (first, last) = (corner_set.trailing_zeros() as usize, 63 - corner_set.leading_zeros() as usize);
+    let are_two = corner_set == 1 << first | 1 << last;
     // Two neighbours, in their order.
     let ends = if first == last {
         [first, first]
@@ -64,7 +64,7 @@ fn support<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], k: u32) -
     } else if are_two && first == 0 && last + 1 == core.count {
         order(core, w, [last, first])
     } else {
-        outermost(core, w, near)
+        outermost(core, w, corner_set)
     };
     Support { ends, height }
 }
@@ -82,14 +82,15 @@ fn order<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], [start, end
 /// The first and the last of a set of corners by place; at one place the farther one, and of corners that rounding has made one the first
 /// and the last in their order.
 #[cold]
-fn outermost<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], near: u64) -> [usize; 2] {
+fn outermost<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], corner_set: u64) -> [usize; 2] {
     let key = |i: usize| (P::dot(across(w), core.corners[i]), P::dot(w, core.corners[i]));
-    let is_near = |i: &usize| near >> i & 1 == 1;
-    let corners = || (0..core.count).filter(is_near);
-    let least = corners().min_by_key(|&i| (key(i).0, -key(i).1)).unwrap_or(0);
-    let most = corners().max_by_key(|&i| key(i)).unwrap_or(0);
-    let (count, is_same) = (core.count, |i: usize, j: usize| core.corners[i] == core.corners[j]);
-    let (mut start, mut end) = (least, most);
+    let is_in_set = |i: &usize| corner_set >> i & 1 == 1;
+    let corners = || (0..core.count).filter(is_in_set);
+    let first = corners().min_by_key(|&i| (key(i).0, -key(i).1)).unwrap_or(0);
+    let last = corners().max_by_key(|&i| key(i)).unwrap_or(0);
+    let count = core.count;
+    let is_same = |i: usize, j: usize| core.corners[i] == core.corners[j];
+    let (mut start, mut end) = (first, last);
     for _ in 1..count {
         let before = (start + count - 1) % count;
         start = if is_same(before, start) { before } else { start };
@@ -99,11 +100,12 @@ fn outermost<P: Product, const N: usize>(core: &Core<P, N>, w: [i32; 2], near: u
     [start, end]
 }
 
-/// The edge that faces along `w`: that of the support, or of the two beside a corner the one whose normal is nearer to `w`; the corner
-/// itself if both are as near.
+/// The edge that faces along `w`: the edge of the support, or of the two edges beside a corner the one whose normal is nearer to `w`;
+/// the corner itself if both are as near.
 #[inline(always)]
 fn facing_edge<P: Product, const N: usize>(core: &Core<P, N>, support: &Support<P>, w: [i32; 2]) -> [usize; 2] {
-    let ([corner, last], count) = (support.ends, core.count);
+    let [corner, last] = support.ends;
+    let count = core.count;
     if corner != last || count == 1 {
         return support.ends;
     }
@@ -113,8 +115,8 @@ fn facing_edge<P: Product, const N: usize>(core: &Core<P, N>, support: &Support<
     let middle = if count == 2 {
         core.between(after, corner)
     } else {
-        let (own, last) = (core.normals[corner & (N - 1)], core.normals[before & (N - 1)]);
-        [i64::from(own[0]) + i64::from(last[0]), i64::from(own[1]) + i64::from(last[1])]
+        let ([x, y], [u, v]) = (core.normals[corner & (N - 1)], core.normals[before & (N - 1)]);
+        [i64::from(x) + i64::from(u), i64::from(y) + i64::from(v)]
     };
     // Where the middle is counter-clockwise of `w`, the edge before the corner is.
     let edge = match P::cross(w, middle).cmp(&P::ZERO) {
@@ -128,7 +130,7 @@ fn facing_edge<P: Product, const N: usize>(core: &Core<P, N>, support: &Support<
 }
 
 /// The corners at the gap of two spans beside each other, and how wide it is; of spans that overlap, the corners at the end where
-/// they overlap less. `None` if it is as much at both.
+/// they overlap less. `None` if it is as much at both ends.
 #[inline(always)]
 pub(super) fn nearest<P: Product>(a: &Span<P>, b: &Span<P>) -> Option<(P, [usize; 2])> {
     let gap_before = a.places[0] - b.places[1];
@@ -154,7 +156,7 @@ impl<P: Product, const N: usize> Pair<P, N> {
     /// The separation of the cores along a direction.
     pub(super) fn separation(&self, n: [i32; 2]) -> P {
         let back = n.map(|part| -part);
-        let farthest = |core: &Core<P, N>, w| core.heights(w).fold(P::LEAST, |most, height| most.max(height));
+        let farthest = |core: &Core<P, N>, w| core.heights(w).fold(P::LEAST, |highest, height| highest.max(height));
         -farthest(&self.b, back) - farthest(&self.a, n)
     }
 
@@ -170,16 +172,16 @@ impl<P: Product, const N: usize> Pair<P, N> {
         } else {
             self.spans(n, facing_edge(&self.a, &support_a, n), facing_edge(&self.b, &support_b, back))
         };
-        let far = self.far();
-        if separation > far {
-            let (own, other) = self.spans(n, support_a.ends, support_b.ends);
-            if let Some((_, [i, j])) = nearest(&own, &other).filter(|(gap, _)| *gap > P::ZERO) {
+        let threshold = self.corner_threshold();
+        if separation > threshold {
+            let (span_a, span_b) = self.spans(n, support_a.ends, support_b.ends);
+            if let Some((_, [i, j])) = nearest(&span_a, &span_b).filter(|(gap, _)| *gap > P::ZERO) {
                 return Frame { n, a, b, facing: Facing::Corners(i, j) };
             }
         }
         let (low, high) = (a.places[0].max(b.places[0]), a.places[1].min(b.places[1]));
-        let is_facing = low < high || (low == high && self.is_point(separation, far, &a, &b));
-        let facing = if is_facing { Facing::Edges } else { self.apart(separation, far, &a, &b) };
+        let is_facing = low < high || (low == high && self.is_point(separation, threshold, &a, &b));
+        let facing = if is_facing { Facing::Edges } else { self.apart(separation, threshold, &a, &b) };
         Frame { n, a, b, facing }
     }
 
@@ -198,7 +200,7 @@ impl<P: Product, const N: usize> Pair<P, N> {
 
     /// Sharp cores nearer than 2^-11 of their size have no direction between corners that is worth the name.
     #[inline(always)]
-    fn far(&self) -> P {
+    fn corner_threshold(&self) -> P {
         let smaller = self.a.extent.min(self.b.extent);
         if self.is_rounded { P::ZERO } else { P::length(smaller >> 11, self.k) }
     }
@@ -211,28 +213,31 @@ impl<P: Product, const N: usize> Pair<P, N> {
         }
         let n = if self.a.count == 2 { self.a.normals[0] } else { self.b.normals[0] };
         let (a, b) = self.spans(n, [0, self.a.count - 1], [0, self.b.count - 1]);
-        nearest(&a.in_order(), &b.in_order()).filter(|(gap, _)| *gap > self.far()).map(|(_, corners)| corners)
+        nearest(&a.in_order(), &b.in_order())
+            .filter(|(gap, _)| *gap > self.corner_threshold())
+            .map(|(_, corners)| corners)
     }
 
-    /// Returns true if spans that overlap in one place have a point there. Sharp corners at one place touch as those beside each other do.
-    fn is_point(&self, separation: P, far: P, a: &Span<P>, b: &Span<P>) -> bool {
+    /// Returns true if spans that overlap in one place have a point there. Sharp corners at one place touch as corners beside each other
+    /// do.
+    fn is_point(&self, separation: P, threshold: P, a: &Span<P>, b: &Span<P>) -> bool {
         match (a.is_corner(), b.is_corner()) {
-            (true, true) => self.is_rounded || separation < P::ZERO || separation > far,
-            (is_corner, other) => is_corner || other,
+            (true, true) => self.is_rounded || separation < P::ZERO || separation > threshold,
+            (is_corner_a, is_corner_b) => is_corner_a || is_corner_b,
         }
     }
 
     /// The parts of cores that face each other if no edges overlap.
     #[cold]
-    fn apart(&self, separation: P, far: P, a: &Span<P>, b: &Span<P>) -> Facing {
+    fn apart(&self, separation: P, threshold: P, a: &Span<P>, b: &Span<P>) -> Facing {
         let Some((gap, [i, j])) = nearest(a, b) else {
             return Facing::Touching;
         };
         // Segments and points beside each other are apart, on one line even if no normal says so.
-        if self.a.count.max(self.b.count) <= 2 && gap > far {
+        if self.a.count.max(self.b.count) <= 2 && gap > threshold {
             return Facing::Corners(i, j);
         }
-        let is_contact = self.is_rounded || separation < P::ZERO || separation > far;
+        let is_contact = self.is_rounded || separation < P::ZERO || separation > threshold;
         if is_contact { Facing::Beside(i, j) } else { Facing::Touching }
     }
 }

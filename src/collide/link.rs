@@ -3,7 +3,7 @@
 //!
 //! The *outer* side of a segment is on its right. At an outward corner of the chain the directions between the normals of the two
 //! segments that join there belong to both; at one that is straight or turns inwards there are none beside the normals; at an end of the
-//! chain those up to the way along the segment. Only these count for the largest separation: a box that slides over a
+//! chain the directions up to the way along the segment. Only these count for the largest separation: a box that slides over a
 //! seam is never pushed back by the end of the next segment. A body that crosses the line of the segment may be beyond an end of it, as a bar
 //! that leans under it: at an end of the chain the directions of that body count all around, and at a neighbour a body that any direction
 //! separates does not touch. Where the normal of a neighbour separates more than any of a segment's own directions, the neighbour has the
@@ -16,8 +16,8 @@
 //! polygon pushes as one that stands alone.
 //!
 //! Where both cores are on surfaces (a raft of boxes on a floor of tiles) the rules of both hold. Inner tiles have hardly a direction in common
-//! then, as their bodies lean on each other by some ulps: if there is none, normals that lean by up to 3.6° count, those of the surface that
-//! goes on straight to more sides. Over seams there are no points, so that the raft has those of one long box.
+//! then, as their bodies lean on each other by some ulps: if there is none, normals that lean by up to 3.6° count, the ones of the surface
+//! that goes on straight to more sides. Over seams there are no points, so that the raft has the points of one long box.
 //!
 //! All of it is by comparison of integers that a mirror image, with the points in the opposite order, has too.
 
@@ -37,32 +37,32 @@ const BEHIND: i64 = (1 << 32) / 50;
 
 /// Twice the sum over the corners of a core of their heights over the line through an edge, in units of 2^-30 ulp: over the middle of
 /// its ends, as a mirror image has them in the opposite order.
-fn height(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
-    let count = other.placed.count;
+fn height(normal: [i32; 2], ends: [[i64; 2]; 2], core: &View<'_>, offset: [i64; 2]) -> i128 {
+    let count = core.placed.count;
     // At most 64 corners within 2^48. Offsets are below 2^56, and of cores whose boxes are near each other below 2^55: below 2^63.
     let sum = |part: usize| {
-        let all: i64 = other.corners.iter().take(count).map(|corner| corner[part]).sum();
-        2 * all + (2 * offset[part] - ends[0][part] - ends[1][part]) * count as i64
+        let total: i64 = core.corners.iter().take(count).map(|corner| corner[part]).sum();
+        2 * total + (2 * offset[part] - ends[0][part] - ends[1][part]) * count as i64
     };
     <i128 as Product>::dot(normal, [sum(0), sum(1)])
 }
 
 /// Twice the least height of a corner of a core over the line through an edge, in units of 2^-30 ulp.
-fn lowest(normal: [i32; 2], ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> i128 {
-    let over = |corner: &[i64; 2]| {
+fn lowest(normal: [i32; 2], ends: [[i64; 2]; 2], core: &View<'_>, offset: [i64; 2]) -> i128 {
+    let height_over_edge = |corner: &[i64; 2]| {
         let twice = |part: usize| 2 * (corner[part] + offset[part]) - ends[0][part] - ends[1][part];
         <i128 as Product>::dot(normal, [twice(0), twice(1)])
     };
-    other.corners.iter().take(other.placed.count).map(over).min().unwrap_or(0)
+    core.corners.iter().take(core.placed.count).map(height_over_edge).min().unwrap_or(0)
 }
 
 /// Returns true if a corner of a core is beyond an end of an edge, along the edge.
-fn is_past(ends: [[i64; 2]; 2], other: &View<'_>, offset: [i64; 2]) -> bool {
+fn is_past(ends: [[i64; 2]; 2], core: &View<'_>, offset: [i64; 2]) -> bool {
     let along = |end: usize, corner: &[i64; 2]| {
         let part = |k: usize| i128::from(corner[k] + offset[k] - ends[end][k]) * i128::from(ends[1][k] - ends[0][k]);
         part(0) + part(1)
     };
-    other.corners.iter().take(other.placed.count).any(|corner| along(0, corner) < 0 || along(1, corner) > 0)
+    core.corners.iter().take(core.placed.count).any(|corner| along(0, corner) < 0 || along(1, corner) > 0)
 }
 
 /// The manifold of two cores of which one, or each, is a segment of a chain or a polygon among others.
@@ -85,22 +85,22 @@ pub(super) fn collide_surfaces(
     }
     let ends = Ends { a, b, offset, limit };
     match a.placed.count.max(b.placed.count) {
-        0..=4 => within::<4>(&ends, &surfaces),
-        5..=8 => within::<8>(&ends, &surfaces),
-        _ => within::<CORNERS>(&ends, &surfaces),
+        0..=4 => collide_surfaces_within::<4>(&ends, &surfaces),
+        5..=8 => collide_surfaces_within::<8>(&ends, &surfaces),
+        _ => collide_surfaces_within::<CORNERS>(&ends, &surfaces),
     }
 }
 
 /// Looks at another core from a surface. Returns `None` if it does not touch the other core, and false for a polygon with neighbours all
 /// around, which has no surface.
-fn faces(surface: &mut Surface<'_>, own: &View<'_>, other: &View<'_>, offset: [i64; 2]) -> Option<bool> {
-    let ends = |i: usize| [own.corners[i], own.corners[(i + 1) % own.placed.count]];
-    let mut heights = (0..own.placed.count).map(|i| height(own.normals[i], ends(i), other, offset));
+fn faces(surface: &mut Surface<'_>, core: &View<'_>, other_core: &View<'_>, offset: [i64; 2]) -> Option<bool> {
+    let ends = |i: usize| [core.corners[i], core.corners[(i + 1) % core.placed.count]];
+    let mut heights = (0..core.placed.count).map(|i| height(core.normals[i], ends(i), other_core, offset));
     if surface.is_one_sided {
-        let behind = 2 * i128::from(BEHIND * other.placed.count as i64);
+        let behind = 2 * i128::from(BEHIND * other_core.placed.count as i64);
         let is_behind = |height: i128| height < -(i128::from(2 * BEHIND) << 30);
         surface.is_across =
-            is_past(ends(0), other, offset) && is_behind(lowest(own.normals[0], ends(0), other, offset));
+            is_past(ends(0), other_core, offset) && is_behind(lowest(core.normals[0], ends(0), other_core, offset));
         return (heights.next() >= Some(-(behind << 30))).then_some(true);
     }
     if surface.links.is_empty() {
@@ -110,14 +110,18 @@ fn faces(surface: &mut Surface<'_>, own: &View<'_>, other: &View<'_>, offset: [i
     Some(true)
 }
 
-fn within<const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>) -> Option<Manifold> {
+fn collide_surfaces_within<const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>) -> Option<Manifold> {
     match unit(ends) {
-        (k, true) => of_cores::<i64, N>(ends, surfaces, k),
-        (_, false) => of_cores::<i128, N>(ends, surfaces, 0),
+        (k, true) => collide_surfaces_in::<i64, N>(ends, surfaces, k),
+        (_, false) => collide_surfaces_in::<i128, N>(ends, surfaces, 0),
     }
 }
 
-fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>, k: u32) -> Option<Manifold> {
+fn collide_surfaces_in<P: Product, const N: usize>(
+    ends: &Ends<'_>,
+    surfaces: &Surfaces<'_>,
+    k: u32,
+) -> Option<Manifold> {
     let (a, b) = (Core::<P, N>::new(&ends.a, [0; 2], k), Core::<P, N>::new(&ends.b, ends.offset, k));
     let is_rounded = ends.a.placed.radius + ends.b.placed.radius > 0;
     let pair = Pair { a, b, k, is_rounded };
@@ -145,12 +149,12 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>
             let are_on = surfaces.a.as_ref().is_none_or(is_on_a) && surfaces.b.as_ref().is_none_or(is_on_b);
             are_on.then(|| overlap(&frame)).flatten()
         }
-        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|found| surfaces.have_at(i, j, found.normal)),
+        Facing::Corners(i, j) => ends.between_corners(i, j).filter(|manifold| surfaces.have_at(i, j, manifold.normal)),
         // The edges do not overlap: the corner that is beside this edge is over a neighbour.
         Facing::Beside(..) | Facing::Touching => {
             let is_facing = |direction: Direction| pair.frame(direction).facing == Facing::Edges;
             match (axes.nearly_as_good(&pair.a, &pair.b, is_facing), frame.facing) {
-                (Some(other), _) => overlap(&pair.frame(other)),
+                (Some(direction), _) => overlap(&pair.frame(direction)),
                 (None, Facing::Beside(i, j)) if surfaces.are_own(i, j) => {
                     ends.single(frame.n, ends.separation(frame.n), i, j)
                 }
@@ -161,15 +165,15 @@ fn of_cores<P: Product, const N: usize>(ends: &Ends<'_>, surfaces: &Surfaces<'_>
 }
 
 /// The manifold with the two outlines swapped.
-pub(super) fn swapped(of: Manifold) -> Manifold {
-    let mut points = of.points.map(|point| ManifoldPoint {
+pub(super) fn swapped(manifold: Manifold) -> Manifold {
+    let mut points = manifold.points.map(|point| ManifoldPoint {
         arm_a: point.arm_b,
         arm_b: point.arm_a,
         separation: point.separation,
         feature: swapped_feature(point.feature),
     });
-    if of.count == 2 {
+    if manifold.count == 2 {
         points.reverse();
     }
-    Manifold { normal: of.normal.map(|part| -part), count: of.count, points }
+    Manifold { normal: manifold.normal.map(|part| -part), count: manifold.count, points }
 }

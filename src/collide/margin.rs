@@ -27,7 +27,7 @@ impl Margin {
     pub(super) fn limit(self, radii: i64) -> Limit {
         // The longer side is a lower bound for the length of the vector.
         let [x, y] = self.way.map(i64::abs);
-        Limit { least: self.ulps(x.max(y)) + radii, radii, margin: self }
+        Limit { lower_bound: self.ulps(x.max(y)) + radii, radii, margin: self }
     }
 
     #[inline(always)]
@@ -46,7 +46,7 @@ impl From<Fx> for Margin {
 #[derive(Clone, Copy)]
 pub(super) struct Limit {
     /// A lower bound of it, ulps: below 2^55.
-    least: i64,
+    lower_bound: i64,
     radii: i64,
     margin: Margin,
 }
@@ -54,7 +54,7 @@ pub(super) struct Limit {
 impl Limit {
     /// An upper bound: for the sides a ≥ b of a vector (a + b/2)² ≥ a² + b².
     #[inline(always)]
-    fn most(&self) -> i64 {
+    fn upper_bound(&self) -> i64 {
         let [x, y] = self.margin.way.map(i64::abs);
         self.margin.ulps(x.max(y) + x.min(y) / 2) + self.radii
     }
@@ -74,12 +74,12 @@ impl Limit {
     /// Returns true if a separation in ulps is above the limit.
     #[inline(always)]
     pub(super) fn is_below(&self, separation: i64) -> bool {
-        separation > self.least && (separation > self.most() || separation > self.exact())
+        separation > self.lower_bound && (separation > self.upper_bound() || separation > self.exact())
     }
 
     /// Returns true if a separation in units of products is above the limit.
     #[inline(always)]
     pub(super) fn is_below_product<P: Product>(&self, separation: P, k: u32) -> bool {
-        separation > P::length(self.least, k) && separation > P::length(self.exact(), k)
+        separation > P::length(self.lower_bound, k) && separation > P::length(self.exact(), k)
     }
 }

@@ -10,7 +10,7 @@
 //! outward normals of A and the inward ones of B, the direction of largest separation is taken (`axes`). A tie goes to the longer edge,
 //! and between edges of one length to the mean direction. Then both cores have the edge that faces the other, and the points are
 //! the ends of the interval, across n, in which the two edges overlap (`frame`, `points`): neither of the two is the reference.
-//! Cores that are apart with a corner next to a corner have the direction between those.
+//! Cores that are apart with a corner next to a corner have the direction between the two corners.
 //!
 //! Segments of chains touch on one side, and along fewer directions (`link`).
 //!
@@ -66,7 +66,7 @@ pub struct Manifold {
 const OVERLAP: Fx = Fx::from_bits(1 << 12);
 
 impl Manifold {
-    /// The names of what meets in the points; that of a second point that is not there is 0.
+    /// The features of the points; the feature of a second point that is not there is 0.
     #[inline]
     pub(crate) fn features(&self) -> [u32; 2] {
         self.points.map(|point| point.feature)
@@ -105,9 +105,9 @@ pub struct ManifoldPoint {
     pub feature: u32,
 }
 
-/// The name of what meets in a point: `a` and `b` are each a corner, as a pair of equal numbers, or an edge, as the corners at
-/// its ends in counter-clockwise order. At either end of two edges that overlap it is a pair of corners; elsewhere a corner of
-/// one core and an edge of the other, or two corners.
+/// The name of a point by the parts that meet in it: `a` and `b` are each a corner, as a pair of equal numbers, or an edge, as the corners
+/// at its ends in counter-clockwise order. At either end of two edges that overlap it is a pair of corners; elsewhere a corner of one core
+/// and an edge of the other, or two corners.
 #[must_use]
 pub fn feature(a: [usize; 2], b: [usize; 2]) -> u32 {
     // A polygon has at most 64 corners: six bits each.
@@ -224,8 +224,8 @@ fn collide_cores<P: Product, const N: usize>(ends: &Ends<'_>, k: u32) -> Option<
     manifold(ends, &frame)
 }
 
-/// The manifold of cores that have no edges facing each other along the direction that seems best: it may be that of an edge that is
-/// next to the right one and within rounding of it.
+/// The manifold of cores that have no edges facing each other along the direction that seems best: it may be the normal of an edge that
+/// is next to the right one and within rounding of it.
 #[cold]
 fn beside<P: Product, const N: usize>(
     pair: &Pair<P, N>,
@@ -234,8 +234,8 @@ fn beside<P: Product, const N: usize>(
     frame: Frame<P>,
 ) -> Option<Manifold> {
     let is_facing = |direction| pair.frame(direction).facing == Facing::Edges;
-    let other = axes.nearly_as_good(&pair.a, &pair.b, is_facing);
-    manifold(ends, &other.map_or(frame, |direction| pair.frame(direction)))
+    let direction = axes.nearly_as_good(&pair.a, &pair.b, is_facing);
+    manifold(ends, &direction.map_or(frame, |direction| pair.frame(direction)))
 }
 
 /// The largest distance of a point of the outline from the centre of mass of its shape, m, rounded up: corners and radius.

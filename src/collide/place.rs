@@ -37,8 +37,8 @@ impl Pose {
     }
 
     /// The pose moved by a vector. *Domain* the position stays within 2^31 m.
-    pub(crate) fn shifted(&self, by: Vec2<Fx>) -> Self {
-        Self { position: self.position + by, ..*self }
+    pub(crate) fn shifted(&self, shift: Vec2<Fx>) -> Self {
+        Self { position: self.position + shift, ..*self }
     }
 
     /// A unit vector in the axes of the body, from units of 2^-32 to world axes in units of 2^-30; at most 2^30 + 1.
@@ -50,12 +50,13 @@ impl Pose {
     pub(crate) fn corners_from<'a>(
         &self,
         outline: &'a Outline,
-        from: &Self,
+        origin: &Self,
     ) -> impl Iterator<Item = [i64; 2]> + use<'a> {
-        let (direction, own, from) = (self.direction, self.position, from.position);
-        let offset = [own.x.to_bits().wrapping_sub(from.x.to_bits()), own.y.to_bits().wrapping_sub(from.y.to_bits())];
+        let (sin, cos) = self.direction;
+        let (to, from) = (self.position, origin.position);
+        let offset = [to.x.to_bits().wrapping_sub(from.x.to_bits()), to.y.to_bits().wrapping_sub(from.y.to_bits())];
         outline.corners().iter().map(move |&corner| {
-            let [x, y] = turned(corner, direction, 62);
+            let [x, y] = turned(corner, sin, cos, 62);
             [x.wrapping_add(offset[0]), y.wrapping_add(offset[1])]
         })
     }
@@ -65,30 +66,31 @@ impl Pose {
     ///
     /// *Domain* coordinates within 2^15 m, a radius up to 2^12 m.
     #[must_use]
-    pub fn bounds(&self, of: &Aabb, radius: Fx) -> Aabb {
-        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
+    pub fn bounds(&self, local_bounds: &Aabb, radius: Fx) -> Aabb {
+        let at = |centre: Fx, offset: i64| Fx::from_bits(centre.to_bits().saturating_add(offset));
         let Vec2 { x, y } = self.position;
-        if *of == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO }) {
+        if *local_bounds == (Aabb { min: Vec2::ZERO, max: Vec2::ZERO }) {
             // A disc around the centre, as below.
             let up = 2 + radius.to_bits();
             return Aabb { min: Vec2::new(at(x, -up), at(y, -up)), max: Vec2::new(at(x, up), at(y, up)) };
         }
-        self.bounds_of_corners(of, radius)
+        self.bounds_of_corners(local_bounds, radius)
     }
 
-    fn bounds_of_corners(&self, of: &Aabb, radius: Fx) -> Aabb {
-        let ends = [(of.min.x, of.max.x), (of.min.y, of.max.y)].map(|(low, high)| (low.to_bits(), high.to_bits()));
+    fn bounds_of_corners(&self, local_bounds: &Aabb, radius: Fx) -> Aabb {
+        let ends = [(local_bounds.min.x, local_bounds.max.x), (local_bounds.min.y, local_bounds.max.y)]
+            .map(|(low, high)| (low.to_bits(), high.to_bits()));
         // Twice the middle and twice half the size, exact: below 2^49, and their products with sine and cosine below 2^112.
         let ([x, y], [width, height]) = (ends.map(|(low, high)| low + high), ends.map(|(low, high)| high - low));
         let (sin, cos) = self.direction;
-        let product = |length: i64, by: i64| i128::from(length) * i128::from(by);
+        let product = |length: i64, factor: i64| i128::from(length) * i128::from(factor);
         let middle = [product(x, cos) - product(y, sin), product(x, sin) + product(y, cos)];
-        let (of_sin, of_cos) = (sin.abs(), cos.abs());
+        let (abs_sin, abs_cos) = (sin.abs(), cos.abs());
         let reach =
-            [product(width, of_cos) + product(height, of_sin), product(width, of_sin) + product(height, of_cos)];
+            [product(width, abs_cos) + product(height, abs_sin), product(width, abs_sin) + product(height, abs_cos)];
         // An ulp for rounding up, and one for the corners, which are rounded to ulps.
         let up = |twice: i128| (twice >> 63) as i64 + 2 + radius.to_bits();
-        let at = |centre: Fx, by: i64| Fx::from_bits(centre.to_bits().saturating_add(by));
+        let at = |centre: Fx, offset: i64| Fx::from_bits(centre.to_bits().saturating_add(offset));
         let Vec2 { x, y } = self.position;
         Aabb {
             min: Vec2::new(at(x, -up(reach[0] - middle[0])), at(y, -up(reach[1] - middle[1]))),
@@ -101,7 +103,7 @@ impl Pose {
 ///
 /// Coordinates are below 2^47.5 and the results for corners too (a corner is within 2^15 m of the centre); the products are below 2^110.
 #[inline(always)]
-fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
+fn turned(v: Vec2<Fx>, sin: i64, cos: i64, s: u32) -> [i64; 2] {
     let (x, y) = (i128::from(v.x.to_bits()), i128::from(v.y.to_bits()));
     let (sin, cos) = (i128::from(sin), i128::from(cos));
     [odd_shift(x * cos - y * sin, s) as i64, odd_shift(x * sin + y * cos, s) as i64]
@@ -110,13 +112,15 @@ fn turned(v: Vec2<Fx>, (sin, cos): (i64, i64), s: u32) -> [i64; 2] {
 /// A unit normal in world axes, from units of 2^-32 to units of 2^-30; at most 2^30 + 1.
 #[inline(always)]
 fn turned_normal(normal: Vec2<Fx>, pose: &Pose) -> [i32; 2] {
-    turned(normal, pose.direction, 64).map(|part| part as i32)
+    let (sin, cos) = pose.direction;
+    turned(normal, sin, cos, 64).map(|part| part as i32)
 }
 
 impl Face {
     /// A face in the axes of a body, in world axes at a pose.
     pub(crate) fn turned(self, pose: &Pose) -> Self {
-        let turned = |[x, y]: [i64; 2]| turned(Vec2::new(Fx::from_bits(x), Fx::from_bits(y)), pose.direction, 62);
+        let (sin, cos) = pose.direction;
+        let turned = |[x, y]: [i64; 2]| turned(Vec2::new(Fx::from_bits(x), Fx::from_bits(y)), sin, cos, 62);
         let turned_normal = |normal: [i32; 2]| turned(normal.map(i64::from)).map(|part| part as i32);
         Self {
             normal: turned_normal(self.normal),
@@ -138,7 +142,7 @@ pub(super) struct Placed {
     /// The largest coordinate of a corner, below 2^48.
     pub(super) extent: i64,
     pub(super) radius: i64,
-    /// Corners and normals come in opposite pairs, as those of a box around its centre do.
+    /// Corners and normals come in opposite pairs, as in a box around its centre.
     pub(super) is_box: bool,
 }
 
@@ -151,7 +155,7 @@ pub(super) fn room(count: usize) -> usize {
     }
 }
 
-/// The first two of four vectors whose other two are opposite to them, as those of a box around its centre are.
+/// The first two of four vectors whose other two are opposite to them, as in a box around its centre.
 #[inline(always)]
 fn halves(vectors: &[Vec2<Fx>]) -> Option<[Vec2<Fx>; 2]> {
     let [a, b, c, d] = vectors else { return None };
@@ -166,9 +170,11 @@ impl Placed {
     pub(super) fn new(outline: &Outline, pose: &Pose, corners: &mut [[i64; 2]], normals: &mut [[i32; 2]]) -> Self {
         let count = outline.corners().len();
         let turned_normal = |normal: Vec2<Fx>| turned_normal(normal, pose);
-        let turned_corner = |corner: Vec2<Fx>| turned(corner, pose.direction, 62);
-        let at = |[low, high]: [[i64; 2]; 2], is_box: bool| {
-            let (position, radius) = (pose.position, outline.radius().to_bits());
+        let (sin, cos) = pose.direction;
+        let turned_corner = |corner: Vec2<Fx>| turned(corner, sin, cos, 62);
+        let core_with_bounds = |[low, high]: [[i64; 2]; 2], is_box: bool| {
+            let position = pose.position;
+            let radius = outline.radius().to_bits();
             let extent = high[0].max(high[1]).max(-low[0]).max(-low[1]);
             Self { position, count, low, high, extent, radius, is_box }
         };
@@ -179,7 +185,7 @@ impl Placed {
             corners.copy_from_slice(&[c1, c2, c1.map(|part| -part), c2.map(|part| -part)]);
             normals.copy_from_slice(&[n1, n2, n1.map(|part| -part), n2.map(|part| -part)]);
             let high = [c1[0].abs().max(c2[0].abs()), c1[1].abs().max(c2[1].abs())];
-            return at([high.map(|part| -part), high], true);
+            return core_with_bounds([high.map(|part| -part), high], true);
         }
         let first = turned_corner(outline.corners()[0]);
         let (mut low, mut high) = (first, first);
@@ -193,7 +199,7 @@ impl Placed {
         for (place, &normal) in normals.iter_mut().zip(outline.normals()) {
             *place = turned_normal(normal);
         }
-        at([low, high], false)
+        core_with_bounds([low, high], false)
     }
 }
 
@@ -214,18 +220,18 @@ impl View<'_> {
 
     /// The offset from this position to another in ulps, exactly; `None` from 2^24 m on in a component, where nothing touches.
     #[inline(always)]
-    pub(super) fn offset_to(&self, other: &Self) -> Option<[i64; 2]> {
+    pub(super) fn offset_to(&self, target: &Self) -> Option<[i64; 2]> {
         const FAR: i64 = 1 << (24 + 32);
         let part = |from: Fx, to: Fx| to.to_bits().checked_sub(from.to_bits()).filter(|d| -FAR < *d && *d < FAR);
-        let (from, to) = (self.placed.position, other.placed.position);
+        let (from, to) = (self.placed.position, target.placed.position);
         Some([part(from.x, to.x)?, part(from.y, to.y)?])
     }
 
     /// The distance of the boxes around the cores along x or y, whichever is larger; negative where they overlap. All terms are below 2^57.
     #[inline(always)]
-    pub(super) fn gap(&self, other: &Self, offset: [i64; 2]) -> i64 {
-        let (own, other) = (self.placed, other.placed);
-        let gap = |i: usize| (other.low[i] + offset[i] - own.high[i]).max(own.low[i] - other.high[i] - offset[i]);
+    pub(super) fn gap(&self, target: &Self, offset: [i64; 2]) -> i64 {
+        let (a, b) = (self.placed, target.placed);
+        let gap = |i: usize| (b.low[i] + offset[i] - a.high[i]).max(a.low[i] - b.high[i] - offset[i]);
         gap(0).max(gap(1))
     }
 }
@@ -235,7 +241,7 @@ impl View<'_> {
 pub struct Cores {
     corners: Vec<[i64; 2]>,
     normals: Vec<[i32; 2]>,
-    /// Each with its first place, and whether it is among the surfaces.
+    /// Each core with its first place, and whether it is among the surfaces.
     placed: Vec<(Placed, usize, bool)>,
     /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
     surfaces: Vec<(usize, bool, usize)>,
@@ -295,10 +301,10 @@ impl Cores {
     }
 
     fn surface(&self, i: usize) -> Option<Surface<'_>> {
-        let at = self.surfaces.binary_search_by_key(&i, |(own, ..)| *own).ok()?;
-        let from = if at == 0 { 0 } else { self.surfaces[at - 1].2 };
-        let (_, is_one_sided, to) = self.surfaces[at];
-        Some(Surface { links: &self.links[from..to], is_one_sided, is_across: false })
+        let index = self.surfaces.binary_search_by_key(&i, |(number, ..)| *number).ok()?;
+        let start = if index == 0 { 0 } else { self.surfaces[index - 1].2 };
+        let (_, is_one_sided, end) = self.surfaces[index];
+        Some(Surface { links: &self.links[start..end], is_one_sided, is_across: false })
     }
 
     #[cold]

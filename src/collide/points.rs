@@ -73,7 +73,7 @@ impl Ends<'_> {
             if is_point { None } else { self.end_of_overlap(frame, 1, b.places[1].cmp(&a.places[1]), &is_left_out) };
         let (count, points) = match (first, second) {
             (Some(first), Some(second)) => (2, [first, second]),
-            (Some(only), None) | (None, Some(only)) => (1, [only, ManifoldPoint::default()]),
+            (Some(point), None) | (None, Some(point)) => (1, [point, ManifoldPoint::default()]),
             (None, None) => return None,
         };
         Some(Manifold { normal: frame.n, count, points })
@@ -100,15 +100,15 @@ impl Ends<'_> {
     pub(super) fn deepest<P: Product>(
         &self,
         frame: &Frame<P>,
-        count: impl Fn(usize, usize) -> bool,
+        counts: impl Fn(usize, usize) -> bool,
     ) -> Option<Manifold> {
-        let (_, [i, j]) = nearest(&frame.a, &frame.b).filter(|(_, [i, j])| count(*i, *j))?;
+        let (_, [i, j]) = nearest(&frame.a, &frame.b).filter(|(_, [i, j])| counts(*i, *j))?;
         self.single(frame.n, self.separation(frame.n), i, j)
     }
 
     /// The offset from a corner of A to a corner of B. Corners are below 2^48, offsets below 2^56.
     #[inline(always)]
-    fn apart(&self, i: usize, j: usize) -> [i64; 2] {
+    fn corner_offset(&self, i: usize, j: usize) -> [i64; 2] {
         let ([x, y], [ax, ay], [bx, by]) = (self.offset, self.a.corners[i], self.b.corners[j]);
         [bx + x - ax, by + y - ay]
     }
@@ -116,16 +116,16 @@ impl Ends<'_> {
     /// The distance of two corners along n.
     #[inline(always)]
     fn height(&self, n: [i32; 2], i: usize, j: usize) -> i64 {
-        <i128 as Product>::dot(n, self.apart(i, j)).ulps(0)
+        <i128 as Product>::dot(n, self.corner_offset(i, j)).ulps(0)
     }
 
     /// The separation of the cores along n: the frame has it in units of choices, this is in ulps.
     #[cold]
     pub(super) fn separation(&self, n: [i32; 2]) -> i64 {
         let height = |&corner: &[i64; 2]| <i128 as Product>::dot(n, corner);
-        let most = self.a.corners.iter().map(height).fold(i128::LEAST, Ord::max);
-        let least = self.b.corners.iter().map(height).fold(i128::MAX, Ord::min);
-        (least + <i128 as Product>::dot(n, self.offset) - most).ulps(0)
+        let highest = self.a.corners.iter().map(height).fold(i128::LEAST, Ord::max);
+        let lowest = self.b.corners.iter().map(height).fold(i128::MAX, Ord::min);
+        (lowest + <i128 as Product>::dot(n, self.offset) - highest).ulps(0)
     }
 
     /// The distance of the cores where a corner is, at an end of an edge.
@@ -164,10 +164,10 @@ impl Ends<'_> {
             }
             At::Both(i, j) => {
                 // The same point but for rounding: the mean, from either side.
-                let (own, other) = (moved(a[i], n, twice_a), moved(b[j], back, twice_b));
-                let half = |apart: i64| odd_shift(apart.into(), 1) as i64;
-                let (dx, dy) = (half(other[0] + x - own[0]), half(other[1] + y - own[1]));
-                ([own[0] + dx, own[1] + dy], [other[0] - dx, other[1] - dy])
+                let (point_a, point_b) = (moved(a[i], n, twice_a), moved(b[j], back, twice_b));
+                let half = |difference: i64| odd_shift(difference.into(), 1) as i64;
+                let (dx, dy) = (half(point_b[0] + x - point_a[0]), half(point_b[1] + y - point_a[1]));
+                ([point_a[0] + dx, point_a[1] + dy], [point_b[0] - dx, point_b[1] - dy])
             }
         };
         let vector = |[x, y]: [i64; 2]| Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
@@ -176,9 +176,9 @@ impl Ends<'_> {
     }
 
     /// The manifold of one point between two corners, along the direction from one to the other. `None` if they are farther
-    /// apart than counts, or coincide.
+    /// apart than the limit, or coincide.
     pub(super) fn between_corners(&self, i: usize, j: usize) -> Option<Manifold> {
-        let [x, y] = self.apart(i, j);
+        let [x, y] = self.corner_offset(i, j);
         if (x, y) == (0, 0) {
             return None;
         }

@@ -1,9 +1,9 @@
 //! Seams between polygons that stand still: which edges, and which directions at corners, belong to the surface of their union.
 //!
-//! An edge that a neighbour covers is inside the union and pushes nothing. At a corner of an edge that is on the surface, the
-//! directions in which the polygon pushes go from the edge's normal to that of the edge by which the surface goes on there, of the polygon
-//! itself or of a neighbour; where the surface goes on straight or turns inwards, there are none beside the normal. Segments of chains have
-//! the same rules ([`Link`](super::surface::Link)).
+//! An edge that a neighbour covers is inside the union and pushes nothing. At a corner of an edge that is on the surface, the directions in
+//! which the polygon pushes go from the edge's normal to the normal of the edge by which the surface goes on there, of the polygon itself
+//! or of a neighbour; where the surface goes on straight or turns inwards, there are none beside the normal. Segments of chains have the
+//! same rules ([`Link`](super::surface::Link)).
 //!
 //! **Slop.** Neighbours need not fit to the ulp: gaps of up to 3·2^-14 m (0.18 mm) are closed, and differences of height of up to
 //! 2^-13 m (0.12 mm) are none.
@@ -39,11 +39,11 @@ pub(crate) struct Face {
     pub(crate) part: Option<[[i64; 2]; 2]>,
 }
 
-/// A convex polygon and those that may touch it, corners counter-clockwise in ulps: below 2^50, as they are relative to a point near them.
+/// A convex polygon and the polygons that may touch it, corners counter-clockwise in ulps: below 2^50, relative to a point near them.
 #[derive(Debug, Default)]
 pub(crate) struct Polygons {
     corners: Vec<[i64; 2]>,
-    /// Behind the corners of each polygon.
+    /// The index behind the last corner of each polygon.
     ends: Vec<usize>,
     /// The number of the corners of polygons that were left out.
     left_out: usize,
@@ -70,7 +70,7 @@ impl Polygons {
         }
     }
 
-    /// The number of the corners of all polygons, also of those that were left out.
+    /// The number of the corners of all polygons, also of polygons that were left out.
     pub(crate) fn corner_count(&self) -> usize {
         self.corners.len() + self.left_out
     }
@@ -122,11 +122,11 @@ impl Polygons {
 fn are_near(a: &[[i64; 2]], b: &[[i64; 2]]) -> bool {
     let range = |corners: &[[i64; 2]], axis: usize| {
         let parts = corners.iter().map(|corner| corner[axis]);
-        parts.fold((i64::MAX, i64::MIN), |(low, high), part| (low.min(part), high.max(part)))
+        parts.fold([i64::MAX, i64::MIN], |[low, high], part| [low.min(part), high.max(part)])
     };
     (0..2).all(|axis| {
-        let (own, other) = (range(a, axis), range(b, axis));
-        own.0 - other.1 <= REACH && other.0 - own.1 <= REACH
+        let ([low_a, high_a], [low_b, high_b]) = (range(a, axis), range(b, axis));
+        low_a - high_b <= REACH && low_b - high_a <= REACH
     })
 }
 
@@ -197,14 +197,14 @@ impl Edge {
     }
 
     /// The part of the edge on whose outer side another polygon is, within the slop.
-    fn covered(&self, other: &[[i64; 2]]) -> Option<[i64; 2]> {
+    fn covered(&self, polygon: &[[i64; 2]]) -> Option<[i64; 2]> {
         let outward = self.normal();
         // Twice the middle, moved outwards by twice the slop.
         let middle =
             [0, 1].map(|axis| self.from[axis] + self.to[axis] + i64::from(outward[axis]) * (4 * SLOP) / (1 << 30));
         let (mut low, mut high) = (-self.length, self.length);
-        for (i, &corner) in other.iter().enumerate() {
-            let side = Edge::new(corner, other[(i + 1) % other.len()]);
+        for (i, &corner) in polygon.iter().enumerate() {
+            let side = Edge::new(corner, polygon[(i + 1) % polygon.len()]);
             let normal = side.normal();
             // Twice the slop less twice the height over the side, in units of 2^-30 ulp.
             let room = (i128::from(2 * SLOP) << 30) - dot(normal, minus(middle, corner.map(|part| 2 * part)));
@@ -223,12 +223,12 @@ impl Edge {
         (low < high).then_some([low, high])
     }
 
-    /// The edge by which the surface goes on at an end of this one; `own` is the next corner of the same polygon beyond that end.
+    /// The edge by which the surface goes on at an end of this one; `next_corner` is the next corner of the same polygon beyond that end.
     fn beyond<'a>(
         &self,
         end: usize,
-        own: [i64; 2],
-        others: impl Iterator<Item = &'a [[i64; 2]]>,
+        next_corner: [i64; 2],
+        neighbours: impl Iterator<Item = &'a [[i64; 2]]>,
     ) -> Neighbour<[i32; 2]> {
         let (corner, back) =
             if end == 1 { (self.to, minus(self.from, self.to)) } else { (self.from, minus(self.to, self.from)) };
@@ -244,16 +244,16 @@ impl Edge {
             (false, true) => false,
             _ => cross(a, b) > 0,
         };
-        let (mut next, mut normal): ([i64; 2], Option<[i32; 2]>) = (minus(own, corner), None);
-        for other in others {
-            for (i, &from) in other.iter().enumerate() {
-                let side = Edge::new(from, other[(i + 1) % other.len()]);
+        let (mut next, mut normal): ([i64; 2], Option<[i32; 2]>) = (minus(next_corner, corner), None);
+        for polygon in neighbours {
+            for (i, &from) in polygon.iter().enumerate() {
+                let side = Edge::new(from, polygon[(i + 1) % polygon.len()]);
                 let (start, stop) = if end == 1 { (side.from, side.to) } else { (side.to, side.from) };
                 if !side.starts_at(corner, start, end) {
                     continue;
                 }
                 let way = minus(stop, start);
-                // The longer one of two that go the same way: its direction is the finer.
+                // Of two sides that go the same way the longer one: its direction is the finer.
                 let size = |v: [i64; 2]| i128::from(v[0]).pow(2) + i128::from(v[1]).pow(2);
                 let is_finer = normal.is_some() && !comes_before(next, way) && size(way) > size(next);
                 if comes_before(way, next) || is_finer {
@@ -262,7 +262,7 @@ impl Edge {
             }
         }
         match normal {
-            None => Neighbour::Own(Edge::new(corner, own).normal().map(|part| sign as i32 * part)),
+            None => Neighbour::Own(Edge::new(corner, next_corner).normal().map(|part| sign as i32 * part)),
             // A straight angle is inner.
             Some(normal) if is_inner(next) || cross(back, next) == 0 => Neighbour::Inner(normal),
             Some(normal) => Neighbour::Outer(normal),
@@ -271,9 +271,9 @@ impl Edge {
 
     /// Returns true if a point is on the edge, and not near the other end than `start`.
     fn starts_at(&self, point: [i64; 2], start: [i64; 2], end: usize) -> bool {
-        let to = minus(point, start);
-        let height = dot(self.normal(), to).abs();
-        let place = if end == 1 { dot(self.along, to) } else { -dot(self.along, to) };
+        let offset = minus(point, start);
+        let height = dot(self.normal(), offset).abs();
+        let place = if end == 1 { dot(self.along, offset) } else { -dot(self.along, offset) };
         let reach = i128::from(REACH) << 30;
         height <= i128::from(2 * SLOP) << 30 && place >= -reach && place < (i128::from(self.length) << 30) - reach
     }

@@ -41,7 +41,7 @@ pub(super) enum Facing {
 pub(super) enum At {
     A(usize),
     B(usize),
-    /// One of each, at the same place.
+    /// A corner of each core, at the same place.
     Both(usize, usize),
 }
 
@@ -49,7 +49,7 @@ pub(super) enum At {
 #[inline(always)]
 pub(super) fn end_of_overlap<T: Copy + PartialOrd>(a: &Span<T>, b: &Span<T>, end: usize, ahead: Ordering) -> (At, u32) {
     let (i, j) = (a.corners[end], b.corners[end]);
-    // The end of the overlap is the inner one of the two ends; a corner is that of an edge at neither end.
+    // The end of the overlap is the inner one of the two ends; a corner over an edge counts as inner at both ends.
     let (is_corner_of_a, is_corner_of_b) = (a.is_corner(), b.is_corner());
     let at = match (is_corner_of_a, is_corner_of_b) {
         (true, false) => At::A(i),

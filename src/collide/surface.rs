@@ -53,11 +53,11 @@ impl Link {
     ) -> Self {
         let along = across(normal);
         let is_straight = [before, after].map(|neighbour| match neighbour {
-            Neighbour::Inner(other) | Neighbour::Outer(other) => is_between(other, [normal; 2], SLACK),
+            Neighbour::Inner(next) | Neighbour::Outer(next) => is_between(next, [normal; 2], SLACK),
             _ => false,
         });
         let outer = [0, 1].map(|end| match [before, after][end] {
-            Neighbour::Outer(other) if !is_straight[end] => Some(other),
+            Neighbour::Outer(next) if !is_straight[end] => Some(next),
             _ => None,
         });
         let reach = |end: usize, neighbour, far| match neighbour {
@@ -104,9 +104,9 @@ impl Surface<'_> {
     /// covered.
     pub(super) fn has(&self, n: Unit, slack: i64, reaches: impl Fn(&Link, Option<usize>) -> bool) -> bool {
         let is_at_end = |link: &Link, end: usize| {
-            let mut beside = self.links.iter().filter(|other| other.corners[1 - end] == link.corners[end]);
+            let mut beside = self.links.iter().filter(|adjacent| adjacent.corners[1 - end] == link.corners[end]);
             let is_between = is_between(n, link.cones[end], slack) || self.is_across && link.is_beyond(end, n);
-            is_between && (!link.is_own[end] || beside.all(|other| reaches(other, Some(1 - end))))
+            is_between && (!link.is_own[end] || beside.all(|adjacent| reaches(adjacent, Some(1 - end))))
         };
         self.links.iter().any(|link| (0..2).any(|end| is_at_end(link, end)) && reaches(link, None))
     }
@@ -148,7 +148,7 @@ impl Surface<'_> {
     }
 }
 
-/// The surfaces of the two cores of a pair, of those that have one.
+/// The surfaces of the two cores of a pair; `None` for a core without one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surfaces<'a> {
     pub(super) a: Option<Surface<'a>>,
@@ -179,8 +179,8 @@ impl Surfaces<'_> {
     }
 }
 
-/// Returns true if places that a core has along an edge, from `least` to `most`, reach the part from `low` to `high` of it, or, where an
-/// end of the edge is given, what is beyond that part in its direction.
-pub(super) fn is_reached<T: PartialOrd>([least, most]: [T; 2], [low, high]: [T; 2], end: Option<usize>) -> bool {
-    (end == Some(1) || least <= high) && (end == Some(0) || low <= most)
+/// Returns true if places that a core has along an edge, from `first` to `last`, reach the part from `low` to `high` of it, or, where an
+/// end of the edge is given, the line beyond that part in its direction.
+pub(super) fn is_reached<T: PartialOrd>([first, last]: [T; 2], [low, high]: [T; 2], end: Option<usize>) -> bool {
+    (end == Some(1) || first <= high) && (end == Some(0) || low <= last)
 }

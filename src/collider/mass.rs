@@ -129,7 +129,7 @@ impl ExactSum {
     const HIGHEST: i32 = Self::FRACTION + 104 - 64;
 
     /// The words of number · 2^-shift.
-    fn words((number, shift): (u64, i32)) -> [u64; 5] {
+    fn words(number: u64, shift: i32) -> [u64; 5] {
         let mut words = [0; 5];
         match u32::try_from((Self::FRACTION - shift).min(Self::HIGHEST)) {
             Ok(place) => {
@@ -144,7 +144,7 @@ impl ExactSum {
 
     fn add(&mut self, term: (u64, i32)) {
         let mut carries = false;
-        for (word, more) in self.0.iter_mut().zip(Self::words(term)) {
+        for (word, more) in self.0.iter_mut().zip(Self::words(term.0, term.1)) {
             let (sum, first) = word.overflowing_add(more);
             let (sum, second) = sum.overflowing_add(u64::from(carries));
             (*word, carries) = (sum, first | second);
@@ -154,7 +154,7 @@ impl ExactSum {
     /// Takes a term out again. *Domain* it was added.
     fn subtract(&mut self, term: (u64, i32)) {
         let mut borrows = false;
-        for (word, less) in self.0.iter_mut().zip(Self::words(term)) {
+        for (word, less) in self.0.iter_mut().zip(Self::words(term.0, term.1)) {
             let (rest, first) = word.overflowing_sub(less);
             let (rest, second) = rest.overflowing_sub(u64::from(borrows));
             (*word, borrows) = (rest, first | second);

@@ -40,8 +40,7 @@ impl Approach {
     /// the middle of two points that are equally fast. `None` if no point approached.
     pub(super) fn fastest(&self, total: &Impulses, side: usize) -> Option<(Fx, Vec2)> {
         let speeds = self.impact.map_or(self.speeds, |impact| impact.speeds);
-        let is_hit = |&k: &usize| total.values[k] > 0 && speeds[k] > Fx::ZERO;
-        let mut points = (0..2).filter(is_hit);
+        let mut points = (0..2).filter(|&k| total.values[k] > 0 && speeds[k] > Fx::ZERO);
         let first = points.next()?;
         let arms = &self.arms[side];
         let (speed, arm) = match points.next() {
@@ -55,20 +54,20 @@ impl Approach {
         Some((speed, self.positions[side] + arm))
     }
 
-    /// The impulse of the hit, N·s: that of its impacts. Without an impact, which is for fast bodies, the impulse over
-    /// the step less those that carry: at a point that was pressed before, those of the step before, else those of the
-    /// last sub-step, from the touch on.
+    /// The impulse of the hit, N·s: the impulse of its impacts. Without an impact, which is for fast bodies, the impulse over
+    /// the step less the carrying impulses: at a point that was pressed before, the impulses of the step before, else the
+    /// impulses of the last sub-step, from the touch on.
     pub(super) fn impulse(&self, total: &Impulses, last: &Impulses, substeps: u32) -> Fx {
         if let Some(ContactImpact { impulses: [first, second], exponent, .. }) = self.impact {
             return newton_seconds(first.saturating_add(second), exponent);
         }
-        let of_point = |k: usize| {
+        let hit_impulse = |k: usize| {
             let is_pressed = self.start.values[k] > 0;
             let (carrying, times) = if is_pressed { (&self.start, substeps) } else { (last, self.substeps_left[k]) };
             let carried = newton_seconds(carrying.values[k], carrying.exponent).saturating_mul(Fx::from(times as i32));
             newton_seconds(total.values[k], total.exponent).saturating_sub(carried).max(Fx::ZERO)
         };
-        (0..self.count).fold(Fx::ZERO, |sum, k| sum.saturating_add(of_point(k)))
+        (0..self.count).fold(Fx::ZERO, |sum, k| sum.saturating_add(hit_impulse(k)))
     }
 }
 
@@ -84,18 +83,19 @@ fn middle(a: Fx, b: Fx) -> Fx {
 }
 
 /// The velocity of a point of a body, in 2^-64 m/s: below 2^86 and 2^100.
-fn velocity(of: &Velocity, arm: Vec2) -> [i128; 2] {
+fn velocity(body: &Velocity, arm: Vec2) -> [i128; 2] {
     let bits = |value: Fx| i128::from(value.to_bits());
-    let (v, turn) = (of.linear, bits(of.angular));
-    [(bits(v.x) << 32) - turn * bits(arm.y), (bits(v.y) << 32) + turn * bits(arm.x)]
+    let linear = body.linear;
+    let angular = bits(body.angular);
+    [(bits(linear.x) << 32) - angular * bits(arm.y), (bits(linear.y) << 32) + angular * bits(arm.x)]
 }
 
 /// The speed at which points with these velocities close along a normal, in 2^-32 m/s and within 2^62.5: an exact sum,
 /// rounded down, that a mirror image and the two bodies in the other order have as well.
 fn closing_speed(normal: [i32; 2], [a, b]: [[i128; 2]; 2]) -> i64 {
-    /// Faster points count as that, 2^30 m/s: products with the normal are below 2^125.
-    const FASTEST: i128 = 1 << 94;
-    let closing = [0, 1].map(|axis| (a[axis] - b[axis]).clamp(-FASTEST, FASTEST));
+    /// Faster points count as 2^30 m/s: products with the normal are below 2^125.
+    const LIMIT: i128 = 1 << 94;
+    let closing = [0, 1].map(|axis| (a[axis] - b[axis]).clamp(-LIMIT, LIMIT));
     let [nx, ny] = normal.map(i128::from);
     // From 2^-94 to 2^-32 m/s.
     ((closing[0] * nx + closing[1] * ny) >> 62) as i64
@@ -163,13 +163,14 @@ fn touch(speeds: [i64; 2], gap: Fx, time_step: TimeStep, substeps: u32) -> (Fx, 
     (Fx::from_bits(speed.min(i64::MAX.into()) as i64), (substeps - number) as u32)
 }
 
-/// The way of the middle between two points until the gap between them is closed, at most that of a step.
+/// The way of the middle between two points until the gap between them is closed, at most its way in a step.
 fn mean_way([a, b]: [[i128; 2]; 2], gap: Fx, speed: i64, time_step: TimeStep) -> [Fx; 2] {
     if gap <= Fx::ZERO || speed <= 0 {
         return [Fx::ZERO; 2];
     }
     let (num, den) = time_step.seconds();
-    let (gap, speed) = (i128::from(gap.to_bits()), i128::from(speed));
+    let gap = i128::from(gap.to_bits());
+    let speed = i128::from(speed);
     // Both below 2^95.
     let closes = gap * i128::from(den) < speed * i128::from(num);
     let (num, den) = if closes { (gap, speed) } else { (num.into(), den.into()) };

@@ -1,11 +1,11 @@
-//! Contacts of sleeping bodies: kept beside those of awake ones, so that no step looks at them.
+//! Contacts of sleeping bodies: kept apart from the contacts of awake bodies, so that steps skip them.
 
 use alloc::vec::Vec;
 
 use super::ContactRecord;
 use crate::collider::OutlineId;
 
-/// The contacts with a sleeping body. They carry the impulses that the bodies start from when they wake, and say who wakes with whom.
+/// The contacts with a sleeping body. They keep the impulses that the bodies start from when they wake, and say who wakes with whom.
 #[derive(Debug, Default)]
 pub(crate) struct AsleepContacts {
     /// Sorted by pair.
@@ -26,8 +26,8 @@ impl AsleepContacts {
     }
 
     /// Adds records that are not in the list yet.
-    pub(super) fn extend(&mut self, more: impl Iterator<Item = ContactRecord>) {
-        self.records.extend(more);
+    pub(super) fn extend(&mut self, records: impl Iterator<Item = ContactRecord>) {
+        self.records.extend(records);
         self.sort();
     }
 
@@ -46,17 +46,17 @@ impl AsleepContacts {
 
     /// Returns true if there is a record of a pair with impulses.
     pub(super) fn contains(&self, pair: [OutlineId; 2]) -> bool {
-        let found = self.records.binary_search_by_key(&pair, ContactRecord::pair);
-        found.is_ok_and(|at| !self.records[at].is_slack())
+        let index = self.records.binary_search_by_key(&pair, ContactRecord::pair);
+        index.is_ok_and(|index| !self.records[index].is_slack())
     }
 
     /// The slots of the colliders that have a contact with the one in a slot, once for each contact; each with true if no impulse is left.
     pub(super) fn touching(&self, slot: u32) -> impl Iterator<Item = (u32, bool)> {
-        let from = self.records.partition_point(|record| record.pair()[0].slot < slot);
-        let own = self.records[from..].iter().take_while(move |record| record.pair()[0].slot == slot);
-        let as_first = own.map(|record| (record.pair(), record.is_slack()));
-        let from = self.by_second.partition_point(|(pair, _)| pair[0].slot < slot);
-        let as_second = self.by_second[from..].iter().copied().take_while(move |(pair, _)| pair[0].slot == slot);
+        let start = self.records.partition_point(|record| record.pair()[0].slot < slot);
+        let records = self.records[start..].iter().take_while(move |record| record.pair()[0].slot == slot);
+        let as_first = records.map(|record| (record.pair(), record.is_slack()));
+        let start = self.by_second.partition_point(|(pair, _)| pair[0].slot < slot);
+        let as_second = self.by_second[start..].iter().copied().take_while(move |(pair, _)| pair[0].slot == slot);
         as_first.chain(as_second).map(|(pair, is_slack)| (pair[1].slot, is_slack))
     }
 }

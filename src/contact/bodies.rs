@@ -20,7 +20,7 @@ pub(crate) struct ContactInfo {
     pub(crate) key: u64,
 }
 
-/// The bodies of a world in fixed point. Indices are those in the columns.
+/// The bodies of a world in fixed point. Indices are indices in the columns.
 pub(crate) trait ContactBodies {
     /// The index of a body; `None` if there is none with this handle.
     fn index_of(&self, body: BodyId) -> Option<usize>;
@@ -108,7 +108,9 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
             linear: linear.map(FxAccumulator::value),
             angular: angular.value(),
         };
-        let (motion, info, mass) = (&self.columns.motion, self.info(start.dense), self.mass(start.dense));
+        let motion = &self.columns.motion;
+        let info = self.info(start.dense);
+        let mass = self.mass(start.dense);
         let end_velocity = motion.velocity.get(start.dense).map(|part| part.to_fixed());
         flight.start = velocity(start.velocity, start.angular_velocity);
         flight.end = velocity(end_velocity, motion.angular_velocity[start.dense].to_fixed());

@@ -1,8 +1,8 @@
-//! Polygons of one body beside each other, as a platform, a raft or a compound has them: the surface of their union, found for each of them
+//! Polygons of one body beside each other, as a platform, a raft or a compound has them: the surface of their union, found for each polygon
 //! when another body first comes near.
 //!
 //! A surface is in the axes of the body: a function of the body's colliders alone, kept until one of them changes. Static bodies have
-//! [surfaces](super::tiles) with each other. The same polygons are neighbours as there: those with the same filter and the same side of a
+//! [surfaces](super::tiles) with each other. Polygons are neighbours as there, with the same filter and the same side of a
 //! one-way collider; a sensor touches nothing.
 
 use alloc::boxed::Box;
@@ -22,15 +22,15 @@ use crate::slots::NONE;
 pub(super) struct BodyTiles {
     /// By the slot of the body.
     bodies: Vec<Option<Box<Body>>>,
-    /// The number of bodies, and the number above which bodies that are gone are dropped.
     count: usize,
-    most: usize,
+    /// The number of bodies above which removed and changed bodies are dropped.
+    max_count: usize,
     workspace: Workspace,
 }
 
 #[derive(Debug, Default)]
 struct Workspace {
-    /// A polygon and the ones near it.
+    /// A polygon and its neighbours.
     polygons: Polygons,
     proxies: Vec<Proxy>,
 }
@@ -65,7 +65,7 @@ fn corners(outline: &BodyOutline) -> impl Iterator<Item = [i64; 2]> {
 }
 
 impl Body {
-    /// Lists the outlines of a body. Takes nothing from the heap where there were as many before.
+    /// Lists the outlines of a body. Allocates nothing if there were as many before.
     fn refill(&mut self, colliders: &ColliderSet, body: u32, revision: u64, proxies: &mut Vec<Proxy>) {
         self.revision = revision;
         self.outlines.clear();
@@ -119,22 +119,23 @@ impl Body {
 }
 
 impl BodyTiles {
-    /// The edges of an outline of a body that are on the surface of its union with the body's others, in the axes of the body; `None` if it
-    /// stands alone.
+    /// The edges of an outline of a body that are on the surface of its union with the body's other outlines, in the axes of the body;
+    /// `None` if it stands alone.
     pub(super) fn find(&mut self, colliders: &ColliderSet, body: u32, id: OutlineId) -> Option<&[Face]> {
-        let (at, revision) = (body as usize, colliders.revision_of(body)?);
-        if self.bodies.len() <= at {
-            self.bodies.resize_with(at + 1, || None);
+        let index = body as usize;
+        let revision = colliders.revision_of(body)?;
+        if self.bodies.len() <= index {
+            self.bodies.resize_with(index + 1, || None);
         }
-        if self.bodies[at].as_ref().is_none_or(|body| body.revision != revision) {
-            if self.bodies[at].is_none() {
+        if self.bodies[index].as_ref().is_none_or(|body| body.revision != revision) {
+            if self.bodies[index].is_none() {
                 self.count += 1;
-                self.drop_gone(colliders);
+                self.drop_stale(colliders);
             }
-            let tiles = self.bodies[at].get_or_insert_default();
+            let tiles = self.bodies[index].get_or_insert_default();
             tiles.refill(colliders, body, revision, &mut self.workspace.proxies);
         }
-        self.bodies[at].as_mut()?.find(colliders, id, &mut self.workspace.polygons)
+        self.bodies[index].as_mut()?.find(colliders, id, &mut self.workspace.polygons)
     }
 
     /// The surface of an outline, if it was found and the outline does not stand alone.
@@ -146,9 +147,9 @@ impl BodyTiles {
         surfaces.get(surface_of[outlines.binary_search(&id).ok()?])
     }
 
-    /// Drops the bodies that are gone or that changed, whenever there are twice as many as were left the last time.
-    fn drop_gone(&mut self, colliders: &ColliderSet) {
-        if self.count <= self.most {
+    /// Drops the bodies that were removed or changed, whenever there are twice as many as were left the last time.
+    fn drop_stale(&mut self, colliders: &ColliderSet) {
+        if self.count <= self.max_count {
             return;
         }
         for (slot, place) in (0..).zip(&mut self.bodies) {
@@ -157,6 +158,6 @@ impl BodyTiles {
                 self.count -= 1;
             }
         }
-        self.most = 2 * self.count;
+        self.max_count = 2 * self.count;
     }
 }

@@ -1,10 +1,11 @@
 //! Bodies that impulses send elsewhere within a step, and the contacts that they meet on their new ways.
 //!
 //! Contacts are found on free flights. A body that an impact turns aside or sets in motion may meet another one that its free flight
-//! does not: so after the solver has run, the paths of these bodies are asked for the moments at which they meet what they have no
-//! contact with, the contacts found are added, and their islands are solved again from the start of the step, up to [`ROUNDS`] times. The
-//! set of contacts only grows, and is a function of the scene. Only bodies that are deflected still after all rounds are swept as bullets are: they
-//! stop at what they meet, and have the impact in the next step. (Bodies of a pile, whose contacts the solver has, would stop at each other for ever.)
+//! does not: so after the solver has run, the paths of these bodies are tested for the moments at which they meet bodies
+//! without a contact, these contacts are added, and their islands are solved again from the start of the step, up to [`ROUNDS`] times. The
+//! set of contacts only grows, and is a function of the scene. Only bodies that are deflected still after all rounds are swept as bullets
+//! are: they stop at the bodies that they meet, and have the impact in the next step. (Bodies of a pile, whose contacts the solver has,
+//! would stop at each other for ever.)
 
 use super::engine::Engine;
 use super::flights::FlightOf;
@@ -42,12 +43,13 @@ impl Engine {
         let paths = Paths { scene, corrections, is_corrected: false };
         self.find_pairs(&paths, &|_| false);
         self.flights.set_deflections(corrections);
-        let (pairs, known) = (core::mem::take(&mut self.sweep.pairs), self.found.len());
+        let pairs = core::mem::take(&mut self.sweep.pairs);
+        let known = self.contact_pairs.len();
         for &numbers in &pairs {
             self.meet_deflected(&paths, numbers, known, out);
         }
         self.sweep.pairs = pairs;
-        if self.found.len() == known {
+        if self.contact_pairs.len() == known {
             return false;
         }
         self.again.added.extend(self.contacts[known..].iter().flat_map(|contact| contact.bodies));
@@ -55,8 +57,8 @@ impl Engine {
         true
     }
 
-    /// Lists the dynamic bodies that move, and of which impulses change the way: it is neither the one of the free flight nor, for what
-    /// something carries, that of the velocity of the start.
+    /// Lists the dynamic bodies that move, and of which impulses change the way: it is neither the way of the free flight nor, for bodies
+    /// that another one carries, the way at the velocity of the start.
     pub(crate) fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
         self.sweep.fast.clear();
         self.sweep.deflected.clear();
@@ -83,7 +85,7 @@ impl Engine {
     fn meet_deflected(&mut self, paths: &Paths<'_>, numbers: [u32; 2], known: usize, out: &mut Detected) {
         let scene = paths.scene;
         let Some((pair, ends)) = self.ends(paths, numbers) else { return };
-        if self.found[..known].binary_search_by_key(&pair, |contact| contact.pair).is_ok() {
+        if self.contact_pairs[..known].binary_search_by_key(&pair, |contact| contact.pair).is_ok() {
             return;
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
@@ -100,13 +102,13 @@ impl Engine {
         }
     }
 
-    /// Takes the contacts from `known` on to their places, in the order of their outlines. It moves all that come behind, for each: such
+    /// Takes the contacts from `known` on to their places, in the order of their outlines. Each move shifts all later contacts: such
     /// contacts are few.
     fn sort_contacts(&mut self, known: usize) {
-        for last in known..self.found.len() {
-            let pair = self.found[last].pair;
-            let place = self.found[..last].partition_point(|contact| contact.pair < pair);
-            self.found[place..=last].rotate_right(1);
+        for last in known..self.contact_pairs.len() {
+            let pair = self.contact_pairs[last].pair;
+            let place = self.contact_pairs[..last].partition_point(|contact| contact.pair < pair);
+            self.contact_pairs[place..=last].rotate_right(1);
             self.contacts[place..=last].rotate_right(1);
             self.starts[place..=last].rotate_right(1);
             if !self.totals.is_empty() {
@@ -123,7 +125,7 @@ impl Engine {
         self.approaches.sort_unstable_by_key(|(number, _)| *number);
     }
 
-    /// Exchanges the impulses of all contacts with those that they start from.
+    /// Exchanges the impulses of all contacts with the impulses that they start from.
     pub(crate) fn swap_starts(&mut self) {
         for (contact, start) in self.contacts.iter_mut().zip(&mut self.starts) {
             core::mem::swap(&mut contact.impulses, start);

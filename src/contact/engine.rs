@@ -11,10 +11,10 @@ use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::moment::{Way, take_back};
 use super::numbers::Numbers;
-use super::passes::{Near, PassRecord};
+use super::passes::{NearbyManifold, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Features, Union, Unions, corners, rolling_radius, take_over};
-use super::solved::{Again, FoundContact};
+use super::solved::{Again, ContactPair};
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
@@ -29,7 +29,7 @@ use crate::fx::Fx;
 use crate::slots::NONE;
 use crate::solve::{Contact, Flight, Impulses};
 
-/// The contacts of a world: the search for them, and its memory. No result depends on earlier steps through it.
+/// The search for the contacts of a world, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
     pub(super) flights: Flights,
@@ -41,7 +41,7 @@ pub(crate) struct Engine {
     /// Outlines in world axes, and the index of each by its number.
     pub(super) cores: Cores,
     pub(super) core_of: Stamped,
-    /// The same at the start of the step, for questions about it.
+    /// The index of each outline at its start pose, by its number.
     start_core_of: Stamped,
     pub(super) broad: BroadPhase,
     pub(super) still: Option<Still>,
@@ -49,27 +49,27 @@ pub(crate) struct Engine {
     pub(super) statics_revision: u64,
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
-    pub(super) found: Vec<FoundContact>,
-    /// The contacts in the form that the solver takes, in the order of `found`.
+    pub(super) contact_pairs: Vec<ContactPair>,
+    /// The contacts in the form that the solver takes, in the order of `contact_pairs`.
     pub(super) contacts: Vec<Contact>,
     pub(super) starts: Vec<Impulses>,
     /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
     pub(super) totals: Vec<Impulses>,
     /// By the number of the contact: true if it has events and touched in the step; empty where no collider has such events.
     pub(super) touched: Vec<bool>,
-    /// None, in exchange for these while the contacts have the impulses that they start from.
+    /// Empty; swapped with `touched` while the contacts have the impulses that they start from.
     pub(super) start_touched: Vec<bool>,
     /// The contacts that may be hits, with their numbers, which rise.
     pub(super) approaches: Vec<(u32, Approach)>,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
-    pub(super) near: Vec<Near>,
+    pub(super) nearby_manifolds: Vec<NearbyManifold>,
     /// The pairs of bodies that stay excluded after this step, and the bodies of all pairs.
     pub(super) excluded: Vec<ExcludedPair>,
     pub(super) is_excluded: Stamped,
     /// Workspace: by excluded pair, true if its bodies are near each other.
     pub(super) near_excluded: Vec<bool>,
-    /// Workspace: the numbers of outlines near one.
+    /// Workspace: the numbers of the outlines near an outline.
     pub(super) near_numbers: Vec<u32>,
     pub(super) sweep: sweep::Workspace,
     pub(super) again: Again,
@@ -104,7 +104,7 @@ impl Engine {
         }
     }
 
-    /// The colliders that stand still, if they are of these.
+    /// The trees of colliders at rest, if they were built from these colliders.
     fn still_of(&self, colliders: &ColliderSet) -> Option<&Still> {
         let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
         self.still.as_ref().filter(|_| is_current)
@@ -185,8 +185,8 @@ impl Engine {
         self.start_core_of.get(number) as usize
     }
 
-    /// Adds to the impulses that a contact with a segment of a chain, or with a polygon among others, starts from those that its points had
-    /// with other segments or polygons. The surface is at this side of the pair.
+    /// For a contact with a segment of a chain, or with a polygon among others: adds the impulses that its points had with other segments or
+    /// polygons to the impulses that it starts from. The surface is at this side of the pair.
     #[cold]
     fn start_over_seams(
         &mut self,
@@ -198,20 +198,21 @@ impl Engine {
         features: Features,
         start: &mut Impulses,
     ) {
-        let other = 1 - side;
+        let body_side = 1 - side;
         let Some(collider) = scene.colliders.at(pair[side].slot) else { return };
         let Some(union) = Union::of(scene, collider) else { return };
         let mut terms = core::mem::take(&mut self.unions.terms);
         terms.clear();
         let mut first_corner = None;
-        for corner in corners(features, other) {
-            for i in self.unions.find(scene, contacts, union, pair[other], corner..=corner) {
+        for corner in corners(features, body_side) {
+            for i in self.unions.find(scene, contacts, union, pair[body_side], corner..=corner) {
                 let record = contacts.records[self.unions.record(i)];
-                // A body may be the first one of its pair with one tile, and the second one of that with the next.
-                let record = if record.pair()[other] == pair[other] { record } else { record.swapped() };
+                // A body may be the first of its pair with one tile, and the second of its pair with the next tile.
+                let record = if record.pair()[body_side] == pair[body_side] { record } else { record.swapped() };
                 let before = record.pair();
-                let is_seen = |corner| corners((record.features(), record.count()), other).any(|name| name == corner);
-                if before[side] == pair[side] || first_corner.is_some_and(is_seen) {
+                let mut record_corners = corners((record.features(), record.count()), body_side);
+                let is_repeated = first_corner.is_some_and(|first| record_corners.any(|corner| corner == first));
+                if before[side] == pair[side] || is_repeated {
                     continue;
                 }
                 let mut numbers_before = numbers;
@@ -222,8 +223,8 @@ impl Engine {
                     are_joined(faces, side, features, &record, SLANTED)
                 };
                 if is_joined {
-                    let features_there = manifold.map(|manifold| (manifold.features(), manifold.count));
-                    take_over(&mut terms, features, &record, features_there, other);
+                    let record_features = manifold.map(|manifold| (manifold.features(), manifold.count));
+                    take_over(&mut terms, features, &record, record_features, body_side);
                 }
             }
             first_corner = Some(corner);
@@ -274,7 +275,8 @@ impl Engine {
         colliders: [&Collider; 2],
         ends: [u32; 2],
     ) -> Option<Manifold> {
-        let (a, b) = (colliders[0].outline(parts[0]), colliders[1].outline(parts[1]));
+        let a = colliders[0].outline(parts[0]);
+        let b = colliders[1].outline(parts[1]);
         let cores = [self.core(scene, numbers[0], &a, ends[0]), self.core(scene, numbers[1], &b, ends[1])];
         let flights = ends.map(|flight| self.flights.flight(flight));
         self.cores.collide(cores[0], cores[1], self.margin(flights, [a.radius, b.radius]))
@@ -308,24 +310,23 @@ impl Engine {
         next: &mut usize,
         out: &mut Detected,
     ) {
-        let (numbers, pair) = ([first.number, second.number], [first.outline, second.outline]);
+        let numbers = [first.number, second.number];
+        let pair = [first.outline, second.outline];
         let [a, b] = [first.collider, second.collider];
-        let (ends, kinds) = ([first.flight, second.flight], [first.kind, second.kind]);
+        let ends = [first.flight, second.flight];
+        let kinds = [first.kind, second.kind];
         if !kinds.contains(&FlightOf::Dynamic) && !kinds.contains(&FlightOf::Asleep) {
             return;
         }
         // The records are sorted by pair, as the pairs are.
         let is_simple = self.numbers.is_simple();
-        let is_before =
-            |record: &ContactRecord| if is_simple { record.slots() < numbers } else { record.pair() < pair };
-        while contacts.records.get(*next).is_some_and(is_before) {
+        let order =
+            |record: &ContactRecord| if is_simple { record.slots().cmp(&numbers) } else { record.pair().cmp(&pair) };
+        while contacts.records.get(*next).is_some_and(|record| order(record).is_lt()) {
             *next += 1;
         }
-        let is_own =
-            |record: &&ContactRecord| if is_simple { record.slots() == numbers } else { record.pair() == pair };
-        let record = contacts.records.get(*next).filter(is_own);
-        let moves = |kind: FlightOf| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic);
-        let is_asleep = !kinds.into_iter().any(moves);
+        let record = contacts.records.get(*next).filter(|record| order(record).is_eq());
+        let is_asleep = !kinds.iter().any(|kind| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic));
         if is_asleep && (kinds == [FlightOf::Asleep; 2] || !scene.may_have_moved_statics) {
             return;
         }
@@ -333,8 +334,7 @@ impl Engine {
         let Some((manifold, ways)) = self.meet(scene, numbers, pair, [a, b], ends, contacts, pressed) else { return };
         if kinds.contains(&FlightOf::Asleep) {
             // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
-            // asleep in this contact sleeps on.
-            // One that nothing moves would fall asleep again, for ever.
+            // asleep in this contact sleeps on. A body that nothing moves would fall asleep again after each wake, and sleeps on too.
             let is_pushed = |collider: &Collider| {
                 scene.settings.push_speed > Fx::ZERO
                     && scene.bodies.index_of(collider.body).is_some_and(|dense| scene.bodies.can_move(dense))
@@ -346,7 +346,8 @@ impl Engine {
             }
             return;
         }
-        let (features, count) = (manifold.features(), manifold.count);
+        let features = manifold.features();
+        let count = manifold.count;
         let mut start = record.map_or_else(Default::default, |record| record.start(features, count));
         for (side, collider) in [a, b].into_iter().enumerate() {
             let may_have_neighbours = kinds[side] == FlightOf::Static || collider.has_others();
@@ -370,7 +371,8 @@ impl Engine {
     ) {
         ends.into_iter().for_each(|flight| self.flights.complete(scene, flight));
         let ends = self.flights.by_dominance(ends);
-        let (features, count) = (manifold.features(), manifold.count);
+        let features = manifold.features();
+        let count = manifold.count;
         let materials = [&a.def.material, &b.def.material];
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
@@ -389,20 +391,20 @@ impl Engine {
         self.contacts.push(contact);
         if a.def.hit_events || b.def.hit_events {
             let approach = approach(scene, manifold, ways, &contact, ends.map(|flight| self.flights.flight(flight)));
-            self.approaches.push((self.found.len() as u32, approach));
+            self.approaches.push((self.contact_pairs.len() as u32, approach));
         }
         self.starts.push(start);
-        self.found.push(FoundContact { pair, features, count });
+        self.contact_pairs.push(ContactPair { pair, features, count });
     }
 
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
     /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs.
-    /// If there are any, the contacts found are incomplete: the step wakes or quarantines the bodies and calls this again.
+    /// If there are any, the contacts are incomplete: the step wakes or quarantines the bodies and calls this again.
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         self.cores.clear();
         self.contacts.clear();
         self.starts.clear();
-        self.found.clear();
+        self.contact_pairs.clear();
         self.totals.clear();
         self.touched.clear();
         self.approaches.clear();
@@ -431,28 +433,29 @@ impl Engine {
             return;
         }
         let mut pairs = self.broad.take_pairs();
-        self.pair_still(scene, (contacts, &out.disturbed), &mut pairs);
+        self.pair_still(scene, contacts, &out.disturbed, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
-        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
-        let (mut next, mut first): (_, Option<Side<'_>>) = (0, None);
+        self.leave_out_passing(scene, contacts, &out.disturbed, &mut pairs);
+        let mut next = 0;
+        let mut first: Option<Side<'_>> = None;
         for &[a, b] in &pairs {
-            // Pairs are sorted: most have the first outline of the one before.
+            // Pairs are sorted: most have the same first outline as the pair before.
             if first.as_ref().is_none_or(|side| side.number != a) {
                 first = self.side(scene, a);
             }
-            if let (Some(of_a), Some(of_b)) = (&first, &self.side(scene, b)) {
-                self.collide(scene, [of_a, of_b], contacts, &mut next, out);
+            if let (Some(first), Some(second)) = (&first, &self.side(scene, b)) {
+                self.collide(scene, [first, second], contacts, &mut next, out);
             }
         }
         self.broad.return_pairs(pairs);
     }
 
-    /// The static colliders as they were found last, if they belong to these colliders.
+    /// The tree of static colliders of the last search, if it belongs to these colliders.
     pub(crate) fn statics(&self, colliders: &ColliderSet) -> Option<&Arc<Statics>> {
         self.still_of(colliders).map(|still| &still.statics)
     }
 
-    /// The colliders of sleeping bodies as they were found last, likewise.
+    /// The tree of the colliders of sleeping bodies of the last search, likewise.
     pub(crate) fn sleepers(&self, colliders: &ColliderSet) -> Option<&Statics> {
         self.still_of(colliders).map(|still| &still.sleepers)
     }
@@ -475,17 +478,19 @@ impl Engine {
 
     /// Takes over the caches of the contacts of another world, of which this world is a copy.
     pub(crate) fn clone_cached_from(&mut self, source: &Self) {
-        let is_same =
-            |own: &Still| source.still.as_ref().is_some_and(|other| Arc::ptr_eq(&own.statics, &other.statics));
-        if !self.still.as_ref().is_some_and(is_same) {
+        let shares_statics = match (&self.still, &source.still) {
+            (Some(still), Some(source)) => Arc::ptr_eq(&still.statics, &source.statics),
+            _ => false,
+        };
+        if !shares_statics {
             self.tiles.clear();
         }
-        match (&mut self.still, &source.still) {
-            (own, None) => *own = None,
-            (own, Some(source)) => own.get_or_insert_default().copy_from(source),
+        match &source.still {
+            None => self.still = None,
+            Some(source) => self.still.get_or_insert_default().copy_from(source),
         }
         self.statics_revision = source.statics_revision;
-        // The trees know colliders by these.
+        // The trees know colliders by these numbers.
         self.numbers.copy_from(&source.numbers);
     }
 }

@@ -1,15 +1,15 @@
-//! Events of contacts and of sensors: what a step reports of pairs of colliders.
+//! Events of contacts and of sensors: the reports of a step about pairs of colliders.
 //!
 //! Two colliders *touch* in a step if an impulse along the normal acted between them in it, or if they overlapped at
-//! its start: one that is pushed out of another has no impulse in the sum. The records of contacts with events are
-//! those that touched in the last step, also where no impulse is left at its end: the contacts that begin and end are
+//! its start: one that is pushed out of another has no impulse in the sum. The contacts with events that have
+//! records are all that touched in the last step, also where no impulse is left at its end: the contacts that begin and end are
 //! the differences of these records before and after a step, and need no state of their own. Calls that drop such a
 //! record keep the pair until the next step reports its end.
 
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::solved::FoundContact;
+use super::solved::ContactPair;
 use super::split::Part;
 use super::{ContactBodies, ContactRecord, ContactSet, Scene, Solvers};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
@@ -71,13 +71,13 @@ type Rank = [(u64, u64, ColliderId); 2];
 impl ColliderPair {
     /// The pair of the colliders in two slots, in this order; `None` if one is not there.
     pub(crate) fn new(bodies: &dyn ContactBodies, colliders: &ColliderSet, [first, second]: [u32; 2]) -> Option<Self> {
-        let own = [colliders.at(first)?, colliders.at(second)?];
+        let pair = [colliders.at(first)?, colliders.at(second)?];
         let key = |body: BodyId| bodies.index_of(body).map_or(0, |dense| bodies.contact_info(dense).key);
         Some(Self {
             colliders: [first, second].map(|slot| colliders.id(slot)),
-            bodies: own.map(|collider| collider.body),
-            collider_keys: own.map(|collider| collider.def.key),
-            body_keys: own.map(|collider| key(collider.body)),
+            bodies: pair.map(|collider| collider.body),
+            collider_keys: pair.map(|collider| collider.def.key),
+            body_keys: pair.map(|collider| key(collider.body)),
         })
     }
 
@@ -159,7 +159,7 @@ pub struct ContactHit<S = Fx> {
     /// The impulse of the hit along the normal, N·s, restitution included: without the impulses that carry the bodies
     /// before and after. Bodies that meet at less than [`restitution_speed`](crate::ContactSettings::restitution_speed)
     /// come to rest with the contacts that carry them: the impulse of their weight in a sub-step may count or not, and
-    /// what arrives in the last sub-step is stopped in part. The next step gives the rest of the impulse then, and
+    /// a body that arrives in the last sub-step is stopped in part. The next step gives the rest of the impulse then, and
     /// reports no second hit. In worlds of floats this is so at all speeds.
     pub normal_impulse: S,
 }
@@ -186,7 +186,7 @@ impl Read for EndedPair {
 }
 
 impl Engine {
-    /// Reads what events need from the solvers: the impulses and the impacts of the step, and which contacts touched. The solvers have solved
+    /// Reads the data of events from the solvers: the impulses and the impacts of the step, and which contacts touched. The solvers have solved
     /// all contacts, or the ones of this part.
     pub(super) fn find_touches<C: ContactSolver>(
         &mut self,
@@ -194,12 +194,12 @@ impl Engine {
         scene: &Scene<'_>,
         part: Option<&Part>,
     ) {
-        let (any_events, any_hits) = (scene.colliders.any_contact_events(), scene.colliders.any_hit_events());
-        if !any_events && !any_hits {
+        let any_events = scene.colliders.any_contact_events();
+        if !any_events && !scene.colliders.any_hit_events() {
             return;
         }
         let number = |contact: u32| part.map_or(contact, |part| part.contact_numbers[contact as usize]);
-        self.totals.resize(self.found.len(), Impulses::default());
+        self.totals.resize(self.contact_pairs.len(), Impulses::default());
         for (contact, [first, second], exponent) in solvers.totals() {
             let number = number(contact) as usize;
             let second = if self.contacts[number].count == 2 { second } else { 0 };
@@ -212,13 +212,13 @@ impl Engine {
         }
         for impact in solvers.impacts(part.map_or(&self.contacts, |part| &part.contacts)) {
             let contact = number(impact.contact);
-            if let Ok(at) = self.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
-                self.approaches[at].1.set_impact(Some(impact));
+            if let Ok(index) = self.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
+                self.approaches[index].1.set_impact(Some(impact));
             }
         }
         self.touched.clear();
         if any_events {
-            for number in 0..self.found.len() {
+            for number in 0..self.contact_pairs.len() {
                 let touches = self.touches(scene, number);
                 self.touched.push(touches);
             }
@@ -227,7 +227,7 @@ impl Engine {
 
     /// Returns true if a contact has events and touched in the step.
     fn touches(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let FoundContact { pair, .. } = self.found[number];
+        let ContactPair { pair, .. } = self.contact_pairs[number];
         let is_reported = match pair.map(|outline| scene.colliders.at(outline.slot)) {
             [Some(a), Some(b)] => has_events([a, b]),
             _ => false,
@@ -238,7 +238,7 @@ impl Engine {
     /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell:
     /// they were taken back to the start along rows that do not turn.
     fn overlaps(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let FoundContact { pair, count, .. } = self.found[number];
+        let ContactPair { pair, count, .. } = self.contact_pairs[number];
         if self.contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
             return false;
         }
@@ -251,11 +251,8 @@ impl Engine {
     pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
         for (number, approach) in &self.approaches {
             let number = *number as usize;
-            let (Some(FoundContact { pair: outlines, .. }), Some(total)) =
-                (self.found.get(number), self.totals.get(number))
-            else {
-                continue;
-            };
+            let Some(ContactPair { pair: outlines, .. }) = self.contact_pairs.get(number) else { continue };
+            let Some(total) = self.totals.get(number) else { continue };
             let slots = outlines.map(|outline| outline.slot);
             let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
             let is_swapped = pair.colliders[0].slot != slots[0];
@@ -263,10 +260,11 @@ impl Engine {
             if approach_speed < scene.settings.hit_speed {
                 continue;
             }
-            let (mut parts, mut normal) = (outlines.map(|outline| outline.part), approach.normal);
+            let mut parts = outlines.map(|outline| outline.part);
+            let mut normal = approach.normal;
             if is_swapped {
                 parts.reverse();
-                normal = normal.map(|part| -part);
+                normal = normal.map(|component| -component);
             }
             let impulse = approach.impulse(total, &self.contacts[number].impulses, scene.settings.substeps);
             hits.push(ContactHit {
@@ -350,7 +348,7 @@ impl ContactSet {
         }));
     }
 
-    /// Keeps what the next step reports as the end of the contacts with events of some pairs of slots of colliders of awake bodies.
+    /// Keeps the contacts with events of some pairs of slots of colliders of awake bodies: the next step reports their end.
     pub(crate) fn keep_ends_of(
         &mut self,
         bodies: &dyn ContactBodies,

@@ -78,7 +78,7 @@ pub(crate) fn sorted(a: BodyId, b: BodyId) -> [u32; 2] {
 }
 
 impl ContactSet {
-    /// The place in the sorted list of a pair of bodies, or the one where it belongs.
+    /// The index of a pair of bodies in the sorted list, or the index at which to insert it.
     pub(crate) fn find_excluded(&self, bodies: [u32; 2]) -> Result<usize, usize> {
         self.excluded.binary_search_by_key(&bodies, |pair| pair.bodies)
     }
@@ -95,7 +95,7 @@ impl Engine {
         !self.excluded.is_empty() && self.excluded.binary_search_by_key(&sorted(a, b), |pair| pair.bodies).is_ok()
     }
 
-    /// Leaves out the pairs of bodies that are excluded, and lists those bodies that stay so.
+    /// Leaves out the pairs of excluded bodies, and lists the pairs of bodies that stay excluded.
     pub(super) fn leave_out_excluded(&mut self, scene: &Scene<'_>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
         self.excluded.clear();
         if contacts.excluded.is_empty() {
@@ -105,9 +105,9 @@ impl Engine {
         for slot in contacts.excluded.iter().flat_map(|pair| pair.bodies) {
             self.is_excluded.set(slot, 0);
         }
-        let mut near = core::mem::take(&mut self.near_excluded);
-        near.clear();
-        near.resize(contacts.excluded.len(), false);
+        let mut are_near = core::mem::take(&mut self.near_excluded);
+        are_near.clear();
+        are_near.resize(contacts.excluded.len(), false);
         pairs.retain(|&numbers| {
             let pair = numbers.map(|number| self.numbers.outline(number));
             let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
@@ -116,12 +116,12 @@ impl Engine {
             }
             let Ok(index) = contacts.find_excluded(sorted(a.body, b.body)) else { return true };
             let ends = contacts.excluded[index].exclusion == Exclusion::UntilApart;
-            if ends && !near[index] {
-                near[index] = self.is_near(scene, numbers, pair);
+            if ends && !are_near[index] {
+                are_near[index] = self.is_near(scene, numbers, pair);
             }
             false
         });
-        for (pair, &is_near) in contacts.excluded.iter().zip(&near) {
+        for (pair, &is_near) in contacts.excluded.iter().zip(&are_near) {
             let mut is_over = || {
                 let is_apart = !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
                 is_apart && !self.are_near_at_rest(scene, pair.bodies)
@@ -130,10 +130,10 @@ impl Engine {
                 self.excluded.push(*pair);
             }
         }
-        self.near_excluded = near;
+        self.near_excluded = are_near;
     }
 
-    /// Returns true if a body was looked for among those that may touch.
+    /// Returns true if the broad phase of this step covered a body, or the body has no colliders to cover.
     fn takes_part(&self, scene: &Scene<'_>, slot: u32) -> bool {
         let Some(dense) = scene.bodies.index_in(slot) else { return true };
         let is_still = match scene.bodies.activity(dense) {
@@ -148,37 +148,38 @@ impl Engine {
     /// Returns true if two bodies that stand still, one of them asleep, are near each other: no list of pairs has them.
     fn are_near_at_rest(&mut self, scene: &Scene<'_>, bodies: [u32; 2]) -> bool {
         let state = |slot: u32| scene.bodies.index_in(slot).map(|dense| (dense, scene.bodies.activity(dense)));
-        let moves = |(dense, _): (usize, Activity)| dense < scene.bodies.moving();
         let states = bodies.map(state);
         let sleeps = |(_, activity): (usize, Activity)| activity == Activity::Asleep;
-        if states.iter().flatten().any(|&state| moves(state)) || !states.iter().flatten().any(|&state| sleeps(state)) {
+        if states.iter().flatten().any(|&(dense, _)| dense < scene.bodies.moving())
+            || !states.iter().flatten().any(|&state| sleeps(state))
+        {
             return false;
         }
-        let [own, other] = if states[0].is_some_and(sleeps) { bodies } else { [bodies[1], bodies[0]] };
-        let mut near = core::mem::take(&mut self.near_numbers);
-        let are_near = scene.colliders.solid_of_slot(own).any(|collider| {
+        let [sleeping_body, other_body] = if states[0].is_some_and(sleeps) { bodies } else { [bodies[1], bodies[0]] };
+        let mut near_numbers = core::mem::take(&mut self.near_numbers);
+        let are_near = scene.colliders.solid_of_slot(sleeping_body).any(|collider| {
             let first = self.numbers.first(collider.slot);
             (first..first + collider.outline_count()).any(|number| {
-                self.list_near(number, other, &mut near);
-                near.iter().any(|&other| {
-                    let numbers = [number.min(other), number.max(other)];
+                self.list_near(number, other_body, &mut near_numbers);
+                near_numbers.iter().any(|&other_number| {
+                    let numbers = [number.min(other_number), number.max(other_number)];
                     self.is_near(scene, numbers, numbers.map(|number| self.numbers.outline(number)))
                 })
             })
         });
-        self.near_numbers = near;
+        self.near_numbers = near_numbers;
         are_near
     }
 
-    /// Lists the outlines of a body that stands still which make a pair with a sleeping outline.
-    fn list_near(&self, sleeper: u32, body: u32, near: &mut Vec<u32>) {
-        near.clear();
+    /// Lists the outlines of a body at rest that make a pair with a sleeping outline.
+    fn list_near(&self, sleeper: u32, body: u32, near_numbers: &mut Vec<u32>) {
+        near_numbers.clear();
         let Some(Still { statics, sleepers, .. }) = &self.still else { return };
-        let Some(own) = sleepers.find(sleeper) else { return };
+        let Some(sleeper) = sleepers.find(sleeper) else { return };
         for tree in [&**statics, sleepers] {
-            tree.meeting(own, |other| {
-                if other.body == body {
-                    near.push(other.collider);
+            tree.meeting(sleeper, |proxy| {
+                if proxy.body == body {
+                    near_numbers.push(proxy.collider);
                 }
                 true
             });
@@ -198,15 +199,15 @@ impl Engine {
         let colliders = [a, b];
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let other = self.core(scene, numbers[1], &outlines[1], ends[1]);
+        let second_core = self.core(scene, numbers[1], &outlines[1], ends[1]);
         let pose = self.flights.body(ends[0]).pose;
         let zero = Fx::ZERO;
         let shifts = [(SHIFT, zero), (-SHIFT, zero), (zero, SHIFT), (zero, -SHIFT)];
         shifts.into_iter().any(|(x, y)| {
-            let core = self.cores.push(&outlines[0].outline, &pose.shifted(Vec2::new(x, y)));
+            let first_core = self.cores.push(&outlines[0].outline, &pose.shifted(Vec2::new(x, y)));
             let flights = ends.map(|flight| self.flights.flight(flight));
             let margin = self.margin(flights, [outlines[0].radius, outlines[1].radius]);
-            self.cores.collide(core, other, margin).is_some()
+            self.cores.collide(first_core, second_core, margin).is_some()
         })
     }
 }

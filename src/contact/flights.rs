@@ -14,7 +14,7 @@ use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::slots::NONE;
 use crate::solve::Flight;
 
-/// The part that a body takes in contacts.
+/// The kind of a body's flight: how contacts treat the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum FlightOf {
     /// A body that impulses move.
@@ -25,7 +25,7 @@ pub(super) enum FlightOf {
     Static,
 }
 
-/// A body: its slot, its kind, and its pose at the moment of manifolds.
+/// The body of a flight: its slot, its kind, and its pose at the moment of manifolds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     pub(super) slot: u32,
@@ -52,11 +52,11 @@ pub(super) struct Flights {
     /// The body of each flight.
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
-    of: Stamped,
+    flight_of: Stamped,
     /// The moment of manifolds, and the length of the step, in 2^-48 s.
     mean_beginning: u64,
     length: u64,
-    /// The changes by impulses, by flight, when contacts are found once more in a step.
+    /// The changes by impulses, by flight, when contacts are detected again in a step.
     deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
@@ -72,7 +72,7 @@ impl Flights {
     pub(super) fn begin(&mut self, scene: &Scene<'_>) {
         self.flights.clear();
         self.places.clear();
-        self.of.clear();
+        self.flight_of.clear();
         self.followers.clear();
         self.deflections.clear();
         self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
@@ -84,11 +84,14 @@ impl Flights {
 
     fn push_moving(&mut self, scene: &Scene<'_>, start: &Start) {
         let slot = scene.bodies.id(start.dense).slot;
-        let (mut shows_angle, mut reach, mut width) = (false, 0, i64::MAX);
+        let mut shows_angle = false;
+        let mut reach = 0;
+        let mut width = i64::MAX;
         for collider in scene.colliders.solid_of_slot(slot) {
             // Discs around the centre look alike at all angles.
             if !collider.is_central_disc() {
-                (shows_angle, reach) = (true, collider.radius.to_bits().max(reach));
+                shows_angle = true;
+                reach = collider.radius.to_bits().max(reach);
             }
             width = collider.width.to_bits().min(width);
         }
@@ -116,20 +119,22 @@ impl Flights {
 
     fn place(&mut self, place: Place) -> u32 {
         let flight = self.places.len() as u32;
-        self.of.set(place.slot, flight);
+        self.flight_of.set(place.slot, flight);
         self.places.push(place);
         flight
     }
 
-    /// Completes a flight of which a contact is found.
+    /// Completes the flight of a body that has a contact.
     pub(super) fn complete(&mut self, scene: &Scene<'_>, flight: u32) {
-        let at = flight as usize;
-        if let (false, Some(start)) = (self.places[at].is_complete, scene.starts.get(at)) {
-            scene.bodies.complete(start, &mut self.flights[at]);
-            let radii = scene.colliders.solid_of_slot(self.places[at].slot).map(|collider| collider.radius);
-            self.flights[at].radius = radii.max().unwrap_or(Fx::ONE);
-            self.places[at].is_complete = true;
+        let index = flight as usize;
+        if self.places[index].is_complete {
+            return;
         }
+        let Some(start) = scene.starts.get(index) else { return };
+        scene.bodies.complete(start, &mut self.flights[index]);
+        let radii = scene.colliders.solid_of_slot(self.places[index].slot).map(|collider| collider.radius);
+        self.flights[index].radius = radii.max().unwrap_or(Fx::ONE);
+        self.places[index].is_complete = true;
     }
 
     /// The flights of a contact, which are complete. For two dynamic bodies of unlike dominance, a follower stands for the higher one.
@@ -183,7 +188,7 @@ impl Flights {
     /// The flight of a body.
     #[inline(always)]
     pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {
-        match self.of.get(slot) {
+        match self.flight_of.get(slot) {
             // A pair names only colliders whose bodies exist.
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
@@ -200,7 +205,7 @@ impl Flights {
         scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
     }
 
-    /// A flight with the changes of the way that impulses made of it, if contacts are found once more in the step.
+    /// A flight with the changes of its way by impulses, if contacts are detected again in the step.
     pub(super) fn deflected(&self, flight: u32) -> Flight {
         let free = self.flights[flight as usize];
         match self.deflections.get(self.leader(flight) as usize) {
@@ -213,7 +218,7 @@ impl Flights {
         }
     }
 
-    /// Takes note of the changes by impulses, by flight; none if contacts are found first.
+    /// Takes note of the changes by impulses, by flight; none when contacts are detected first.
     pub(super) fn set_deflections(&mut self, corrections: &[Correction]) {
         self.deflections.clear();
         self.deflections.extend_from_slice(corrections);
@@ -221,12 +226,12 @@ impl Flights {
 
     /// The flight of the body in a slot, if it has one.
     pub(super) fn at(&self, slot: u32) -> Option<u32> {
-        Some(self.of.get(slot)).filter(|&flight| flight != NONE)
+        Some(self.flight_of.get(slot)).filter(|&flight| flight != NONE)
     }
 
     /// Returns true if the body in a slot has a flight.
     pub(super) fn has(&self, slot: u32) -> bool {
-        self.of.get(slot) != NONE
+        self.flight_of.get(slot) != NONE
     }
 
     pub(super) fn len(&self) -> usize {

@@ -1,12 +1,12 @@
 //! Contacts of the bodies of a world: from the free flight of a step to impulses.
 //!
-//! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all of a world, `asleep` those of
-//!   sleeping bodies.
+//! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all contacts of a world, `asleep` the
+//!   contacts of sleeping bodies.
 //! - `view`: contacts as the interface shows them.
 //! - `deflected`: contacts that bodies meet on the ways that impulses send them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
-//! - `engine`: pairs and manifolds; `solved`: the contacts that were found, through the solver to records and hits.
+//! - `engine`: pairs and manifolds; `solved`: the contacts of a step, through the solver to records and hits.
 //! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
@@ -14,13 +14,13 @@
 //! - `approach`: how fast points approach each other.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
 //! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
-//! - `tiles`: static polygons beside each other, as one surface; `body_tiles`: those of one body.
+//! - `tiles`: static polygons beside each other, as one surface; `body_tiles`: polygons of one body.
 //! - `flights`: the bodies of a step.
 //! - `split`: islands under heavy loads, in finer sub-steps.
 //! - `sweep`: the paths of fast bodies.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
-//! error of 2^-32 m, which is far below what floats are compared for. Only the solver depends on the scalar.
+//! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.
 
 mod approach;
 mod asleep;
@@ -98,7 +98,7 @@ pub(crate) fn is_asleep<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S
 }
 
 /// The limits on pairs. The parts of a compound may all overlap each other: so 128 overlaps for each outline of the world, half of the
-/// [`PARTS`] that a compound may have, come on top of those that go with the number of pairs.
+/// [`PARTS`] that a compound may have, come on top of the overlaps that go with the number of pairs.
 fn pair_limits(settings: &ContactSettings, colliders: &ColliderSet) -> PairLimits {
     let pairs = settings.max_pairs as usize;
     let outlines = colliders.len().saturating_add(colliders.more_outlines());
@@ -134,7 +134,7 @@ impl<S: Scalar> Start<S> {
         }
     }
 
-    /// The starts in fixed point: these themselves in a world of [`Fx`], else copies in `memory`.
+    /// The starts in fixed point: the same list in a world of [`Fx`], else copies in `memory`.
     #[allow(clippy::ptr_arg, reason = "a vector can be asked for its type, a slice cannot")]
     pub(crate) fn all_fixed<'a>(starts: &'a Vec<Self>, memory: &'a mut Vec<Start>) -> &'a [Start] {
         if let Some(starts) = (starts as &dyn Any).downcast_ref::<Vec<Start>>() {
@@ -205,7 +205,7 @@ pub(crate) struct Stop {
     pub(crate) is_stuck: bool,
 }
 
-/// Changes of bodies and colliders; any may be there more than once.
+/// Changes of bodies and colliders; the lists may have duplicates.
 #[derive(Debug, Default)]
 pub(crate) struct Changed {
     /// The slots of the bodies that fell asleep or woke, or that calls changed in more than their motion.
@@ -249,7 +249,7 @@ pub(crate) struct Scene<'a> {
     /// The bodies at the end of their free flight.
     pub(crate) bodies: &'a dyn ContactBodies,
     pub(crate) colliders: &'a ColliderSet,
-    /// The moving bodies with colliders, without those at fault.
+    /// The moving bodies with colliders, without bodies at fault.
     pub(crate) starts: &'a [Start],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,
@@ -259,11 +259,11 @@ pub(crate) struct Scene<'a> {
     pub(crate) time_step: TimeStep,
 }
 
-/// Bodies that stand in the way of solving.
+/// The results of detection that keep the contacts from being solved, and the disturbed colliders.
 #[derive(Debug, Default)]
 pub(crate) struct Detected {
     pub(crate) touched: Vec<BodyId>,
     pub(crate) crowded: Vec<usize>,
-    /// The contacts at rest that the step looks at, however often contacts are found in it.
+    /// The colliders at rest whose contacts the step tests, however often contacts are detected in it.
     pub(crate) disturbed: Disturbed,
 }

@@ -1,15 +1,15 @@
-//! The moment of the step at which the manifold of a pair is found, and what its points close up to then.
+//! The moment of the step at which the manifold of a pair is found, and the distance that its points close up to then.
 //!
 //! The solver holds the normal and the arms of a contact for a step, and moves its points along rows that do not turn. Rows of the start
 //! give energy to a body that turns, rows of the middle take it away: sub-steps of semi-implicit Euler, n of them, keep it with the rows
-//! of the mean of their beginnings, (n − 1)/2n of the step. So manifolds are those of the poses to which the velocities of the start lead up
-//! to then: what is carried does not fall.
+//! of the mean of their beginnings, (n − 1)/2n of the step. So manifolds are found at the poses to which the velocities of the start lead up
+//! to then: a body that another one carries does not fall.
 //!
 //! Bodies that approach fast and did not press each other in the step before have the manifold of the moment at which their free flights
 //! meet, and no contact if they do not meet: a body touches nothing that its path does not touch, and a glancing hit has the normal of the
 //! touch.
 //!
-//! A separation at a moment becomes that of the start by the way along the row that the bodies close up to then.
+//! A separation at a moment becomes the separation at the start by the way along the row that the bodies close up to then.
 
 use core::slice::from_ref;
 
@@ -101,7 +101,7 @@ impl Way {
     ///
     /// # Ranges
     /// Displacements are below 2^61 ulps, rotations below 2^54 and arms below 2^47: with normals of 2^30 sums of products are below 2^93,
-    /// and times 2^-16 those of arms below 2^116.
+    /// and times 2^-16 the products with arms below 2^116.
     fn along_row(&self, normal: [i32; 2], arm: Vec2) -> i128 {
         let [nx, ny] = normal.map(i128::from);
         let bits = |value: Fx| i128::from(value.to_bits());
@@ -175,13 +175,14 @@ impl Engine {
         }
         let paths = Paths { scene, corrections: &[], is_corrected: false };
         let (manifold, ways) = self.meet_on_paths(scene, numbers, parts, colliders, ends, &paths)?;
-        // What it comes to later on a level surface it does not meet before it is there.
+        // A body does not meet a tile of a level surface before it arrives there.
         let is_later = self.comes_over_seams(scene, numbers, pair, colliders, contacts, &manifold, LEVEL);
         (!is_later).then_some((manifold, ways))
     }
 
-    /// Returns true if an outline of a pair pressed a tile beside the other one in the step before, and the surface goes on from tile to tile where
-    /// they touch, at an angle of up to this cosine: a body that slides from tile to tile touches the next one as it touched the last one.
+    /// Returns true if an outline of a pair pressed a tile beside the other one in the step before, and the surface goes on from tile to
+    /// tile where they touch, at an angle of up to this cosine: a body that slides from tile to tile touches the next one as it touched the
+    /// last one.
     fn comes_over_seams(
         &mut self,
         scene: &Scene<'_>,
@@ -200,9 +201,10 @@ impl Engine {
             let Some(union) = Union::of(scene, colliders[side]) else { continue };
             for i in self.unions.find(scene, contacts, union, pair[1 - side], 0..=u32::MAX) {
                 let record = contacts.records[self.unions.record(i)];
-                // A body may be the first one of its pair with one tile, and the second one of that with the next.
+                // A body may be the first of its pair with one tile, and the second of its pair with the next tile.
                 let record = if record.pair()[1 - side] == pair[1 - side] { record } else { record.swapped() };
-                let (before, mut numbers_before) = (record.pair(), numbers);
+                let before = record.pair();
+                let mut numbers_before = numbers;
                 numbers_before[side] = self.numbers.first(before[side].slot) + before[side].part;
                 // The surface of a tile is known once the tile is placed.
                 _ = self.mean_manifold(scene, numbers_before, before);
@@ -232,9 +234,9 @@ impl Engine {
             return None;
         }
         let forms = [sweep::form(colliders[0], &outlines[0]), sweep::form(colliders[1], &outlines[1])];
-        let both = [from_ref(&legs[0]), from_ref(&legs[1])];
-        let pair = Sweep { forms: [&forms[0], &forms[1]], paths: both, second: Second::GivesWay };
-        let moment = pair.first_touch(&mut self.sweep.moments[0])?;
+        let paths = [from_ref(&legs[0]), from_ref(&legs[1])];
+        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths, second: Second::GivesWay };
+        let moment = sweep.first_touch(&mut self.sweep.moments[0])?;
         let mut cores = [0; 2];
         for side in 0..2 {
             let outline = &outlines[side];

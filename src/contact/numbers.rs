@@ -17,7 +17,7 @@ pub(super) struct Numbers {
     revision: u64,
 }
 
-/// The numbers that a slot takes: one without a collider takes one, so that numbers stay when a collider of one outline comes or goes.
+/// The count of numbers that a slot takes: an empty slot takes one, so that numbers stay when a collider of one outline is added or removed.
 fn count(collider: Option<&Collider>) -> u32 {
     collider.map_or(1, Collider::outline_count)
 }
@@ -76,7 +76,7 @@ impl Numbers {
         self.outlines.is_empty()
     }
 
-    /// The number of the first outline of a collider; those of its other parts follow.
+    /// The number of the first outline of a collider; the numbers of its other parts follow.
     #[inline(always)]
     pub(super) fn first(&self, slot: u32) -> u32 {
         self.first.get(slot as usize).copied().unwrap_or(slot)
@@ -88,7 +88,7 @@ impl Numbers {
         self.first(slot)..end
     }
 
-    /// The number behind those of a slot.
+    /// The number after the last one of a slot.
     fn end(&self, slot: usize) -> u32 {
         self.first.get(slot + 1).copied().unwrap_or(self.outlines.len() as u32)
     }

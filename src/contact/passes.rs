@@ -62,7 +62,7 @@ impl Read for PassRecord {
 
 /// A manifold of a one-way outline and a body.
 #[derive(Debug)]
-pub(super) struct Near {
+pub(super) struct NearbyManifold {
     place: Place,
     /// The least separation, m.
     separation: Fx,
@@ -70,9 +70,9 @@ pub(super) struct Near {
     is_facing: bool,
 }
 
-/// Returns true if a body passes. `separation` is that of its nearest manifold, and `is_facing` is true if that faces the side that holds;
-/// `before` is the answer of the step before. Asked again with its own answer as `before`, it answers the same, so that a body at rest does
-/// not alternate.
+/// Returns true if a body passes. `separation` is the least one of its manifolds, and `is_facing` is true if its nearest manifold faces the
+/// side that holds; `before` is the answer of the step before. With its own answer as `before` the answer is the same, so that a body at
+/// rest does not alternate.
 fn passes(before: Option<bool>, separation: Fx, is_facing: bool) -> bool {
     match before {
         Some(true) => separation <= Fx::ZERO || !is_facing,
@@ -86,35 +86,36 @@ impl Engine {
     pub(super) fn leave_out_passing(
         &mut self,
         scene: &Scene<'_>,
-        (contacts, disturbed): (&ContactSet, &Disturbed),
+        contacts: &ContactSet,
+        disturbed: &Disturbed,
         pairs: &mut Vec<[u32; 2]>,
     ) {
         self.passes.clear();
         if !scene.colliders.any_one_way() {
             return;
         }
-        let mut near = core::mem::take(&mut self.near);
-        near.clear();
+        let mut manifolds = core::mem::take(&mut self.nearby_manifolds);
+        manifolds.clear();
         for &numbers in pairs.iter() {
-            self.look_at(scene, numbers, &mut near);
+            self.add_nearby_manifolds(scene, numbers, &mut manifolds);
         }
-        near.sort_unstable_by_key(|near| near.place);
-        for group in near.chunk_by(|a, b| a.place == b.place) {
-            let separation = group.iter().fold(group[0].separation, |least, near| near.separation.min(least));
-            let mut nearest = group.iter().filter(|near| near.separation == separation);
-            let is_facing = nearest.all(|near| near.is_facing);
+        manifolds.sort_unstable_by_key(|manifold| manifold.place);
+        for group in manifolds.chunk_by(|a, b| a.place == b.place) {
+            let separation = group.iter().fold(group[0].separation, |min, manifold| manifold.separation.min(min));
+            let mut nearest = group.iter().filter(|manifold| manifold.separation == separation);
+            let is_facing = nearest.all(|manifold| manifold.is_facing);
             let place = group[0].place;
             self.passes.push(PassRecord::new(place, passes(contacts.passes_at(place), separation, is_facing)));
         }
-        self.near = near;
+        self.nearby_manifolds = manifolds;
         let still = contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
         self.passes.extend(still);
         self.passes.sort_unstable_by_key(PassRecord::place);
         pairs.retain(|&numbers| {
             let [a, b] = numbers.map(|number| self.numbers.outline(number));
             let body = |outline: OutlineId| scene.colliders.at(outline.slot).map(|collider| collider.body.slot);
-            let passes = |outline, other| {
-                let place = body(other).map(|body| (outline, body));
+            let passes = |outline, visitor| {
+                let place = body(visitor).map(|body| (outline, body));
                 place.and_then(|place| answer(&self.passes, place)) == Some(true)
             };
             !passes(a, b) && !passes(b, a)
@@ -127,7 +128,7 @@ impl Engine {
     }
 
     /// Adds the manifold of a pair, once for each of its colliders that is one-way.
-    fn look_at(&mut self, scene: &Scene<'_>, numbers: [u32; 2], near: &mut Vec<Near>) {
+    fn add_nearby_manifolds(&mut self, scene: &Scene<'_>, numbers: [u32; 2], manifolds: &mut Vec<NearbyManifold>) {
         let pair = numbers.map(|number| self.numbers.outline(number));
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
         let colliders = [a, b];
@@ -136,14 +137,14 @@ impl Engine {
         }
         let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
         let kinds = ends.map(|flight| self.flights.body(flight).kind);
-        let moves = |kind: FlightOf| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic);
-        let sleeps = kinds.contains(&FlightOf::Asleep);
-        if !sleeps && !kinds.contains(&FlightOf::Dynamic) {
+        let any_moves = kinds.iter().any(|kind| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic));
+        let any_sleeps = kinds.contains(&FlightOf::Asleep);
+        if !any_sleeps && !kinds.contains(&FlightOf::Dynamic) {
             return;
         }
         // Pairs that stand still keep their answers: see `is_still`.
-        let are_both = kinds == [FlightOf::Asleep; 2];
-        if !kinds.into_iter().any(moves) && (are_both || !scene.may_have_moved_statics) {
+        let both_sleep = kinds == [FlightOf::Asleep; 2];
+        if !any_moves && (both_sleep || !scene.may_have_moved_statics) {
             return;
         }
         let Some(manifold) = self.start_manifold(scene, numbers, pair) else { return };
@@ -151,11 +152,11 @@ impl Engine {
             if let Some(holds) = colliders[side].side {
                 let pose = self.flights.start_pose(scene, ends[side]);
                 let pose = pose.unwrap_or(self.flights.body(ends[side]).pose);
-                let along = manifold.cosine_with(pose.turned(holds.direction));
-                near.push(Near {
+                let cosine = manifold.cosine_with(pose.turned(holds.direction));
+                manifolds.push(NearbyManifold {
                     place: (pair[side], colliders[1 - side].body.slot),
                     separation: manifold.least_separation(),
-                    is_facing: if side == 0 { along >= holds.cosine } else { -along >= holds.cosine },
+                    is_facing: if side == 0 { cosine >= holds.cosine } else { -cosine >= holds.cosine },
                 });
             }
         }
@@ -164,12 +165,12 @@ impl Engine {
 
 /// The answer in a sorted list.
 fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
-    let found = passes.binary_search_by_key(&place, PassRecord::place);
-    found.ok().map(|index| passes[index].passes)
+    let index = passes.binary_search_by_key(&place, PassRecord::place);
+    index.ok().map(|index| passes[index].passes)
 }
 
-/// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Pairs
-/// that were disturbed are looked at again ([`pair_still`](Engine::pair_still)).
+/// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Disturbed
+/// pairs are tested again ([`pair_still`](Engine::pair_still)).
 fn is_still(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;
@@ -199,7 +200,7 @@ impl ContactSet {
         answer(&self.passes, place)
     }
 
-    /// Drops what is kept of a body that is removed.
+    /// Drops the answers and the excluded pairs of a body that is removed.
     pub(crate) fn forget_body(&mut self, body: BodyId) {
         self.passes.retain(|record| record.body != body.slot);
         self.excluded.retain(|pair| !pair.bodies.contains(&body.slot));
@@ -214,7 +215,9 @@ mod tests {
     #[test]
     fn a_question_asked_again_has_the_same_answer() {
         for before in [None, Some(true), Some(false)] {
-            for separation in [-1, 0, 1].into_iter().flat_map(|k| [fx!(0.5), MARGIN, fx!(0.001)].map(|by| by * k)) {
+            for separation in
+                [-1, 0, 1].into_iter().flat_map(|k| [fx!(0.5), MARGIN, fx!(0.001)].map(|distance| distance * k))
+            {
                 for is_facing in [false, true] {
                     let first = passes(before, separation, is_facing);
                     assert_eq!(

@@ -16,12 +16,13 @@ fn turned(flight: &Flight, radius: Fx) -> i64 {
     ((product >> 32) + u128::from(product != 0)).min(2 * radius) as i64
 }
 
-/// The largest distance of two outlines that may touch in the step: the margin and what they close. Displacements are below 2^29 m.
+/// The largest distance of two outlines that may touch in the step: the margin and the distance that they close. Displacements are below 2^29 m.
 #[inline]
 pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
     let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
-    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
-    // The ways are rounded up: that of the displacements by the ulp.
+    let x = way(a.displacement.x, b.displacement.x);
+    let y = way(a.displacement.y, b.displacement.y);
+    // The ways are rounded up, the way of the displacements by the ulp.
     Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a, radii[0]) + turned(b, radii[1])), [x, y])
 }
 
@@ -29,12 +30,13 @@ pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
 #[inline]
 pub(super) fn approach_bound([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
     let way = |a: Fx, b: Fx| (b.to_bits() - a.to_bits()).abs();
-    let (x, y) = (way(a.displacement.x, b.displacement.x), way(a.displacement.y, b.displacement.y));
+    let x = way(a.displacement.x, b.displacement.x);
+    let y = way(a.displacement.y, b.displacement.y);
     x.max(y) + x.min(y) / 2 + turned(a, radii[0]) + turned(b, radii[1])
 }
 
-/// The largest distance that a point of an outline moves in the step, in ulps: for two together at least what they
-/// [close](closing).
+/// The largest distance that a point of an outline moves in the step, in ulps: for two together at least the
+/// distance that they [close](closing).
 fn way(flight: &Flight, radius: Fx) -> i64 {
     let [x, y] = [flight.displacement.x, flight.displacement.y].map(|way| way.to_bits().abs());
     // a + b/2 is at least the length of (a, b) for a ≥ b, and at most an eighth more.

@@ -14,8 +14,8 @@ pub(crate) struct ContactRecord {
     /// In the lower 24 bits of each the [feature](crate::collide::feature) of a point; above them log2 of the unit of the impulses, N·s,
     /// and the number of points with the [`LONG`] bits.
     packed: [u32; 2],
-    /// Multiples of the unit: along the normal, by point; then along the tangent. With one point the second one is that of rolling
-    /// resistance.
+    /// Multiples of the unit: along the normal, by point; then along the tangent. With one point the second impulse is the one of
+    /// rolling resistance.
     pub(crate) impulses: [i64; 3],
 }
 
@@ -29,7 +29,7 @@ const SLOT: u32 = COLLIDERS as u32 - 1;
 const _: () = assert!(COLLIDERS == 1 << 24 && PARTS <= 1 << 8 && CHAIN <= 1 << 16);
 
 /// Beside the number of points, for each collider: its outline's number is above 255, so that it is a segment of a chain. Its corners
-/// are 0 and 1, and take one bit of the six that they have in the feature of the first point. In the others are
+/// are 0 and 1, and take one bit of the six that they have in the feature of the first point. The other bits hold
 /// the upper 8 bits of the number: five in the first corner's, three in the second one's.
 const LONG: [u32; 2] = [4 << 24, 8 << 24];
 /// These bits, of the first collider.
@@ -103,10 +103,10 @@ impl ContactRecord {
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
     /// if a point is, rolling resistance if both have this one point.
     pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
-        let own = self.features();
+        let record_features = self.features();
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
         for (k, feature) in features.iter().enumerate().take(count) {
-            if let Some(i) = (0..self.count()).find(|&i| own[i] == *feature) {
+            if let Some(i) = (0..self.count()).find(|&i| record_features[i] == *feature) {
                 start.values[k] = self.impulses[i];
                 start.values[2] = self.impulses[2];
                 if (count, self.count()) == (1, 1) {
@@ -144,7 +144,8 @@ impl ContactRecord {
             // The image of an edge goes from its end to its beginning: both are counter-clockwise.
             Some(collide::feature(ends(0, 0)?, ends(1, 12)?))
         };
-        let ([first, second], [a, b, tangent]) = (self.features(), self.impulses);
+        let [first, second] = self.features();
+        let [a, b, tangent] = self.impulses;
         let (features, values) = match self.count() {
             2 => ([image(second)?, image(first)?], [b, a, -tangent]),
             _ => ([image(first)?, 0], [a, -b, -tangent]),
@@ -206,9 +207,11 @@ impl Read for ContactRecord {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let malformed = reader.malformed("a contact with impulses");
         let pair = [u32::read(reader)?, u32::read(reader)?];
-        let (mut packed, mut impulses) = ([0; 2], [0; 3]);
+        let mut packed = [0; 2];
+        let mut impulses = [0; 3];
         for k in 0..2 {
-            (packed[k], impulses[k]) = (u32::read(reader)?, i64::read(reader)?);
+            packed[k] = u32::read(reader)?;
+            impulses[k] = i64::read(reader)?;
         }
         impulses[2] = i64::read(reader)?;
         let record = Self { pair, packed, impulses };

@@ -69,10 +69,11 @@ impl Unions {
     ) -> Range<usize> {
         self.list(scene, contacts);
         let key = |&(union, outline, corner, _): &(Union, OutlineId, u32, u32)| (union, outline, corner);
-        let (first, last) = ((union, outline, *corners.start()), (union, outline, *corners.end()));
-        let from = self.records.partition_point(|record| key(record) < first);
-        let count = self.records[from..].partition_point(|record| key(record) <= last);
-        from..from + count
+        let first = (union, outline, *corners.start());
+        let last = (union, outline, *corners.end());
+        let start = self.records.partition_point(|record| key(record) < first);
+        let count = self.records[start..].partition_point(|record| key(record) <= last);
+        start..start + count
     }
 
     /// Lists the records when they are first asked for.
@@ -119,7 +120,7 @@ pub(super) fn rolling_radius(feature: u32, radii: [Fx; 2]) -> Fx {
     let arc = |side: usize| Some(radii[side]).filter(|radius| corner(feature, side).is_some() && *radius > Fx::ZERO);
     match (arc(0), arc(1)) {
         (Some(a), Some(b)) => a.min(b),
-        (one, other) => one.or(other).unwrap_or(Fx::ZERO),
+        (a, b) => a.or(b).unwrap_or(Fx::ZERO),
     }
 }
 
@@ -138,29 +139,29 @@ pub(super) struct Term {
 
 /// Lists the impulses that a contact with a segment takes over from points that were on another segment.
 ///
-/// `record` is the contact with the other segment in the last step, `there` the features of its manifold now, `other` the side of the body
-/// that is on the chain: its corners go from one segment to the next.
+/// `record` is the contact with the other segment in the last step, `record_features` the features of its manifold now, `body_side` the side
+/// of the body that is on the chain: its corners go from one segment to the next.
 pub(super) fn take_over(
     terms: &mut Vec<Term>,
     (features, count): Features,
     record: &ContactRecord,
-    there: Option<Features>,
-    other: usize,
+    record_features: Option<Features>,
+    body_side: usize,
 ) {
-    let there = there.map_or(Default::default(), |(features, count)| (features, count));
-    let kept = &there.0[..there.1];
+    let (kept, kept_count) = record_features.unwrap_or_default();
+    let kept = &kept[..kept_count];
     let before = record.features();
     let mut take =
         |row: usize, from: usize| terms.push(Term { row, impulse: record.impulses[from], exponent: record.exponent() });
     let mut has_moved = false;
     for (k, &feature) in before.iter().enumerate().take(record.count()) {
-        let Some(corner) = corner(feature, other) else { continue };
-        let is_corner = |&feature: &u32| half(feature, other) == corner;
+        let Some(corner) = corner(feature, body_side) else { continue };
+        let is_corner = |&feature: &u32| half(feature, body_side) == corner;
         if kept.iter().any(is_corner) {
             continue;
         }
-        if let Some(own) = features[..count].iter().position(is_corner) {
-            take(own, k);
+        if let Some(row) = features[..count].iter().position(is_corner) {
+            take(row, k);
             has_moved = true;
         }
     }
@@ -176,23 +177,23 @@ pub(super) fn take_over(
 /// Adds terms to the impulses that a contact starts from, all in the largest of their units.
 ///
 /// In a mirror image records have the opposite order. So each term is rounded by itself, and then integers are added, in any order.
-pub(super) fn add(to: &mut Impulses, terms: &[Term]) {
-    let own = [0, 1, 2].map(|row| Term { row, impulse: to.values[row], exponent: to.exponent });
-    let all = || own.iter().chain(terms).filter(|term| term.impulse != 0);
+pub(super) fn add(start: &mut Impulses, terms: &[Term]) {
+    let start_terms = [0, 1, 2].map(|row| Term { row, impulse: start.values[row], exponent: start.exponent });
+    let all = || start_terms.iter().chain(terms).filter(|term| term.impulse != 0);
     let Some(exponent) = all().map(|term| term.exponent).max() else { return };
     // Terms are at most 2^62, and there are fewer than 2^32 records.
     let mut sums = [0_i128; 3];
     all().for_each(|term| sums[term.row] += i128::from(divided(term.impulse, exponent - term.exponent)));
-    const MOST: i128 = 1 << 62;
-    *to = Impulses { values: sums.map(|sum| sum.clamp(-MOST, MOST) as i64), exponent };
+    const LIMIT: i128 = 1 << 62;
+    *start = Impulses { values: sums.map(|sum| sum.clamp(-LIMIT, LIMIT) as i64), exponent };
 }
 
-/// `value / 2^by` to nearest, halves away from zero. *Domain* `by` is not negative.
-fn divided(value: i64, by: i32) -> i64 {
-    if by == 0 || by > 63 {
-        return if by == 0 { value } else { 0 };
+/// `value / 2^shift` to nearest, halves away from zero. *Domain* `shift` is not negative.
+fn divided(value: i64, shift: i32) -> i64 {
+    if shift == 0 || shift > 63 {
+        return if shift == 0 { value } else { 0 };
     }
-    let size = (u128::from(value.unsigned_abs()) + (1 << (by - 1))) >> by;
+    let size = (u128::from(value.unsigned_abs()) + (1 << (shift - 1))) >> shift;
     // At most 2^62 in size: as small as it was.
     if value < 0 { -(size as i64) } else { size as i64 }
 }
@@ -210,13 +211,14 @@ mod tests {
 
     #[test]
     fn a_ball_takes_its_impulse_along_and_a_box_that_of_the_corner_that_goes_over() {
-        let taken = |features, record: &ContactRecord, there| {
-            let (mut terms, mut start) = (Vec::new(), Impulses::default());
-            take_over(&mut terms, features, record, there, 1);
+        let taken = |features, record: &ContactRecord, record_features| {
+            let mut terms = Vec::new();
+            let mut start = Impulses::default();
+            take_over(&mut terms, features, record, record_features, 1);
             add(&mut start, &terms);
             start
         };
-        // A ball: what is left of a segment goes to the next one.
+        // A ball: the impulses on a segment go to the next one.
         let ball = feature([0, 1], [0, 0]);
         let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None);
         assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
@@ -233,15 +235,15 @@ mod tests {
 
     #[test]
     fn outlines_that_touch_with_an_arc_roll() {
-        let of = |feature, radii: [i32; 2]| rolling_radius(feature, radii.map(crate::fx::Fx::from)).to_bits() >> 32;
+        let radius = |feature, radii: [i32; 2]| rolling_radius(feature, radii.map(crate::fx::Fx::from)).to_bits() >> 32;
         // A disc on an edge, on a corner, and two discs.
-        assert_eq!(of(feature([0, 1], [0, 0]), [0, 3]), 3);
-        assert_eq!(of(feature([2, 2], [0, 0]), [0, 3]), 3);
-        assert_eq!(of(feature([0, 0], [0, 0]), [2, 3]), 2);
+        assert_eq!(radius(feature([0, 1], [0, 0]), [0, 3]), 3);
+        assert_eq!(radius(feature([2, 2], [0, 0]), [0, 3]), 3);
+        assert_eq!(radius(feature([0, 0], [0, 0]), [2, 3]), 2);
         // An edge of a rounded box is flat; its corner on an edge rolls.
-        assert_eq!(of(feature([0, 1], [0, 0]), [1, 3]), 3);
-        assert_eq!(of(feature([1, 1], [2, 3]), [1, 9]), 1);
-        assert_eq!(of(feature([1, 1], [2, 3]), [0, 0]), 0);
+        assert_eq!(radius(feature([0, 1], [0, 0]), [1, 3]), 3);
+        assert_eq!(radius(feature([1, 1], [2, 3]), [1, 9]), 1);
+        assert_eq!(radius(feature([1, 1], [2, 3]), [0, 0]), 0);
     }
 
     #[test]
@@ -259,15 +261,15 @@ mod tests {
         assert_eq!(sum([5, 0, 0], &[term(0, 0, 9)]), Impulses { values: [5, 0, 0], exponent: -3 });
         assert_eq!(sum([0; 3], &[term(1, 3, -8)]), Impulses { values: [0, 3, 0], exponent: -8 });
         // Through the unit between, 5 would be rounded to 3 and then to 2.
-        let of =
+        let terms_of =
             |sign: i64| [term(0, 5 * sign, -4), term(0, 7 * sign, -2), term(1, 1 << 61, -3), term(1, sign << 62, -2)];
-        let expected = |sign: i64, sum: i64| Impulses { values: [8 * sign, sum, 0], exponent: -2 };
         for (sign, last) in [(1, 1 << 62), (-1, (1 << 60) - (1 << 62))] {
-            let mut terms = of(sign);
+            let mut terms = terms_of(sign);
             for i in 0..24 {
                 // All orders.
                 terms.swap(i % 3, i % 3 + 1);
-                assert_eq!(sum([0; 3], &terms), expected(sign, last), "{terms:?}");
+                let expected = Impulses { values: [8 * sign, last, 0], exponent: -2 };
+                assert_eq!(sum([0; 3], &terms), expected, "{terms:?}");
             }
         }
         assert_eq!([divided(-7, 1), divided(7, 1), divided(i64::MAX, 63), divided(9, 99)], [-4, 4, 1, 0]);

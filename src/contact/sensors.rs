@@ -7,8 +7,8 @@
 //! paths of continuous collision: from the start, to where impulses left the bodies or to where their paths ended. A body is fast as it is
 //! there, by the least width of its colliders; one that has sensors, also by theirs.
 //!
-//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap, those
-//! included that filters reject. If these are more than a world may have, the sensors with the most of them find nothing: a function of the
+//! Time and memory are bounded by the numbers of sensors and of moving colliders, and by the pairs of outlines whose boxes overlap, pairs
+//! included that filters reject. If these are more than a world may have, the sensors with the most pairs find nothing: a function of the
 //! boxes and the filters alone.
 //!
 //! Moving colliders search the tree of sensors; sensors search the trees of colliders that stand still.
@@ -61,9 +61,9 @@ impl Read for Overlap {
     }
 }
 
-/// An outline that was placed: the box of its exact shape, or of a fast body's path, and the state of its body.
+/// An outline at the pose of its body: the box of its exact shape, or of a fast body's path, and the state of its body.
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct PlacedOutline {
     outline: OutlineId,
     body: u32,
     bounds: Aabb,
@@ -81,21 +81,21 @@ pub(crate) struct Sensors {
     slots: Vec<u32>,
     revision: Option<u64>,
     /// The outlines of sensors that take part, and the outlines that are no sensors, of bodies that a step moves.
-    sensors: Vec<Seen>,
-    movers: Vec<Seen>,
+    sensors: Vec<PlacedOutline>,
+    movers: Vec<PlacedOutline>,
     /// One of the two lists in a tree, by index in the list: the sensors, as long as there are few pairs.
     tree: Statics,
     proxies: Vec<Proxy>,
     /// Sensors, by their index, with outlines whose boxes overlap theirs.
     pairs: Vec<(u32, OutlineId)>,
-    /// The number of pairs of each sensor; and for each such number, the pairs of all sensors that have as many.
+    /// The number of pairs of each sensor; and for each such number, the total of the pairs of the sensors that have as many.
     degrees: Vec<u32>,
     sums: Vec<usize>,
     sum: Sum,
     /// The paths of fast bodies, sorted by slot.
     paths: Vec<BodyPath>,
     /// The overlaps at the end of the step; sorted, each once.
-    pub(crate) found: Vec<Overlap>,
+    pub(crate) overlaps: Vec<Overlap>,
     /// The pairs that do not overlap then and did in the step; sorted, each once.
     pub(crate) crossed: Vec<Overlap>,
 }
@@ -111,8 +111,8 @@ struct View<'a> {
 impl View<'_> {
     /// The path of the body in a slot, if it is fast.
     fn path(&self, slot: u32) -> Option<&Path> {
-        let at = self.paths.binary_search_by_key(&slot, |(slot, _)| *slot).ok()?;
-        Some(&self.paths[at].1)
+        let index = self.paths.binary_search_by_key(&slot, |(slot, _)| *slot).ok()?;
+        Some(&self.paths[index].1)
     }
 
     /// Returns true if two outlines overlap on the paths of their bodies, of which one at least is fast.
@@ -128,8 +128,8 @@ impl View<'_> {
         // A sensor has no side.
         let shapes = outlines.map(|(collider, part)| collider.outline(part));
         let forms = [0, 1].map(|side: usize| form(outlines[side].0, &shapes[side]).without_sides());
-        let both = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting_legs[side]), Path::legs));
-        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: both, second: Second::GivesWay };
+        let paths = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting_legs[side]), Path::legs));
+        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths, second: Second::GivesWay };
         sweep.first_touch(&mut Moment::default()).is_some()
     }
 
@@ -146,7 +146,7 @@ impl View<'_> {
     }
 
     /// These outlines of a collider, if its body takes part.
-    fn seen<'a>(&'a self, collider: &'a Collider, parts: Range<u32>) -> impl Iterator<Item = Seen> + 'a {
+    fn outlines<'a>(&'a self, collider: &'a Collider, parts: Range<u32>) -> impl Iterator<Item = PlacedOutline> + 'a {
         let place = self.place(collider).into_iter();
         place.flat_map(move |(placement, kind, activity)| {
             parts.clone().filter_map(move |part| {
@@ -160,33 +160,34 @@ impl View<'_> {
                         Aabb { min, max }
                     }
                 };
-                Some(Seen { outline, body: collider.body.slot, bounds, kind, activity })
+                Some(PlacedOutline { outline, body: collider.body.slot, bounds, kind, activity })
             })
         })
     }
 
-    /// An outline as the tree has it by this number, or with [`NONE`] one to search a tree with.
-    fn proxy(&self, number: u32, seen: &Seen) -> Option<Proxy> {
-        let filter = self.colliders.at(seen.outline.slot)?.def.filter;
-        Some(Proxy { collider: number, body: seen.body, bounds: seen.bounds, filter, digest: 0 })
+    /// The proxy of an outline with this number in the tree, or with [`NONE`] one to search a tree with.
+    fn proxy(&self, number: u32, placed: &PlacedOutline) -> Option<Proxy> {
+        let filter = self.colliders.at(placed.outline.slot)?.def.filter;
+        Some(Proxy { collider: number, body: placed.body, bounds: placed.bounds, filter, digest: 0 })
     }
 
-    /// Calls `found` with each outline that stands still near a sensor, and with whether it makes a pair, until it returns false: those of
-    /// sleeping bodies, and for a sensor that is not static those of static ones. In the trees they have larger boxes, so that the box of
-    /// each is looked at.
-    fn standing(&self, sensor: &Seen, own: &Proxy, mut found: impl FnMut(OutlineId, bool) -> bool) {
+    /// Calls `visit` with each outline at rest near a sensor, and with whether it makes a pair, until it returns false: with outlines of
+    /// sleeping bodies, and for a sensor that is not static with outlines of static bodies. In the trees they have larger boxes, so that the
+    /// box of each is tested.
+    fn standing(&self, sensor: &PlacedOutline, proxy: &Proxy, mut visit: impl FnMut(OutlineId, bool) -> bool) {
         let mut goes_on = true;
-        let (sleepers, statics) = (self.engine.sleepers(self.colliders), self.engine.statics(self.colliders));
-        let statics = statics.map(|all| &**all).filter(|_| sensor.kind != BodyKind::Static);
+        let sleepers = self.engine.sleepers(self.colliders);
+        let statics = self.engine.statics(self.colliders);
+        let statics = statics.map(|statics| &**statics).filter(|_| sensor.kind != BodyKind::Static);
         for (tree, state) in [(sleepers, Activity::Asleep), (statics, Activity::Awake)] {
             let Some(tree) = tree.filter(|tree| goes_on && !tree.is_empty()) else { continue };
-            tree.touching(own, |other, may_meet| {
-                let outline = self.engine.outline(other.collider);
+            tree.touching(proxy, |visitor, may_meet| {
+                let outline = self.engine.outline(visitor.collider);
                 let collider = self.colliders.at(outline.slot).filter(|_| may_meet);
                 let parts = outline.part..outline.part + 1;
-                let mut seen = collider.into_iter().flat_map(|collider| self.seen(collider, parts.clone()));
-                let is_pair = seen.any(|seen| seen.activity == state && seen.bounds.overlaps(own.bounds));
-                goes_on = found(outline, is_pair);
+                let mut placed = collider.into_iter().flat_map(|collider| self.outlines(collider, parts.clone()));
+                let is_pair = placed.any(|placed| placed.activity == state && placed.bounds.overlaps(proxy.bounds));
+                goes_on = visit(outline, is_pair);
                 goes_on
             });
         }
@@ -240,18 +241,19 @@ impl Sensors {
         settings: &ContactSettings,
     ) {
         self.list_sensors(colliders);
-        self.found.clear();
+        self.overlaps.clear();
         self.crossed.clear();
         let paths = core::mem::take(&mut self.paths);
-        self.find_in(&View { bodies, colliders, engine, paths: &paths }, fell_asleep, settings);
+        self.find_all(&View { bodies, colliders, engine, paths: &paths }, fell_asleep, settings);
         self.paths = paths;
     }
 
-    fn find_in(&mut self, view: &View<'_>, fell_asleep: &[BodyId], settings: &ContactSettings) {
-        let (bodies, colliders) = (view.bodies, view.colliders);
+    fn find_all(&mut self, view: &View<'_>, fell_asleep: &[BodyId], settings: &ContactSettings) {
+        let bodies = view.bodies;
+        let colliders = view.colliders;
         self.sensors.clear();
         let sensors = self.slots.iter().filter_map(|&slot| colliders.at(slot));
-        self.sensors.extend(sensors.flat_map(|collider| view.seen(collider, 0..collider.outline_count())));
+        self.sensors.extend(sensors.flat_map(|collider| view.outlines(collider, 0..collider.outline_count())));
         self.movers.clear();
         if self.sensors.is_empty() {
             return;
@@ -259,7 +261,7 @@ impl Sensors {
         let moving = (0..bodies.moving()).map(|dense| bodies.id(dense).slot);
         for slot in moving.chain(fell_asleep.iter().map(|body| body.slot)) {
             self.movers.extend(
-                colliders.solid_of_slot(slot).flat_map(|collider| view.seen(collider, 0..collider.outline_count())),
+                colliders.solid_of_slot(slot).flat_map(|collider| view.outlines(collider, 0..collider.outline_count())),
             );
         }
         let limits = pair_limits(settings, colliders);
@@ -271,23 +273,23 @@ impl Sensors {
     }
 
     /// Puts outlines into the tree, by their index in the list.
-    fn plant(&mut self, view: &View<'_>, are_sensors: bool) {
+    fn fill_tree(&mut self, view: &View<'_>, are_sensors: bool) {
         let list = if are_sensors { &self.sensors } else { &self.movers };
         self.proxies.clear();
-        self.proxies.extend((0..).zip(list).filter_map(|(number, seen)| view.proxy(number, seen)));
+        self.proxies.extend((0..).zip(list).filter_map(|(number, placed)| view.proxy(number, placed)));
         if !self.tree.are(&self.proxies) {
             self.tree.refill(&self.proxies);
         }
     }
 
-    /// Lists the pairs of sensors and outlines whose boxes overlap, up to one more than there may be. Returns the number of overlaps, those
-    /// included that filters reject, up to one more than there may be.
+    /// Lists the pairs of sensors and outlines whose boxes overlap, up to one more than there may be. Returns the number of overlaps,
+    /// overlaps included that filters reject, up to one more than there may be.
     fn pair_all(&mut self, view: &View<'_>, limits: &PairLimits) -> usize {
-        self.plant(view, true);
+        self.fill_tree(view, true);
         let Self { sensors, movers, tree, pairs, .. } = self;
         pairs.clear();
         let mut overlaps = 0;
-        let mut look = |sensor: u32, outline: OutlineId, is_pair: bool| {
+        let mut add = |sensor: u32, outline: OutlineId, is_pair: bool| {
             if is_pair && pairs.len() <= limits.pairs {
                 pairs.push((sensor, outline));
             }
@@ -296,38 +298,39 @@ impl Sensors {
         };
         let mut goes_on = true;
         for mover in &*movers {
-            let Some(own) = view.proxy(NONE, mover).filter(|_| goes_on) else { continue };
-            tree.touching(&own, |sensor, is_pair| {
-                goes_on = look(sensor.collider, mover.outline, is_pair);
+            let Some(proxy) = view.proxy(NONE, mover).filter(|_| goes_on) else { continue };
+            tree.touching(&proxy, |sensor, is_pair| {
+                goes_on = add(sensor.collider, mover.outline, is_pair);
                 goes_on
             });
         }
         for (number, sensor) in (0..).zip(&*sensors) {
-            let Some(own) = view.proxy(NONE, sensor).filter(|_| goes_on) else { continue };
-            view.standing(sensor, &own, |outline, is_pair| {
-                goes_on = look(number, outline, is_pair);
+            let Some(proxy) = view.proxy(NONE, sensor).filter(|_| goes_on) else { continue };
+            view.standing(sensor, &proxy, |outline, is_pair| {
+                goes_on = add(number, outline, is_pair);
                 goes_on
             });
         }
         overlaps
     }
 
-    /// Lists the pairs of the sensors that have the fewest: of those with at most as many as one collider may have, or of the largest number
-    /// at which they fit. It counts no pairs of a sensor beyond that. With `are_rejected_counted`, what filters reject counts as pairs do.
+    /// Lists the pairs of the sensors that have the fewest: of all sensors with up to the number of pairs that one collider may have, or up
+    /// to the largest number at which all pairs fit. It counts no pairs of a sensor beyond the first number. With `are_rejected_counted`, overlaps
+    /// that filters reject count as pairs do.
     #[cold]
     fn pair_fewest(&mut self, view: &View<'_>, limits: &PairLimits, are_rejected_counted: bool) {
-        self.plant(view, false);
-        let (most, per_sensor) = (limits.pairs, limits.per_collider as u32);
+        self.fill_tree(view, false);
+        let per_sensor = limits.per_collider as u32;
         let Self { sensors, movers, tree, pairs, degrees, sums, .. } = self;
-        let each = |number: usize, found: &mut dyn FnMut(OutlineId, bool) -> bool| {
-            let Some(own) = view.proxy(NONE, &sensors[number]) else { return };
+        let visit_all = |number: usize, visit: &mut dyn FnMut(OutlineId, bool) -> bool| {
+            let Some(proxy) = view.proxy(NONE, &sensors[number]) else { return };
             let mut goes_on = true;
-            tree.touching(&own, |mover, is_pair| {
-                goes_on = found(movers[mover.collider as usize].outline, is_pair);
+            tree.touching(&proxy, |mover, is_pair| {
+                goes_on = visit(movers[mover.collider as usize].outline, is_pair);
                 goes_on
             });
             if goes_on {
-                view.standing(&sensors[number], &own, found);
+                view.standing(&sensors[number], &proxy, visit);
             }
         };
         degrees.clear();
@@ -335,7 +338,7 @@ impl Sensors {
         sums.resize(per_sensor as usize + 1, 0);
         for number in 0..sensors.len() {
             let mut degree = 0;
-            each(number, &mut |_, is_pair| {
+            visit_all(number, &mut |_, is_pair| {
                 degree += u32::from(is_pair || are_rejected_counted);
                 degree <= per_sensor
             });
@@ -347,13 +350,13 @@ impl Sensors {
         let mut total = 0;
         let fitting = sums.iter().take_while(|&&pairs| {
             total += pairs;
-            total <= most
+            total <= limits.pairs
         });
         // Sensors without pairs always fit.
         let cap = (fitting.count() as u32).saturating_sub(1);
         pairs.clear();
         for number in (0..sensors.len()).filter(|&number| degrees[number] <= cap) {
-            each(number, &mut |outline, is_pair| {
+            visit_all(number, &mut |outline, is_pair| {
                 if is_pair {
                     pairs.push((number as u32, outline));
                 }
@@ -362,37 +365,42 @@ impl Sensors {
         }
     }
 
-    /// Finds which of the pairs overlap at the end of the step, and which others do in it.
+    /// Finds which pairs overlap at the end of the step, and which other pairs overlap within it.
     fn meet(&mut self, view: &View<'_>) {
-        let Self { sensors, pairs, sum, found, crossed, .. } = self;
+        let Self { sensors, pairs, sum, overlaps, crossed, .. } = self;
         pairs.sort_unstable();
-        for same in pairs.chunk_by(|a, b| a.0 == b.0) {
-            let outline = sensors[same[0].0 as usize].outline;
+        for sensor_pairs in pairs.chunk_by(|a, b| a.0 == b.0) {
+            let outline = sensors[sensor_pairs[0].0 as usize].outline;
             let Some(sensor) = view.colliders.at(outline.slot) else { continue };
             let Some((placement, ..)) = view.place(sensor) else { continue };
             let from = placement.position();
-            let Some(core) = Core::new(&sensor.outline(outline.part).outline, &placement, from) else { continue };
-            for (_, visitor) in same {
+            let Some(sensor_core) = Core::new(&sensor.outline(outline.part).outline, &placement, from) else {
+                continue;
+            };
+            for (_, visitor) in sensor_pairs {
                 let overlap = Overlap { sensor: outline.slot, visitor: visitor.slot };
-                let Some(other) = view.colliders.at(visitor.slot).filter(|_| found.last() != Some(&overlap)) else {
+                let Some(collider) = view.colliders.at(visitor.slot).filter(|_| overlaps.last() != Some(&overlap))
+                else {
                     continue;
                 };
-                let Some((placement, ..)) = view.place(other) else { continue };
-                let Some(own) = Core::new(&other.outline(visitor.part).outline, &placement, from) else { continue };
-                sum.set(&core, &own);
+                let Some((placement, ..)) = view.place(collider) else { continue };
+                let Some(visitor_core) = Core::new(&collider.outline(visitor.part).outline, &placement, from) else {
+                    continue;
+                };
+                sum.set(&sensor_core, &visitor_core);
                 if contains(&sum.core) {
-                    found.push(overlap);
+                    overlaps.push(overlap);
                 } else if crossed.last() != Some(&overlap)
-                    && view.is_crossed([(sensor, outline.part), (other, visitor.part)])
+                    && view.is_crossed([(sensor, outline.part), (collider, visitor.part)])
                 {
                     crossed.push(overlap);
                 }
             }
         }
-        found.sort_unstable();
-        found.dedup();
+        overlaps.sort_unstable();
+        overlaps.dedup();
         crossed.sort_unstable();
         crossed.dedup();
-        crossed.retain(|overlap| found.binary_search(overlap).is_err());
+        crossed.retain(|overlap| overlaps.binary_search(overlap).is_err());
     }
 }

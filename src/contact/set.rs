@@ -42,7 +42,8 @@ impl ContactSet {
 
     /// All contacts, sorted by pair.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &ContactRecord> {
-        let (mut awake, mut asleep) = (self.records.iter().peekable(), self.asleep.records().iter().peekable());
+        let mut awake = self.records.iter().peekable();
+        let mut asleep = self.asleep.records().iter().peekable();
         core::iter::from_fn(move || match (awake.peek(), asleep.peek()) {
             (Some(a), Some(b)) if b.pair() < a.pair() => asleep.next(),
             (None, _) => asleep.next(),
@@ -55,12 +56,12 @@ impl ContactSet {
         if self.asleep.is_empty() { Cow::Borrowed(&self.records) } else { self.iter().copied().collect() }
     }
 
-    /// Returns true if there is none.
+    /// Returns true if there is no contact.
     pub(crate) fn is_empty(&self) -> bool {
         self.records.is_empty() && self.asleep.is_empty()
     }
 
-    /// Changes all contacts, then sorts them; leaves out those for which `change` returns false. *Domain* whether a body is asleep stays.
+    /// Changes all contacts, then sorts them; leaves out the contacts for which `change` returns false. *Domain* whether a body is asleep stays.
     pub(crate) fn change_all(&mut self, mut change: impl FnMut(&mut ContactRecord) -> bool) {
         self.records.retain_mut(&mut change);
         self.records.sort_unstable_by_key(ContactRecord::pair);
@@ -81,8 +82,8 @@ impl ContactSet {
         codec::list(sink, self.ended.iter());
     }
 
-    /// Drops the records of colliders of a body, their answers if they are one-way, and their overlaps; what ends with them is kept for the
-    /// report of the next step. *Domain* the colliders still have them; their slots are sorted.
+    /// Drops the records of colliders of a body, their answers if they are one-way, and their overlaps; the contacts and overlaps that end are
+    /// kept for the report of the next step. *Domain* the colliders still have them; their slots are sorted.
     pub(crate) fn forget(&mut self, bodies: &dyn ContactBodies, colliders: &ColliderSet, slots: &[u32]) {
         if slots.is_empty() {
             return;
@@ -94,10 +95,10 @@ impl ContactSet {
             _ => slots.binary_search(&slot).is_err(),
         };
         self.overlaps.retain(|overlap| overlap.slots().into_iter().all(stays));
-        let is_of_others = |record: &ContactRecord| record.pair().iter().all(|outline| stays(outline.slot));
-        self.records.retain(is_of_others);
+        let is_kept = |record: &ContactRecord| record.pair().iter().all(|outline| stays(outline.slot));
+        self.records.retain(is_kept);
         if self.any_asleep_with(slots) {
-            self.asleep.retain(|record| is_of_others(record));
+            self.asleep.retain(|record| is_kept(record));
         }
         self.passes.retain(|record| stays(record.collider));
     }
@@ -117,7 +118,7 @@ impl ContactSet {
         }
     }
 
-    /// Takes the contacts of bodies that woke back.
+    /// Moves the contacts of bodies that woke back to the list of awake contacts.
     pub(crate) fn wake(&mut self, is_asleep: impl Fn(u32) -> bool) {
         if self.asleep.is_empty() {
             return;

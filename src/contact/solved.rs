@@ -1,4 +1,4 @@
-//! The contacts that were found: solving them, and the records that follow.
+//! The contacts of a step: solving them, and the records that follow.
 
 use alloc::vec::Vec;
 
@@ -10,37 +10,37 @@ use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::solve::{Contact, ContactSolver, Graph, Impulses};
 
-/// A contact that was found: its outlines, and the names and the number of its points.
+/// The outlines of a contact, and the features and the number of its points.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FoundContact {
+pub(super) struct ContactPair {
     pub(super) pair: [OutlineId; 2],
     pub(super) features: [u32; 2],
     pub(super) count: usize,
 }
 
-impl FoundContact {
+impl ContactPair {
     fn record(&self, impulses: Impulses) -> ContactRecord {
         ContactRecord::new(self.pair, self.features, self.count, impulses)
     }
 }
 
 impl Engine {
-    /// Lists the contacts with impulses: before [`solve`](Self::solve) with those that they start from, and after it with those that
-    /// touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
+    /// Lists the contacts with impulses: before [`solve`](Self::solve) with the impulses that they start from, and after it also the
+    /// contacts that touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
     pub(crate) fn list(&self, contacts: &mut ContactSet) {
         contacts.records.clear();
-        for (number, (found, contact)) in self.found.iter().zip(&self.contacts).enumerate() {
+        for (number, (contact_pair, contact)) in self.contact_pairs.iter().zip(&self.contacts).enumerate() {
             if contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true) {
-                contacts.records.push(found.record(contact.impulses));
+                contacts.records.push(contact_pair.record(contact.impulses));
             }
         }
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
     }
 
-    /// Calls `visit` with the slots of the two bodies of each contact that was found, and true if a surface of one of them moves.
+    /// Calls `visit` with the slots of the two bodies of each contact, and true if a surface of one of them moves.
     pub(crate) fn touching(&self, colliders: &ColliderSet, mut visit: impl FnMut([u32; 2], bool)) {
-        for FoundContact { pair, .. } in &self.found {
+        for ContactPair { pair, .. } in &self.contact_pairs {
             if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
                 let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
                 visit([a.body.slot, b.body.slot], is_driven);
@@ -48,7 +48,7 @@ impl Engine {
         }
     }
 
-    /// Solves the contacts that were found, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
+    /// Solves the contacts, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
     /// impulse.
     pub(crate) fn solve<C: ContactSolver>(
         &mut self,
@@ -59,7 +59,7 @@ impl Engine {
         corrections.clear();
         self.totals.clear();
         self.touched.clear();
-        if self.found.is_empty() {
+        if self.contact_pairs.is_empty() {
             return;
         }
         let options = scene.settings.into();
@@ -116,7 +116,7 @@ impl Engine {
     }
 }
 
-/// The islands that got contacts within a step, and memory for solving them again.
+/// The islands to which contacts were added within a step, and memory for solving them again.
 #[derive(Debug, Default)]
 pub(super) struct Again {
     /// The flights of the contacts that were added last.
@@ -143,7 +143,8 @@ impl Again {
     /// Copies the contacts of the islands of the added contacts; all of them where bodies follow others.
     fn take_islands(&mut self, flights: &Flights, contacts: &[Contact]) {
         let Self { added, is_changed, graph, is_taken, part } = self;
-        let (links, all) = (contacts.iter().map(|contact| contact.bodies), flights.all());
+        let links = contacts.iter().map(|contact| contact.bodies);
+        let all = flights.all();
         graph.build(|body| all[body as usize].is_fixed(), all.len(), links, |_, _| {});
         is_taken.clear();
         is_taken.resize(graph.islands(), flights.any_followers());
@@ -151,11 +152,11 @@ impl Again {
             is_taken[island as usize] = true;
         }
         is_changed.clear();
-        let is_of_taken = |body: u32| graph.island_of(body).is_some_and(|island| is_taken[island as usize]);
-        is_changed.extend((0..all.len() as u32).map(is_of_taken));
+        let islands = (0..all.len() as u32).map(|body| graph.island_of(body));
+        is_changed.extend(islands.map(|island| island.is_some_and(|island| is_taken[island as usize])));
         part.take(all, contacts, |contact| contact.bodies.into_iter().any(|body| is_changed[body as usize]));
-        for at in 0..part.flights.len() {
-            part.flights[at].leader = part.flights[at].leader.and_then(|leader| part.flight(leader));
+        for index in 0..part.flights.len() {
+            part.flights[index].leader = part.flights[index].leader.and_then(|leader| part.flight(leader));
         }
     }
 }

@@ -7,7 +7,8 @@
 //!
 //! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts, from the bodies that
 //! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
-//! out what makes the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever their island takes.
+//! out the overlaps that make the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever sub-steps their
+//! island takes.
 //!
 //! *Deep overlaps.* The solve pass gives bodies the velocity that pushes them out of each other, and the relax pass takes it back. It does
 //! so contact by contact: where one body wedges another out, at many times its own speed, a pass takes back a few hundredths, and the rest
@@ -38,7 +39,7 @@ const RELAX_PASSES: u32 = 65;
 /// An overlap of more than this is deep, ulps: 2^-8 m. Most loads press bodies into each other by less.
 const DEEP_OVERLAP: i64 = 1 << 24;
 
-/// The most contacts of an island that takes more relax passes.
+/// The largest number of contacts of an island that takes more relax passes.
 const FEW: u32 = 32;
 
 /// Ways in which an island is special, one bit each.
@@ -77,13 +78,13 @@ pub(super) struct Part {
     pub(super) contacts: Vec<Contact>,
     /// The numbers of the contacts among all.
     pub(super) contact_numbers: Vec<u32>,
-    /// By flight among all its number here, or [`NONE`].
+    /// By the number among all flights: the number in the part, or [`NONE`].
     place: Vec<u32>,
     corrections: Vec<Correction>,
 }
 
 impl Part {
-    /// Copies contacts, and the flights that they join. Leaders are still those among all.
+    /// Copies contacts, and the flights that they join. Leaders keep their numbers among all flights.
     pub(super) fn take(&mut self, flights: &[Flight], contacts: &[Contact], is_taken: impl Fn(&Contact) -> bool) {
         let Self { place, .. } = self;
         place.clear();
@@ -94,22 +95,22 @@ impl Part {
         self.contact_numbers.clear();
         for (number, contact) in (0..).zip(contacts).filter(|(_, contact)| is_taken(contact)) {
             let bodies = contact.bodies.map(|body| {
-                let at = &mut place[body as usize];
-                if *at == NONE {
-                    *at = self.flights.len() as u32;
+                let number = &mut place[body as usize];
+                if *number == NONE {
+                    *number = self.flights.len() as u32;
                     self.flights.push(flights[body as usize]);
                     self.flight_numbers.push(body);
                 }
-                *at
+                *number
             });
             self.contacts.push(Contact { bodies, ..*contact });
             self.contact_numbers.push(number);
         }
     }
 
-    /// The number here of a flight among all.
+    /// The number in the part of a flight, by its number among all.
     pub(super) fn flight(&self, number: u32) -> Option<u32> {
-        self.place.get(number as usize).copied().filter(|&at| at != NONE)
+        self.place.get(number as usize).copied().filter(|&number| number != NONE)
     }
 }
 
@@ -131,7 +132,7 @@ pub(crate) struct Solvers<C> {
 }
 
 impl<C: ContactSolver> Solvers<C> {
-    /// Solves contacts, those of special islands as these need it: writes impulses to the contacts. Returns the corrections of all flights.
+    /// Solves contacts, each island with the options of its kind: writes impulses to the contacts. Returns the corrections of all flights.
     pub(super) fn solve(
         &mut self,
         time_step: TimeStep,
@@ -178,7 +179,7 @@ impl<C: ContactSolver> Solvers<C> {
         })
     }
 
-    /// The impacts in the step of these contacts, which are those that were solved.
+    /// The impacts in the step of these contacts, which must be the solved contacts.
     pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
         self.solved_parts().flat_map(move |part| {
             let contacts = if self.is_split { &self.parts[part].contacts } else { contacts };
@@ -189,8 +190,7 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// The parts with contacts of the last step.
     fn solved_parts(&self) -> impl Iterator<Item = usize> + '_ {
-        let is_solved = |part: &usize| if self.is_split { !self.parts[*part].contacts.is_empty() } else { *part == 0 };
-        (0..KINDS).filter(is_solved)
+        (0..KINDS).filter(|&part| if self.is_split { !self.parts[part].contacts.is_empty() } else { part == 0 })
     }
 
     /// The number among all of a contact of a part.
@@ -245,7 +245,7 @@ impl<C: ContactSolver> Solvers<C> {
         }
     }
 
-    /// Gives islands below bodies that dominate them what the islands of these have.
+    /// Gives islands below bodies that dominate them the kinds of the islands of these bodies.
     fn follow_leaders(&mut self, flights: &[Flight]) {
         let Self { graph, kinds, .. } = self;
         let followers = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader?)));
@@ -273,19 +273,19 @@ impl<C: ContactSolver> Solvers<C> {
             let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
             island.map_or(0, |island| kinds[island as usize]) == kind
         });
-        for at in 0..part.flights.len() {
-            let Some(leader) = part.flights[at].leader else { continue };
+        for index in 0..part.flights.len() {
+            let Some(leader) = part.flights[index].leader else { continue };
             let place = part.flight(leader);
             if place.is_none() {
                 // The leader was in a part before, or has no contacts at all.
-                correct(&mut part.flights[at], &corrections[leader as usize], time_step);
+                correct(&mut part.flights[index], &corrections[leader as usize], time_step);
             }
-            part.flights[at].leader = place;
+            part.flights[index].leader = place;
         }
     }
 }
 
-/// Makes a flight one at the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
+/// Gives a flight the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
 /// and an impact of its body has changed these at once.
 fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
     if *correction == Correction::default() {
@@ -309,8 +309,8 @@ fn may_be_heavy(flights: &[Flight], contacts: &[Contact]) -> bool {
     let masses = contacts.iter().flat_map(|contact| contact.bodies).map(|body| flights[body as usize].mass);
     let mut range = None;
     for mass in masses.filter(|&mass| mass > Fx::ZERO) {
-        let (least, most) = range.unwrap_or((mass, mass));
-        range = Some((mass.min(least), mass.max(most)));
+        let (min_mass, max_mass) = range.unwrap_or((mass, mass));
+        range = Some((mass.min(min_mass), mass.max(max_mass)));
     }
-    range.is_some_and(|(least, most)| is_heavy(most, least))
+    range.is_some_and(|(min_mass, max_mass)| is_heavy(max_mass, min_mass))
 }

@@ -1,10 +1,10 @@
-//! Numbers by slot.
+//! A map from slots to numbers that is cleared in constant time.
 
 use alloc::vec::Vec;
 
 use crate::slots::NONE;
 
-/// Numbers by slot, all of them [`NONE`] after a [`clear`](Self::clear), which takes no time.
+/// A map from slots to numbers. A slot without a number has [`NONE`]; [`clear`](Self::clear) takes constant time.
 #[derive(Debug, Default)]
 pub(super) struct Stamped {
     stamp: u32,
@@ -29,10 +29,10 @@ impl Stamped {
     }
 
     pub(super) fn set(&mut self, slot: u32, number: u32) {
-        let at = slot as usize;
-        if self.entries.len() <= at {
-            self.entries.resize(at + 1, (0, NONE));
+        let index = slot as usize;
+        if self.entries.len() <= index {
+            self.entries.resize(index + 1, (0, NONE));
         }
-        self.entries[at] = (self.stamp, number);
+        self.entries[index] = (self.stamp, number);
     }
 }

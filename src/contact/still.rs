@@ -1,4 +1,4 @@
-//! Colliders that stand still: colliders of static bodies and of sleeping bodies. They are kept in trees that copies of a world share. A
+//! Colliders at rest: colliders of static bodies and of sleeping bodies. They are kept in trees that copies of a world share. A
 //! step changes the trees only where a call or the last step has changed a body, so that colliders at rest cost nothing.
 
 use alloc::sync::Arc;
@@ -16,7 +16,8 @@ use crate::collider::Collider;
 use crate::query::place_digest;
 use crate::slots::BodyId;
 
-/// So many changes are followed one by one in any world. More than these, and than an eighth of the colliders, take longer than to list all.
+/// The number of changes that are followed one by one in any world. More changes, if also more than an eighth of the colliders, take longer
+/// than to list all colliders.
 const FEW: usize = 512;
 
 /// The trees of a world.
@@ -26,11 +27,11 @@ pub(super) struct Still {
     pub(super) sleepers: Statics,
     /// The number of changes of `sleepers`, by this world or by the one that it was copied from.
     version: u64,
-    /// The pairs and overlaps of a sleeping collider and one that stands still.
+    /// The pairs and overlaps of a sleeping collider and a collider at rest.
     counts: Counts,
 }
 
-/// Numbers of pairs and of [overlaps](PairLimits::overlaps); `usize::MAX` if there were more of one than a world may have.
+/// Numbers of pairs and of [overlaps](PairLimits::overlaps); `usize::MAX` if one of the numbers is above its limit.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     pairs: usize,
@@ -45,25 +46,25 @@ impl Counts {
         self.overlaps += 1;
     }
 
-    fn are_within(&self, most: &PairLimits) -> bool {
-        self.pairs <= most.pairs && self.overlaps <= most.overlaps
+    fn are_within(&self, limits: &PairLimits) -> bool {
+        self.pairs <= limits.pairs && self.overlaps <= limits.overlaps
     }
 
-    /// These, or none known if one of them is above the most that there may be.
-    fn known(self, most: &PairLimits) -> Self {
-        if self.are_within(most) { self } else { Self::UNKNOWN }
+    /// These counts, or unknown ones if one of them is above its limit.
+    fn known(self, limits: &PairLimits) -> Self {
+        if self.are_within(limits) { self } else { Self::UNKNOWN }
     }
 }
 
-/// The colliders that stand still and may have other contacts than before: those that changed, and static ones beside one that changed,
-/// whose surface may be another one. It says the same after each time that contacts are found in a step.
+/// The colliders at rest that may have other contacts than before: changed colliders, and static colliders beside a changed one,
+/// whose surface may be another one. It stays the same however often contacts are detected in a step.
 #[derive(Debug, Default)]
 pub(crate) struct Disturbed {
-    /// True if it is not known which these are.
+    /// True if all colliders at rest may be disturbed.
     are_all: bool,
-    /// Their numbers, sorted.
+    /// The numbers of the outlines, sorted.
     numbers: Vec<u32>,
-    /// The slots of the bodies of all, sorted.
+    /// The slots of the bodies of all these outlines, sorted.
     bodies: Vec<u32>,
 }
 
@@ -74,7 +75,7 @@ impl Disturbed {
         self.bodies.clear();
     }
 
-    /// Returns true if a collider of a body may be among them.
+    /// Returns true if a collider of a body may be disturbed.
     pub(super) fn has(&self, body: u32) -> bool {
         self.are_all || self.bodies.binary_search(&body).is_ok()
     }
@@ -83,7 +84,7 @@ impl Disturbed {
 /// Reused memory for following changes.
 #[derive(Debug, Default)]
 pub(super) struct Workspace {
-    /// All colliders of a kind.
+    /// The boxes of all static or of all sleeping colliders.
     proxies: Vec<Proxy>,
     /// The static and the sleeping colliders that came, left or changed, by number.
     changes: [Vec<(u32, Option<Proxy>)>; 2],
@@ -108,50 +109,50 @@ impl Still {
         Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
     }
 
-    /// Calls `found` with each collider that overlaps `own`, true if that one sleeps, and true if they make a pair, until `found` returns
-    /// false.
-    fn partners(&self, own: &Proxy, sleeps: bool, mut found: impl FnMut(&Proxy, bool, bool) -> bool) {
+    /// Calls `visit` with each collider that overlaps `proxy`, true if that collider sleeps, and true if they make a pair, until `visit`
+    /// returns false.
+    fn partners(&self, proxy: &Proxy, sleeps: bool, mut visit: impl FnMut(&Proxy, bool, bool) -> bool) {
         let mut goes_on = true;
-        self.sleepers.touching(own, |other, is_pair| {
-            goes_on = found(other, true, is_pair);
+        self.sleepers.touching(proxy, |partner, is_pair| {
+            goes_on = visit(partner, true, is_pair);
             goes_on
         });
         if goes_on && sleeps {
-            self.statics.touching(own, |other, is_pair| found(other, false, is_pair));
+            self.statics.touching(proxy, |partner, is_pair| visit(partner, false, is_pair));
         }
     }
 
-    /// Counts all, up to one more than the most.
-    fn count_all(&self, most: &PairLimits) -> Counts {
+    /// Counts all pairs and overlaps, up to one more than the limits.
+    fn count_all(&self, limits: &PairLimits) -> Counts {
         let mut counts = Counts::default();
-        for own in self.sleepers.iter() {
-            self.partners(own, true, |other, sleeps, is_pair| {
-                // Two sleeping colliders find each other: count the pair once.
-                if !sleeps || own.collider < other.collider {
+        for sleeper in self.sleepers.iter() {
+            self.partners(sleeper, true, |partner, sleeps, is_pair| {
+                // Two sleeping colliders visit each other: count the pair once.
+                if !sleeps || sleeper.collider < partner.collider {
                     counts.add(is_pair);
                 }
-                counts.are_within(most)
+                counts.are_within(limits)
             });
-            if !counts.are_within(most) {
+            if !counts.are_within(limits) {
                 break;
             }
         }
         counts
     }
 
-    /// Counts those with a collider of these numbers, which are sorted, up to one more than the most.
-    fn count_of(&self, numbers: &[u32], most: &PairLimits) -> Counts {
+    /// Counts the pairs and overlaps of the colliders with these numbers, which are sorted, up to one more than the limits.
+    fn count_of(&self, numbers: &[u32], limits: &PairLimits) -> Counts {
         let mut counts = Counts::default();
         for &number in numbers {
             let sleeper = self.sleepers.find(number);
-            let Some(own) = sleeper.or_else(|| self.statics.find(number)) else { continue };
-            self.partners(own, sleeper.is_some(), |other, _, is_pair| {
-                if other.collider >= number || numbers.binary_search(&other.collider).is_err() {
+            let Some(proxy) = sleeper.or_else(|| self.statics.find(number)) else { continue };
+            self.partners(proxy, sleeper.is_some(), |partner, _, is_pair| {
+                if partner.collider >= number || numbers.binary_search(&partner.collider).is_err() {
                     counts.add(is_pair);
                 }
-                counts.are_within(most)
+                counts.are_within(limits)
             });
-            if !counts.are_within(most) {
+            if !counts.are_within(limits) {
                 break;
             }
         }
@@ -159,7 +160,7 @@ impl Still {
     }
 }
 
-/// The state of bodies that stand still.
+/// Whether a body at rest is static or asleep.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum State {
     Static,
@@ -167,9 +168,9 @@ enum State {
 }
 
 impl Engine {
-    /// Follows the changes of colliders that stand still. `are_renumbered` says that outlines may have other numbers than before.
+    /// Follows the changes of colliders at rest. `are_renumbered` says that outlines may have other numbers than before.
     pub(super) fn update_still(&mut self, scene: &Scene<'_>, are_renumbered: bool, disturbed: &mut Disturbed) {
-        // Room for all: a step that is taken again may have to list them where it followed changes before.
+        // Room for all colliders: a step that is taken again may have to list them where it followed changes before.
         self.following.proxies.clear();
         self.following.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
         let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
@@ -177,35 +178,36 @@ impl Engine {
             return;
         }
         self.statics_revision = scene.colliders.revision();
-        let most = pair_limits(scene.settings, scene.colliders);
-        let mut own = core::mem::take(&mut self.following);
+        let limits = pair_limits(scene.settings, scene.colliders);
+        let mut workspace = core::mem::take(&mut self.following);
         let before = self.still.take();
-        let (is_known, mut still) = (before.is_some(), before.unwrap_or_default());
+        let is_known = before.is_some();
+        let mut still = before.unwrap_or_default();
         let few = FEW.max(scene.colliders.len() / 8);
         match scene.changed.filter(|changed| changed.all(scene.colliders).take(few + 1).count() <= few) {
             Some(changed) if is_known && !are_renumbered => {
-                self.follow(scene, changed, (&mut still, &mut own, disturbed), &most);
+                self.follow(scene, changed, &mut still, &mut workspace, disturbed, &limits);
             }
             _ => {
                 disturbed.are_all = true;
                 self.tiles.clear();
-                self.list_resting(scene, State::Static, &mut own.proxies);
-                if !still.statics.are(&own.proxies) {
-                    still.statics = Arc::new(Statics::new(own.proxies.clone()));
+                self.list_resting(scene, State::Static, &mut workspace.proxies);
+                if !still.statics.are(&workspace.proxies) {
+                    still.statics = Arc::new(Statics::new(workspace.proxies.clone()));
                 }
-                self.list_resting(scene, State::Asleep, &mut own.proxies);
-                if !still.sleepers.are(&own.proxies) {
-                    still.sleepers.refill(&own.proxies);
+                self.list_resting(scene, State::Asleep, &mut workspace.proxies);
+                if !still.sleepers.are(&workspace.proxies) {
+                    still.sleepers.refill(&workspace.proxies);
                     still.version += 1;
                 }
-                still.counts = still.count_all(&most).known(&most);
+                still.counts = still.count_all(&limits).known(&limits);
             }
         }
-        self.following = own;
+        self.following = workspace;
         self.still = Some(still);
     }
 
-    /// Lists all colliders that stand still in this way.
+    /// Lists all colliders of bodies in this state.
     fn list_resting(&self, scene: &Scene<'_>, state: State, proxies: &mut Vec<Proxy>) {
         proxies.clear();
         if state == State::Static || scene.bodies.any_asleep() {
@@ -213,32 +215,34 @@ impl Engine {
         }
     }
 
-    /// Makes the changes of bodies and colliders.
+    /// Applies the changes of bodies and colliders to the trees, the counts and the disturbed colliders.
     fn follow(
         &mut self,
         scene: &Scene<'_>,
         changed: &Changed,
-        (still, own, disturbed): (&mut Still, &mut Workspace, &mut Disturbed),
-        most: &PairLimits,
+        still: &mut Still,
+        workspace: &mut Workspace,
+        disturbed: &mut Disturbed,
+        limits: &PairLimits,
     ) {
-        let Workspace { changes: [statics, sleepers], changed_boxes, numbers, .. } = own;
+        let Workspace { changes: [statics, sleepers], changed_boxes, numbers, .. } = workspace;
         for (state, tree, changes) in
             [(State::Static, &*still.statics, &mut *statics), (State::Asleep, &still.sleepers, &mut *sleepers)]
         {
             changes.clear();
-            changed.all(scene.colliders).for_each(|slot| self.list_changes(scene, tree, (slot, state), changes));
+            changed.all(scene.colliders).for_each(|slot| self.list_changes(scene, tree, slot, state, changes));
         }
         if !statics.is_empty() {
             self.tiles.clear();
         }
         let Disturbed { numbers: all, bodies, .. } = disturbed;
         all.extend(changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)));
-        let places = |(number, now): &'_ (u32, Option<Proxy>)| {
-            [still.statics.find(*number).copied(), *now].into_iter().flatten()
-        };
-        changed_boxes.refill(statics.iter().flat_map(places).map(|proxy| proxy.bounds));
-        still.statics.near_any(changed_boxes, |near| all.push(near.collider));
-        let body = |&number: &u32| scene.colliders.at(self.numbers.outline(number).slot).map(|own| own.body.slot);
+        let changed_proxies =
+            statics.iter().flat_map(|(number, now)| [still.statics.find(*number).copied(), *now].into_iter().flatten());
+        changed_boxes.refill(changed_proxies.map(|proxy| proxy.bounds));
+        still.statics.near_any(changed_boxes, |neighbour| all.push(neighbour.collider));
+        let collider = |number: u32| scene.colliders.at(self.numbers.outline(number).slot);
+        let body = |&number: &u32| collider(number).map(|collider| collider.body.slot);
         bodies.extend(changed.bodies.iter().chain(&changed.owners).copied().chain(all.iter().filter_map(body)));
         for list in [all, bodies] {
             list.sort_unstable();
@@ -250,7 +254,7 @@ impl Engine {
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
         numbers.dedup();
-        let left = still.count_of(numbers, most);
+        let removed = still.count_of(numbers, limits);
         let next = still.statics.changed(statics);
         if !sleepers.is_empty() {
             still.sleepers.change(sleepers);
@@ -259,20 +263,20 @@ impl Engine {
         if let Some(next) = next {
             still.statics = Arc::new(next);
         }
-        let counts = if still.counts.are_within(most) {
-            let (before, new) = (still.counts, still.count_of(numbers, most));
-            let count = |before: usize, left: usize, new: usize| before.saturating_sub(left).saturating_add(new);
+        let counts = if still.counts.are_within(limits) {
+            let before = still.counts;
+            let added = still.count_of(numbers, limits);
             Counts {
-                pairs: count(before.pairs, left.pairs, new.pairs),
-                overlaps: count(before.overlaps, left.overlaps, new.overlaps),
+                pairs: before.pairs.saturating_sub(removed.pairs).saturating_add(added.pairs),
+                overlaps: before.overlaps.saturating_sub(removed.overlaps).saturating_add(added.overlaps),
             }
         } else {
-            still.count_all(most)
+            still.count_all(limits)
         };
-        still.counts = counts.known(most);
+        still.counts = counts.known(limits);
     }
 
-    /// The boxes of a collider, if its body stands still in this way.
+    /// The boxes of a collider, if its body is in this state.
     fn proxies<'a>(
         &self,
         scene: &Scene<'a>,
@@ -288,7 +292,8 @@ impl Engine {
         };
         let dense = bodies.index_of(collider.body).filter(|_| !collider.def.sensor).filter(is_still);
         dense.into_iter().flat_map(move |dense| {
-            let (position, angle) = (bodies.position(dense), bodies.angle(dense));
+            let position = bodies.position(dense);
+            let angle = bodies.angle(dense);
             let pose = pose(position, angle);
             let digest = place_digest(collider.digest, pose.position(), angle);
             (0..collider.outline_count()).map(move |part| Proxy {
@@ -305,25 +310,26 @@ impl Engine {
         })
     }
 
-    /// Adds the changes of a tree by the collider in a slot: it came, it left, or it is another one.
+    /// Adds the changes of a tree by the collider in a slot: it was added, removed or replaced.
     fn list_changes(
         &self,
         scene: &Scene<'_>,
         tree: &Statics,
-        (slot, state): (u32, State),
+        slot: u32,
+        state: State,
         changes: &mut Vec<(u32, Option<Proxy>)>,
     ) {
         let before = changes.len();
-        let proxies = scene.colliders.at(slot).into_iter().flat_map(|it| self.proxies(scene, it, state));
+        let proxies = scene.colliders.at(slot).into_iter().flat_map(|collider| self.proxies(scene, collider, state));
         changes.extend(proxies.map(|proxy| (proxy.collider, Some(proxy))));
         if changes.len() == before {
-            let left = self.numbers.of(slot).filter(|&number| tree.has(number));
-            changes.extend(left.map(|number| (number, None)));
+            let removed = self.numbers.of(slot).filter(|&number| tree.has(number));
+            changes.extend(removed.map(|number| (number, None)));
         }
     }
 
     /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
-    /// `scene.starts` woke since contacts were found, and the step knows of no other change.
+    /// `scene.starts` woke since contacts were detected, and nothing else has changed.
     pub(crate) fn spread(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         // Bodies with too many pairs are at fault before they touch anything.
         if !self.broad.above_cap().is_empty() {
@@ -341,19 +347,18 @@ impl Engine {
         };
         let mut pairs = self.broad.take_pairs();
         pairs.clear();
-        for own in &self.movers {
-            sleepers.meeting(own, |other| {
+        for mover in &self.movers {
+            sleepers.meeting(mover, |sleeper| {
                 // The tree still has the colliders of bodies that woke since it was made.
-                let sleeper = body(other.collider).filter(sleeps);
-                let is_excluded = |[a, b]: [BodyId; 2]| contacts.find_excluded(sorted(a, b)).is_ok();
-                if body(own.collider).zip(sleeper).is_some_and(|(own, other)| !is_excluded([own, other])) {
-                    pairs.push([own.collider.min(other.collider), own.collider.max(other.collider)]);
+                let bodies = body(mover.collider).zip(body(sleeper.collider).filter(sleeps));
+                if bodies.is_some_and(|(a, b)| contacts.find_excluded(sorted(a, b)).is_err()) {
+                    pairs.push([mover.collider.min(sleeper.collider), mover.collider.max(sleeper.collider)]);
                 }
                 true
             });
         }
         pairs.sort_unstable();
-        self.leave_out_passing(scene, (contacts, &out.disturbed), &mut pairs);
+        self.leave_out_passing(scene, contacts, &out.disturbed, &mut pairs);
         for &numbers in &pairs {
             let pair = numbers.map(|number| self.numbers.outline(number));
             if self.start_manifold(scene, numbers, pair).is_some() {
@@ -364,7 +369,7 @@ impl Engine {
         self.broad.return_pairs(pairs);
     }
 
-    /// Finds the pairs of the step, which are those of moving colliders. If there are too many pairs or overlaps, sleeping ones included,
+    /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
     /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
     pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
         let Some(still) = &self.still else { return };
@@ -373,18 +378,19 @@ impl Engine {
         let are_above = self.broad.pairs().len().saturating_add(still.counts.pairs) > limits.pairs;
         if !still.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
             self.movers.extend(still.sleepers.iter());
-            // No real version has this number, so that the broad phase drops what it knows of sleepers.
+            // No real version has this number, so that the broad phase drops its cache of sleepers.
             let standing = Standing { version: u64::MAX, ..Standing::of(&still.statics) };
             self.broad.update(&standing, &self.movers, limits);
         }
     }
 
-    /// Adds the pairs of a sleeping and a static collider that were disturbed; with all colliders of a body where an answer of a one-way
-    /// collider was, since that follows from all of them.
+    /// Adds the disturbed pairs of a sleeping and a static collider. Where the answer of a one-way collider for a body is disturbed, it adds
+    /// the pairs with all colliders of the body, since the answer follows from all of them.
     pub(super) fn pair_still(
         &self,
         scene: &Scene<'_>,
-        (contacts, disturbed): (&ContactSet, &Disturbed),
+        contacts: &ContactSet,
+        disturbed: &Disturbed,
         pairs: &mut Vec<[u32; 2]>,
     ) {
         let Some(Still { statics, sleepers, .. }) = &self.still else { return };
@@ -396,21 +402,21 @@ impl Engine {
             pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
             true
         };
-        // A collider by its number, and those that stand still in the other way.
-        let sides = |number: u32| {
-            let as_static = || statics.find(number).map(|own| (own, sleepers));
-            sleepers.find(number).map(|own| (own, &**statics)).or_else(as_static)
+        // The collider, and the tree to search for its partners.
+        let sides = |number: u32| match sleepers.find(number) {
+            Some(sleeper) => Some((sleeper, &**statics)),
+            None => statics.find(number).map(|proxy| (proxy, sleepers)),
         };
         if disturbed.are_all {
-            sleepers.iter().for_each(|own| statics.meeting(own, |other| add(own, other)));
+            sleepers.iter().for_each(|sleeper| statics.meeting(sleeper, |partner| add(sleeper, partner)));
         } else {
-            for (own, others) in disturbed.numbers.iter().copied().filter_map(sides) {
-                others.meeting(own, |other| add(own, other));
+            for (proxy, tree) in disturbed.numbers.iter().copied().filter_map(sides) {
+                tree.meeting(proxy, |partner| add(proxy, partner));
             }
             for record in contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
                 let (outline, body) = record.place();
-                if let Some((own, others)) = sides(self.numbers.first(outline.slot) + outline.part) {
-                    others.meeting(own, |other| other.body != body || add(own, other));
+                if let Some((proxy, tree)) = sides(self.numbers.first(outline.slot) + outline.part) {
+                    tree.meeting(proxy, |partner| partner.body != body || add(proxy, partner));
                 }
             }
         }

@@ -7,7 +7,7 @@ use crate::kernel::round::shr_round;
 use crate::math::Vec2;
 use crate::solve::{Contact, Impulses, Point};
 
-/// Two surfaces that touch.
+/// The parameters of a contact of two surfaces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surfaces {
     pub(super) coefficients: MaterialPair,
@@ -40,14 +40,14 @@ impl Surfaces {
 #[inline(always)]
 fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> Point {
     let gap = point.separation.to_bits();
-    let (mut arms, separation) = ([point.arm_a, point.arm_b], point.separation);
+    let mut arms = [point.arm_a, point.arm_b];
     if gap > 0 {
         // Half of the gap along the normal.
-        let (x, y) = (half_along(normal[0], gap), half_along(normal[1], gap));
-        let half = Vec2::new(Fx::from_bits(x), Fx::from_bits(y));
+        let [x, y] = normal.map(|component| Fx::from_bits(half_along(component, gap)));
+        let half = Vec2::new(x, y);
         arms = [arms[0] - half, arms[1] + half];
     }
-    Point { arms, separation }
+    Point { arms, separation: point.separation }
 }
 
 /// Half of a gap times a component of a normal in units of 2^-30, to nearest, ties to even. *Domain* a gap below 2^57.

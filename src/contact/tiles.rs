@@ -1,9 +1,9 @@
-//! Static polygons beside each other: the surface of their union, found for each of them when a body first comes near.
+//! Static polygons beside each other: the surface of their union, found for each polygon when a body first comes near.
 //!
 //! A surface is a function of the static colliders alone. It is kept until one of them changes; a collider that no
 //! body comes near costs nothing.
 //!
-//! Two polygons are neighbours if their filters are the same, and their `one_way`: whatever meets one of them meets the other too.
+//! Two polygons are neighbours if their filters are the same, and their `one_way`: an outline that meets one of them meets the other too.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -25,13 +25,13 @@ use crate::slots::NONE;
 #[derive(Debug, Default)]
 pub(super) struct Tiles {
     /// By number of the outline: the number of its surface, or [`ALONE`].
-    of: Stamped,
+    surface_of: Stamped,
     surfaces: SurfaceList,
-    /// Workspace: a polygon and the ones near it.
+    /// Workspace: a polygon and its neighbours.
     polygons: Polygons,
 }
 
-/// Surfaces by number.
+/// The faces of surfaces, each surface with a number.
 #[derive(Debug, Default)]
 pub(super) struct SurfaceList {
     surfaces: Vec<Range<usize>>,
@@ -46,11 +46,11 @@ impl SurfaceList {
 
     /// Adds the surface of the first of some polygons, and returns its number; [`ALONE`] if no other one touches it.
     pub(super) fn add(&mut self, polygons: &mut Polygons) -> u32 {
-        let from = self.faces.len();
+        let start = self.faces.len();
         if is_crowd(polygons) || !polygons.faces(&mut self.faces) {
             return ALONE;
         }
-        self.surfaces.push(from..self.faces.len());
+        self.surfaces.push(start..self.faces.len());
         self.surfaces.len() as u32 - 1
     }
 
@@ -66,7 +66,7 @@ const ALONE: u32 = NONE - 1;
 /// The cosine of 60°, in 2^-60.
 pub(super) const SLANTED: i64 = 1 << 59;
 
-/// With more corners than this, a polygon and those near it are a crowd, in which each stands alone: else the work for polygons that lie on
+/// With more corners than this, a polygon and its neighbours are a crowd, in which each stands alone: else the work for polygons that lie on
 /// each other would grow with the square of their number. 64 triangles around a point have 192.
 const CROWD: usize = 256;
 
@@ -83,7 +83,7 @@ pub(super) fn is_polygon(outline: &BodyOutline) -> bool {
 impl Tiles {
     /// Forgets all surfaces, as a static collider has changed.
     pub(super) fn clear(&mut self) {
-        self.of.clear();
+        self.surface_of.clear();
         self.surfaces.clear();
     }
 
@@ -100,7 +100,7 @@ impl Tiles {
         if !is_polygon(outline) {
             return None;
         }
-        if self.of.get(number) == NONE {
+        if self.surface_of.get(number) == NONE {
             let collider = scene.colliders.at(numbers.outline(number).slot)?;
             self.polygons.clear();
             self.polygons.push(pose.corners_from(&outline.outline, pose));
@@ -110,7 +110,7 @@ impl Tiles {
                 }
                 !is_crowd(&self.polygons)
             });
-            self.of.set(number, self.surfaces.add(&mut self.polygons));
+            self.surface_of.set(number, self.surfaces.add(&mut self.polygons));
         }
         self.surface(number)
     }
@@ -129,7 +129,7 @@ impl Tiles {
 
     /// The surface of an outline, if it was found and the outline does not stand alone.
     pub(super) fn surface(&self, number: u32) -> Option<&[Face]> {
-        self.surfaces.get(self.of.get(number))
+        self.surfaces.get(self.surface_of.get(number))
     }
 }
 
@@ -142,20 +142,22 @@ pub(super) fn are_joined(
     before: &ContactRecord,
     cosine: i64,
 ) -> bool {
-    let normals = |surface: usize, feature: u32| {
+    let faces_at = |surface: usize, feature: u32| {
         let [first, second] = [feature >> (12 * side) & 63, feature >> (12 * side + 6) & 63];
-        // An edge by its first corner; at a corner all that are there. The last edge ends at corner 0.
+        // An edge by its first corner; at a corner all edges that meet there. The last edge ends at corner 0.
         surfaces[surface].iter().filter(move |face| {
             let [from, to] = [face.edge, (face.edge + 1) % face.corners].map(|corner| corner as u32);
             if first == second { from == first || to == first } else { from == first }
         })
     };
-    let is_near = |a: &Face, b: &Face| {
+    let is_joined = |a: &Face, b: &Face| {
         let dot = |k: usize| i64::from(a.normal[k]) * i64::from(b.normal[k]);
         // Unit vectors in units of 2^-30.
         dot(0) + dot(1) > cosine
     };
-    let faces_now = || features.into_iter().take(count).flat_map(|name| normals(0, name));
-    let mut faces_before = before.features().into_iter().take(before.count()).flat_map(|name| normals(1, name));
-    faces_before.any(|before| faces_now().any(|now| is_near(now, before)))
+    let mut faces_before = before.features().into_iter().take(before.count()).flat_map(|name| faces_at(1, name));
+    faces_before.any(|before| {
+        let mut faces_now = features.into_iter().take(count).flat_map(|name| faces_at(0, name));
+        faces_now.any(|now| is_joined(now, before))
+    })
 }

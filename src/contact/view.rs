@@ -83,12 +83,13 @@ impl<S: Scalar> Contact<S> {
     /// The contact of a record, with a manifold of two outlines of these radii; the first one is of a body at this position.
     pub(crate) fn new(
         record: &ContactRecord,
-        (colliders, bodies): ([ColliderId; 2], [BodyId; 2]),
+        handles: ([ColliderId; 2], [BodyId; 2]),
         parts: [u32; 2],
         radii: [Fx; 2],
         position: Vec2,
         manifold: &Manifold,
     ) -> Self {
+        let (colliders, bodies) = handles;
         let features = record.features();
         let is_rolling = record.count() == 1;
         let rolling = if is_rolling { at_lever(record, rolling_radius(features[0], radii)) } else { Fx::ZERO };
@@ -108,7 +109,8 @@ impl<S: Scalar> Contact<S> {
             let known = (0..record.count()).find(|&k| features[k] == point.feature);
             let impulse = known.map_or(Fx::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
             // Positions are within 2^31 m, arms within 2^15 m.
-            let (x, y) = (position.x.saturating_add(point.arm_a.x), position.y.saturating_add(point.arm_a.y));
+            let x = position.x.saturating_add(point.arm_a.x);
+            let y = position.y.saturating_add(point.arm_a.y);
             *place = ContactPoint {
                 position: Vec2::new(S::from_fx(x), S::from_fx(y)),
                 separation: S::from_fx(point.separation),

@@ -95,11 +95,11 @@ pub struct StepClock {
 
 const NANOSECONDS: u128 = 1_000_000_000;
 
-/// Computes (rest, gain, den) of a clock at this speed with `rest` ticks not stepped yet; `None` if they do not fit.
+/// Computes (rest, gain, den) of a clock at a speed of `num` / `den` with `rest` ticks not stepped yet; `None` if they do not fit.
 ///
 /// They always fit without a rest: with steps of n/d s at a speed of p/q a nanosecond is p·d / (10⁹·q·n) ticks, in which
 /// p·d <= (2^32 − 1)² and 10⁹·q·n < 2^94, and (2^64 − 1)·(2^32 − 1)² + 2^94 < 2^128.
-fn paced(rest: TickFraction, time_step: TimeStep, (num, den): (u32, u32)) -> Option<(u128, u128, u128)> {
+fn paced(rest: TickFraction, time_step: TimeStep, num: u32, den: u32) -> Option<(u128, u128, u128)> {
     let (n, d) = time_step.seconds();
     let per_nanosecond =
         TickFraction::reduced(u128::from(num) * u128::from(d), NANOSECONDS * u128::from(den) * u128::from(n));
@@ -122,9 +122,8 @@ impl StepClock {
     /// [`Error::TimeStep`], as for a world.
     pub fn new(time_step: TimeStep) -> Result<Self, Error> {
         let time_step = time_step.checked()?;
-        let speed = (1, 1);
-        let (rest, gain, den) = paced(TickFraction::ZERO, time_step, speed).ok_or(Error::ElapsedTime)?;
-        Ok(Self { time_step, speed, is_paused: false, limit: Self::LIMIT, rest, gain, den })
+        let (rest, gain, den) = paced(TickFraction::ZERO, time_step, 1, 1).ok_or(Error::ElapsedTime)?;
+        Ok(Self { time_step, speed: (1, 1), is_paused: false, limit: Self::LIMIT, rest, gain, den })
     }
 
     /// Adds the real time since the frame before, in nanoseconds, and returns how many ticks to step now.
@@ -195,7 +194,8 @@ impl StepClock {
         let (a, b) = (gcd(num, ratio.den), gcd(ratio.num, den));
         let times = |x: u128, y: u128| x.checked_mul(y).ok_or(Error::ElapsedTime);
         let rest = TickFraction { num: times(num / a, ratio.num / b)?, den: times(den / b, ratio.den / a)? };
-        (self.rest, self.gain, self.den) = paced(rest, time_step, self.speed).ok_or(Error::ElapsedTime)?;
+        (self.rest, self.gain, self.den) =
+            paced(rest, time_step, self.speed.0, self.speed.1).ok_or(Error::ElapsedTime)?;
         self.time_step = time_step;
         Ok(())
     }
@@ -219,7 +219,7 @@ impl StepClock {
         if den == 0 {
             return Err(Error::ElapsedTime);
         }
-        let paced = paced(self.remainder(), self.time_step, (num, den)).ok_or(Error::ElapsedTime)?;
+        let paced = paced(self.remainder(), self.time_step, num, den).ok_or(Error::ElapsedTime)?;
         ((self.rest, self.gain, self.den), self.speed) = (paced, (num, den));
         Ok(())
     }
@@ -271,7 +271,7 @@ impl StepClock {
     /// ```
     pub fn settle(&mut self) {
         // Always fits without a remainder, as it did in `new`.
-        if let Some(paced) = paced(TickFraction::ZERO, self.time_step, self.speed) {
+        if let Some(paced) = paced(TickFraction::ZERO, self.time_step, self.speed.0, self.speed.1) {
             (self.rest, self.gain, self.den) = paced;
         }
     }

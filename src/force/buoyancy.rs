@@ -6,6 +6,7 @@ use crate::body::{Bodies, Sparse};
 use crate::collider::ColliderSet;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum, Wide};
+use crate::shape::Aabb;
 use crate::slots::FieldId;
 
 /// Parts of bodies in fluids that were computed already, by the index of the body: at most once for a body as long as it does not move, if
@@ -26,12 +27,13 @@ impl<S: Scalar> Parts<S> {
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
         i: usize,
-        (fluid, min, max): (FieldId, Vec2<S>, Vec2<S>),
+        fluid: FieldId,
+        bounds: Aabb<S>,
     ) -> Option<Submerged<S>> {
         let compute = || {
             let motion = &bodies.columns.motion;
             let own = colliders.solid_of_slot(bodies.columns.slot[i]);
-            submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], (min, max))
+            submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], bounds)
         };
         let (_, (of, part)) = self.get_or_insert(i, || (i, (fluid, compute())));
         if *of != fluid {
@@ -75,7 +77,8 @@ pub(crate) fn floats<S: Scalar>(fluids: &mut Fluids<'_, S>, bodies: &Bodies<S>, 
         if !info.feels(field.force_groups) {
             continue;
         }
-        if fluids.parts.of(bodies, fluids.colliders, i, (id, *min, *max)).is_some() {
+        let bounds = Aabb { min: *min, max: *max };
+        if fluids.parts.of(bodies, fluids.colliders, i, id, bounds).is_some() {
             if *flow != Vec2::ZERO {
                 return false;
             }

@@ -10,6 +10,7 @@ use crate::collider::ColliderSet;
 use crate::error::Cause;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Factor, Offset, Scalar, Sum};
+use crate::shape::Aabb;
 use crate::slots::FieldId;
 
 /// The drag of a field on a body: the equations du/dt = −(linear + quadratic·|u|)/m·u, with u the velocity relative to the medium, and
@@ -23,7 +24,8 @@ struct Resistance<S: Scalar> {
 
 /// The drag of a field on body `i`: `None` if it has none, `Some(None)` if it is too large.
 fn resistance<S: Scalar>(
-    (id, kind): (FieldId, &FieldKind<S>),
+    id: FieldId,
+    kind: &FieldKind<S>,
     fluids: &mut Fluids<'_, S>,
     bodies: &Bodies<S>,
     i: usize,
@@ -35,7 +37,8 @@ fn resistance<S: Scalar>(
             Some(Some(Resistance { linear, quadratic, angular: S::Factor::ZERO, medium: *wind }))
         }
         FieldKind::Buoyancy { min, max, linear_drag, angular_drag, flow, .. } if kind.has_drag() => {
-            let part = fluids.parts.of(bodies, fluids.colliders, i, (id, *min, *max))?;
+            let bounds = Aabb { min: *min, max: *max };
+            let part = fluids.parts.of(bodies, fluids.colliders, i, id, bounds)?;
             let of_area = |area: S::Wide| {
                 let [linear, angular] =
                     [*linear_drag, *angular_drag].map(|drag| factor(drag).times(S::Factor::from_wide(area)));
@@ -69,7 +72,7 @@ pub(crate) fn resist<S: Scalar>(
             if !bodies.info(i).feels(field.force_groups) || !only(i) {
                 continue;
             }
-            let Some(resistance) = resistance((id, &field.kind), &mut fluids, bodies, i) else { continue };
+            let Some(resistance) = resistance(id, &field.kind, &mut fluids, bodies, i) else { continue };
             if resistance.and_then(|resistance| slow_down(bodies, i, &resistance, span)).is_none() {
                 faults.push((i, Cause::Field { field: id }));
             }
@@ -124,7 +127,8 @@ fn relative<S: Scalar>(velocity: Vec2<S::Accumulator>, wind: Vec2<S>) -> Offset<
 /// the fields, and counts them. |u| is the speed at the start plus the `gain` that the step may add. The drag of a fluid is judged as
 /// if all of the body were in it, as the step may take it there.
 pub(crate) fn outer_drag<S: Scalar>(
-    (fields, colliders): (&FieldSet<S>, &ColliderSet<S>),
+    fields: &FieldSet<S>,
+    colliders: &ColliderSet<S>,
     bodies: &Bodies<S>,
     coupled: Range<usize>,
     time_step: S::Factor,

@@ -11,6 +11,7 @@ use crate::collider::ColliderSet;
 use crate::error::Cause;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Offset, Scalar, SpringConstants, Sum, Wide};
+use crate::shape::Aabb;
 use crate::slots::{BodyId, FieldId};
 
 /// The sums of what the fields do to a body: accelerations that do not depend on its mass, forces and a torque, each summed so that
@@ -218,7 +219,8 @@ pub(crate) fn accumulate<S: Scalar>(
     scene: Scene<'_, S>,
     pass: Dependence,
     targets: Targets<'_>,
-    (directions, parts): (&mut Directions<S>, &mut Parts<S>),
+    directions: &mut Directions<S>,
+    parts: &mut Parts<S>,
     loads: &mut Loads<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
@@ -281,8 +283,9 @@ impl<S: Scalar> Evaluation<'_, S> {
                 });
             }
             FieldKind::Buoyancy { min, max, density, .. } if pass == Dependence::Position => {
+                let bounds = Aabb { min: *min, max: *max };
                 self.each_in(field.force_groups, |one, i| {
-                    let part = one.parts.of(scene.bodies, scene.colliders, i, (id, *min, *max));
+                    let part = one.parts.of(scene.bodies, scene.colliders, i, id, bounds);
                     let Some(part) = part else { return };
                     match lift(&part, *density, scene.gravity) {
                         Some((force, torque)) => {

@@ -18,7 +18,7 @@ use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::query::{Point, cross, odd_shift};
 use crate::scalar::{Angle, Factor, Scalar, Sum, Wide};
-use crate::shape::Outline;
+use crate::shape::{Aabb, Outline};
 
 /// The directions from the centre of an arc to the ends of its chords.
 const ARC: usize = 32;
@@ -56,12 +56,12 @@ pub(super) fn submerged<'a, S: Scalar>(
     colliders: impl Iterator<Item = &'a Collider<S>>,
     position: Vec2<S>,
     angle: S::Angle,
-    (min, max): (Vec2<S>, Vec2<S>),
+    bounds: Aabb<S>,
 ) -> Option<Submerged<S>> {
     let bits = |value: S| i128::from(value.to_fx().to_bits());
     let position = [bits(position.x), bits(position.y)];
     let relative = |corner: Vec2<S>| [bits(corner.x) - position[0], bits(corner.y) - position[1]];
-    let (low, high) = (relative(min), relative(max));
+    let (low, high) = (relative(bounds.min), relative(bounds.max));
     let mut direction = None;
     let mut sum: Option<Submerged<S>> = None;
     for collider in colliders {

@@ -327,7 +327,7 @@ impl<S: Scalar> Plan<S> {
             whole: whole(false),
             half: whole(true),
             rate: rate::<S>(time_step),
-            half_square: S::half_square_seconds(ratio),
+            half_square: S::half_square_seconds(ratio.0, ratio.1),
             backwards: false,
             made_for: (integrator, time_step),
         }

@@ -173,7 +173,8 @@ pub(crate) fn drift<S: Scalar>(block: &mut Block<'_, S>, timing: &Timing<S>, tur
 pub(crate) fn fused_kick_drift_kick<S: Scalar>(
     block: &mut Block<'_, S>,
     row: &StepFactors<S>,
-    (half, timing): (usize, &Timing<S>),
+    half: usize,
+    timing: &Timing<S>,
     turns: bool,
     backwards: bool,
 ) {
@@ -194,7 +195,8 @@ pub(crate) fn fused_kick_drift_kick<S: Scalar>(
 pub(crate) fn fused_kick_drift_kick_each<S: Scalar>(
     block: &mut Block<'_, S>,
     rows: &[StepFactors<S>],
-    (half, timing): (usize, &Timing<S>),
+    half: usize,
+    timing: &Timing<S>,
     turns: bool,
     backwards: bool,
 ) {

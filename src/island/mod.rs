@@ -1,6 +1,6 @@
 //! Islands: the bodies that springs and contacts join, over any number of them. An island falls asleep and wakes as a whole.
 //!
-//! Static bodies and those that take no part join nothing; a kinematic body joins nothing by contacts. No step keeps islands: each query
+//! Static bodies and bodies that take no part join nothing; a kinematic body joins nothing by contacts. No step keeps islands: each query
 //! searches from the bodies that it is asked for, breadth first, and looks at nothing else.
 
 use alloc::vec::Vec;
@@ -12,19 +12,19 @@ use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
-/// Memory that searches use again.
+/// Buffers of the searches, which each search uses again.
 #[derive(Debug, Default)]
 pub(crate) struct Workspace {
     /// The bodies that were visited, each with the candidate that it was visited from.
     visited: Sparse<(usize, usize)>,
-    /// The bodies of the island that is searched; those from `next` on have neighbours to look at.
+    /// The bodies of the island that is searched, in the order of the search.
     members: Vec<usize>,
 }
 
 /// The contacts of a step, by the bodies of each.
 #[derive(Debug, Default)]
 pub(crate) struct Touching {
-    /// The slots of a dynamic body and of one that is not static and touches it, sorted; two dynamic bodies stand in both orders.
+    /// The slots of a dynamic body and of a body that is not static and touches it, sorted; two dynamic bodies stand in both orders.
     pairs: Vec<[u32; 2]>,
     /// The slots of bodies that lie on a surface that moves around its body, sorted.
     driven: Vec<u32>,
@@ -37,8 +37,8 @@ impl Touching {
     }
 
     /// Adds a contact of a dynamic body.
-    pub(crate) fn push(&mut self, body: u32, other: u32) {
-        self.pairs.push([body, other]);
+    pub(crate) fn push(&mut self, body: u32, other_body: u32) {
+        self.pairs.push([body, other_body]);
     }
 
     /// Adds a body on a surface that moves.
@@ -52,22 +52,22 @@ impl Touching {
     }
 
     /// The slots of the bodies that a dynamic body touches.
-    fn of(&self, body: u32) -> impl Iterator<Item = u32> {
-        let from = self.pairs.partition_point(|pair| pair[0] < body);
-        self.pairs[from..].iter().take_while(move |pair| pair[0] == body).map(|pair| pair[1])
+    fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> {
+        let start = self.pairs.partition_point(|pair| pair[0] < body);
+        self.pairs[start..].iter().take_while(move |pair| pair[0] == body).map(|pair| pair[1])
     }
 
     fn is_driven(&self, body: u32) -> bool {
         self.driven.binary_search(&body).is_ok()
     }
 
-    fn is_of(&self, body: u32) -> bool {
-        self.of(body).next().is_some() || self.is_driven(body)
+    fn contains(&self, body: u32) -> bool {
+        self.touched_by(body).next().is_some() || self.is_driven(body)
     }
 }
 
 /// Returns true if a body tries to fall asleep after this many steps at rest. The last body of an island that comes to rest tries first;
-/// one that others keep awake tries again every `ticks` steps.
+/// one that other bodies keep awake tries again every `ticks` steps.
 #[inline]
 pub(crate) fn is_candidate(ticks_at_rest: u32, ticks: u32) -> bool {
     ticks_at_rest >= ticks && ticks_at_rest % ticks == 0
@@ -86,10 +86,10 @@ pub(crate) fn find_sleepers<S: Scalar>(
     let rest = &bodies.columns.motion.ticks_at_rest;
     // Something may have moved a candidate since it was found.
     for &candidate in candidates.iter().filter(|&&i| is_candidate(rest[i], ticks)) {
-        if candidate < bodies.free_count() && !touching.is_of(bodies.id(candidate).slot) {
+        if candidate < bodies.free_count() && !touching.contains(bodies.id(candidate).slot) {
             fell_asleep.push(bodies.id(candidate));
         } else if workspace.visited.get(candidate).is_none()
-            && rests(bodies, (fields, touching), ticks, candidate, workspace)
+            && rests(bodies, fields, touching, ticks, candidate, workspace)
         {
             fell_asleep.extend(workspace.members.iter().map(|&i| bodies.id(i)));
         }
@@ -102,7 +102,8 @@ pub(crate) fn find_sleepers<S: Scalar>(
 /// Returns true if the island of a body is at rest; then the workspace has its members. The search ends where one is not at rest.
 fn rests<S: Scalar>(
     bodies: &Bodies<S>,
-    (fields, touching): (&FieldSet<S>, &Touching),
+    fields: &FieldSet<S>,
+    touching: &Touching,
     ticks: u32,
     candidate: usize,
     workspace: &mut Workspace,
@@ -112,22 +113,23 @@ fn rests<S: Scalar>(
     members.clear();
     members.push(candidate);
     visited.get_or_insert(candidate, || (candidate, candidate));
+    // The members from `next` on have neighbours to look at.
     let mut next = 0;
     while let Some(&member) = members.get(next) {
         next += 1;
-        let own = bodies.id(member);
-        if touching.is_driven(own.slot) {
+        let member_id = bodies.id(member);
+        if touching.is_driven(member_id.slot) {
             return false;
         }
-        let by_springs = joined_by_springs(fields, own).filter_map(|joined| bodies.find(joined).ok());
-        let by_contacts = || touching.of(own.slot).filter_map(|slot| bodies.index_in(slot));
-        let is_moved = |i: &usize| bodies.info(*i).kind == BodyKind::Kinematic;
-        // A kinematic body joins nothing, and keeps what lies on it awake while it moves.
-        if by_contacts().any(|i| is_moved(&i) && rest[i] == 0) {
+        let spring_neighbours = joined_by_springs(fields, member_id).filter_map(|joined| bodies.find(joined).ok());
+        let touched_bodies = || touching.touched_by(member_id.slot).filter_map(|slot| bodies.index_in(slot));
+        let is_kinematic = |i: &usize| bodies.info(*i).kind == BodyKind::Kinematic;
+        // A kinematic body joins nothing, and keeps bodies on it awake while it moves.
+        if touched_bodies().any(|i| is_kinematic(&i) && rest[i] == 0) {
             return false;
         }
-        let by_contacts = by_contacts().filter(|i| !is_moved(i));
-        for i in by_springs.chain(by_contacts).filter(|&i| i < bodies.moving()) {
+        let contact_neighbours = touched_bodies().filter(|i| !is_kinematic(i));
+        for i in spring_neighbours.chain(contact_neighbours).filter(|&i| i < bodies.moving()) {
             match visited.get(i) {
                 Some(&(_, from)) if from == candidate => {}
                 // It was visited in a search that ended: in an island that is at rest all bodies were.
@@ -164,7 +166,7 @@ impl<'a, S: Scalar> Joins<'a, S> {
     }
 }
 
-/// Wakes these bodies and the islands that they are in. Adds those that slept to `woken`, in the order in which they are found.
+/// Wakes these bodies and the islands that they are in. Adds the bodies that slept to `woken`, in the order in which they are found.
 /// [`ContactSet::wake`] is due if there are any.
 pub(crate) fn wake<S: Scalar>(
     bodies: &mut Bodies<S>,

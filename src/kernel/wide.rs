@@ -158,7 +158,7 @@ pub(crate) const fn div_256(high: u128, low: u128, d: u128) -> (u128, u128) {
 }
 
 /// `a·num / den`, rounded down. *Domain* num <= den, so that it fits.
-pub(crate) const fn mul_ratio(a: u128, (num, den): (u32, u32)) -> u128 {
+pub(crate) const fn mul_ratio(a: u128, num: u32, den: u32) -> u128 {
     let d = den as u64;
     let (mut quotient, mut rest, mut place) = (0, 0, 128);
     // By 32 bits at a time, for which there is an instruction: rest < d < 2^32.
@@ -188,7 +188,7 @@ mod tests {
         fn a_ratio_of_a_number_is_rounded_down(a: u128, cut in 0u32..128, num: u32, den in 1u32.., few in 0u32..32) {
             let (a, num, den) = (a >> cut, (num >> few).min(den), den);
             let exact = UBig::from(a) * UBig::from(num) / UBig::from(den);
-            prop_assert_eq!(UBig::from(mul_ratio(a, (num, den))), exact);
+            prop_assert_eq!(UBig::from(mul_ratio(a, num, den)), exact);
         }
 
         #[test]

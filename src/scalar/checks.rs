@@ -61,9 +61,9 @@ fn number(bits: u32) -> impl Strategy<Value = i128> {
 }
 
 /// Components in ulps of an offset: any two, and the sides of triangles whose third is a whole number.
-fn components() -> impl Strategy<Value = (i128, i128)> {
+fn components() -> impl Strategy<Value = Vec2<i128>> {
     let whole = (number(60), any::<bool>()).prop_map(|(k, swap)| if swap { (4 * k, 3 * k) } else { (3 * k, -4 * k) });
-    prop_oneof![3 => (number(64), number(64)), 1 => whole]
+    prop_oneof![3 => (number(64), number(64)), 1 => whole].prop_map(Vec2::from)
 }
 
 /// ±num / den to nearest, ties to even; `None` if it leaves i128.
@@ -79,11 +79,12 @@ fn size(value: i128) -> UBig {
 }
 
 /// The tension as it is defined: each quotient and product of integers rounded once.
-fn tension((x, y): (i128, i128), velocity: (i128, i128), spring: &SpringConstants<Fx>) -> Option<(i128, i128)> {
+fn tension(ulps: Vec2<i128>, velocity: Vec2<i128>, spring: &SpringConstants<Fx>) -> Option<Vec2<i128>> {
+    let Vec2 { x, y } = ulps;
     let square = |c: i128| c.unsigned_abs().pow(2);
     let sum = square(x) + square(y);
     if sum == 0 {
-        return Some((0, 0));
+        return Some(Vec2::default());
     }
     let up = sum.leading_zeros() as usize / 2;
     let fine = UBig::from(root_fine(sum << (2 * up)));
@@ -94,19 +95,20 @@ fn tension((x, y): (i128, i128), velocity: (i128, i128), spring: &SpringConstant
     let length = quotient(fine.clone(), &(UBig::ONE << up), false)?;
     let mut tension = times(length - (i128::from(spring.rest.to_bits()) << 32), spring.stiffness)?;
     if spring.damping != Fx::ZERO {
-        let rate = part(velocity.0, x, 16)?.checked_add(part(velocity.1, y, 16)?)?;
+        let rate = part(velocity.x, x, 16)?.checked_add(part(velocity.y, y, 16)?)?;
         tension = tension.checked_add(times(quotient(size(rate), &(UBig::ONE << 16), rate < 0)?, spring.damping)?)?;
     }
-    Some((part(tension, x, 0)?, part(tension, y, 0)?))
+    Some(Vec2::new(part(tension, x, 0)?, part(tension, y, 0)?))
 }
 
 /// The attraction as it is defined: mu / d³ rounded down to 95 bits or more, times each component rounded once.
-fn attraction(mu: FxFactor, (x, y): (i128, i128), softening: Fx) -> Option<(i128, i128)> {
+fn attraction(mu: FxFactor, ulps: Vec2<i128>, softening: Fx) -> Option<Vec2<i128>> {
+    let Vec2 { x, y } = ulps;
     let square = |c: i128| c.unsigned_abs().pow(2);
     let sum = square(x) + square(y) + square(softening.to_bits().into());
     let (mantissa, shift) = mu.parts();
     if (x, y) == (0, 0) || mantissa == 0 {
-        return Some((0, 0));
+        return Some(Vec2::default());
     }
     let even = sum.leading_zeros() & !1;
     let root = root_fine(sum << even).min((1 << 96) - 1);
@@ -117,16 +119,16 @@ fn attraction(mu: FxFactor, (x, y): (i128, i128), softening: Fx) -> Option<(i128
         let (left, right) = (shift.min(0).unsigned_abs() as usize, shift.max(0) as usize);
         quotient((&share * size(c)) << left, &(UBig::ONE << right), c < 0)
     };
-    Some((part(x)?, part(y)?))
+    Some(Vec2::new(part(x)?, part(y)?))
 }
 
 /// An offset of this number of ulps.
-fn offset((x, y): (i128, i128)) -> Offset<Fx> {
-    Vec2::new(FxWide::from_bits(x << 32), FxWide::from_bits(y << 32))
+fn offset(ulps: Vec2<i128>) -> Offset<Fx> {
+    ulps.map(|part| FxWide::from_bits(part << 32))
 }
 
-fn bits(vector: Option<Offset<Fx>>) -> Option<(i128, i128)> {
-    vector.map(|v| (v.x.to_bits(), v.y.to_bits()))
+fn bits(vector: Option<Offset<Fx>>) -> Option<Vec2<i128>> {
+    vector.map(|v| v.map(FxWide::to_bits))
 }
 
 proptest! {
@@ -134,7 +136,7 @@ proptest! {
 
     #[test]
     fn a_tension_has_the_bits_of_its_definition(
-        ulps in components(), v in (number(128), number(128)), wide: bool,
+        ulps in components(), v in (number(128), number(128)).prop_map(Vec2::from), wide: bool,
         (rest, stiffness, damping) in (0i64.., 0i64.., 0i64..), cut in (0u32..63, 0u32..63, 0u32..64),
     ) {
         let spring = SpringConstants {
@@ -143,8 +145,8 @@ proptest! {
             damping: Fx::from_bits(damping >> cut.2),
         };
         // Velocities of bodies, or any that fit.
-        let v = if wide { v } else { (v.0 >> 30, v.1 >> 30) };
-        let velocity = Vec2::new(FxWide::from_bits(v.0), FxWide::from_bits(v.1));
+        let v = if wide { v } else { v.map(|part| part >> 30) };
+        let velocity = v.map(FxWide::from_bits);
         prop_assert_eq!(bits(Fx::tension(offset(ulps), velocity, &spring)), tension(ulps, v, &spring));
     }
 
@@ -154,7 +156,7 @@ proptest! {
     ) {
         let softening = Fx::from_bits(softening >> cut);
         // From what is next to nothing at this distance to what does not fit.
-        let size = 128 - (ulps.0.unsigned_abs() | ulps.1.unsigned_abs()).leading_zeros() as i32;
+        let size = 128 - (ulps.x.unsigned_abs() | ulps.y.unsigned_abs()).leading_zeros() as i32;
         let mu = FxFactor::new(m.into(), 64 - 2 * (size - 32) + near);
         prop_assert_eq!(bits(Fx::attraction(mu, offset(ulps), softening)), attraction(mu, ulps, softening));
     }
@@ -231,7 +233,7 @@ proptest! {
             }
         }
         let square = real(num, 0) * real(num, 0) / (real(den, 0) * real(den, 0)) / real(2, 0);
-        prop_assert!(error_log2(Fx::half_square_seconds((num, den)), &square) <= -64.0);
+        prop_assert!(error_log2(Fx::half_square_seconds(num, den), &square) <= -64.0);
     }
 
     #[test]
@@ -288,7 +290,7 @@ proptest! {
     ) {
         let (x, y) = (x >> cut, y >> cut);
         prop_assume!((x, y) != (0, 0));
-        let offset = offset((x.into(), y.into()));
+        let offset = offset(Vec2::new(x.into(), y.into()));
         let (rest, stiffness) = (Fx::from_bits(rest), Fx::from_bits(stiffness));
         let spring = SpringConstants { rest, stiffness, damping: Fx::ZERO };
         let none = Offset::<Fx>::default();
@@ -386,7 +388,7 @@ fn attraction_is_defined_where_the_root_rounds_up_to_the_next_power_of_two() {
         (1_064_345_167_551_132_376, 443_167_417_682_604_259),
         (2_274_117_029_588_772_901, 381_187_249_096_818_150),
     ] {
-        let offset = offset((x.into(), y.into()));
+        let offset = offset(Vec2::new(x.into(), y.into()));
         let mu = FxFactor::new(1, -60);
         let found = Fx::attraction(mu, offset, Fx::ZERO).expect("it fits");
         let (x, y) = (real(x, -32), real(y, -32));

@@ -174,8 +174,9 @@ macro_rules! float_scalar {
             fn direction(self) -> ($float, $float) {
                 (libm::$sin(self), libm::$cos(self))
             }
-            fn turn((sin, cos): ($float, $float), Vec2 { x, y }: Vec2<$float>) -> Option<Vec2<$float>> {
-                let (x, y) = (x * cos - y * sin, x * sin + y * cos);
+            fn turn(direction: ($float, $float), v: Vec2<$float>) -> Option<Vec2<$float>> {
+                let (sin, cos) = direction;
+                let (x, y) = (v.x * cos - v.y * sin, v.x * sin + v.y * cos);
                 (x.is_finite() && y.is_finite()).then_some(Vec2::new(x, y))
             }
             fn to_bits(self) -> u64 {
@@ -249,7 +250,7 @@ macro_rules! float_scalar {
                 let (num, den) = span.ratio;
                 weight * (num as $float) / (den as $float) * if span.half { 0.5 } else { 1.0 }
             }
-            fn half_square_seconds((num, den): (u32, u32)) -> Self {
+            fn half_square_seconds(num: u32, den: u32) -> Self {
                 let seconds = num as $float / den as $float;
                 0.5 * seconds * seconds
             }

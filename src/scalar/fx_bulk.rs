@@ -43,7 +43,7 @@ fn scaled(v: FxAccumulator, mantissa: u64) -> FxAccumulator {
     let rounded = add_word(floor, u64::from(rest > TIE - (floor.0 & 1)));
     // Within an ulp of zero its public value may be zero.
     if rounded.1.wrapping_add(1) <= 1 {
-        return settled(rounded);
+        return settled(rounded.0, rounded.1);
     }
     FxAccumulator { high: rounded.1 as i64, low: rounded.0 }
 }
@@ -60,13 +60,13 @@ fn scaled_down(v: FxAccumulator, mantissa: u64, cut: u32) -> FxAccumulator {
     let below = below as u64 | u64::from(rest & ((1 << cut) - 1) != 0);
     let rounded = add_word((kept as u64, (kept >> 64) as u64), u64::from(below > TIE - (kept as u64 & 1)));
     if rounded.1.wrapping_add(1) <= 1 {
-        return settled(rounded);
+        return settled(rounded.0, rounded.1);
     }
     FxAccumulator { high: rounded.1 as i64, low: rounded.0 }
 }
 
 #[cold]
-fn settled((low, high): Words) -> FxAccumulator {
+fn settled(low: u64, high: u64) -> FxAccumulator {
     let v = FxAccumulator { high: high as i64, low };
     if v.value() == Fx::ZERO { FxAccumulator::default() } else { v }
 }

@@ -60,8 +60,8 @@ pub trait Motion<S: Scalar>: Sized {
 
     /// The magnitude of a span, in seconds.
     fn seconds(span: Span) -> S::Factor;
-    /// ½·dt² of the whole step, in s².
-    fn half_square_seconds(ratio: (u32, u32)) -> S::Factor;
+    /// ½·dt² of a whole step of num/den s, in s².
+    fn half_square_seconds(num: u32, den: u32) -> S::Factor;
     /// The rate of a velocity of which the share `kept` is left after a second. [`decay_over`](Self::decay_over) takes it, so that the
     /// logarithm is computed once for all spans. *Domain* 0 ≤ kept ≤ 1.
     fn decay_rate(kept: S) -> Self::DecayRate;
@@ -118,7 +118,7 @@ impl Motion<Fx> for Fx {
         span_factor(span.weight.magnitude(), 126, span)
     }
 
-    fn half_square_seconds((num, den): (u32, u32)) -> FxFactor {
+    fn half_square_seconds(num: u32, den: u32) -> FxFactor {
         let square = |n: u32| u64::from(n) * u64::from(n);
         FxFactor::from_ratio(square(num), square(den)).times(FxFactor::new(1, 1))
     }
@@ -138,7 +138,7 @@ impl Motion<Fx> for Fx {
         let (high, low) = mul_128(rate, span.weight.magnitude());
         let Some(whole) = shr_round_256(high, low, 126) else { return FxFactor::ZERO };
         // num <= den, so it is at most `whole`.
-        let exponent = mul_ratio(whole, span.ratio);
+        let exponent = mul_ratio(whole, span.ratio.0, span.ratio.1);
         power_of_two(if span.half { exponent >> 1 } else { exponent }, !span.is_negative())
     }
 

@@ -184,9 +184,9 @@ impl Angle<Fx> for Turn {
         trig::sin_cos_turn(self.0)
     }
 
-    fn turn((sin, cos): (i64, i64), v: Vec2) -> Option<Vec2<FxWide>> {
+    fn turn(direction: (i64, i64), v: Vec2) -> Option<Vec2<FxWide>> {
         let (x, y) = (i128::from(v.x.to_bits()), i128::from(v.y.to_bits()));
-        let (sin, cos) = (i128::from(sin), i128::from(cos));
+        let (sin, cos) = (i128::from(direction.0), i128::from(direction.1));
         // Each product is at most 2^63 · 2^62, their sum 2^126; from units of 2^-94 to units of 2^-64.
         let component = |sum: i128| {
             let bits = shr_round(sum, 30);

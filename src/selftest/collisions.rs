@@ -324,7 +324,7 @@ pub(super) fn changing_colliders(trial: &mut Trial) -> Played {
     let mut added = Vec::new();
     for tick in 0..240u32 {
         for world in [&mut world, &mut twin] {
-            added.extend(change(world, (&ids, lift), tick)?);
+            added.extend(change(world, &ids, lift, tick)?);
         }
         trial.step(&mut world);
         twin.step();
@@ -344,7 +344,7 @@ pub(super) fn changing_colliders(trial: &mut Trial) -> Played {
 }
 
 /// The changes of a tick.
-fn change(world: &mut World, (ids, lift): (&[BodyId], BodyId), tick: u32) -> Result<Option<BodyId>, Error> {
+fn change(world: &mut World, ids: &[BodyId], lift: BodyId, tick: u32) -> Result<Option<BodyId>, Error> {
     let up = if tick % 60 < 30 { fx!(0.03125) } else { fx!(-0.03125) };
     let position = world.body(lift)?.position() + vec2(0, up);
     world.move_to(lift, position, Fx::ZERO)?;

@@ -12,7 +12,7 @@
 //! fixed body, and else where their free flight does ([`Path`]).
 //!
 //! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs: the
-//! momentum of what is not fixed changes by the rounding of velocities alone.
+//! momentum of bodies that are not fixed changes by the rounding of velocities alone.
 
 use alloc::vec::Vec;
 
@@ -92,14 +92,14 @@ pub(super) fn on_bodies(
     let bits = -64 + 30 - exponent;
     let ([p1, p2, t], [[ka1, kb1], [ka2, kb2], [kat, kbt]]) =
         (rows, [group.arms[0][lane], group.arms[1][lane], group.arms[2][lane]]);
-    let [of_a, of_b] = [bits - lengths[0], bits - lengths[1]];
-    let most = p1.unsigned_abs() | p2.unsigned_abs() | t.unsigned_abs();
+    let [bits_a, bits_b] = [bits - lengths[0], bits - lengths[1]];
+    let magnitude = p1.unsigned_abs() | p2.unsigned_abs() | t.unsigned_abs();
     // Sums of three products below 2^30 · 2^31, within 62.6 bits, that are raised by less than 2^47.
-    if most >> 31 == 0 && bits.min(of_a).min(of_b) > -47 {
+    if magnitude >> 31 == 0 && bits.min(bits_a).min(bits_b) > -47 {
         let (nx, ny) = (i64::from(group.normal[lane][0]), i64::from(group.normal[lane][1]));
         let (x, y) = (raised(nx * (p1 + p2) + ny * t, bits), raised(ny * (p1 + p2) - nx * t, bits));
-        let turn_a = raised(i64::from(ka1) * p1 + i64::from(ka2) * p2 + i64::from(kat) * t, of_a);
-        let turn_b = raised(i64::from(kb1) * p1 + i64::from(kb2) * p2 + i64::from(kbt) * t, of_b);
+        let turn_a = raised(i64::from(ka1) * p1 + i64::from(ka2) * p2 + i64::from(kat) * t, bits_a);
+        let turn_b = raised(i64::from(kb1) * p1 + i64::from(kb2) * p2 + i64::from(kbt) * t, bits_b);
         return [[-x, -y, -turn_a], [x, y, turn_b]];
     }
     on_bodies_far(group, lane, bits, rows, lengths)
@@ -167,16 +167,16 @@ impl Solver {
         for place in &self.places {
             let contact = &mut contacts[place.contact as usize];
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-            let of = |sums: &[[i64; GROUP]; 3]| [sums[0][lane], sums[1][lane], sums[2][lane]];
-            contact.impulses = Impulses { values: of(&group.impulses), exponent: place.exponent };
+            let lane_of = |values: &[[i64; GROUP]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
+            contact.impulses = Impulses { values: lane_of(&group.impulses), exponent: place.exponent };
             let [a, b] = [contact.bodies[0] as usize, contact.bodies[1] as usize];
             let lengths = [self.bodies[a].length, self.bodies[b].length];
-            let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.applied), lengths);
-            self.totals[a].add(false, of_a);
-            self.totals[b].add(false, of_b);
-            let [of_a, of_b] = on_bodies(group, lane, place.exponent, of(&group.weighted), lengths);
-            self.totals[a].add(true, of_a);
-            self.totals[b].add(true, of_b);
+            let [applied_a, applied_b] = on_bodies(group, lane, place.exponent, lane_of(&group.applied), lengths);
+            self.totals[a].add(false, applied_a);
+            self.totals[b].add(false, applied_b);
+            let [weighted_a, weighted_b] = on_bodies(group, lane, place.exponent, lane_of(&group.weighted), lengths);
+            self.totals[a].add(true, weighted_a);
+            self.totals[b].add(true, weighted_b);
         }
         for strike in &self.impacts.strikes {
             let place = &self.places[strike.place as usize];
@@ -208,7 +208,7 @@ impl Solver {
         })
     }
 
-    /// The impacts in the step of these contacts, which are those that were solved.
+    /// The impacts in the step of these contacts, which are the contacts that were solved.
     pub(crate) fn impacts_of<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
         self.impacts.strikes.iter().filter_map(|strike| {
             let place = &self.places[strike.place as usize];
@@ -234,11 +234,11 @@ impl Solver {
             joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
-            for (weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
+            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
                 let [x, y] = [x, y].map(|value| shifted_within(value, bits));
                 for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
                     let turn = shifted_within(turn, bits - flights[body as usize].length());
-                    self.totals[body as usize].add(weighted, [x, y, turn].map(|value| sign * value));
+                    self.totals[body as usize].add(is_weighted, [x, y, turn].map(|value| sign * value));
                 }
             }
         }
@@ -250,7 +250,8 @@ impl Flight {
     #[inline(always)]
     fn correction(&self, total: &Total, path: Path, clock: &Clock) -> Correction {
         let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
-        let (mass, inertia) = (self.inverse_mass, self.inverse_inertia);
+        let mass = self.inverse_mass;
+        let inertia = self.inverse_inertia;
         let moved = |factor: FxFactor| factor.times(clock.substep);
         let moved_x = moved(mass.x);
         let moved_y = if mass.y == mass.x { moved_x } else { moved(mass.y) };
@@ -276,11 +277,12 @@ impl Flight {
     #[inline(always)]
     pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
         let Self { start, end, displacement, .. } = self;
-        let of = |start: Fx, end: Fx, way: Fx| clock.euler(start.to_bits(), end.to_bits()) - i128::from(way.to_bits());
+        let offset =
+            |start: Fx, end: Fx, flown: Fx| clock.euler(start.to_bits(), end.to_bits()) - i128::from(flown.to_bits());
         [
-            of(start.linear.x, end.linear.x, displacement.x),
-            of(start.linear.y, end.linear.y, displacement.y),
-            of(start.angular, end.angular, self.rotation),
+            offset(start.linear.x, end.linear.x, displacement.x),
+            offset(start.linear.y, end.linear.y, displacement.y),
+            offset(start.angular, end.angular, self.rotation),
         ]
     }
 
@@ -288,10 +290,11 @@ impl Flight {
     #[inline(always)]
     fn cancelled(&self, change: [FxAccumulator; 3], clock: &Clock) -> [FxAccumulator; 3] {
         let flown = |start: Fx, end: Fx| i128::from(end.to_bits()) - i128::from(start.to_bits());
-        let (Self { start, end, .. }, [ox, oy, turn]) = (self, self.offsets(clock));
+        let Self { start, end, .. } = self;
+        let [ox, oy, turn] = self.offsets(clock);
         let [vx, vy, spin] = change.map(FxAccumulator::value);
-        let flown_by = [flown(start.linear.x, end.linear.x), flown(start.linear.y, end.linear.y)];
-        let [x, y] = cancelled([vx, vy], flown_by, [ox, oy]);
+        let flown_linear = [flown(start.linear.x, end.linear.x), flown(start.linear.y, end.linear.y)];
+        let [x, y] = cancelled([vx, vy], flown_linear, [ox, oy]);
         let [turn] = cancelled([spin], [flown(start.angular, end.angular)], [turn]);
         [x, y, turn]
     }
@@ -308,7 +311,8 @@ fn cancelled<const N: usize>(change: [Fx; N], flown: [i128; N], offset: [i128; N
     // In 2^-32 m/s. Changes of 2^20 m/s and more count as that: the quotient below is less then.
     let bits = change.map(|v| v.to_bits().clamp(-(1 << 52), 1 << 52));
     // |v|² below 2^106, v·w below 2^118: v1 − v0 is below 2^65.
-    let (square, against) = (dot(bits.map(i128::from), bits), -dot(flown, bits));
+    let square = dot(bits.map(i128::from), bits);
+    let against = -dot(flown, bits);
     if against <= 0 {
         return [FxAccumulator::default(); N];
     }

@@ -1,12 +1,12 @@
 //! Rows and factors of the contacts of a group, computed side by side.
 //!
-//! Numbers of contacts and bodies are loaded one lane after the other; what follows from them is computed in [`Lanes`]. Lanes without a
-//! contact hold zeros: all that follows from them is zero.
+//! Values of contacts and bodies are loaded one lane after the other; rows and factors are computed from them in [`Lanes`]. Lanes without
+//! a contact hold zeros, and so do all results of them.
 //!
 //! # Ranges
-//! Inverse masses are at most 2^31, normals and arms within ±2^30. So what [`product`] makes of a mass is within ±2^31, as is its
-//! product with a normal or an arm once more, and a sum of two exact products is below 2^62.1. Elements of the matrix of both bodies
-//! are below 2^34, and with shares, each below 2^22, below 2^57.
+//! Inverse masses are at most 2^31, normals and arms within ±2^30. So the [`product`] of a mass and a normal or an arm is within ±2^31, as
+//! is its product with a second one, and a sum of two exact products is below 2^62.1. Elements of the matrix of both bodies are below
+//! 2^34, and with shares, each below 2^22, below 2^57.
 
 use super::contact::{GAIN, Group};
 use super::matrix::friction;
@@ -26,9 +26,9 @@ pub(super) const ONE: i64 = 1 << 30;
 /// Elements 11, 12 and 22 of the matrix of the normal rows.
 pub(super) type Elements = [Words; 3];
 
-/// The elements of one body by row, as [`Batch`] has them: normal 11, 12 and 22, tangent, coupling with both normal rows. The largest
+/// The part of one body in the elements of the matrices: normal 11, 12 and 22, tangent, coupling with both normal rows. The largest
 /// changes of its velocity and angular velocity by impulses.
-struct OfBody<W> {
+struct BodyElements<W> {
     elements: [W; 6],
     largest: [W; 2],
 }
@@ -80,7 +80,7 @@ impl Batch {
         self.bits[lanes].fill(FACTOR_BITS);
     }
 
-    /// Writes arms, factors and what belongs to them to a group.
+    /// Writes arms, factors, the inverse of friction and the limits of gains to a group.
     #[inline(always)]
     pub(super) fn fill<L: Lanes>(&mut self, lanes: L, group: &mut Group) {
         let is_wide = self.is_wide();
@@ -135,10 +135,10 @@ impl Batch {
     fn arms<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
         let (nx, ny) = lanes.pair(&group.normal, at);
         let tangent = (ny, lanes.minus(lanes.splat(0), nx));
-        let of_a = self.arms_of::<L, UP>(lanes, at, 0, (nx, ny), tangent);
-        let of_b = self.arms_of::<L, UP>(lanes, at, 1, (nx, ny), tangent);
+        let arms_a = self.arms_of::<L, UP>(lanes, at, 0, (nx, ny), tangent);
+        let arms_b = self.arms_of::<L, UP>(lanes, at, 1, (nx, ny), tangent);
         for row in 0..3 {
-            lanes.put_pair(&mut group.arms[row], at, (of_a[row], of_b[row]));
+            lanes.put_pair(&mut group.arms[row], at, (arms_a[row], arms_b[row]));
         }
     }
 
@@ -199,15 +199,15 @@ impl Batch {
         group: &Group,
         at: usize,
         side: usize,
-    ) -> OfBody<L::Wide> {
+    ) -> BodyElements<L::Wide> {
         let (nx, ny) = lanes.pair(&group.normal, at);
         let (mx, my) = (lanes.wide(&self.mass[side][0], at), lanes.wide(&self.mass[side][1], at));
         let inertia = lanes.wide(&self.inertia[side], at);
         let (px, py) = (product::<L, WIDE>(lanes, mx, nx), product::<L, WIDE>(lanes, my, ny));
         let qx = product::<L, WIDE>(lanes, mx, ny);
         let qy = product::<L, WIDE>(lanes, my, lanes.minus(lanes.splat(0), nx));
-        let (k1, k2) = (self.arm(lanes, group, at, (0, side)), self.arm(lanes, group, at, (1, side)));
-        let kt = self.arm(lanes, group, at, (2, side));
+        let (k1, k2) = (self.arm(lanes, group, at, 0, side), self.arm(lanes, group, at, 1, side));
+        let kt = self.arm(lanes, group, at, 2, side);
         let (t1, t2) = (product::<L, WIDE>(lanes, inertia, k1), product::<L, WIDE>(lanes, inertia, k2));
         let tt = product::<L, WIDE>(lanes, inertia, kt);
         let along = lanes.add(product::<L, WIDE>(lanes, px, nx), product::<L, WIDE>(lanes, py, ny));
@@ -223,7 +223,7 @@ impl Batch {
             lanes.store(&mut words[side], at, value);
         }
         let linear = largest(lanes, [px, py, qx, qy]);
-        OfBody {
+        BodyElements {
             elements: [
                 lanes.add(along, product::<L, WIDE>(lanes, t1, k1)),
                 lanes.add(along, lanes.rounded_oddly::<31>(mixed)),
@@ -238,18 +238,18 @@ impl Batch {
 
     /// The arm of a body along a row.
     #[inline(always)]
-    fn arm<L: Lanes>(&self, lanes: L, group: &Group, at: usize, (row, side): (usize, usize)) -> L::Narrow {
-        let (of_a, of_b) = lanes.pair(&group.arms[row], at);
-        if side == 0 { of_a } else { of_b }
+    fn arm<L: Lanes>(&self, lanes: L, group: &Group, at: usize, row: usize, side: usize) -> L::Narrow {
+        let (arm_a, arm_b) = lanes.pair(&group.arms[row], at);
+        if side == 0 { arm_a } else { arm_b }
     }
 
-    /// Returns true if the contact of a lane can move a body along the normal at both points, by a change of velocity that rounding of the
-    /// matrix leaves: less is that of a body that can only turn, at a lever below 10^-4 of its length.
+    /// Returns true if the contact of a lane can move a body along the normal at both points, by a change of velocity above the rounding of
+    /// the matrix. Smaller changes are of a body that can only turn, at a lever below 10^-4 of its length.
     pub(super) fn moves(&self, lane: usize) -> bool {
         self.whole[0][lane].min(self.whole[2][lane]) >= 16
     }
 
-    /// Limits the velocity at which an overlap is pushed out so that neither a body nor its rim becomes faster than that: a body with locks
+    /// Limits the velocity at which an overlap is pushed out so that neither a body nor its rim becomes faster than the push: a body with locks
     /// that is pushed across the way that they leave it, or at a small lever, would be thrown.
     ///
     /// # Ranges
@@ -294,8 +294,8 @@ impl Batch {
         }
         let determinant = (k11 * k22 - k12 * k12).max(0);
         let speed = |[first, second]: [[i64; 3]; 2]| {
-            let sum = |part: usize| i128::from(first[part]) * impulses[0] + i128::from(second[part]) * impulses[1];
-            (0..3).map(|part| sum(part).abs()).max().unwrap_or(0)
+            let sums = (0..3).map(|k| i128::from(first[k]) * impulses[0] + i128::from(second[k]) * impulses[1]);
+            sums.map(i128::abs).max().unwrap_or(0)
         };
         let fastest = speed(changes[0]).max(speed(changes[1]));
         if fastest > determinant {
@@ -312,8 +312,8 @@ impl Batch {
         let smallest = if tangent > 0 { normal.min(tangent) } else { normal };
         let bits = |value: i64| i64::from(bits_in(value));
         // All contacts of a phase together change the velocity of a body by no more than one of them alone may: factors of
-        // velocities are at most a quarter, those of angular velocities at most 2^16. The coupling is at most a quarter too: friction that
-        // saw less of the change by the normal impulses would turn a body against a small lever, and give it energy.
+        // velocities are at most a quarter, factors of angular velocities at most 2^16. The coupling is at most a quarter too: friction
+        // that saw less of the change by the normal impulses would turn a body against a small lever, and give it energy.
         let (widest, turning) = (bits(self.widest[0][lane]), bits(self.widest[1][lane]));
         let coupling = bits(self.coupling[0][lane].abs().max(self.coupling[1][lane].abs()));
         let bits = widest.max(bits(smallest)).max(turning - 18).max(coupling);
@@ -342,14 +342,15 @@ impl Batch {
             let (a, b) = (turning.words::<UP>(lanes, a, at), turning.words::<UP>(lanes, b, at));
             lanes.put_pair(&mut group.angular[row], at, (lanes.minus(lanes.splat(0), a), b));
         }
-        let (one, two) = (lanes.wide(&self.coupling[0], at), lanes.wide(&self.coupling[1], at));
-        lanes.put_pair(&mut group.coupling, at, (shift.quarter::<UP>(lanes, one), shift.quarter::<UP>(lanes, two)));
+        let (first, second) = (lanes.wide(&self.coupling[0], at), lanes.wide(&self.coupling[1], at));
+        let coupling = (shift.quarter::<UP>(lanes, first), shift.quarter::<UP>(lanes, second));
+        lanes.put_pair(&mut group.coupling, at, coupling);
     }
 
     /// Writes the largest gains of bodies by one contact.
     #[inline(always)]
     fn limits(&self, group: &mut Group) {
-        /// By share, as divisions take their time.
+        /// The limits by share, as divisions are slow.
         const FEW: [i64; 16] = {
             let mut limits = [0; 16];
             let mut share = 1;

@@ -16,10 +16,11 @@ pub(super) const SEPARATION: i64 = 759_250_124;
 pub(super) const IMPULSE: i64 = 1 << 44;
 /// The largest gain of a body by all contacts of a phase: 2^31 units. Velocities change by less than 2^28 of them.
 pub(super) const GAIN: i64 = 1 << 61;
-/// The largest velocity of a surface, which is that of bodies.
+/// The largest velocity of a surface: as large as a velocity of a body.
 const SURFACE: i64 = 1 << 27;
 /// Factors of masses have this many bits relative to the largest of a contact.
 const MASS_BITS: i32 = 31;
+
 /// Contacts side by side, one in each lane. Pairs are of two quantities of the same contact.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
@@ -33,7 +34,7 @@ pub(crate) struct Group {
     pub(super) arms: [Pairs; 3],
     /// Separations of both points at the start.
     pub(super) separation: Pairs,
-    /// Separations where the bodies are: those that the last relax pass found, at the start those at the start.
+    /// Separations where the bodies are now, from the last relax pass; before the first one the separations at the start.
     pub(super) separation_now: Pairs,
     /// Changes of velocity (x, y) by an impulse along the normal and along the tangent, in 2^-[`GAIN_BITS`]: the first body is
     /// pushed the other way.
@@ -110,7 +111,7 @@ impl Group {
 
 /// A body as contacts and joints see it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct BodyOf {
+pub(super) struct SolverBody {
     pub(super) row: u32,
     /// log2 of the length in metres by which arms are divided and angular velocities multiplied.
     pub(super) length: i32,
@@ -130,9 +131,10 @@ pub(super) struct BodyOf {
     own_masses: [i64; 3],
 }
 
-impl BodyOf {
+impl SolverBody {
     pub(super) fn new(flight: &Flight, exponent: i32, row: u32) -> Self {
-        let (length, inverse_mass) = (flight.length(), [flight.inverse_mass.x, flight.inverse_mass.y]);
+        let length = flight.length();
+        let inverse_mass = [flight.inverse_mass.x, flight.inverse_mass.y];
         let inverse_inertia = flight.inverse_inertia;
         Self {
             row,
@@ -159,15 +161,15 @@ impl BodyOf {
 }
 
 /// The exponent above all inverse masses, and inverse inertias times the square of the length; `None` if all are zero.
-pub(super) fn largest_exponent([a, b]: [&BodyOf; 2]) -> Option<i32> {
+pub(super) fn largest_exponent([a, b]: [&SolverBody; 2]) -> Option<i32> {
     Some(a.exponent.max(b.exponent)).filter(|&exponent| exponent > i32::MIN / 4)
 }
 
 /// A contact with its bodies.
 #[derive(Clone, Copy)]
-pub(super) struct ContactOf<'a> {
+pub(super) struct ContactInput<'a> {
     pub(super) contact: &'a Contact,
-    pub(super) bodies: [&'a BodyOf; 2],
+    pub(super) bodies: [&'a SolverBody; 2],
     pub(super) rows: [u32; 2],
     /// The number of contacts of the phase, by body: each moves its share.
     pub(super) shares: [u32; 2],
@@ -181,7 +183,7 @@ fn mass(factor: FxFactor, bits: i32) -> i64 {
     if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1) as i64 }
 }
 
-/// [`BodyOf::masses`]
+/// [`SolverBody::masses`]
 fn masses([x, y]: [FxFactor; 2], inertia: FxFactor, exponent: i32, length: i32) -> [i64; 3] {
     // Factors that are zero have no exponent.
     let unit = MASS_BITS - exponent.max(i32::MIN / 4);
@@ -191,20 +193,20 @@ fn masses([x, y]: [FxFactor; 2], inertia: FxFactor, exponent: i32, length: i32) 
 impl Batch {
     /// Writes the masses and arms of a contact into a lane. Returns the exponent of the unit of masses.
     #[inline(always)]
-    pub(super) fn load(&mut self, lane: usize, of: &ContactOf<'_>) -> i32 {
+    pub(super) fn load(&mut self, lane: usize, contact_input: &ContactInput<'_>) -> i32 {
         // One of the bodies can be moved.
-        let exponent = largest_exponent(of.bodies).unwrap_or_default();
-        let last = of.contact.count - 1;
+        let exponent = largest_exponent(contact_input.bodies).unwrap_or_default();
+        let last = contact_input.contact.count - 1;
         for side in 0..2 {
-            let body = of.bodies[side];
+            let body = contact_input.bodies[side];
             let [x, y, inertia] = body.masses(exponent);
             (self.mass[side][0][lane], self.mass[side][1][lane], self.inertia[side][lane]) = (x, y, inertia);
-            self.share[side][lane] = of.shares[side].into();
+            self.share[side][lane] = contact_input.shares[side].into();
             // From 2^-32 m to 2^-30 of the length.
             self.down[side][lane] = (2 + body.length).into();
             // The first and the last point: the same one if there is only one.
             for (end, point) in [0, last].into_iter().enumerate() {
-                let arm = of.contact.points[point].arms[side];
+                let arm = contact_input.contact.points[point].arms[side];
                 (self.ends[side][end][0][lane], self.ends[side][end][1][lane]) = (arm.x.to_bits(), arm.y.to_bits());
             }
         }
@@ -217,8 +219,8 @@ impl Batch {
     pub(super) fn is_wide(&self) -> bool {
         let [[ax, ay], [bx, by]] = &self.mass;
         let [a, b] = &self.inertia;
-        let all = |lane: usize| ax[lane] | ay[lane] | bx[lane] | by[lane] | a[lane] | b[lane];
-        (0..GROUP).fold(0, |bits, lane| bits | all(lane)) >> MASS_BITS != 0
+        let fold_lane = |bits: i64, lane: usize| bits | ax[lane] | ay[lane] | bx[lane] | by[lane] | a[lane] | b[lane];
+        (0..GROUP).fold(0, fold_lane) >> MASS_BITS != 0
     }
 }
 
@@ -242,11 +244,11 @@ impl Group {
         linear.iter().all(|factors| factors[lane] == [0; 2]) && self.angular.iter().all(|row| row[lane][side] == 0)
     }
 
-    /// Writes a contact into a lane, up to what follows from masses. Returns its compliance.
+    /// Writes a contact into a lane, without the values that follow from masses. Returns its compliance.
     #[inline(always)]
-    pub(super) fn load(&mut self, lane: usize, of: &ContactOf<'_>, scale: &Scale<'_>) -> i32 {
-        let contact = of.contact;
-        [self.a[lane], self.b[lane]] = of.rows;
+    pub(super) fn load(&mut self, lane: usize, contact_input: &ContactInput<'_>, scale: &Scale<'_>) -> i32 {
+        let contact = contact_input.contact;
+        [self.a[lane], self.b[lane]] = contact_input.rows;
         self.normal[lane] = contact.normal;
         let [first, last] = contact.points.map(|point| point.separation);
         let Scale { clock, unit, .. } = scale;
@@ -254,7 +256,8 @@ impl Group {
         let last = if contact.count == 1 { first } else { clock.length_within(last, *unit, SEPARATION) };
         self.separation[lane] = [first, last];
         self.separation_now[lane] = self.separation[lane];
-        let soft = if of.bodies[0].is_held || of.bodies[1].is_held { &scale.fixed } else { &scale.moving };
+        let [a, b] = contact_input.bodies;
+        let soft = if a.is_held || b.is_held { &scale.fixed } else { &scale.moving };
         self.push_out[lane] = soft.push_out;
         let mu = shifted_word(contact.friction.to_bits(), 6).clamp(0, i32::MAX.into()) as i32;
         self.friction[lane][1] = mu;
@@ -279,19 +282,20 @@ impl Group {
     /// Writes the impulses that the step begins with, in 2^exponent N·s.
     #[inline(always)]
     pub(super) fn set_impulses(&mut self, lane: usize, contact: &Contact, exponent: i32) {
-        let of = |k: usize| scaled_impulse(&contact.impulses, k, exponent);
-        self.impulses[0][lane] = of(0).max(0);
+        let impulse = |k: usize| scaled_impulse(&contact.impulses, k, exponent);
+        self.impulses[0][lane] = impulse(0).max(0);
         // A second point may be missing.
-        self.impulses[1][lane] = if contact.count == 1 { 0 } else { of(1).max(0) };
+        self.impulses[1][lane] = if contact.count == 1 { 0 } else { impulse(1).max(0) };
         // Friction has either sign.
-        self.impulses[2][lane] = of(2);
+        self.impulses[2][lane] = impulse(2);
     }
 }
 
 /// An impulse that the step begins with, in 2^exponent N·s, within ±[`IMPULSE`].
 #[inline(always)]
-pub(super) fn scaled_impulse(of: &Impulses, k: usize, exponent: i32) -> i64 {
-    let (impulse, down) = (of.values[k], exponent.saturating_sub(of.exponent));
+pub(super) fn scaled_impulse(impulses: &Impulses, k: usize, exponent: i32) -> i64 {
+    let impulse = impulses.values[k];
+    let down = exponent.saturating_sub(impulses.exponent);
     let up = down.saturating_neg();
     let scaled = match up {
         ..=0 => shifted_word(impulse, down),

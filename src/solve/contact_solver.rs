@@ -7,7 +7,7 @@ use super::{Contact, Correction, Flight, Solver, SolverOptions};
 use crate::fx::Fx;
 use crate::math::TimeStep;
 
-/// The impacts of a contact in a step, all together.
+/// The impacts of a contact in a step, added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactImpact {
     /// The number of the contact.
@@ -35,7 +35,7 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_;
 
-    /// The impacts in the step of these contacts, which are those that were solved.
+    /// The impacts in the step of these contacts, which are the contacts that were solved.
     fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a;
 }
 

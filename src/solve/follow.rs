@@ -2,8 +2,8 @@
 //!
 //! Where two bodies of unlike dominance touch, the contact is one of the lower body with a follower of the higher one: a fixed body that
 //! moves as its leader does. To the graph it is a fixed body like any other, so that the leader's island knows nothing of the contact, and
-//! units, shares and phases of the leader do not depend on it. The rows of a follower, one for each unit that it is seen in, are set to
-//! those of its leader after everything that changes these.
+//! units, shares and phases of the leader do not depend on it. The rows of a follower, one for each unit of its contacts, are set to the
+//! row of its leader after every change of it.
 //!
 //! A leader without contacts of its own has no row: its follower goes along its free flight, as a kinematic body does.
 
@@ -13,20 +13,20 @@ use super::motion::Rows;
 use super::number::shifted_word;
 use super::{Flight, STILL, Solver};
 
-/// A row that is set to that of its leader.
+/// A row of a follower, which is set to the row of its leader.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Follower {
     pub(super) row: u32,
     pub(super) leader: u32,
-    /// log2 of its unit over that of its leader: not negative.
+    /// log2 of its unit over the unit of its leader: not negative.
     pub(super) down: i32,
 }
 
-/// Sets the rows of followers to those of their leaders.
+/// Sets the rows of followers to the rows of their leaders.
 pub(super) fn follow(followers: &[Follower], rows: &mut Rows) {
     for &Follower { row, leader, down } in followers {
-        let (velocity, moved) = (rows.velocity(leader), rows.displacement(leader));
-        let [velocity, moved] = [velocity, moved].map(|of| of.map(|value| shifted_word(value.into(), down) as i32));
+        let motion = [rows.velocity(leader), rows.displacement(leader)];
+        let [velocity, moved] = motion.map(|vector| vector.map(|value| shifted_word(value.into(), down) as i32));
         let row = &mut rows.rows[row as usize];
         // The fourth component of a velocity is the angle.
         (row.velocity, row.displacement) = ([velocity[0], velocity[1], velocity[2], moved[2]], moved);
@@ -34,18 +34,18 @@ pub(super) fn follow(followers: &[Follower], rows: &mut Rows) {
 }
 
 impl Solver {
-    /// An island is as fast as the leaders that its bodies touch, whose islands may be those of followers themselves: so its unit is not
-    /// finer than theirs.
+    /// An island is as fast as the leaders whose followers it touches, so that its unit is not finer than theirs. Islands of leaders may
+    /// touch followers themselves: this goes on until no speed changes.
     pub(super) fn add_leader_speeds(&mut self, flights: &[Flight]) {
         let pairs = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader?)));
         let mut has_changed = pairs().next().is_some();
         while has_changed {
             has_changed = false;
             for (follower, leader) in pairs() {
-                let Some(own) = self.graph.island_of(leader) else { continue };
-                let speed = self.fastest[own as usize];
-                for other in self.graph.touched_by(follower) {
-                    if let Some(island) = self.graph.island_of(other) {
+                let Some(leader_island) = self.graph.island_of(leader) else { continue };
+                let speed = self.fastest[leader_island as usize];
+                for neighbour in self.graph.touched_by(follower) {
+                    if let Some(island) = self.graph.island_of(neighbour) {
                         let fastest = &mut self.fastest[island as usize];
                         has_changed |= *fastest < speed;
                         *fastest = (*fastest).max(speed);
@@ -61,12 +61,12 @@ impl Solver {
         let pairs = (0..).zip(flights).filter_map(|(body, flight): (usize, _)| Some((body, flight.leader? as usize)));
         let followers: &mut Vec<Follower> = &mut self.followers;
         for (body, leader) in pairs.filter(|&(_, leader)| self.row_of[leader] != STILL) {
-            let mut at = self.carrier_of[body];
-            while let Some(index) = at {
+            let mut next = self.carrier_of[body];
+            while let Some(index) = next {
                 let carrier = &self.carriers[index as usize];
-                let (row, down) = (carrier.row, carrier.unit - self.unit_of[leader]);
-                followers.push(Follower { row, leader: self.row_of[leader], down });
-                at = carrier.next;
+                let down = carrier.unit - self.unit_of[leader];
+                followers.push(Follower { row: carrier.row, leader: self.row_of[leader], down });
+                next = carrier.next;
             }
         }
     }

@@ -25,13 +25,13 @@ pub(crate) struct Graph {
     level: Vec<u32>,
     /// Island by body; bodies that cannot be moved have none.
     island: Vec<u32>,
-    /// The places in `neighbours` at which those of each body begin.
+    /// The index in `neighbours` of the first neighbour of each body.
     first: Vec<u32>,
     neighbours: Vec<u32>,
     /// Bodies of islands, island by island, and the end of each island's part.
     members: Vec<u32>,
     ends: Vec<u32>,
-    /// The bodies that have a level: from those that cannot be moved on, level by level; then island by island.
+    /// The bodies that have a level: from bodies that cannot be moved on, level by level; then island by island.
     order: Vec<u32>,
 }
 
@@ -87,16 +87,17 @@ impl Graph {
             {
                 continue;
             }
-            let (island, mut next) = (self.ends.len() as u32, self.members.len());
+            let island = self.ends.len() as u32;
+            let mut next = self.members.len();
             self.members.push(seed);
             self.island[seed as usize] = island;
             while let Some(&body) = self.members.get(next) {
                 next += 1;
                 for i in self.neighbours_of(body) {
-                    let other = self.neighbours[i];
-                    if self.island[other as usize] == NONE && !self.is_fixed[other as usize] {
-                        self.island[other as usize] = island;
-                        self.members.push(other);
+                    let neighbour = self.neighbours[i];
+                    if self.island[neighbour as usize] == NONE && !self.is_fixed[neighbour as usize] {
+                        self.island[neighbour as usize] = island;
+                        self.members.push(neighbour);
                     }
                 }
             }
@@ -133,32 +134,32 @@ impl Graph {
         while let Some(&body) = self.order.get(next) {
             next += 1;
             for i in self.neighbours_of(body) {
-                let other = self.neighbours[i];
-                if self.level[other as usize] == NONE {
-                    self.level[other as usize] = self.level[body as usize] + 1;
-                    self.order.push(other);
+                let neighbour = self.neighbours[i];
+                if self.level[neighbour as usize] == NONE {
+                    self.level[neighbour as usize] = self.level[body as usize] + 1;
+                    self.order.push(neighbour);
                 }
             }
         }
     }
 
-    /// Writes for each body the largest mass of those that lie on it: which it, or one that lies on it, touches, each at a higher level
-    /// than the one below.
+    /// Writes for each body the largest mass of the bodies that lie on it: the bodies at a higher level that it touches, and the bodies that
+    /// lie on these.
     pub(crate) fn largest_above<M: Copy + Default + PartialOrd>(&self, mass: impl Fn(u32) -> M, largest: &mut Vec<M>) {
         largest.clear();
         largest.resize(self.level.len(), M::default());
-        // Those above come first. The levels of two bodies that touch differ by one at most.
+        // Bodies above come first. The levels of two bodies that touch differ by one at most.
         for &body in self.order.iter().rev() {
-            let mut most = M::default();
+            let mut largest_mass = M::default();
             for i in self.neighbours_of(body) {
-                let other = self.neighbours[i];
-                if self.level[other as usize] > self.level[body as usize] {
-                    for on_top in [mass(other), largest[other as usize]] {
-                        most = if on_top > most { on_top } else { most };
+                let neighbour = self.neighbours[i];
+                if self.level[neighbour as usize] > self.level[body as usize] {
+                    for mass_above in [mass(neighbour), largest[neighbour as usize]] {
+                        largest_mass = if mass_above > largest_mass { mass_above } else { largest_mass };
                     }
                 }
             }
-            largest[body as usize] = most;
+            largest[body as usize] = largest_mass;
         }
     }
 

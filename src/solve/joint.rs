@@ -2,17 +2,17 @@
 //!
 //! A joint is one or two rows: a *revolute* joint keeps both components of the offset of its points at zero, a *distance* joint keeps the
 //! length of the offset. Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the
-//! axes. Unlike those of contacts, arms turn with the bodies in every sub-step, by the angle since the start of the step: frozen, a rod
+//! axes. Arms turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the step: frozen, a rod
 //! that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
 //!
 //! - *Solve pass*: the rows aim at the velocity that takes a part of the error away ([`SoftRow`]), and at the second-order term of the
 //!   motion: bodies move on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it
 //!   by h·ω²·r/2. *Relax pass*: they aim at zero. With both a pendulum keeps its energy.
 //! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the
-//!   sub-step before ([`Begin`](super::motion::Begin)), those of joints included; so a joint adds the difference between its impulse at
-//!   the arms of now and what it changed in the sub-step before. A body with joints and contacts gets both right, and one without joints
+//!   sub-step before ([`Begin`](super::motion::Begin)), also the changes by joints; so a joint adds the difference between its impulse at
+//!   the present arms and its change in the sub-step before. A body with joints and contacts gets both right, and a body without joints
 //!   pays nothing.
-//! - *Softness* is that of a spring and damper over the rate of sub-steps, [`SolverOptions`](super::SolverOptions): at rest a gap is
+//! - *Softness*: a spring and damper, with the frequency f over the rate of sub-steps, [`SolverOptions`](super::SolverOptions): at rest a gap is
 //!   F·k·h²/(2π·f)² for a force F and the inverse mass k along the row. Where a body has several joints in a phase, each of them moves its
 //!   share, and the passes spread impulses more slowly: half the frequency and four times the damping ratio, or a net swings for ever.
 //! - *Paths*: joints hold points where the bodies really are, so they must know where a body without further impulses ends
@@ -26,9 +26,9 @@
 //!   2^30. The second-order terms are at most 0.1·√2·2^27 a body and 0.1·2^29.5 for the rod, the offsets of free flights along the row at
 //!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
 //! - Elements of an inverse matrix are below 2^32: a sum of two products is below 2^95, times a share of at most 2^30 below 2^125.
-//! - Impulses are within ±2^50 ([`IMPULSE`]). Those of a sub-step are the one of the solve pass at one axis and the change of the relax
-//!   pass at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Times a mass of at most 2^44 that is below 2^127. Weighted sums
-//!   over 16 sub-steps are at most 136 times that: below 2^90.
+//! - Impulses are within ±2^50 ([`IMPULSE`]). A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
+//!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Times a mass of at most 2^44 this is below 2^127. Weighted sums
+//!   over 16 sub-steps are at most 136 times as much: below 2^90.
 //! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
@@ -40,7 +40,7 @@ mod tests;
 mod turn;
 
 use self::turn::Side;
-use super::contact::{BodyOf, largest_exponent};
+use super::contact::{SolverBody, largest_exponent};
 use super::number::{bits_of, clamped, fixed, shifted};
 use super::unit::{Clock, SoftRow, Softness};
 use super::{Flight, Impulses};
@@ -87,19 +87,19 @@ pub struct Joint {
     pub anchors: [Vec2; 2],
     /// The quantity that it keeps.
     pub kind: JointKind,
-    /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then those of this step. Of a
-    /// revolute joint along x and y; of a distance joint along the line from the first anchor to the second.
+    /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then the impulses of this step.
+    /// Of a revolute joint along x and y; of a distance joint along the line from the first anchor to the second.
     pub impulses: Impulses,
 }
 
 impl Joint {
     /// The offset from the first anchor to the second, in 2^-32 m.
     fn offset(&self, flights: &[Flight]) -> [i128; 2] {
-        let of = |side: usize, at: fn(Vec2) -> Fx| {
-            i128::from(at(flights[self.bodies[side] as usize].position).to_bits())
-                + i128::from(at(self.anchors[side]).to_bits())
+        let anchor = |side: usize, axis: fn(Vec2) -> Fx| {
+            i128::from(axis(flights[self.bodies[side] as usize].position).to_bits())
+                + i128::from(axis(self.anchors[side]).to_bits())
         };
-        [of(1, |v| v.x) - of(0, |v| v.x), of(1, |v| v.y) - of(0, |v| v.y)]
+        [anchor(1, |v| v.x) - anchor(0, |v| v.x), anchor(1, |v| v.y) - anchor(0, |v| v.y)]
     }
 
     /// A speed at which its error is taken away, in 2^-32 m/s: at most half of the error in a sub-step.
@@ -131,7 +131,7 @@ pub(super) struct Block {
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
     soft: SoftRow,
-    /// The number of sub-steps, and of those that the bodies have moved in.
+    /// The number of sub-steps, and of moves of the bodies so far.
     substeps: i32,
     moves: i32,
     /// True if a body moves by shares.
@@ -155,7 +155,7 @@ pub(super) struct Block {
     rigid: i64,
     /// Impulses of the sub-step, by row.
     pub(super) impulses: [i64; 2],
-    /// The impulses applied in the sub-step, in 2^-30: along x and y, and those of rotation of both bodies.
+    /// The impulses applied in the sub-step, in 2^-30: along x and y, and the angular ones of both bodies.
     change: [i128; 4],
     /// Sums of the changes of sub-steps.
     pub(super) applied: [i128; 4],
@@ -175,14 +175,15 @@ impl Block {
     fn new(
         index: usize,
         joint: &Joint,
-        (bodies, rows, shares): ([&BodyOf; 2], [u32; 2], [i64; 2]),
+        bodies: [&SolverBody; 2],
+        rows: [u32; 2],
+        shares: [i64; 2],
         unit: i32,
         common: &Common<'_>,
     ) -> Option<Self> {
         let Common { clock, softness, flights } = common;
         let scale = MASS_BITS - largest_exponent(bodies)?;
-        let side = |k: usize| Side::new(bodies[k], (rows[k], shares[k]), joint.anchors[k], (scale, unit), clock);
-        let sides = [side(0), side(1)];
+        let sides = [0, 1].map(|k| Side::new(bodies[k], rows[k], shares[k], joint.anchors[k], scale, unit, clock));
         let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
         if mass_bits == 0 {
             return None;
@@ -200,7 +201,6 @@ impl Block {
             shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
         };
         let [first, second, _] = joint.impulses.values;
-        let one = 1 << 30;
         Some(Self {
             joint: index as u32,
             sides,
@@ -213,7 +213,7 @@ impl Block {
             is_split,
             exponent,
             mass_bits,
-            axes: [[one, 0], [0, one]],
+            axes: [[1 << 30, 0], [0, 1 << 30]],
             crosses: [[0; 2]; 2],
             errors: [0; 2],
             distance: 0,
@@ -230,12 +230,12 @@ impl Block {
 
 impl Side {
     /// A body at a joint, with masses in 2^-`scale`.
-    fn new(body: &BodyOf, (row, share): (u32, i64), anchor: Vec2, (scale, unit): (i32, i32), clock: &Clock) -> Self {
+    fn new(body: &SolverBody, row: u32, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
         let [mx, my] = body.inverse_mass.map(|factor| fixed(factor, scale));
         let angular = fixed(body.inverse_inertia, scale + 2 * body.length);
         // Within the length of the body: ranges rest on it.
-        let most = 1 << (32 + body.length).clamp(0, 62);
-        let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-most, most));
+        let limit = 1 << (32 + body.length).clamp(0, 62);
+        let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
         let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
         let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + body.length), 1 << 30)));
         let scaled = |factor: FxFactor, bits: i32| {
@@ -253,7 +253,7 @@ impl Side {
             turn: scaled(clock.substep_turns, 64),
             angle: scaled(clock.substep, 30),
             shift: [0; 3],
-            made: [0; 3],
+            applied_gain: [0; 3],
         }
     }
 }

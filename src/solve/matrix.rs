@@ -14,14 +14,14 @@ pub(super) struct Matrix {
     pub(super) k22: i64,
 }
 
-/// value · 2^-bits, as large as a factor may be.
+/// value · 2^-bits within the range of a factor.
 #[inline(always)]
 fn factor(value: i64, bits: i32) -> i32 {
-    let most = i64::from(i32::MAX);
+    let limit = i64::from(i32::MAX);
     if bits < 0 && bits_of(value) - bits > 31 {
-        return clamped_word(value.signum() * most, most);
+        return clamped_word(value.signum() * limit, limit);
     }
-    clamped_word(shifted_word(value, bits), most)
+    clamped_word(shifted_word(value, bits), limit)
 }
 
 /// The largest ratio of element 12 to a diagonal one.
@@ -56,8 +56,8 @@ fn reciprocal(determinant: i128) -> (i64, i32) {
     let (high, low) = ((determinant >> 64) as u64, determinant as u64);
     let zeros = if high == 0 { low.leading_zeros() } else { high.leading_zeros() };
     let (top, bits) = if high == 0 { (low << zeros, 31) } else { (high << zeros | low >> 1 >> (63 - zeros), 95) };
-    let (kept, bits) = (top >> 31, bits - zeros as i32);
-    (((1 << 63) / kept) as i64, bits)
+    let kept = top >> 31;
+    (((1 << 63) / kept) as i64, bits - zeros as i32)
 }
 
 impl Inverse {
@@ -84,7 +84,7 @@ pub(super) struct Matrices {
     second: [Words; 4],
     /// Reciprocals of the four determinants, less by one: negative if there is none.
     less: [Words; 4],
-    /// Shifts of the numerators; then those of the inverses.
+    /// Shifts of the numerators; then of the inverses.
     down: [Words; 4],
     /// Elements 11, 22 and 12 of the inverses, in 2^-exponent, and the largest ones.
     elements: [[Words; 3]; 4],
@@ -93,7 +93,7 @@ pub(super) struct Matrices {
 }
 
 impl Matrices {
-    /// Writes the inverse matrices of a group, and what belongs to them.
+    /// Writes the inverse matrices of a group, with their shifts, ratios and compliance.
     #[inline(always)]
     pub(super) fn set<L: Lanes>(&mut self, lanes: L, batch: &mut Batch, group: &mut Group) {
         self.stiffen(batch);
@@ -122,11 +122,12 @@ impl Matrices {
     /// Two points close together make the matrix nearly singular. Its diagonal is raised by 2^-13, so that impulses of the two points stay
     /// bounded instead of cancelling each other with large values of opposite sign.
     ///
-    /// Both rows of a body that can only turn, or only move, are multiples of each other, and all that rounding, by one in each element, leaves of the
-    /// determinant is noise. They are solved one by one, each as that of half of the body.
+    /// Both rows of a body that can only turn, or only move, are multiples of each other: the determinant is nothing but the rounding of
+    /// the elements, by one each. The rows are solved one by one, each for half of the body.
     ///
-    /// A row may move the other one by many times as much as itself: that of a point without a lever on a body that locks let move but little along
-    /// the normal. Its element is raised so that it is by [`RATIO`] times: beside an open point, a row is solved alone by that ratio.
+    /// A row may move the other one by many times as much as itself: so does the row of a point without a lever on a body that locks let
+    /// move but little along the normal. Its element is raised so that it is by [`RATIO`] times: beside an open point, a row is solved alone
+    /// by that ratio.
     #[inline(always)]
     fn stiffen(&mut self, batch: &mut Batch) {
         for lane in 0..GROUP {
@@ -152,14 +153,14 @@ impl Matrices {
         let two = lanes.wide(&batch.two, at);
         let k12 = lanes.if_negative(two, lanes.positive(k12), word(lanes, 0));
         let compliance = lanes.low(lanes.wide(&batch.compliance, at));
-        let one = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
-        let other = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
+        let softness_1 = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
+        let softness_2 = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
         let bits = lanes.sub(lanes.wide(&batch.bits, at), word(lanes, FACTOR_BITS));
         let shift = Shift::<L>::new::<UP>(lanes, bits);
-        let pair = (shift.quarter::<UP>(lanes, one), shift.quarter::<UP>(lanes, other));
+        let pair = (shift.quarter::<UP>(lanes, softness_1), shift.quarter::<UP>(lanes, softness_2));
         lanes.put_pair(&mut group.compliance, at, pair);
         let (rigid_11, rigid_22) = (lanes.wide(&self.first[0], at), lanes.wide(&self.second[0], at));
-        let (soft_11, soft_22) = (lanes.add(rigid_11, one), lanes.add(rigid_22, other));
+        let (soft_11, soft_22) = (lanes.add(rigid_11, softness_1), lanes.add(rigid_22, softness_2));
         lanes.store(&mut self.first[1], at, soft_11);
         // With one point the second row does nothing: it gets the element of the first, so that the determinant is positive.
         let pairs = [(rigid_22, rigid_11), (rigid_22, soft_11), (soft_22, rigid_11), (soft_22, soft_11)];
@@ -201,14 +202,16 @@ impl Matrices {
     /// Finds the inverses.
     #[inline(always)]
     fn invert<L: Lanes>(&mut self, lanes: L, batch: &Batch, at: usize) {
-        let (two, zero) = (lanes.wide(&batch.two, at), word(lanes, 0));
+        let two = lanes.wide(&batch.two, at);
+        let zero = word(lanes, 0);
         let k12 = lanes.if_negative(two, lanes.wide(&batch.split[1], at), zero);
         for set in 0..4 {
             let (k11, k22) = (lanes.wide(&self.first[set & 1], at), lanes.wide(&self.second[set], at));
-            let (less, down) = (lanes.wide(&self.less[set], at), lanes.wide(&self.down[set], at));
-            let of = (less, down);
-            let (e11, e22) = (element(lanes, k22, of), lanes.if_negative(two, element(lanes, k11, of), zero));
-            let e12 = lanes.sub(zero, element(lanes, k12, of));
+            let less = lanes.wide(&self.less[set], at);
+            let down = lanes.wide(&self.down[set], at);
+            let e11 = element(lanes, k22, less, down);
+            let e22 = lanes.if_negative(two, element(lanes, k11, less, down), zero);
+            let e12 = lanes.sub(zero, element(lanes, k12, less, down));
             let largest = larger(lanes, larger(lanes, e11, e22), magnitude(lanes, e12));
             lanes.store(&mut self.largest[set], at, largest);
             for (words, element) in self.elements[set].iter_mut().zip([e11, e22, e12]) {
@@ -256,7 +259,7 @@ impl Matrices {
 
 /// An element of the inverse: an element of the matrix, shifted down, times the reciprocal of the determinant, which is less by one.
 #[inline(always)]
-fn element<L: Lanes>(lanes: L, k: L::Wide, (less, down): (L::Wide, L::Wide)) -> L::Wide {
+fn element<L: Lanes>(lanes: L, k: L::Wide, less: L::Wide, down: L::Wide) -> L::Wide {
     // A numerator below 2^31 times a reciprocal up to 2^31; zero if there is none.
     let k = lanes.if_negative(less, word(lanes, 0), lanes.floored_by(k, down));
     lanes.floored::<31>(lanes.add(lanes.times(lanes.low(k), lanes.low(less)), k))

@@ -9,18 +9,18 @@
 //! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `contact`: contacts side by side, in groups.
-//! - `contact_solver`: what a step asks of a solver; `float`: one in floats.
+//! - `contact_solver`: the interface of a solver; `float`: a solver in floats.
 //! - `batch`: rows and factors of a group.
 //! - `joint`: joints, which are solved before the contacts.
 //! - `pass`: the loops over contacts.
-//! - `cut`: contacts with values that are too large for them.
+//! - `cut`: contacts with values that are too large for these loops.
 //! - `prepare`: units, rows of bodies and groups of contacts.
 //! - `rolling`: rolling resistance, after the friction of a phase.
 //! - `impact`: impacts at their moments, before the passes of a sub-step.
 //! - `apply`: exact impulses, applied once.
 //! - `matrix`: inverse matrices of groups.
 //! - `number`: rounding and shifts of integers.
-//! - `vectors`: the same for lanes.
+//! - `vectors`: rounding and shifts of lanes.
 
 mod apply;
 mod batch;
@@ -49,7 +49,7 @@ use alloc::vec::Vec;
 
 use self::apply::{Apply, Path, Total};
 use self::batch::Batch;
-use self::contact::{BodyOf, Group};
+use self::contact::{Group, SolverBody};
 pub use self::contact_solver::{ContactImpact, ContactSolver};
 #[cfg(feature = "float")]
 pub use self::float::FloatSolver;
@@ -62,7 +62,7 @@ use self::matrix::Matrices;
 use self::motion::{Advance, Begin, FlightRow, Rows};
 use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
-use self::prepare::{Given, Load, SetGroups, graph_start};
+use self::prepare::{Load, SetGroups, StepInput, graph_start};
 use self::rolling::Rolls;
 use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
 use crate::fx;
@@ -147,8 +147,8 @@ pub struct Flight {
 impl Flight {
     /// Returns true for a body that no impulse changes.
     pub(crate) fn is_fixed(&self) -> bool {
-        let zero = |factor: FxFactor| factor.parts().0 == 0;
-        zero(self.inverse_mass.x) && zero(self.inverse_mass.y) && zero(self.inverse_inertia)
+        let is_zero = |factor: FxFactor| factor.parts().0 == 0;
+        is_zero(self.inverse_mass.x) && is_zero(self.inverse_mass.y) && is_zero(self.inverse_inertia)
     }
 
     /// The exponent above its inverse masses, and its inverse inertia times the square of the length.
@@ -165,20 +165,20 @@ impl Flight {
     /// The largest speed of its free flight, in 2^-32 m/s.
     fn speed(&self) -> u128 {
         let Self { start, end, .. } = self;
-        let most = |a: Fx, b: Fx| if a.to_bits().unsigned_abs() < b.to_bits().unsigned_abs() { b } else { a };
-        let linear = most(most(start.linear.x, start.linear.y), most(end.linear.x, end.linear.y));
-        let rim = rim_speed(most(start.angular, end.angular), self.length());
+        let larger = |a: Fx, b: Fx| if a.to_bits().unsigned_abs() < b.to_bits().unsigned_abs() { b } else { a };
+        let linear = larger(larger(start.linear.x, start.linear.y), larger(end.linear.x, end.linear.y));
+        let rim = rim_speed(larger(start.angular, end.angular), self.length());
         u128::from(linear.to_bits().unsigned_abs()).max(rim)
     }
 
     /// The flight in units of 2^unit m/s.
     fn row(&self, unit: i32) -> FlightRow {
         let length = self.length();
-        let of = |velocity: Velocity| {
+        let components = |velocity: Velocity| {
             let [x, y] = [velocity.linear.x, velocity.linear.y].map(|v| shifted_word(v.to_bits(), 32 + unit) as i32);
             [x, y, shifted_word(velocity.angular.to_bits(), 32 + unit - length) as i32, 0]
         };
-        let (start, end) = (of(self.start), of(self.end));
+        let (start, end) = (components(self.start), components(self.end));
         FlightRow { start, change: [0, 1, 2, 3].map(|i| end[i] - start[i]) }
     }
 }
@@ -204,8 +204,8 @@ pub struct Impulses {
 }
 
 impl Impulses {
-    /// The impulses of the same forces over a sub-step of num/den of the length. Rounded to nearest, halves away from zero; an impulse
-    /// beyond 2^62 units becomes that.
+    /// The impulses of the same forces over a sub-step of num/den of the length. Rounded to nearest, halves away from zero, and within
+    /// ±2^62 units.
     pub(crate) fn rescaled(self, num: u64, den: u64) -> Self {
         if num == den {
             return self;
@@ -232,7 +232,7 @@ pub struct Contact {
     pub count: usize,
     /// The points.
     pub points: [Point; 2],
-    /// The coefficient of friction; not negative. More than 32 counts as that.
+    /// The coefficient of friction; not negative. More than 32 counts as 32.
     pub friction: Fx,
     /// The coefficient of restitution, 0 to 1.
     pub restitution: Fx,
@@ -243,7 +243,7 @@ pub struct Contact {
     pub rolling_radius: Fx,
     /// The velocity of the surfaces against each other along the tangent, m/s.
     pub surface_speed: Fx,
-    /// The impulses of the last step, by which the solver starts; then those of this step.
+    /// The impulses of the last step, by which the solver starts; then the impulses of this step.
     pub impulses: Impulses,
 }
 
@@ -277,16 +277,16 @@ struct Place {
     exponent: i32,
 }
 
-/// A row of a fixed body that moves, in one of the units that it is seen in.
+/// A row of a fixed body that moves, in a unit of its contacts and joints.
 #[derive(Clone, Copy, Debug)]
 struct Carrier {
     unit: i32,
     row: u32,
-    /// The next one of the same body.
+    /// The next carrier of the same body.
     next: Option<u32>,
 }
 
-/// The buffers of the solver. It has no state: results do not depend on what it solved before.
+/// The buffers of the solver. It has no state: results do not depend on earlier steps.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
     graph: Graph,
@@ -295,10 +295,10 @@ pub struct Solver {
     row_of: Vec<u32>,
     /// log2 of the unit of velocity by body.
     unit_of: Vec<i32>,
-    bodies: Vec<BodyOf>,
+    bodies: Vec<SolverBody>,
     /// The largest speed by island, in 2^-32 m/s.
     fastest: Vec<u128>,
-    /// By body.
+    /// The load of the initial impulses, by body.
     loads: Vec<Load>,
     groups: Vec<Group>,
     /// The part of `groups` of each phase.
@@ -324,7 +324,7 @@ pub struct Solver {
     /// True if a contact resists rolling.
     has_rolls: bool,
     impacts: Impacts,
-    /// Contacts that push bodies out of what does not give way.
+    /// Contacts that push bodies out of bodies that do not give way.
     pushes: Vec<wedge::Push>,
     /// Impulses by body.
     totals: Vec<Total>,
@@ -375,7 +375,7 @@ impl Solver {
         self.set_joints(joints, &common);
         self.sort_contacts(contacts);
         let scale = Scale::new(&clock, &softness, FINEST);
-        simd::run(SetGroups { solver: self, given: Given { softness: &softness, flights, contacts, scale } });
+        simd::run(SetGroups { solver: self, step_input: StepInput { softness: &softness, flights, contacts, scale } });
         self.limit_wedges();
         self.set_followers(flights);
         self.set_rolls(flights, contacts);
@@ -399,16 +399,16 @@ impl Solver {
         simd::run(Apply { solver: self, clock: &clock, flights, contacts, corrections });
     }
 
-    /// The row of a fixed body that moves: one for each unit that it is seen in.
+    /// The row of a fixed body that moves: it has one for each unit of its contacts and joints.
     fn carrier(&mut self, body: u32, unit: i32, flight: &Flight, softness: &Softness) -> u32 {
         let first = self.carrier_of[body as usize];
-        let mut at = first;
-        while let Some(index) = at {
+        let mut next = first;
+        while let Some(index) = next {
             let carrier = &self.carriers[index as usize];
             if carrier.unit == unit {
                 return carrier.row;
             }
-            at = carrier.next;
+            next = carrier.next;
         }
         let row = self.rows.push(flight.row(unit), softness.impact_speed(unit));
         self.carrier_of[body as usize] = Some(self.carriers.len() as u32);
@@ -450,7 +450,8 @@ impl Job for SubSteps<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> u64 {
         let Self { solver, clock, relax_passes, contacts } = self;
-        let (n, mut cut) = (clock.substeps, 0);
+        let n = clock.substeps;
+        let mut cut = 0;
         for k in 1..=n {
             Begin { rows: &mut solver.rows, k, n }.run(lanes);
             follow(&solver.followers, &mut solver.rows);

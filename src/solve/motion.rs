@@ -3,10 +3,10 @@
 //! The free flight of a step enters by its velocities at both ends, v0 and v1. In sub-step k of n the velocity is
 //! w = v0 + (k/n)(v1 − v0), rounded once, oddly, and a body moves at that velocity and the corrections so far. So contacts see
 //! sub-steps of semi-implicit Euler: a body at rest has the same impulses in each of them, and none of its passes undoes
-//! what another one did. The free flight itself may be of any integrator; [`super::apply`] joins the two.
+//! the change by another one. The free flight itself may be of any integrator; [`super::apply`] joins the two.
 //!
-//! Changes of velocity are summed in 2^-30 units. Velocities are rounded to units, and what rounding leaves stays in the sum: so a velocity
-//! differs from that of the exact impulses by half a unit, however many passes there are. (Without, structures creep.)
+//! Changes of velocity are summed in 2^-30 units. Velocities are rounded to units, and the rest stays in the sum: so a velocity differs by
+//! half a unit from the velocity by the exact impulses, however many passes there are. (Without, structures creep.)
 //!
 //! Velocities saturate at ±[`VELOCITY`], displacements at ±[`DISPLACEMENT`]. Velocities cut off when gains are applied are counted; at the
 //! beginning of a sub-step and for displacements the unit ([`super::unit::unit_for`]) leaves room.
@@ -103,7 +103,7 @@ impl Rows {
         speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
     }
 
-    /// Changes the velocity of a body by impacts, in 2^-30, and takes it back by a way.
+    /// Changes the velocity of a body by impacts, in 2^-30, and moves the body back.
     pub(super) fn strike<L: Lanes>(&mut self, lanes: L, row: u32, change: [i64; 3], back: [i128; 3]) {
         let (velocity, gain) = (self.rows[row as usize].velocity, self.rows[row as usize].gain);
         (0..3).for_each(|i| self.rows[row as usize].gain[i] += change[i]);
@@ -140,7 +140,8 @@ impl Rows {
     /// Applies the gains of bodies. Returns the number of velocities that were cut off.
     #[inline(always)]
     pub(super) fn apply_gains<L: Lanes>(&mut self, lanes: L, bodies: &[u32]) -> u64 {
-        let (lanes, mut cut) = (lanes.quads(), 0);
+        let lanes = lanes.quads();
+        let mut cut = 0;
         for &body in bodies {
             let row = &mut self.rows[body as usize];
             if !lanes.take_gain(row, VELOCITY) {
@@ -202,7 +203,7 @@ impl Job for Begin<'_> {
     }
 }
 
-/// The move of a sub-step, at the velocities that the contacts made.
+/// The move of a sub-step, at the velocities after the solve pass.
 pub(super) struct Advance<'a> {
     pub(super) rows: &'a mut Rows,
 }

@@ -22,26 +22,26 @@
 //!   a pass is within ±2^30, larger ones are cut off and counted, and a step has at most 16·(1 + 65) passes.
 //! - *Gains*: in 2^-30, a factor is at most 2^28 over the share of the body. With changes of both normal impulses and of friction
 //!   a contact gives below 2^59.6 over the share, so that all contacts of a phase together give below 2^59.6. Gains with a
-//!   shift, and those of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share. The rest that a body carries, at
-//!   most 1.5 units = 2^30.6, adds to that.
+//!   shift, and gains of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share. The rest that a body carries, at
+//!   most 1.5 units = 2^30.6, adds to this.
 
 use super::contact::Group;
 use super::cut::{cut_friction, cut_normal, warm_start_one};
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 
-/// The largest bias of a contact that is still open: what is farther apart meets nothing in a sub-step.
+/// The largest bias of a contact that is still open: points farther apart do not meet in a sub-step.
 pub(super) const SPECULATIVE: i32 = 1 << 29;
 
 /// The velocities that a pass aims at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Pass {
-    /// Soft contacts push out what overlaps.
+    /// Soft contacts push overlaps out.
     Solve,
     /// Rigid contacts and friction; overlaps stay as they are.
     Relax,
-    /// Rigid contacts once more, and friction that does not grow: where it pulls a contact tighter than the normal impulse can part it, as
-    /// that of a body with locks may, both would grow with each pass.
+    /// Rigid contacts once more, and friction that does not grow: where friction pulls a contact tighter than the normal impulse can part
+    /// it, as it may at a body with locks, both would grow with each pass.
     RelaxAgain,
     /// The impulses of the step before.
     WarmStart,
@@ -81,12 +81,12 @@ impl Job for PassOver<'_> {
     }
 }
 
-/// The value for what is pressed (none, the first point, the second, both): a point with a positive separation is not.
+/// One of four values, for no point, the first, the second, both points pressed: a point with a positive separation is open.
 #[inline(always)]
-fn choose<L: Lanes>(lanes: L, [one, two]: [L::Narrow; 2], [none, first, second, both]: [L::Narrow; 4]) -> L::Narrow {
-    let two_open = lanes.if_positive(one, none, first);
-    let two_pressed = lanes.if_positive(one, second, both);
-    lanes.if_positive(two, two_open, two_pressed)
+fn choose<L: Lanes>(lanes: L, [s1, s2]: [L::Narrow; 2], values: [L::Narrow; 4]) -> L::Narrow {
+    let second_open = lanes.if_positive(s1, values[0], values[1]);
+    let second_pressed = lanes.if_positive(s1, values[2], values[3]);
+    lanes.if_positive(s2, second_open, second_pressed)
 }
 
 /// Elements 11, 12 and 22 of the inverse matrix.
@@ -102,13 +102,16 @@ fn soft<L: Lanes>(
     velocities: [L::Narrow; 2],
     impulses: [L::Wide; 2],
 ) -> (Elements<L::Narrow>, [L::Narrow; 2]) {
-    let (push_out, (c1, c2)) = (lanes.pair(&group.push_out, at), lanes.pair(&group.compliance, at));
-    let [one, two] = separation;
-    let pressed =
-        [pressed_bias(lanes, one, push_out, c1, impulses[0]), pressed_bias(lanes, two, push_out, c2, impulses[1])];
+    let (rate, deepest) = lanes.pair(&group.push_out, at);
+    let (c1, c2) = lanes.pair(&group.compliance, at);
+    let [s1, s2] = separation;
+    let pressed = [
+        pressed_bias(lanes, s1, rate, deepest, c1, impulses[0]),
+        pressed_bias(lanes, s2, rate, deepest, c2, impulses[1]),
+    ];
     let (both_11, both_22) = lanes.pair(&group.inverse[3], at);
     let (second_12, both_12) = lanes.pair(&group.inverse_12[1], at);
-    if lanes.none_positive(one, two) {
+    if lanes.none_positive(s1, s2) {
         return ([both_11, both_12, both_22], pressed);
     }
     let (none_12, first_12) = lanes.pair(&group.inverse_12[0], at);
@@ -121,8 +124,8 @@ fn soft<L: Lanes>(
         choose(lanes, separation, [none_22, first_22, second_22, both_22]),
     ];
     let (_, impact_speed) = lanes.pair(&group.surface, at);
-    let open = [open_bias(lanes, one, velocities[0], impact_speed), open_bias(lanes, two, velocities[1], impact_speed)];
-    (elements, [lanes.if_positive(one, open[0], pressed[0]), lanes.if_positive(two, open[1], pressed[1])])
+    let open = [open_bias(lanes, s1, velocities[0], impact_speed), open_bias(lanes, s2, velocities[1], impact_speed)];
+    (elements, [lanes.if_positive(s1, open[0], pressed[0]), lanes.if_positive(s2, open[1], pressed[1])])
 }
 
 /// The matrix without softness.
@@ -139,11 +142,11 @@ fn ratios<L: Lanes, const AIM: u8>(lanes: L, group: &Group, at: usize) -> (L::Na
     if AIM != SOLVE {
         return (p12, p21);
     }
-    let (one, two) = lanes.pair(&group.separation_now, at);
-    (lanes.if_positive(one, p12, soft_p12), lanes.if_positive(two, p21, soft_p21))
+    let (s1, s2) = lanes.pair(&group.separation_now, at);
+    (lanes.if_positive(s1, p12, soft_p12), lanes.if_positive(s2, p21, soft_p21))
 }
 
-/// The velocity, or the displacement, along a row: its linear part, and that of the arms (a, b) and angles (a, b).
+/// The velocity, or the displacement, along a row: its linear part, and the angular part by the arms and the turns of both bodies.
 #[inline(always)]
 fn along_row<L: Lanes>(
     lanes: L,
@@ -154,10 +157,10 @@ fn along_row<L: Lanes>(
     lanes.rounded(lanes.sub(lanes.add(linear, lanes.times(arms.1, turns.1)), lanes.times(arms.0, turns.0)))
 }
 
-/// a·x + b·y
+/// The dot product.
 #[inline(always)]
-fn dot<L: Lanes>(lanes: L, (a, b): (L::Narrow, L::Narrow), (x, y): (L::Narrow, L::Narrow)) -> L::Wide {
-    lanes.add(lanes.times(a, x), lanes.times(b, y))
+fn dot<L: Lanes>(lanes: L, a: (L::Narrow, L::Narrow), b: (L::Narrow, L::Narrow)) -> L::Wide {
+    lanes.add(lanes.times(a.0, b.0), lanes.times(a.1, b.1))
 }
 
 /// The velocity that a pressed soft point aims at, to push out, with its compliance.
@@ -165,16 +168,17 @@ fn dot<L: Lanes>(lanes: L, (a, b): (L::Narrow, L::Narrow), (x, y): (L::Narrow, L
 fn pressed_bias<L: Lanes>(
     lanes: L,
     separation: L::Narrow,
-    (rate, push): (L::Narrow, L::Narrow),
+    rate: L::Narrow,
+    deepest: L::Narrow,
     compliance: L::Narrow,
     impulse: L::Wide,
 ) -> L::Narrow {
-    let pushed = lanes.times(rate, lanes.at_least(separation, push));
+    let pushed = lanes.times(rate, lanes.at_least(separation, deepest));
     lanes.rounded(lanes.add(pushed, lanes.times(compliance, lanes.capped(impulse))))
 }
 
-/// The velocity that an open point aims at: to close. One that closes at the speed of an impact aims at nothing: its impact comes at its
-/// moment.
+/// The velocity that an open point aims at: to close. A point that closes at the speed of an impact aims at nothing: its impact comes at
+/// its moment.
 #[inline(always)]
 fn open_bias<L: Lanes>(lanes: L, separation: L::Narrow, velocity: L::Narrow, impact_speed: L::Narrow) -> L::Narrow {
     let limit = lanes.splat(SPECULATIVE);
@@ -190,10 +194,10 @@ fn rigid_bias<L: Lanes>(lanes: L, separation: L::Narrow, velocity: L::Narrow, im
     open_bias(lanes, lanes.at_least(separation, lanes.splat(0)), velocity, impact_speed)
 }
 
-/// The impulse of a point beside one that is open: it solves its row alone.
+/// The impulse of a point beside an open point: it solves its row alone.
 #[inline(always)]
-fn alone<L: Lanes>(lanes: L, x: L::Wide, ratio: L::Narrow, other: L::Wide) -> L::Wide {
-    lanes.positive(lanes.add(x, lanes.floored::<28>(lanes.times(ratio, lanes.low(other)))))
+fn alone<L: Lanes>(lanes: L, x: L::Wide, ratio: L::Narrow, open_x: L::Wide) -> L::Wide {
+    lanes.positive(lanes.add(x, lanes.floored::<28>(lanes.times(ratio, lanes.low(open_x)))))
 }
 
 /// The changes of angular velocity of both bodies as gains. Factors beyond a quarter, of bodies that turn far more easily than they
@@ -204,21 +208,21 @@ fn turns<L: Lanes>(lanes: L, group: &Group, at: usize, turns: [L::Wide; 2]) -> [
     if lanes.is_zero(shift) {
         return turns;
     }
-    let [of_a, of_b] = turns;
+    let [turn_a, turn_b] = turns;
     let limit_a = lanes.floored_by(lanes.wide(&group.gain_limit[0], at), shift);
     let limit_b = lanes.floored_by(lanes.wide(&group.gain_limit[1], at), shift);
     // Without a shift a gain is within the limit.
-    [lanes.raised_by(lanes.clamped(of_a, limit_a), shift), lanes.raised_by(lanes.clamped(of_b, limit_b), shift)]
+    [lanes.raised_by(lanes.clamped(turn_a, limit_a), shift), lanes.raised_by(lanes.clamped(turn_b, limit_b), shift)]
 }
 
 /// Products of factors, in pairs, with an impulse.
 #[inline(always)]
-fn pushed<L: Lanes>(lanes: L, (x, y): (L::Narrow, L::Narrow), impulse: L::Narrow) -> [L::Wide; 2] {
-    [lanes.times(x, impulse), lanes.times(y, impulse)]
+fn pushed<L: Lanes>(lanes: L, factors: (L::Narrow, L::Narrow), impulse: L::Narrow) -> [L::Wide; 2] {
+    [lanes.times(factors.0, impulse), lanes.times(factors.1, impulse)]
 }
 
-/// The impulses of contacts from the solutions of their linear systems: where one pulls at a point, that impulse is zero and the
-/// other one solves its row alone. The last value is the number of impulses that were cut off.
+/// The impulses of contacts from the solutions of their linear systems: where one of them pulls, it becomes zero and the other point
+/// solves its row alone. The last value is the number of impulses that were cut off.
 #[inline(always)]
 fn limited<L: Lanes, const AIM: u8>(
     lanes: L,
@@ -236,7 +240,7 @@ fn limited<L: Lanes, const AIM: u8>(
     let [mut m1, mut m2] = [[0; GROUP]; 2];
     lanes.store(&mut m1, 0, x1);
     lanes.store(&mut m2, 0, x2);
-    let cut = cut_normal(group, at, L::WIDTH, [&mut m1, &mut m2], (p12, p21), lanes);
+    let cut = cut_normal(group, at, L::WIDTH, [&mut m1, &mut m2], p12, p21, lanes);
     (lanes.wide(&m1, 0), lanes.wide(&m2, 0), cut)
 }
 
@@ -247,7 +251,8 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let n = lanes.pair(&group.normal, at);
     let v = (lanes.minus(b.velocity[0], a.velocity[0]), lanes.minus(b.velocity[1], a.velocity[1]));
     let (arms1, arms2) = (lanes.pair(&group.arms[0], at), lanes.pair(&group.arms[1], at));
-    let (closing, turning) = (dot(lanes, n, v), (a.velocity[2], b.velocity[2]));
+    let closing = dot(lanes, n, v);
+    let turning = (a.velocity[2], b.velocity[2]);
     let (r1, r2) = (along_row(lanes, closing, arms1, turning), along_row(lanes, closing, arms2, turning));
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
     let ([i11, i12, i22], [b1, b2]) = if AIM == SOLVE {
@@ -255,7 +260,8 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         soft(lanes, group, at, [s1, s2], [r1, r2], [l1, l2])
     } else {
         let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
-        let (moved, turned) = (dot(lanes, n, d), (a.displacement[2], b.displacement[2]));
+        let moved = dot(lanes, n, d);
+        let turned = (a.displacement[2], b.displacement[2]);
         let (s1, s2) = lanes.pair(&group.separation, at);
         let s1 = lanes.plus(s1, along_row(lanes, moved, arms1, turned));
         let s2 = lanes.plus(s2, along_row(lanes, moved, arms2, turned));
@@ -289,7 +295,7 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     let mut gains = [[pax, pay, paw], [pbx, pby, pbw]];
     if AIM != SOLVE {
         let slip = lanes.sub(lanes.times(n.1, v.0), lanes.times(n.0, v.1));
-        cut += friction::<L, AIM>(lanes, group, at, (slip, turning), lanes.add(n1, n2), (d1, d2), &mut gains);
+        cut += friction::<L, AIM>(lanes, group, at, slip, turning, lanes.add(n1, n2), (d1, d2), &mut gains);
         add_up::<L, AIM>(lanes, group, at, 0, l1, n1);
         add_up::<L, AIM>(lanes, group, at, 1, l2, n2);
     }
@@ -300,21 +306,24 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
     cut
 }
 
-/// The friction row of contacts, after both normal rows: adds to the gains (x, y, angular) of both bodies. `slip` is the velocity along
-/// the tangent (ny, −nx) without that of turning, `pressing` the sum of the normal impulses and `changes` their changes in this pass.
-/// Returns the number of impulses that were cut off.
+/// The friction row of contacts, after both normal rows: adds to the gains (x, y, angular) of both bodies. `slip` is the linear part of the
+/// velocity along the tangent (ny, −nx), `turning` the angular velocities, `pressing` the sum of the normal impulses and `changes` their
+/// changes in this pass. Returns the number of impulses that were cut off.
 #[inline(always)]
 fn friction<L: Lanes, const AIM: u8>(
     lanes: L,
     group: &mut Group,
     at: usize,
-    (slip, turning): (L::Wide, (L::Narrow, L::Narrow)),
+    slip: L::Wide,
+    turning: (L::Narrow, L::Narrow),
     pressing: L::Wide,
     changes: (L::Narrow, L::Narrow),
     gains: &mut [[L::Wide; 3]; 2],
 ) -> u64 {
-    let ((kat, kbt), coupling) = (lanes.pair(&group.arms[2], at), lanes.pair(&group.coupling, at));
-    let ((m, mu), (surface, _)) = (lanes.pair(&group.friction, at), lanes.pair(&group.surface, at));
+    let (kat, kbt) = lanes.pair(&group.arms[2], at);
+    let coupling = lanes.pair(&group.coupling, at);
+    let (m, mu) = lanes.pair(&group.friction, at);
+    let (surface, _) = lanes.pair(&group.surface, at);
     let slip = lanes.sub(lanes.add(slip, lanes.times(kbt, turning.1)), lanes.times(kat, turning.0));
     let slip = lanes.add(slip, dot(lanes, coupling, changes));
     let slip = lanes.minus(lanes.low(lanes.rounded_oddly::<30>(slip)), surface);
@@ -324,7 +333,8 @@ fn friction<L: Lanes, const AIM: u8>(
     if AIM == RELAX_AGAIN {
         after = lanes.clamped(after, size(lanes, before));
     }
-    let (mut change, mut cut) = (lanes.sub(after, before), 0);
+    let mut change = lanes.sub(after, before);
+    let mut cut = 0;
     if lanes.is_beyond(change) {
         let mut words = [0; GROUP];
         lanes.store(&mut words, 0, after);
@@ -367,7 +377,8 @@ fn add_up<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, at: usize, k: us
 #[inline(always)]
 fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) {
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
-    let (sum, along) = (lanes.add(l1, l2), lanes.wide(&group.impulses[2], at));
+    let sum = lanes.add(l1, l2);
+    let along = lanes.wide(&group.impulses[2], at);
     if lanes.are_beyond([sum, along], [l1, l2]) {
         return (at..(at + L::WIDTH).min(group.count)).for_each(|lane| warm_start_one(group, rows, lane));
     }
@@ -378,9 +389,9 @@ fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize)
     let [vx, vy] = pushed(lanes, lanes.pair(&group.linear_b[1], at), along);
     let ((ga1, gb1), (ga2, gb2)) = (lanes.pair(&group.angular[0], at), lanes.pair(&group.angular[1], at));
     let (gat, gbt) = lanes.pair(&group.angular[2], at);
-    let of_a = lanes.add(dot(lanes, (ga1, ga2), (l1, l2)), lanes.times(gat, along));
-    let of_b = lanes.add(dot(lanes, (gb1, gb2), (l1, l2)), lanes.times(gbt, along));
-    let [of_a, of_b] = turns(lanes, group, at, [of_a, of_b]);
-    lanes.add_gains(&mut rows.rows, &group.a, at, [lanes.add(x, tx), lanes.add(y, ty), of_a]);
-    lanes.add_gains(&mut rows.rows, &group.b, at, [lanes.add(ux, vx), lanes.add(uy, vy), of_b]);
+    let turn_a = lanes.add(dot(lanes, (ga1, ga2), (l1, l2)), lanes.times(gat, along));
+    let turn_b = lanes.add(dot(lanes, (gb1, gb2), (l1, l2)), lanes.times(gbt, along));
+    let [turn_a, turn_b] = turns(lanes, group, at, [turn_a, turn_b]);
+    lanes.add_gains(&mut rows.rows, &group.a, at, [lanes.add(x, tx), lanes.add(y, ty), turn_a]);
+    lanes.add_gains(&mut rows.rows, &group.b, at, [lanes.add(ux, vx), lanes.add(uy, vy), turn_b]);
 }

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::contact::{BodyOf, ContactOf, Group};
+use super::contact::{ContactInput, Group, SolverBody};
 use super::graph::PHASES;
 use super::joint::Joint;
 use super::motion::FlightRow;
@@ -61,7 +61,7 @@ impl Solver {
                 None => (STILL, 0),
             };
             self.row_of.push(row);
-            self.bodies.push(BodyOf::new(flight, self.loads[body].exponent, row));
+            self.bodies.push(SolverBody::new(flight, self.loads[body].exponent, row));
             self.unit_of.push(unit);
         }
     }
@@ -73,8 +73,8 @@ impl Solver {
                 continue;
             }
             let speed = flight.speed();
-            for other in self.graph.touched_by(body as u32) {
-                if let Some(island) = self.graph.island_of(other) {
+            for neighbour in self.graph.touched_by(body as u32) {
+                if let Some(island) = self.graph.island_of(neighbour) {
                     let fastest = &mut self.fastest[island as usize];
                     *fastest = (*fastest).max(speed);
                 }
@@ -82,15 +82,15 @@ impl Solver {
         }
     }
 
-    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: those on a
-    /// light body under a heavy one are large and cancel, but one after the other.
+    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
+    /// a light body under a heavy one are large and cancel, but one after the other.
     fn add_loads(&mut self, clock: &Clock, flights: &[Flight], contacts: &[Contact]) {
-        // The largest speed that a unit is chosen for, as that of a flight: below 2^66.
+        // The largest speed that a unit is chosen for: speeds of flights are below 2^66 as well.
         const FASTEST: u128 = 1 << 66;
         for contact in contacts {
-            let Impulses { values: [one, two, along], exponent: unit } = contact.impulses;
+            let Impulses { values: [first, second, tangent], exponent: unit } = contact.impulses;
             // Each is at most 2^62.
-            let sum = one.unsigned_abs() + two.unsigned_abs() + along.unsigned_abs();
+            let sum = first.unsigned_abs() + second.unsigned_abs() + tangent.unsigned_abs();
             for body in contact.bodies {
                 // An impulse at a lever beyond the body's length turns it as much more.
                 let lever = if resists(contact) {
@@ -98,12 +98,12 @@ impl Solver {
                 } else {
                     0
                 };
-                let of = &mut self.loads[body as usize];
+                let load = &mut self.loads[body as usize];
                 // From 2^unit N·s to 2^-32 m/s; far below zero for a body that cannot be moved.
-                let up = of.exponent + unit + 32 + lever;
-                let load = if up > 0 { u128::from(sum) << up.min(63) } else { (sum >> (-up).min(63)).into() };
-                // As many as there may be contacts of 2^70 fit.
-                of.speed += load.min(FASTEST << 4);
+                let up = load.exponent + unit + 32 + lever;
+                let speed = if up > 0 { u128::from(sum) << up.min(63) } else { (sum >> (-up).min(63)).into() };
+                // 2^70 from each of as many contacts as there may be: the sum fits.
+                load.speed += speed.min(FASTEST << 4);
             }
         }
         for (body, load) in self.loads.iter().enumerate() {
@@ -148,37 +148,50 @@ impl Solver {
                 *end += 1;
             }
         }
-        // Here in contacts; `SetGroups` makes groups of them.
+        // Ranges of contacts, which `SetGroups` turns into ranges of groups.
         (0..PHASES).for_each(|phase| phases[phase] = ends[phase] - counts[phase]..ends[phase]);
     }
 
     /// The row of a body, in the unit of the contact or joint.
     #[inline(always)]
     pub(super) fn row(&mut self, body: u32, unit: i32, flights: &[Flight], softness: &Softness) -> u32 {
-        let of = &self.bodies[body as usize];
-        if of.is_carrier { self.carrier(body, unit, &flights[body as usize], softness) } else { of.row }
+        let solver_body = &self.bodies[body as usize];
+        if solver_body.is_carrier {
+            self.carrier(body, unit, &flights[body as usize], softness)
+        } else {
+            solver_body.row
+        }
     }
 
     /// Writes a group of contacts.
     #[inline(always)]
-    fn set_group<L: Lanes>(&mut self, lanes: L, at: usize, indices: &[u32], phase: usize, given: &mut Given<'_>) {
+    fn set_group<L: Lanes>(
+        &mut self,
+        lanes: L,
+        at: usize,
+        indices: &[u32],
+        phase: usize,
+        step_input: &mut StepInput<'_>,
+    ) {
         if self.groups.len() == at {
             self.groups.push(Group::empty(STILL));
         }
         let mut exponents = [0; GROUP];
         for (lane, &index) in indices.iter().enumerate() {
-            let contact = &given.contacts[index as usize];
+            let contact = &step_input.contacts[index as usize];
             let [a, b] = contact.bodies;
             let unit = self.graph.mover([a, b]).map_or(FINEST, |mover| self.unit_of[mover as usize]);
-            let rows = [a, b].map(|body| self.row(body, unit, given.flights, given.softness));
+            let rows = [a, b].map(|body| self.row(body, unit, step_input.flights, step_input.softness));
             let bodies = [&self.bodies[a as usize], &self.bodies[b as usize]];
             let shares = [self.shares[a as usize][phase], self.shares[b as usize][phase]];
-            let of = ContactOf { contact, bodies, rows, shares };
-            exponents[lane] = unit + self.batch.load(lane, &of);
-            self.batch.compliance[lane] = self.groups[at].load(lane, &of, given.scale(unit)).into();
+            let contact_input = ContactInput { contact, bodies, rows, shares };
+            exponents[lane] = unit + self.batch.load(lane, &contact_input);
+            let compliance = self.groups[at].load(lane, &contact_input, step_input.scale(unit));
+            self.batch.compliance[lane] = compliance.into();
             self.groups[at].raise_impact_speed(lane, rows.map(|row| self.rows.flight(row).change));
         }
-        let (group, batch) = (&mut self.groups[at], &mut self.batch);
+        let group = &mut self.groups[at];
+        let batch = &mut self.batch;
         group.count = indices.len();
         (group.applied, group.weighted) = ([[0; GROUP]; 3], [[0; GROUP]; 3]);
         batch.clear(indices.len()..GROUP);
@@ -188,7 +201,7 @@ impl Solver {
         for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
             // The unit of masses · 2^-exponent is 2^-(bits + 2).
             let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
-            let contact = &given.contacts[index as usize];
+            let contact = &step_input.contacts[index as usize];
             group.set_impulses(lane, contact, exponent);
             let [a, b] = contact.bodies;
             batch.limit_push(lane, group, [self.bodies[a as usize].rim, self.bodies[b as usize].rim]);
@@ -198,7 +211,7 @@ impl Solver {
 }
 
 /// The values that groups are made from.
-pub(super) struct Given<'a> {
+pub(super) struct StepInput<'a> {
     pub(super) softness: &'a Softness,
     pub(super) flights: &'a [Flight],
     pub(super) contacts: &'a [Contact],
@@ -206,7 +219,7 @@ pub(super) struct Given<'a> {
     pub(super) scale: Scale<'a>,
 }
 
-impl<'a> Given<'a> {
+impl<'a> StepInput<'a> {
     #[inline(always)]
     fn scale(&mut self, unit: i32) -> &Scale<'a> {
         if self.scale.unit != unit {
@@ -219,7 +232,7 @@ impl<'a> Given<'a> {
 /// Puts the contacts of all phases, which are sorted, into groups.
 pub(super) struct SetGroups<'a> {
     pub(super) solver: &'a mut Solver,
-    pub(super) given: Given<'a>,
+    pub(super) step_input: StepInput<'a>,
 }
 
 impl Job for SetGroups<'_> {
@@ -227,13 +240,13 @@ impl Job for SetGroups<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { solver, mut given } = self;
+        let Self { solver, mut step_input } = self;
         let order = core::mem::take(&mut solver.order);
         let mut at = 0;
         for phase in 0..PHASES {
             let begin = at;
             for indices in order[solver.phases[phase].clone()].chunks(GROUP) {
-                solver.set_group(lanes, at, indices, phase, &mut given);
+                solver.set_group(lanes, at, indices, phase, &mut step_input);
                 at += 1;
             }
             solver.phases[phase] = begin..at;
@@ -243,7 +256,7 @@ impl Job for SetGroups<'_> {
     }
 }
 
-/// Makes ready for [`count_share`].
+/// Clears the counts and the lists of [`count_share`].
 pub(super) fn clear_shares(shares: &mut Vec<[u32; PHASES]>, touched: &mut [Vec<u32>; PHASES], bodies: usize) {
     shares.clear();
     shares.resize(bodies, [0; PHASES]);
@@ -260,7 +273,8 @@ pub(super) fn count_share(
     bodies: [u32; 2],
 ) {
     for body in bodies {
-        let (count, row) = (&mut shares[body as usize][phase], row_of[body as usize]);
+        let count = &mut shares[body as usize][phase];
+        let row = row_of[body as usize];
         *count += 1;
         if *count == 1 && row != STILL {
             touched[phase].push(row);
@@ -290,15 +304,15 @@ pub(super) fn graph_start(flights: &[Flight], members: &[u32], queue: &mut Vec<u
         (0..2).for_each(|i| sums[i] += weight(body) * offset[i]);
     }
     // From the centre of mass, times the sum of masses: exact, so that ties are ties. Below 2^124.4.
-    let from_centre = |body: u32| {
+    let centre_offset = |body: u32| {
         let offset = offset(body);
         [0, 1].map(|i| (weights * offset[i] - sums[i]).unsigned_abs())
     };
     let heavy = || members.iter().copied().filter(|&body| mass(body) == heaviest);
-    let Some(farthest) = heavy().flat_map(from_centre).max() else { return };
+    let Some(farthest) = heavy().flat_map(centre_offset).max() else { return };
     // Down to 62 bits, so that the squares fit.
     let down = (66 - farthest.leading_zeros() as i32).max(0);
-    let distance = |body: u32| from_centre(body).map(|d| (d >> down).pow(2)).into_iter().sum::<u128>();
+    let distance = |body: u32| centre_offset(body).map(|d| (d >> down).pow(2)).into_iter().sum::<u128>();
     let Some(nearest) = heavy().map(distance).min() else { return };
     queue.extend(heavy().filter(|&body| distance(body) == nearest));
 }

@@ -4,8 +4,8 @@
 //! lever R: it is a friction row without a linear part, with the limit c·λ for the coefficient c and the normal impulse λ.
 //!
 //! Rows are solved in the relax passes, the rows of a phase after its friction: they see the velocities that friction left, but not each
-//! other. Where a disc rolls without slip each of the two rows undoes a part of what the other one did, two thirds of it
-//! for a disc of even density: what is left after the five sub-steps of a step is an eighth, and impulses are kept.
+//! other. Where a disc rolls without slip each of the two rows undoes a part of the change by the other one, two thirds of it
+//! for a disc of even density: an eighth is left after the five sub-steps of a step, and impulses are kept.
 //!
 //! There are no lanes: each row is computed in 64 and 128 bits, so all vector sets have the same bits. A scene without rolling resistance
 //! has neither rows nor memory for them.
@@ -53,7 +53,7 @@ struct Roll {
     inverse: (i64, i32),
     /// c, in 2^-30.
     coefficient: i64,
-    /// The impulse of the sub-step, the sum of these, and the sum over sub-steps of those applied up to the move.
+    /// The impulse of the sub-step, the sum over sub-steps, and the sum over sub-steps of the impulses applied up to the move.
     impulse: i64,
     applied: i64,
     weighted: i64,
@@ -145,7 +145,7 @@ impl Rolls {
         cut
     }
 
-    /// Writes the impulses that the next step starts from, and adds those of this step to the totals of bodies.
+    /// Writes the impulses that the next step starts from, and adds the impulses of this step to the totals of bodies.
     pub(super) fn apply(&self, groups: &[Group], contacts: &mut [Contact], totals: &mut [Total]) {
         for roll in self.phases.iter().flatten() {
             // A contact that bounced starts with a smaller normal impulse.
@@ -187,7 +187,8 @@ impl Solver {
             count_share(shares, touched, row_of, phase, contacts[contact as usize].bodies);
         }
         for place in resisting() {
-            let (contact, phase) = (&contacts[place.contact as usize], phase_of[place.contact as usize]);
+            let contact = &contacts[place.contact as usize];
+            let phase = phase_of[place.contact as usize];
             let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
             let unit = self.graph.mover(contact.bodies).map_or(FINEST, |mover| self.unit_of[mover as usize]);
             let radius = contact.rolling_radius.to_bits().min(1 << 46);
@@ -198,8 +199,8 @@ impl Solver {
             });
             let factors = ends.map(|flight| factor(flight, radius, place.exponent, unit));
             let shares = contact.bodies.map(|body| i64::from(shares[body as usize][usize::from(phase)]));
-            let of = |side: usize| i128::from(shares[side]) * i128::from(arms[side]) * i128::from(factors[side]);
-            let sum = shifted(of(0) + of(1), 30);
+            let element = |side: usize| i128::from(shares[side]) * i128::from(arms[side]) * i128::from(factors[side]);
+            let sum = shifted(element(0) + element(1), 30);
             let bits = 128 - sum.leading_zeros() as i32;
             // A quotient of 2^(bits + 30): at most 2^31. Where no body can be turned there is a row as well: gains are rounded each time
             // that they are applied, so all bodies of such contacts get theirs as often, whoever else has a row.

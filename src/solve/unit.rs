@@ -80,21 +80,22 @@ impl Clock {
 fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
     // Below 2^127: the upper half, and the result, are below 2^63.
     let product = u128::from(value.unsigned_abs()) * u128::from(mantissa);
-    let (high, low, right) = ((product >> 64) as u64, product as u64, (shift - 64) as u32);
+    let (high, low) = ((product >> 64) as u64, product as u64);
+    let right = (shift - 64) as u32;
     let floor = high >> right;
-    // The fraction in 2^-64, and whether there is more below it: up from one half on if that is so or the floor is odd.
+    // The fraction in 2^-64, and whether there is more below it: up from one half on if there is or the floor is odd.
     let fraction = high << 1 << (63 - right) | low >> right;
     let is_more = low << 1 << (63 - right) != 0;
     let nearest = (floor + u64::from(fraction > (1 << 63) - (floor & 1 | u64::from(is_more)))) as i64;
     if value < 0 { -nearest } else { nearest }
 }
 
-/// The unit of velocity of an island, 2^unit m/s, and what depends on it alone.
+/// The unit of velocity of an island, 2^unit m/s, and the values that depend on it alone.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scale<'a> {
     pub(super) clock: &'a Clock,
     pub(super) unit: i32,
-    /// Contacts of two bodies that move, and those with a body that cannot be moved.
+    /// Contacts of two bodies that move, and contacts with a body that cannot be moved.
     pub(super) moving: SoftContact,
     pub(super) fixed: SoftContact,
     /// [`Softness::impact_speed`]
@@ -112,12 +113,13 @@ pub(super) struct SoftContact {
 
 impl<'a> Scale<'a> {
     pub(super) fn new(clock: &'a Clock, softness: &Softness, unit: i32) -> Self {
-        let of = |row: &SoftRow| SoftContact {
+        let soft_contact = |row: &SoftRow| SoftContact {
             push_out: [row.rate, -clamped(softness.deepest(unit, row), SEPARATION.into())],
             compliance: row.compliance,
         };
         let impact_speed = softness.impact_speed(unit);
-        Self { clock, unit, moving: of(&softness.moving), fixed: of(&softness.fixed), impact_speed }
+        let (moving, fixed) = (soft_contact(&softness.moving), soft_contact(&softness.fixed));
+        Self { clock, unit, moving, fixed, impact_speed }
     }
 }
 
@@ -127,8 +129,8 @@ impl<'a> Scale<'a> {
 /// limits, as impulses lead farther. Where a heavy body at this speed v meets a light one at its rim, the light one's angular velocity
 /// changes by up to 2·v/R. That is 4·v by the length, which is below 2·R, and a sub-step begins with twice the change of the one before.
 pub(super) fn unit_for(speed: u128, substeps: u32) -> i32 {
-    let most = speed * u128::from(substeps.max(4));
-    (128 - most.leading_zeros() as i32 - 32 - 26).max(FINEST)
+    let bound = speed * u128::from(substeps.max(4));
+    (128 - bound.leading_zeros() as i32 - 32 - 26).max(FINEST)
 }
 
 /// The largest push-out velocity, in units.
@@ -168,7 +170,7 @@ impl SoftRow {
         // hω and 2ζ + hω in 2^-30.
         let omega = shifted(TAU * i128::from(frequency.to_bits()), 32);
         let sum = 2 * shifted(damping_ratio.to_bits().into(), 2) + omega;
-        let quotient = |num: i128, den: i128, most: i128| ((2 * num + den) / (2 * den)).min(most) as i32;
+        let quotient = |num: i128, den: i128, limit: i128| ((2 * num + den) / (2 * den)).min(limit) as i32;
         Self {
             rate: quotient(omega * ONE, sum.max(1), i32::MAX.into()),
             compliance: quotient(ONE * ONE * ONE, (omega * sum).max(1), (ONE >> 1) - 1),
@@ -199,7 +201,7 @@ impl Softness {
         shifted(self.restitution_speed.to_bits().into(), 32 + unit).clamp(1, 1 << 28) as i32
     }
 
-    /// The overlap from which on the bias is the push speed, and what softness takes of it.
+    /// The overlap from which on the bias is the push speed plus the part that softness takes of it.
     pub(super) fn deepest(&self, unit: i32, row: &SoftRow) -> i128 {
         let speed = shifted(self.push_speed.to_bits().into(), 32 + unit).min(PUSH);
         let push = speed + shifted(speed * i128::from(row.compliance), 30);

@@ -1,4 +1,4 @@
-//! Operations on vectors that are made of those of [`Lanes`].
+//! Operations on vectors, composed of the operations of [`Lanes`].
 
 use super::batch::ONE;
 use crate::kernel::simd::{GROUP, Lanes};
@@ -15,7 +15,7 @@ pub(super) fn magnitude<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
     lanes.if_negative(a, lanes.sub(word(lanes, 0), a), a)
 }
 
-/// The larger one. *Domain* the difference fits.
+/// The larger of two numbers. *Domain* the difference fits.
 #[inline(always)]
 pub(super) fn larger<L: Lanes>(lanes: L, a: L::Wide, b: L::Wide) -> L::Wide {
     lanes.if_negative(lanes.sub(a, b), b, a)
@@ -24,11 +24,11 @@ pub(super) fn larger<L: Lanes>(lanes: L, a: L::Wide, b: L::Wide) -> L::Wide {
 /// The largest magnitude.
 #[inline(always)]
 pub(super) fn largest<L: Lanes, const N: usize>(lanes: L, values: [L::Wide; N]) -> L::Wide {
-    let mut most = word(lanes, 0);
+    let mut maximum = word(lanes, 0);
     for value in values {
-        most = larger(lanes, most, magnitude(lanes, value));
+        maximum = larger(lanes, maximum, magnitude(lanes, value));
     }
-    most
+    maximum
 }
 
 /// a·b / 2^30 to nearest, ties away from zero. *Domain* of [`exact`].
@@ -59,12 +59,8 @@ pub(super) fn long<L: Lanes>(lanes: L, a: L::Narrow, b: L::Wide) -> L::Wide {
 
 /// The cross product of an arm and a direction, both in 2^-30, within ±1.
 #[inline(always)]
-pub(super) fn across<L: Lanes>(
-    lanes: L,
-    (x, y): (L::Narrow, L::Narrow),
-    (ux, uy): (L::Narrow, L::Narrow),
-) -> L::Narrow {
-    let cross = lanes.sub(lanes.times(x, uy), lanes.times(y, ux));
+pub(super) fn across<L: Lanes>(lanes: L, arm: (L::Narrow, L::Narrow), direction: (L::Narrow, L::Narrow)) -> L::Narrow {
+    let cross = lanes.sub(lanes.times(arm.0, direction.1), lanes.times(arm.1, direction.0));
     lanes.low(lanes.clamped(lanes.rounded_oddly::<30>(cross), word(lanes, ONE)))
 }
 
@@ -118,7 +114,7 @@ impl<L: Lanes> Shift<L> {
         lanes.low(lanes.clamped(self.factor::<UP>(lanes, value), word(lanes, ONE >> 2)))
     }
 
-    /// value · 2^-bits to nearest, ties away from zero, as large as a factor may be.
+    /// value · 2^-bits to nearest, ties away from zero, within the range of a factor.
     #[inline(always)]
     fn factor<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
         let cut = if UP {

@@ -1,4 +1,4 @@
-//! Wedges: bodies that bodies which do not give way push along several normals.
+//! Wedges: bodies between others that do not give way and push them out along several normals.
 //!
 //! Overlaps are pushed out at up to [`push_speed`](super::SolverOptions::push_speed) along each normal. Along two normals at an angle θ that
 //! takes a body out between them at that speed over cos(θ/2), which a narrow wedge makes as large as one likes, and which no pass takes
@@ -53,10 +53,10 @@ impl Solver {
     /// # Ranges
     /// Components of normals are within 2^30: a sum of two products is below 2^62.
     fn limit_wedge(&mut self, push: &Push, body: &[Push]) {
-        let cosine = |other: &Push| (push.normal[0] * other.normal[0] + push.normal[1] * other.normal[1]) >> 30;
-        let least = body.iter().map(cosine).min().unwrap_or(ONE).clamp(-ONE, ONE);
+        let cosine = |second: &Push| (push.normal[0] * second.normal[0] + push.normal[1] * second.normal[1]) >> 30;
+        let smallest_cosine = body.iter().map(cosine).min().unwrap_or(ONE).clamp(-ONE, ONE);
         // cos(θ/2) = √((1 + cos θ)/2), in 2^-30.
-        let half = (((((ONE + least) / 2) << 30) as u64).isqrt() as i64).max(ONE >> 7);
+        let half = (((((ONE + smallest_cosine) / 2) << 30) as u64).isqrt() as i64).max(ONE >> 7);
         let place = &self.places[push.place as usize];
         let deepest = &mut self.groups[place.group as usize].push_out[place.lane as usize][1];
         *deepest = ((i64::from(*deepest) * half) >> 30) as i32;

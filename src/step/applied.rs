@@ -14,13 +14,14 @@ use crate::scalar::{Factor, Scalar, Sum, Wide};
 /// dynamic.
 #[inline]
 pub(super) fn acceleration<S: Scalar>(load: &Load<S>, mass: &MassProperties<S>) -> Option<Acceleration<S>> {
-    let component = |a: S::Sum, f: S::Sum, inverse_mass: S::Factor| {
+    let component = |acceleration: S::Sum, force: S::Sum, inverse_mass: S::Factor| {
         // A sum along a locked axis has no effect and may be of any size.
         if inverse_mass.is_zero() {
             return Some(S::Wide::default());
         }
-        let (a, f) = (a.total()?, f.total()?);
-        if f == S::Wide::default() { Some(a) } else { a.plus(f.times(inverse_mass)?) }
+        let acceleration = acceleration.total()?;
+        let force = force.total()?;
+        if force == S::Wide::default() { Some(acceleration) } else { acceleration.plus(force.times(inverse_mass)?) }
     };
     // A torque on a body of infinite inertia has to fit.
     let torque = if mass.locks.rotation { S::Wide::default() } else { load.torque.total()? };

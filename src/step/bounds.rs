@@ -5,7 +5,7 @@
 use alloc::vec::Vec;
 
 use super::applied::part_in;
-use super::{Constants, Found};
+use super::{Constants, Findings};
 use crate::body::{BOUNDED_STEPS, Block, Motion};
 use crate::error::Cause;
 use crate::fx::Fx;
@@ -46,13 +46,15 @@ fn are_inside<S: Scalar>(block: &Block<'_, S>, [position, speed]: [u32; 2]) -> b
 
 /// Adds a fault for each body outside the allowed range.
 pub(crate) fn find_out_of_bounds<S: Scalar>(block: &Block<'_, S>, faults: &mut Vec<(usize, Cause)>) {
-    // In most steps there are none, and a column is checked faster than a body.
+    // In most steps there are no faults, and a column is checked faster than a body.
     if are_inside(block, [limits::POSITION_LOG2, limits::SPEED_LOG2]) {
         return;
     }
     for i in 0..block.len() {
-        let of = |plane: &[&mut [S::Accumulator]; 2]| [plane[0][i], plane[1][i]];
-        let cause = beyond::<S>([of(&block.velocity), of(&block.position)], block.angular_velocity[i]);
+        let components = |plane: &[&mut [S::Accumulator]; 2]| [plane[0][i], plane[1][i]];
+        let velocity = components(&block.velocity);
+        let position = components(&block.position);
+        let cause = beyond::<S>([velocity, position], block.angular_velocity[i]);
         faults.extend(cause.map(|cause| (block.first + i, cause)));
     }
 }
@@ -91,9 +93,9 @@ pub(super) fn check_bounds_and_rest<S: Scalar>(
     block: &mut Block<'_, S>,
     backup: &Motion<S>,
     constants: &Constants<'_, S>,
-    found: &mut Found,
+    findings: &mut Findings,
 ) {
-    find_out_of_bounds(block, &mut found.faults);
+    find_out_of_bounds(block, &mut findings.faults);
     let Some(ticks) = constants.sleep_after else { return };
     for i in 0..block.len() {
         // The next step would leave it as it is, to the bit: its public velocities are zero, and the step changed
@@ -104,9 +106,9 @@ pub(super) fn check_bounds_and_rest<S: Scalar>(
     for (i, _) in part_in(block, constants.applied) {
         block.ticks_at_rest[i - block.first] = 0;
     }
-    // In most steps there are none, and to look is faster than to collect.
+    // In most steps there are no candidates, and a test is faster than a collection.
     if block.ticks_at_rest.iter().any(|&rest| is_candidate(rest, ticks)) {
         let candidates = block.ticks_at_rest.iter().enumerate().filter(|(_, rest)| is_candidate(**rest, ticks));
-        found.candidates.extend(candidates.map(|(i, _)| block.first + i));
+        findings.candidates.extend(candidates.map(|(i, _)| block.first + i));
     }
 }

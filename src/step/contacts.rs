@@ -1,4 +1,4 @@
-//! Contacts: pairs, manifolds, impulses, and what they change of the free flight.
+//! Contacts: pairs, manifolds, impulses, and their changes of the free flight.
 //!
 //! Reads: colliders, the motion at the start and at the end of the free flight, masses, the impulses of the step before. Writes:
 //! impulses; positions, angles, velocities and ticks at rest of bodies that impulses push; faults; the activities of sleeping
@@ -14,7 +14,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::sleep::{has_stayed, is_slow};
-use super::{Constants, Found, Step, bounds, show};
+use super::{Constants, Findings, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
@@ -36,26 +36,27 @@ pub(crate) struct Contacts<'a, S: Scalar> {
     pub(crate) settings: &'a ContactSettings<S>,
 }
 
-/// The number of changes that are remembered from one look at the static colliders to the next.
-const MOST_CHANGED: usize = 4096;
+/// The number of changes that are remembered from one update of the static colliders to the next.
+const MAX_CHANGED: usize = 4096;
 
 /// Memory that contacts use again.
 #[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     engine: Engine,
     solvers: Solvers<S::Solver>,
-    /// The revision of the colliders at the last step; `None` if what is below belongs to other bodies.
+    /// The revision of the colliders at the last step; `None` if the caches below belong to other bodies.
     revision: Option<u64>,
     /// The slots of the moving bodies with colliders.
     slots: Vec<u32>,
     may_have_moved_statics: bool,
-    /// The changes since contacts were last found, if these are all.
+    /// The changes since contacts were last detected.
     changed: Changed,
+    /// True if `changed` has all changes.
     are_all_changed: bool,
     /// True if the engine holds the contacts of this step.
     is_detected: bool,
     starts: Vec<Start<S>>,
-    /// The starts as contacts see them; empty in a world of `Fx`.
+    /// The starts in fixed point; empty in a world of `Fx`.
     fixed_starts: Vec<Start>,
     corrections: Vec<Correction>,
     detected: Detected,
@@ -89,11 +90,11 @@ fn list_faulty(faults: &[(usize, Cause)], bodies: &mut Vec<usize>) {
 }
 
 /// Finds whether a body left the allowed range; then it is at fault.
-fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, found: &mut Found) -> bool {
-    bounds::is_out_of_bounds(&bodies.columns.motion, dense, &mut found.faults)
+fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, findings: &mut Findings) -> bool {
+    bounds::is_out_of_bounds(&bodies.columns.motion, dense, &mut findings.faults)
 }
 
-/// The scene of bodies since contacts were found: nothing has changed.
+/// The scene of bodies after contacts were detected: nothing has changed.
 fn scene<'a, S: Scalar>(
     bodies: &'a Bodies<S>,
     colliders: &'a ColliderSet<S>,
@@ -113,7 +114,7 @@ fn scene<'a, S: Scalar>(
     }
 }
 
-/// Why contacts that were detected are not those of the step.
+/// Why detected contacts are not the contacts of the step.
 #[derive(Clone, Copy)]
 enum Blocked {
     /// Sleeping bodies are touched: they wake and move with the others.
@@ -130,22 +131,21 @@ impl<S: Scalar> Workspace<S> {
         colliders: &ColliderSet<S>,
     ) -> Option<(&Arc<Statics>, &Engine)> {
         let statics = self.engine.statics(colliders.fixed())?;
-        // A body that is not static, and was not when the colliders were last looked at. With a collider more or less, there is another
-        // revision.
-        let is_other = |slot: u32| {
-            let was_static = |collider: &Collider<S>| statics.find(self.engine.number(collider.slot)).is_some();
+        // A body that is not static, and was not when the trees were last updated. A collider more or less makes another revision.
+        let was_static = |collider: &Collider<S>| statics.find(self.engine.number(collider.slot)).is_some();
+        let is_not_static = |slot: u32| {
             bodies.index_in(slot).is_none_or(|dense| bodies.info(dense).kind != BodyKind::Static)
                 && !colliders.of_slot(slot).any(was_static)
         };
         let is_current = self.are_all_changed
             && self.changed.colliders.is_empty()
             && self.revision == Some(colliders.revision())
-            && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_other(slot))
-            && bodies.changes().bodies().is_some_and(|all| all.iter().all(|&(slot, _)| is_other(slot)));
+            && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_not_static(slot))
+            && bodies.changes().bodies().is_some_and(|changes| changes.iter().all(|&(slot, _)| is_not_static(slot)));
         is_current.then_some((statics, &self.engine))
     }
 
-    /// Forgets which bodies there are. The tree of static colliders stays: it is compared before it is used.
+    /// Drops the caches of bodies. The tree of static colliders stays: it is compared before it is used.
     pub(super) fn drop_cached(&mut self) {
         self.revision = None;
         self.sensors.forget();
@@ -159,22 +159,22 @@ impl<S: Scalar> Workspace<S> {
         self.engine.clone_cached_from(&source.engine);
     }
 
-    /// Does without continuous collision, for tests: without the ends of paths, and without contacts that are found ahead of time.
+    /// Does without continuous collision, for tests: without the ends of paths, and without speculative contacts.
     #[cfg(feature = "selftest")]
     pub(super) fn do_without(&mut self, ends: bool, speculation: bool) {
         self.is_blind = ends;
         self.engine.set_discrete(speculation);
     }
 
-    /// Lists the moving bodies with colliders, if calls or the last step may have changed which those are.
+    /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
     pub(super) fn survey(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
-        // What only changes motion changes no static body.
+        // A change of motion alone changes no static body.
         let listed = bodies.changes().bodies().filter(|_| self.revision.is_some());
         let are_motions = listed.is_some_and(|changed| changed.iter().all(|change| is_motion(bodies, change)));
         self.may_have_moved_statics = !are_motions;
         // A world that nothing moves in for long has its colliders looked through instead.
-        self.are_all_changed &= listed.is_some() && self.changed.len() <= MOST_CHANGED;
-        if let (true, Some(changed)) = (self.are_all_changed, listed) {
+        self.are_all_changed &= listed.is_some() && self.changed.len() <= MAX_CHANGED;
+        if let Some(changed) = listed.filter(|_| self.are_all_changed) {
             for change in changed.iter().filter(|change| !is_motion(bodies, change)) {
                 let list = if is_of_body(change) { &mut self.changed.bodies } else { &mut self.changed.owners };
                 list.push(change.0);
@@ -217,9 +217,9 @@ impl<S: Scalar> Workspace<S> {
         let is_dynamic =
             |slot: u32| bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Dynamic);
         self.engine.touching(contacts.colliders.fixed(), |pair, is_driven| {
-            for [body, other] in [pair, [pair[1], pair[0]]] {
+            for [body, other_body] in [pair, [pair[1], pair[0]]] {
                 if is_dynamic(body) {
-                    touching.push(body, other);
+                    touching.push(body, other_body);
                     if is_driven {
                         touching.push_driven(body);
                     }
@@ -229,7 +229,7 @@ impl<S: Scalar> Workspace<S> {
         touching.sort();
     }
 
-    /// Finds what overlaps sensors now. *Domain* the contacts of the step were found.
+    /// Finds the overlaps of sensors at the end of the step. *Domain* the contacts of the step were detected.
     pub(super) fn find_overlaps(
         &mut self,
         bodies: &Bodies<S>,
@@ -240,12 +240,12 @@ impl<S: Scalar> Workspace<S> {
         self.sensors.find(bodies, colliders, &self.engine, fell_asleep, settings);
     }
 
-    /// The overlaps of sensors that were found, sorted.
+    /// The overlaps of sensors, sorted.
     pub(super) fn overlaps(&self) -> &[Overlap] {
-        &self.sensors.found
+        &self.sensors.overlaps
     }
 
-    /// What crossed sensors within the step and overlaps them no more, sorted.
+    /// The colliders that crossed sensors within the step and overlap them no more, sorted.
     pub(super) fn crossed(&self) -> &[Overlap] {
         &self.sensors.crossed
     }
@@ -253,9 +253,9 @@ impl<S: Scalar> Workspace<S> {
     /// Returns true if nothing can touch anything.
     pub(super) fn is_idle(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, contacts: &ContactSet) -> bool {
         // A static body may have been put into a sleeping one.
-        let may_wake = || bodies.any_asleep() && !colliders.is_empty();
-        let is_kept = || contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
-        !colliders.any_sensors() && self.starts.is_empty() && is_kept() && !(self.may_have_moved_statics && may_wake())
+        let may_wake = self.may_have_moved_statics && bodies.any_asleep() && !colliders.is_empty();
+        let is_empty = contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
+        !colliders.any_sensors() && self.starts.is_empty() && is_empty && !may_wake
     }
 }
 
@@ -299,8 +299,8 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Detects the contacts of the bodies that take part, and solves them. Impulses send bodies where they meet others: such contacts are
-    /// added and all are solved again, up to [`ROUNDS`] times. Returns what keeps the contacts from being those of the step, if anything
-    /// does.
+    /// added and all are solved again, up to [`ROUNDS`] times. Returns the reason why the contacts are not the contacts of the step, if
+    /// there is one.
     fn solve_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) -> Option<Blocked> {
         let Workspace { engine, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
         detected.touched.clear();
@@ -337,7 +337,8 @@ impl<S: Scalar> Step<'_, S> {
         if colliders.any_contact_events() {
             list_pairs(&contacts.records, colliders.fixed(), touching_before);
         }
-        let (had_passes, excluded) = (!contacts.passes.is_empty(), contacts.excluded.len());
+        let had_passes = !contacts.passes.is_empty();
+        let excluded = contacts.excluded.len();
         if self.probe.is_some() {
             engine.swap_starts();
             engine.list(contacts);
@@ -357,7 +358,7 @@ impl<S: Scalar> Step<'_, S> {
         }
     }
 
-    /// The scene of these bodies, since contacts were found.
+    /// The scene of the bodies after contacts were detected.
     fn unchanged<'a>(&'a self, starts: &'a [Start], settings: &'a ContactSettings) -> Scene<'a> {
         scene(self.bodies, self.contacts.colliders, starts, settings, self.settings.time_step)
     }
@@ -369,12 +370,12 @@ impl<S: Scalar> Step<'_, S> {
         let is_crowded = |start: &Start<S>| memory.detected.crowded.binary_search(&start.dense).is_ok();
         for start in memory.starts.iter().filter(|start| is_crowded(start)) {
             start.restore(self.bodies);
-            self.workspace.found.faults.push((start.dense, Cause::Pairs));
+            self.workspace.findings.faults.push((start.dense, Cause::Pairs));
         }
         memory.starts.retain(|start| !is_crowded(start));
     }
 
-    /// Wakes sleeping bodies that are touched, those that they touch then, and so on, and lets them fly freely over the step.
+    /// Wakes touched sleeping bodies, then the bodies that they touch, and so on, and lets them fly freely over the step.
     fn wake_touched(
         &mut self,
         memory: &mut Workspace<S>,
@@ -385,20 +386,22 @@ impl<S: Scalar> Step<'_, S> {
         loop {
             memory.detected.touched.sort_unstable();
             memory.detected.touched.dedup();
-            let (first, from, known) = (self.bodies.moving(), memory.starts.len(), self.workspace.found.faults.len());
+            let first_woken = self.bodies.moving();
+            let first_start = memory.starts.len();
+            let first_fault = self.workspace.findings.faults.len();
             let touched = memory.detected.touched.iter().copied();
             let woke = &mut self.workspace.report.woke;
             let Contacts { colliders, contacts, .. } = &mut self.contacts;
             let before = woke.len();
             island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
             memory.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
-            let indices = first..self.bodies.moving();
-            let with_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
-            memory.starts.extend(indices.clone().filter(with_colliders).map(|dense| Start::of(self.bodies, dense)));
+            let indices = first_woken..self.bodies.moving();
+            let has_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
+            memory.starts.extend(indices.clone().filter(has_colliders).map(|dense| Start::of(self.bodies, dense)));
             self.fly(indices, constants, schedule);
-            self.leave_out_faulty(memory, from, known);
+            self.leave_out_faulty(memory, first_start, first_fault);
             memory.detected.touched.clear();
-            let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[from..];
+            let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[first_start..];
             memory.engine.spread(&self.unchanged(starts, settings), self.contacts.contacts, &mut memory.detected);
             if memory.detected.touched.is_empty() {
                 break;
@@ -409,22 +412,22 @@ impl<S: Scalar> Step<'_, S> {
         contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
     }
 
-    /// Leaves out those of the starts from `from` on that are at fault, by the faults from `known` on.
-    fn leave_out_faulty(&self, memory: &mut Workspace<S>, from: usize, known: usize) {
-        let faults = &self.workspace.found.faults[known..];
+    /// Removes the starts from `first_start` on of bodies at fault, by the faults from `first_fault` on.
+    fn leave_out_faulty(&self, memory: &mut Workspace<S>, first_start: usize, first_fault: usize) {
+        let faults = &self.workspace.findings.faults[first_fault..];
         if faults.is_empty() {
             return;
         }
         let Workspace { starts, at_fault, .. } = memory;
         list_faulty(faults, at_fault);
-        let mut kept = from;
-        for i in from..starts.len() {
+        let mut end = first_start;
+        for i in first_start..starts.len() {
             if at_fault.binary_search(&starts[i].dense).is_err() {
-                starts.swap(kept, i);
-                kept += 1;
+                starts.swap(end, i);
+                end += 1;
             }
         }
-        starts.truncate(kept);
+        starts.truncate(end);
     }
 
     /// Takes bodies that woke in the step through the stages of the integrator.
@@ -432,7 +435,7 @@ impl<S: Scalar> Step<'_, S> {
         // Accelerations are cached for the bodies that were awake before.
         self.workspace.drop_cached_fields();
         let outside = core::mem::take(&mut self.workspace.report.drag_outside);
-        // A force that is applied wakes a body at once: none acts on these.
+        // An applied force wakes a body at once: no applied force acts on these bodies.
         self.run_coupled(indices, &Constants { applied: &[], ..*constants }, schedule);
         self.workspace.report.drag_outside += outside;
         self.workspace.drop_cached_fields();
@@ -446,11 +449,11 @@ impl<S: Scalar> Step<'_, S> {
         }
     }
 
-    /// Adds what impulses change. A body that leaves the allowed range is taken back to the start.
+    /// Adds the corrections by impulses to the bodies. A body that leaves the allowed range is taken back to the start.
     fn correct(&mut self, memory: &Workspace<S>, constants: &Constants<'_, S>) {
         let from_fixed = <S::Accumulator as Accumulator<S>>::from_fixed;
-        for (start, by) in memory.starts.iter().zip(&memory.corrections) {
-            if !by.is_pushed {
+        for (start, correction) in memory.starts.iter().zip(&memory.corrections) {
+            if !correction.is_pushed {
                 continue;
             }
             let i = start.dense;
@@ -459,14 +462,14 @@ impl<S: Scalar> Step<'_, S> {
             let sum = |from: Vec2<S::Accumulator>, change: Vec2<FxAccumulator>| {
                 Vec2::new(from.x.plus(from_fixed(change.x)), from.y.plus(from_fixed(change.y)))
             };
-            motion.position.set(i, sum(motion.position.get(i), by.displacement));
-            motion.velocity.set(i, sum(motion.velocity.get(i), by.velocity));
-            motion.angular_velocity[i] = motion.angular_velocity[i].plus(from_fixed(by.angular_velocity));
-            motion.angle[i] = motion.angle[i].turned(from_fixed(by.rotation));
+            motion.position.set(i, sum(motion.position.get(i), correction.displacement));
+            motion.velocity.set(i, sum(motion.velocity.get(i), correction.velocity));
+            motion.angular_velocity[i] = motion.angular_velocity[i].plus(from_fixed(correction.angular_velocity));
+            motion.angle[i] = motion.angle[i].turned(from_fixed(correction.rotation));
             if constants.any_capped {
                 cap(&mut bodies.block(i..i + 1), BlockFactors::Each(constants.rows));
             }
-            if leaves_range(bodies, i, &mut self.workspace.found) {
+            if leaves_range(bodies, i, &mut self.workspace.findings) {
                 start.restore(bodies);
             } else if bodies.info(i).kind == BodyKind::Dynamic {
                 let is_slow = is_slow(self.bodies, self.contacts.colliders, constants.sleep_speed, i);
@@ -479,7 +482,8 @@ impl<S: Scalar> Step<'_, S> {
     /// Counts a step of a body that contacts moved or stopped: it is at rest while it is slow and stays where it is, and nothing else is
     /// applied to it.
     fn count_rest(&mut self, start: &Start<S>, is_slow: bool, constants: &Constants<'_, S>) {
-        let (i, speed) = (start.dense, constants.sleep_speed);
+        let i = start.dense;
+        let speed = constants.sleep_speed;
         let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err();
         let rests = constants.sleep_after.is_some()
             && is_slow
@@ -488,7 +492,7 @@ impl<S: Scalar> Step<'_, S> {
         let ticks_at_rest = &mut self.bodies.columns.motion.ticks_at_rest[i];
         *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
         if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {
-            self.workspace.found.candidates.push(i);
+            self.workspace.findings.candidates.push(i);
         }
     }
 

@@ -26,13 +26,13 @@ pub(super) struct Workspace<S: Scalar> {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Takes all coupled bodies back to what they were before the step.
+    /// Takes all coupled bodies back to their state before the step.
     pub(super) fn restore_all(&self, coupled: &mut Block<'_, S>) {
         (0..coupled.len()).for_each(|i| self.backup.restore(coupled, i));
     }
 }
 
-/// The kinds of fields that there are; a stage of a kind that is missing is passed over.
+/// The kinds of fields in the world; a stage is skipped if its kind is missing.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct FieldKinds {
     pub(super) position: bool,
@@ -74,10 +74,10 @@ pub(super) fn may_move<S: Scalar>(bodies: &Bodies<S>, i: usize) -> bool {
     bodies.info(i).kind != BodyKind::Static && bodies.activity(i).takes_part()
 }
 
-/// The coupled bodies, and what acts on them.
+/// The coupled bodies, and the forces on them.
 pub(super) struct Coupled<'a, S: Scalar> {
     pub(super) bodies: &'a mut Bodies<S>,
-    /// The coupled ones.
+    /// The indices of the coupled bodies.
     pub(super) indices: Range<usize>,
     pub(super) forces: Forces<'a, S>,
     pub(super) constants: Constants<'a, S>,
@@ -92,13 +92,13 @@ impl<S: Scalar> Coupled<'_, S> {
     }
 
     /// The coupled bodies, a block after the other.
-    pub(super) fn each_block(&mut self, mut act: impl FnMut(&mut Block<'_, S>)) {
-        let mut others = self.all();
-        while others.len() > 0 {
-            let count = BLOCK.min(others.len());
-            let (mut block, rest) = others.split(count);
-            others = rest;
-            act(&mut block);
+    pub(super) fn each_block(&mut self, mut run: impl FnMut(&mut Block<'_, S>)) {
+        let mut blocks = self.all();
+        while blocks.len() > 0 {
+            let count = BLOCK.min(blocks.len());
+            let (mut block, rest) = blocks.split(count);
+            blocks = rest;
+            run(&mut block);
         }
     }
 
@@ -124,12 +124,12 @@ pub(super) fn run<S: Scalar>(
     let Constants { rows, any_capped, .. } = pass.constants;
     timed!(workspace, finish, begin(&mut pass, workspace));
     if pass.kinds.position && !pass.integrator.opens_with_fields() {
-        timed!(workspace, fields, fields::complete(&pass, &mut workspace.fields, &mut workspace.found.faults));
+        timed!(workspace, fields, fields::complete(&pass, &mut workspace.fields, &mut workspace.findings.faults));
     }
     if pass.kinds.drag && pass.integrator == Integrator::Yoshida4 {
         timed!(workspace, damp, damp::open_outside(&mut pass, workspace));
     }
-    while let [stage, others @ ..] = stages {
+    while let [stage, rest @ ..] = stages {
         match stage.kind {
             StageKind::Fields => timed!(workspace, fields, fields::run(&pass, workspace)),
             StageKind::Damp => timed!(workspace, damp, damp::run(&mut pass, stage, workspace)),
@@ -138,13 +138,13 @@ pub(super) fn run<S: Scalar>(
             StageKind::Clear | StageKind::Detect | StageKind::Solve | StageKind::Push => {}
         }
         // Drag around the whole step ends with the last damp.
-        if workspace.report.drag_outside > 0 && others.is_empty() {
+        if workspace.report.drag_outside > 0 && rest.is_empty() {
             timed!(workspace, damp, damp::close_outside(&mut pass, workspace));
         }
         if let Some(probe) = &mut probe {
             probe(stage, pass.bodies, None);
         }
-        stages = others;
+        stages = rest;
     }
     if any_capped {
         pass.each_block(|block| cap(block, BlockFactors::of(block, rows)));
@@ -158,26 +158,27 @@ fn begin<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>)
     let coupled = pass.all();
     workspace.coupled.backup.keep(&coupled);
     workspace.fields.begin();
-    constants.report_overloaded(&coupled, &mut workspace.found.faults);
+    constants.report_overloaded(&coupled, &mut workspace.findings.faults);
 }
 
-/// Checks the bodies, and gives those with a fault back what they were.
+/// Checks the bodies, and restores the state before the step of bodies with a fault.
 fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { coupled: Workspace { backup, floating }, fields, found, .. } = workspace;
+    let StepWorkspace { coupled: Workspace { backup, floating }, fields, findings, .. } = workspace;
     let constants = pass.constants;
     floating.clear();
     if pass.kinds.fluid && constants.sleep_after.is_some() {
-        let (bodies, mut fluids) = (&*pass.bodies, fields.fluids(pass.forces));
+        let bodies = &*pass.bodies;
+        let mut fluids = fields.fluids(pass.forces);
         let is_slow = |i: &usize| is_slow(bodies, pass.forces.colliders, constants.sleep_speed, *i);
         let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(&mut fluids, bodies, i));
         floating.extend(slow.map(|i| (i, bodies.columns.motion.ticks_at_rest[i])));
     }
     let mut coupled = pass.all();
-    check_bounds_and_rest(&mut coupled, backup, &constants, found);
-    found.sort_faults();
+    check_bounds_and_rest(&mut coupled, backup, &constants, findings);
+    findings.sort_faults();
     if constants.restores {
         let first = coupled.first;
-        for (i, _) in part_in(&coupled, &found.faults) {
+        for (i, _) in part_in(&coupled, &findings.faults) {
             backup.restore(&mut coupled, *i - first);
             coupled.ticks_at_rest[*i - first] = 0;
         }
@@ -185,12 +186,12 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
     // A fluid may move it a little in each step: it counts as at rest while it is slow and nothing else is applied to it.
     for &(i, ticks_at_rest) in &*floating {
         let is_left_alone = constants.applied.binary_search_by_key(&i, |(i, _)| *i).is_err()
-            && found.faults.binary_search_by_key(&i, |(i, _)| *i).is_err();
+            && findings.faults.binary_search_by_key(&i, |(i, _)| *i).is_err();
         if is_left_alone {
             let rest = ticks_at_rest.saturating_add(1);
             coupled.ticks_at_rest[i - coupled.first] = rest;
             if constants.sleep_after.is_some_and(|ticks| is_candidate(rest, ticks)) {
-                found.candidates.push(i);
+                findings.candidates.push(i);
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::scalar::{Factor, Scalar};
 /// Memory that the stage uses again. By indices in the coupled bodies.
 #[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
-    /// The most that a step may add to the speed of a body.
+    /// The largest speed that a step may add to each body.
     speed_gain: Vec<S::Factor>,
     /// True for each body whose drag acts around the whole step.
     outside: Vec<bool>,
@@ -36,8 +36,9 @@ pub(super) fn run<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace
 fn damp_blocks<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace: &mut StepWorkspace<S>) {
     let rows = pass.constants.rows;
     pass.each_block(|block| {
-        let (factors, turns) = (BlockFactors::of(block, rows), block.any_turns());
-        damp(block, factors, stage.span, turns, &mut workspace.found.faults);
+        let factors = BlockFactors::of(block, rows);
+        let turns = block.any_turns();
+        damp(block, factors, stage.span, turns, &mut workspace.findings.faults);
     });
 }
 
@@ -46,12 +47,12 @@ fn resist_inside<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace:
         return;
     }
     let timing = pass.constants.plan.timing[stage.span];
-    let StepWorkspace { damp: Workspace { outside, .. }, fields, report, found, .. } = workspace;
+    let StepWorkspace { damp: Workspace { outside, .. }, fields, report, findings, .. } = workspace;
     let fluids = fields.fluids(pass.forces);
     let first = pass.indices.start;
-    let only = |i: usize| report.drag_outside == 0 || !outside[i - first];
+    let acts_inside = |i: usize| report.drag_outside == 0 || !outside[i - first];
     let span = (timing.seconds, timing.negative);
-    resist(fluids, pass.bodies, pass.indices.clone(), span, stage.mirrored, only, &mut found.faults);
+    resist(fluids, pass.bodies, pass.indices.clone(), span, stage.mirrored, acts_inside, &mut findings.faults);
 }
 
 /// Finds the bodies whose drag acts around the whole step, and lets the first half of it act.
@@ -66,19 +67,21 @@ pub(super) fn close_outside<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mu
 }
 
 fn resist_outside<S: Scalar>(pass: &mut Coupled<'_, S>, mirrored: bool, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { damp: Workspace { outside, .. }, fields, found, .. } = workspace;
+    let StepWorkspace { damp: Workspace { outside, .. }, fields, findings, .. } = workspace;
     let fluids = fields.fluids(pass.forces);
-    let (first, span) = (pass.indices.start, (pass.constants.plan.half, false));
-    let only = |i: usize| outside[i - first];
-    resist(fluids, pass.bodies, pass.indices.clone(), span, mirrored, only, &mut found.faults);
+    let first = pass.indices.start;
+    let span = (pass.constants.plan.half, false);
+    let acts_outside = |i: usize| outside[i - first];
+    resist(fluids, pass.bodies, pass.indices.clone(), span, mirrored, acts_outside, &mut findings.faults);
 }
 
-/// Finds the bodies whose drag is to act around the whole step, judged by what gravity, the applied forces and the fields of
-/// position here may add to their speed in twice the time step.
+/// Finds the bodies whose drag is to act around the whole step, judged by the speed that gravity, the applied forces and the
+/// fields of position here may add to each in twice the time step.
 fn find_stiff_drag<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
     let StepWorkspace { fields, damp: Workspace { speed_gain, outside }, report, .. } = workspace;
     let size = |a: Vec2<S::Wide>| S::Factor::from_wide(a.x).plus(S::Factor::from_wide(a.y));
-    let (constants, first) = (&pass.constants, pass.indices.start);
+    let constants = &pass.constants;
+    let first = pass.indices.start;
     speed_gain.clear();
     let rows = &pass.bodies.columns.factors[pass.indices.clone()];
     speed_gain.extend(rows.iter().map(|&row| size(constants.rows[row as usize].gravity)));
@@ -92,6 +95,6 @@ fn find_stiff_drag<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspa
     let whole = constants.plan.whole;
     let twice = whole.plus(whole);
     let gain = |i: usize| speed_gain[i - first].times(twice);
-    let forces = (pass.forces.fields, pass.forces.colliders);
-    report.drag_outside = outer_drag(forces, pass.bodies, pass.indices.clone(), whole, gain, outside);
+    let (forces, coupled) = (pass.forces, pass.indices.clone());
+    report.drag_outside = outer_drag(forces.fields, forces.colliders, pass.bodies, coupled, whole, gain, outside);
 }

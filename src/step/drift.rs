@@ -1,6 +1,6 @@
 //! The drift stage of coupled bodies: velocities to positions and angles.
 //!
-//! Reads: velocities, last accelerations. Writes: positions, angles, faults; what is cached of the positions is dropped.
+//! Reads: velocities, last accelerations. Writes: positions, angles, faults; drops the caches of the positions.
 
 use super::Workspace as StepWorkspace;
 use super::coupled::Coupled;
@@ -29,7 +29,7 @@ fn drift_by_acceleration<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut S
                 (x[i], y[i]) = (x[i].plus(linear.x), y[i].plus(linear.y));
                 block.angle[i] = block.angle[i].turned(angular);
             }
-            _ => workspace.found.faults.push((block.first + i, Cause::Velocity)),
+            _ => workspace.findings.faults.push((block.first + i, Cause::Velocity)),
         }
     }
 }

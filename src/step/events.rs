@@ -1,4 +1,4 @@
-//! Events: contacts that begin and end, hits, and what enters and leaves sensors.
+//! Events: contacts that begin and end, hits, and colliders that enter and leave sensors.
 //!
 //! Reads: the contacts before and after the step, poses at its end, the pairs that calls ended. Writes: the report, the overlaps of
 //! sensors.
@@ -19,12 +19,14 @@ impl<S: Scalar> Step<'_, S> {
         }
         let faults = &report.faults;
         let is_at_fault = |body: BodyId| faults.binary_search_by_key(&body, |fault| fault.body).is_ok();
-        let of = |slot: u32| colliders.at(slot).is_some_and(|collider| is_at_fault(collider.body));
-        contacts.records.retain(|record: &ContactRecord| !record.pair().iter().any(|outline| of(outline.slot)));
+        contacts.records.retain(|record: &ContactRecord| {
+            let colliders = record.pair().map(|outline| colliders.at(outline.slot));
+            !colliders.into_iter().flatten().any(|collider| is_at_fault(collider.body))
+        });
         report.hits.retain(|hit| !hit.pair.bodies.into_iter().any(is_at_fault));
     }
 
-    /// Reports events, and keeps what overlaps sensors.
+    /// Reports events, and keeps the overlaps of sensors.
     pub(super) fn report_events(&mut self) {
         let Contacts { colliders, contacts, settings } = &mut self.contacts;
         let any_contacts = colliders.any_contact_events();
@@ -32,7 +34,9 @@ impl<S: Scalar> Step<'_, S> {
         if !any_contacts && !any_overlaps && contacts.ended.is_empty() {
             return;
         }
-        let (workspace, bodies, colliders) = (&mut *self.workspace, &*self.bodies, colliders.fixed());
+        let workspace = &mut *self.workspace;
+        let bodies = &*self.bodies;
+        let colliders = colliders.fixed();
         let report = &mut workspace.report;
         if !contacts.ended.is_empty() {
             contacts.pushed_at = self.settings.tick;
@@ -45,16 +49,18 @@ impl<S: Scalar> Step<'_, S> {
                 list_pairs(&contacts.records, colliders, &mut memory.touching_after);
                 let pair = |slots| ColliderPair::of_contact(bodies, colliders, slots);
                 let lists = [&memory.touching_before[..], &memory.touching_after];
-                let (ended, began) = (&mut report.contacts_ended, &mut report.contacts_began);
+                let ended = &mut report.contacts_ended;
+                let began = &mut report.contacts_began;
                 compare(lists, |slots| ended.extend(pair(slots)), |slots| began.extend(pair(slots)));
             }
             if any_overlaps {
                 memory.find_overlaps(bodies, colliders, &report.fell_asleep, &settings.to_fx());
                 let pair = |overlap: Overlap| ColliderPair::new(bodies, colliders, overlap.slots());
                 let lists = [&contacts.overlaps[..], memory.overlaps()];
-                let (left, entered) = (&mut report.sensors_left, &mut report.sensors_entered);
+                let left = &mut report.sensors_left;
+                let entered = &mut report.sensors_entered;
                 compare(lists, |overlap| left.extend(pair(overlap)), |overlap| entered.extend(pair(overlap)));
-                // Those that were in the sensor at the start leave it alone, also where a call made them do so.
+                // A collider that was in the sensor at the start only leaves it, also where a call moved it out.
                 left.sort_unstable_by_key(ColliderPair::rank);
                 let has_left =
                     |pair: &ColliderPair| left.binary_search_by_key(&pair.rank(), ColliderPair::rank).is_ok();

@@ -2,8 +2,8 @@
 //!
 //! Reads: fields, positions, angles, velocities, masses, groups. Writes: the accelerations by fields, faults.
 //!
-//! The accelerations by fields of position hold until something moves: those at the end of a step serve the first kick of the
-//! next one. They are a function of the state, not state.
+//! The accelerations by fields of position hold until something moves: the accelerations at the end of a step serve the first kick of
+//! the next one. They are a function of the state, not state.
 
 use alloc::vec::Vec;
 
@@ -24,7 +24,7 @@ pub(super) struct Workspace<S: Scalar> {
     directions: Directions<S>,
     /// Of the positions and angles now, within a step.
     parts: Parts<S>,
-    /// The accelerations by fields of position; those of the positions now if `is_current`, but for the bodies in `outdated`.
+    /// The accelerations by fields of position; at the positions now if `is_current`, but for the bodies in `outdated`.
     pub(super) position: Accelerations<S>,
     is_current: bool,
     /// The gravity that the lift among them is evaluated with; zero without a fluid.
@@ -36,7 +36,7 @@ pub(super) struct Workspace<S: Scalar> {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Drops what belongs to the positions and angles of coupled bodies.
+    /// Drops the caches of the positions and angles of coupled bodies.
     pub(super) fn drop_cached(&mut self) {
         self.is_current = false;
         self.outdated.clear();
@@ -49,13 +49,13 @@ impl<S: Scalar> Workspace<S> {
         self.parts.clear();
     }
 
-    /// The fluids, and what is known of the bodies in them.
+    /// The fluids, and the cached parts of the bodies in them.
     pub(super) fn fluids<'a>(&'a mut self, forces: Forces<'a, S>) -> Fluids<'a, S> {
         let Forces { fields, colliders, .. } = forces;
         Fluids { fields, colliders, parts: &mut self.parts }
     }
 
-    /// Drops what is cached of bodies that changed, and of the bodies at the other ends of fields attached to them.
+    /// Drops the caches of bodies that changed, and of the bodies at the other ends of fields attached to them.
     pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
         let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
         let Some(changed) = changed else { return self.drop_cached() };
@@ -80,13 +80,13 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Marks the other ends of what is attached to the bodies that changed. It gives up where these are many: a kilobyte of
+    /// Marks the other ends of the fields that are attached to the bodies that changed. It gives up where these are many: a kilobyte of
     /// calls may name a body with any number of fields.
     fn outdate_neighbours(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
-        let most = bodies.moving() - bodies.free_count();
-        for place in 0..self.outdated.len() {
-            for (_, field) in fields.attached_to(bodies.id(self.outdated[place])) {
-                if matches!(field.kind, FieldKind::Attractor { .. }) || self.outdated.len() > most {
+        let limit = bodies.moving() - bodies.free_count();
+        for index in 0..self.outdated.len() {
+            for (_, field) in fields.attached_to(bodies.id(self.outdated[index])) {
+                if matches!(field.kind, FieldKind::Attractor { .. }) || self.outdated.len() > limit {
                     self.is_current = false;
                     return;
                 }
@@ -108,7 +108,7 @@ impl<S: Scalar> Workspace<S> {
         self.position.retain(|(i, _)| coupled.contains(i) && outdated.binary_search(i).is_err());
     }
 
-    /// Takes over what is cached of another one, which this one is a copy of.
+    /// Takes over the caches of the workspace that this one is a copy of.
     pub(super) fn clone_cached_from(&mut self, source: &Self) {
         self.is_current = source.is_current && source.outdated.is_empty();
         self.gravity = source.gravity;
@@ -119,15 +119,15 @@ impl<S: Scalar> Workspace<S> {
     }
 }
 
-/// Evaluates the fields of position, and those of velocity.
+/// Evaluates the fields of position and of velocity.
 pub(super) fn run<S: Scalar>(pass: &Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
-    let StepWorkspace { fields, found, .. } = workspace;
+    let StepWorkspace { fields, findings, .. } = workspace;
     if pass.kinds.position {
         fields.is_current = false;
-        complete(pass, fields, &mut found.faults);
+        complete(pass, fields, &mut findings.faults);
     }
     if pass.kinds.velocity {
-        evaluate_velocity(pass, fields, &mut found.faults);
+        evaluate_velocity(pass, fields, &mut findings.faults);
     }
 }
 
@@ -140,15 +140,18 @@ pub(super) fn complete<S: Scalar>(
     let gravity = if pass.kinds.fluid { pass.forces.gravity } else { Vec2::ZERO };
     let Workspace { position, is_current, outdated, .. } = workspace;
     *is_current &= workspace.gravity == gravity;
-    let (mut into, only) = (core::mem::take(position), core::mem::take(outdated));
+    let mut accelerations = core::mem::take(position);
+    let outdated = core::mem::take(outdated);
     if !*is_current {
-        into.clear();
-        evaluate(pass, Dependence::Position, pass.targets(), workspace, &mut into, faults);
-    } else if !only.is_empty() {
-        evaluate(pass, Dependence::Position, Targets::Only(&only), workspace, &mut into, faults);
+        accelerations.clear();
+        evaluate(pass, Dependence::Position, pass.targets(), workspace, &mut accelerations, faults);
+    } else if !outdated.is_empty() {
+        evaluate(pass, Dependence::Position, Targets::Only(&outdated), workspace, &mut accelerations, faults);
     }
-    (workspace.position, workspace.outdated, workspace.is_current) = (into, only, true);
+    workspace.position = accelerations;
+    workspace.is_current = true;
     workspace.gravity = gravity;
+    workspace.outdated = outdated;
     workspace.outdated.clear();
 }
 
@@ -158,10 +161,10 @@ pub(super) fn evaluate_velocity<S: Scalar>(
     workspace: &mut Workspace<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let mut into = core::mem::take(&mut workspace.velocity);
-    into.clear();
-    evaluate(pass, Dependence::Velocity, pass.targets(), workspace, &mut into, faults);
-    workspace.velocity = into;
+    let mut accelerations = core::mem::take(&mut workspace.velocity);
+    accelerations.clear();
+    evaluate(pass, Dependence::Velocity, pass.targets(), workspace, &mut accelerations, faults);
+    workspace.velocity = accelerations;
 }
 
 /// Adds the accelerations by the fields of one dependence, of all coupled bodies or of some.
@@ -170,16 +173,16 @@ pub(super) fn evaluate<S: Scalar>(
     dependence: Dependence,
     targets: Targets<'_>,
     workspace: &mut Workspace<S>,
-    into: &mut Accelerations<S>,
+    accelerations: &mut Accelerations<S>,
     faults: &mut Vec<(usize, Cause)>,
 ) {
     let Workspace { directions, parts, loads, .. } = workspace;
     loads.clear();
-    accumulate(pass.scene(), dependence, targets, (directions, parts), loads, faults);
+    accumulate(pass.scene(), dependence, targets, directions, parts, loads, faults);
     // A spring may push a body that goes through the step by itself: its load there is not of this pass.
     for (i, load) in loads.rows().iter().filter(|(i, _)| pass.indices.contains(i)) {
         match acceleration(load, pass.bodies.mass(*i)) {
-            Some(acceleration) => into.push((*i, acceleration)),
+            Some(acceleration) => accelerations.push((*i, acceleration)),
             None => faults.push((*i, Cause::Force)),
         }
     }

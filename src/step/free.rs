@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 
 use super::applied::part_in;
 use super::bounds::{SafeSteps, check_bounds_and_rest};
-use super::{Constants, Found, kick};
+use super::{Constants, Findings, kick};
 use crate::body::{BLOCK, Block, Bodies, Motion};
 use crate::error::Cause;
 use crate::integrate::{
@@ -43,18 +43,18 @@ impl Default for Share {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// Shares the pass between threads from twice as many bodies on as one of them takes at least.
+    /// Shares the pass between threads from twice as many bodies on as a thread takes at least.
     #[cfg(all(feature = "parallel", feature = "selftest"))]
-    pub(super) fn share(&mut self, least: usize) {
-        self.share = Share(least.max(BLOCK));
+    pub(super) fn share(&mut self, min_bodies: usize) {
+        self.share = Share(min_bodies.max(BLOCK));
     }
 
-    /// Drops what is cached of all blocks.
+    /// Drops the caches of all blocks.
     pub(super) fn drop_cached(&mut self) {
         self.safe_steps.clear();
     }
 
-    /// Drops what is cached of the blocks with bodies that changed.
+    /// Drops the caches of the blocks with bodies that changed.
     pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>) {
         // Where fields that act by groups changed, bodies may have come to a block without a change of their own.
         let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
@@ -65,7 +65,7 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// Drops what is cached of the block with the body at this index.
+    /// Drops the cache of the block with the body at this index.
     pub(super) fn drop_block(&mut self, i: usize) {
         if let Some(safe_steps) = self.safe_steps.get_mut(i / BLOCK) {
             *safe_steps = SafeSteps::default();
@@ -83,22 +83,22 @@ pub(super) fn run<S: Scalar>(
     bodies: &mut Bodies<S>,
     count: usize,
     workspace: &mut Workspace<S>,
-    found: &mut Found,
+    findings: &mut Findings,
 ) {
     workspace.safe_steps.resize(count.div_ceil(BLOCK), SafeSteps::default());
     let blocks = bodies.block(0..count);
     #[cfg(feature = "parallel")]
     if count / 2 >= workspace.share.0 {
         // Each piece allocates a backup of its own, if it needs one.
-        return pass.run_in_parallel(blocks, workspace.share, &mut workspace.safe_steps, found);
+        return pass.run_in_parallel(blocks, workspace.share, &mut workspace.safe_steps, findings);
     }
     let Workspace { safe_steps, backup, .. } = workspace;
     // Now, not in the step in which a block first needs it.
     backup.make_room(BLOCK.min(count));
-    pass.run(blocks, safe_steps, backup, found);
+    pass.run(blocks, safe_steps, backup, findings);
 }
 
-/// The list of stages, and what all blocks share in a step.
+/// The list of stages, and the constants that all blocks share in a step.
 #[derive(Clone, Copy)]
 pub(super) struct FreePass<'a, S: Scalar> {
     pub(super) constants: Constants<'a, S>,
@@ -107,31 +107,43 @@ pub(super) struct FreePass<'a, S: Scalar> {
 
 impl<S: Scalar> FreePass<'_, S> {
     /// Takes blocks through the whole step. `safe_steps` has one entry a block.
-    fn run(&self, mut blocks: Block<'_, S>, safe_steps: &mut [SafeSteps], backup: &mut Motion<S>, found: &mut Found) {
+    fn run(
+        &self,
+        mut blocks: Block<'_, S>,
+        safe_steps: &mut [SafeSteps],
+        backup: &mut Motion<S>,
+        findings: &mut Findings,
+    ) {
         for safe_steps in safe_steps {
             let count = BLOCK.min(blocks.len());
-            let (mut block, others) = blocks.split(count);
-            blocks = others;
-            self.run_block(&mut block, safe_steps, backup, found);
+            let (mut block, rest) = blocks.split(count);
+            blocks = rest;
+            self.run_block(&mut block, safe_steps, backup, findings);
         }
     }
 
-    /// Takes blocks through the whole step on all cores. The motion of a body depends on itself alone, and what was found is put
-    /// together in order: no bit depends on the number of cores.
+    /// Takes blocks through the whole step on all cores. The motion of a body depends on itself alone, and the findings are
+    /// joined in order: no bit depends on the number of cores.
     #[cfg(feature = "parallel")]
-    fn run_in_parallel(&self, blocks: Block<'_, S>, share: Share, safe_steps: &mut [SafeSteps], found: &mut Found) {
+    fn run_in_parallel(
+        &self,
+        blocks: Block<'_, S>,
+        share: Share,
+        safe_steps: &mut [SafeSteps],
+        findings: &mut Findings,
+    ) {
         if blocks.len() <= share.0 {
-            return self.run(blocks, safe_steps, &mut Motion::default(), found);
+            return self.run(blocks, safe_steps, &mut Motion::default(), findings);
         }
         let half = (blocks.len() / 2).next_multiple_of(BLOCK);
-        let (blocks, others) = blocks.split(half);
-        let (safe_steps, safe_steps_there) = safe_steps.split_at_mut(half / BLOCK);
-        let mut found_there = Found::default();
+        let (left_blocks, right_blocks) = blocks.split(half);
+        let (left_safe_steps, right_safe_steps) = safe_steps.split_at_mut(half / BLOCK);
+        let mut right_findings = Findings::default();
         rayon::join(
-            || self.run_in_parallel(blocks, share, safe_steps, found),
-            || self.run_in_parallel(others, share, safe_steps_there, &mut found_there),
+            || self.run_in_parallel(left_blocks, share, left_safe_steps, findings),
+            || self.run_in_parallel(right_blocks, share, right_safe_steps, &mut right_findings),
         );
-        found.append(&mut found_there);
+        findings.append(&mut right_findings);
     }
 
     fn run_block(
@@ -139,7 +151,7 @@ impl<S: Scalar> FreePass<'_, S> {
         block: &mut Block<'_, S>,
         safe_steps: &mut SafeSteps,
         backup: &mut Motion<S>,
-        found: &mut Found,
+        findings: &mut Findings,
     ) {
         let Constants { rows, applied, sleep_after, restores, any_capped, plan, .. } = self.constants;
         let factors = BlockFactors::of(block, rows);
@@ -152,31 +164,31 @@ impl<S: Scalar> FreePass<'_, S> {
                 backup.keep(block);
             }
         }
-        let first_fault = found.faults.len();
+        let first_fault = findings.faults.len();
         if is_pushed {
-            self.constants.report_overloaded(block, &mut found.faults);
+            self.constants.report_overloaded(block, &mut findings.faults);
         }
         let mut turns = block.any_turns();
         let fuses = !is_pushed && factors.decay(block);
         for stage in self.stages {
             match *stage {
                 FreeStage::FusedKickDriftKick { half, whole } if fuses => {
-                    let span = (half, &plan.timing[whole]);
+                    let (timing, backwards) = (&plan.timing[whole], plan.backwards);
                     match factors {
-                        BlockFactors::Alike(row) => fused_kick_drift_kick(block, row, span, turns, plan.backwards),
+                        BlockFactors::Alike(row) => fused_kick_drift_kick(block, row, half, timing, turns, backwards),
                         BlockFactors::Each(rows) => {
-                            fused_kick_drift_kick_each(block, rows, span, turns, plan.backwards);
+                            fused_kick_drift_kick_each(block, rows, half, timing, turns, backwards);
                         }
                     }
                 }
                 FreeStage::FusedKickDriftKick { half, whole } => {
                     for stage in split_fused(half, whole) {
-                        self.run_stage(&stage, block, factors, turns, &mut found.faults);
+                        self.run_stage(&stage, block, factors, turns, &mut findings.faults);
                         turns = turns || (is_pushed && block.any_turns());
                     }
                 }
                 FreeStage::Single(stage) => {
-                    self.run_stage(&stage, block, factors, turns, &mut found.faults);
+                    self.run_stage(&stage, block, factors, turns, &mut findings.faults);
                     turns = turns || (is_pushed && block.any_turns());
                 }
             }
@@ -185,9 +197,9 @@ impl<S: Scalar> FreePass<'_, S> {
             cap(block, factors);
         }
         if is_guarded {
-            check_bounds_and_rest(block, backup, &self.constants, found);
+            check_bounds_and_rest(block, backup, &self.constants, findings);
             if restores {
-                for &(i, _) in &found.faults[first_fault..] {
+                for &(i, _) in &findings.faults[first_fault..] {
                     backup.restore(block, i - block.first);
                     block.ticks_at_rest[i - block.first] = 0;
                 }

@@ -43,9 +43,10 @@ pub(super) fn run<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace
     if pass.integrator == Integrator::PublishedVerlet {
         return kick_by_mean(pass, workspace);
     }
-    let (constants, kinds) = (pass.constants, pass.kinds);
-    let StepWorkspace { fields, kick: Workspace { second, .. }, found, .. } = workspace;
-    let faults = &mut found.faults;
+    let constants = pass.constants;
+    let kinds = pass.kinds;
+    let StepWorkspace { fields, kick: Workspace { second, .. }, findings, .. } = workspace;
+    let faults = &mut findings.faults;
     if kinds.velocity && !stage.mirrored && !pass.integrator.opens_with_fields() {
         fields::evaluate_velocity(pass, fields, faults);
     }
@@ -86,8 +87,9 @@ fn kick_all<S: Scalar>(
 
 /// PublishedVerlet's v += (a + a')/2·dt; the new acceleration is kept for the next step.
 fn kick_by_mean<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
-    let (constants, kinds) = (pass.constants, pass.kinds);
-    let StepWorkspace { fields, kick: Workspace { total, .. }, found, .. } = workspace;
+    let constants = pass.constants;
+    let kinds = pass.kinds;
+    let StepWorkspace { fields, kick: Workspace { total, .. }, findings, .. } = workspace;
     let mut block = pass.all();
     let first = block.first;
     total.clear();
@@ -106,12 +108,12 @@ fn kick_by_mean<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorksp
             block.last_acceleration[i] = total;
             sum(&last, &total)
         });
-        let done = match kicked {
+        let outcome = match kicked {
             Some(twice) => kick_by(&mut block, first + i, &twice, constants.plan.half, false),
             None => Err(Cause::Force),
         };
-        if let Err(cause) = done {
-            found.faults.push((first + i, cause));
+        if let Err(cause) = outcome {
+            findings.faults.push((first + i, cause));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The step. [`Step::step`] has its stages in order; each is in a file of its own, which begins with what it reads and writes.
+//! The step. [`Step::step`] has its stages in order; each is in a file of its own, which begins with a list of its reads and writes.
 //!
 //! A *free* body, on which no force field can act, goes through all stages at once with its block ([`free`]). *Coupled* bodies
 //! go stage by stage, together, as a field looks at many bodies at once ([`coupled`]). Which way a body goes changes no bit.
@@ -41,7 +41,7 @@ use crate::scalar::Scalar;
 use coupled::FieldKinds;
 use free::FreePass;
 use timers::timed;
-use workspace::Found;
+use workspace::Findings;
 
 /// The parts of a world that a step works on.
 pub(crate) struct Step<'a, S: Scalar> {
@@ -56,7 +56,7 @@ pub(crate) struct Step<'a, S: Scalar> {
     pub(crate) workspace: &'a mut Workspace<S>,
 }
 
-/// The force fields, and what they depend on beside the bodies.
+/// The force fields, and their inputs beside the bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Forces<'a, S: Scalar> {
     pub(crate) fields: &'a FieldSet<S>,
@@ -79,7 +79,7 @@ pub(crate) struct Settings<'a, S: Scalar> {
     pub(crate) sleep_after: Option<u32>,
 }
 
-/// The function that looks on while a step goes through its stages. Contacts that it is not given are those before the step.
+/// The function that is called after each stage of a step. Its contacts are `None` while they are still the contacts before the step.
 pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>, Option<&ContactSet>) + 'a;
 
 /// The free bodies that a thread takes at least, so that handing them over is worth it: some tens of microseconds. Threads share
@@ -126,7 +126,7 @@ impl<S: Scalar> Constants<'_, S> {
 /// Shows a probe the world after a stage that follows the free flight.
 fn show<S: Scalar>(probe: &mut Option<&mut Probe<'_, S>>, kind: StageKind, bodies: &Bodies<S>, contacts: &ContactSet) {
     let stage = AFTER_FLIGHT.iter().find(|stage| stage.kind == kind);
-    if let (Some(probe), Some(stage)) = (probe, stage) {
+    if let Some((probe, stage)) = probe.as_mut().zip(stage) {
         probe(stage, bodies, Some(contacts));
     }
 }
@@ -137,14 +137,14 @@ impl<S: Scalar> Step<'_, S> {
         let Settings { plan, factor_table, sleep_after, integrator, .. } = self.settings;
         self.workspace.report.clear();
         timed!(self.workspace, survey, self.survey_contacts());
-        // 1. Bodies change sets, free or coupled, if what acts on them changed.
+        // 1. Bodies change sets, free or coupled, if the fields that act on them changed.
         timed!(self.workspace, survey, self.part());
         // 2. Kinematic bodies get the velocity that leads to their target.
         let has_targets = self.targets.are_due(self.bodies);
         if has_targets {
             targets::begin(self.bodies, self.targets, plan, &mut self.workspace.targets);
         }
-        // 3. Caches drop what belongs to bodies that changed.
+        // 3. Caches drop the entries of bodies that changed.
         let kinds = timed!(self.workspace, survey, self.begin());
         // 4. Applied forces become accelerations.
         let applied = timed!(self.workspace, survey, self.convert_applied());
@@ -164,8 +164,8 @@ impl<S: Scalar> Step<'_, S> {
         self.run_stages(&constants, integrator.schedule(), kinds);
         // 6. Kinematic bodies arrive at their targets, to the bit.
         if has_targets {
-            let Workspace { targets: workspace, found, .. } = &mut *self.workspace;
-            targets::finish(self.bodies, self.targets, self.settings.tick, workspace, &mut found.faults);
+            let Workspace { targets: workspace, findings, .. } = &mut *self.workspace;
+            targets::finish(self.bodies, self.targets, self.settings.tick, workspace, &mut findings.faults);
         }
         // 7. Colliders touch: impulses change the free flight of the stages.
         if !self.are_contacts_idle() {
@@ -180,7 +180,7 @@ impl<S: Scalar> Step<'_, S> {
         timed!(self.workspace, finish, {
             quarantine::find(self.bodies, self.workspace);
             if let Some(ticks) = sleep_after {
-                sleep::find(self.bodies, self.forces.fields, &self.contacts, (ticks, kinds), self.workspace);
+                sleep::find(self.bodies, self.forces.fields, &self.contacts, ticks, kinds, self.workspace);
             }
             quarantine::take_out(self.bodies, &self.workspace.report);
             self.drop_contacts_of_quarantined();
@@ -195,7 +195,7 @@ impl<S: Scalar> Step<'_, S> {
         show(&mut self.probe, kind, self.bodies, self.contacts.contacts);
     }
 
-    /// Undoes a tick by an [inverse](Integrator::inverse_schedule) schedule. What was applied over it stays applied.
+    /// Undoes a tick by an [inverse](Integrator::inverse_schedule) schedule. Forces that were applied over it stay applied.
     ///
     /// # Errors
     /// The first fault on the way back, in the order of the handles; then all bodies are as they were.
@@ -218,10 +218,10 @@ impl<S: Scalar> Step<'_, S> {
             any_capped: false,
         };
         self.run_stages(&back, schedule, kinds);
-        let fault = quarantine::first(self.bodies, &self.workspace.found);
+        let fault = quarantine::first(self.bodies, &self.workspace.findings);
         if fault.is_some() {
-            // Of a free body there is no copy: it goes the same way again, there, to the bits it came from. Nothing but
-            // gravity and what was applied acts on it, and whatever was left out as too large is so again.
+            // A free body has no backup: it goes the same way forwards again, to the bits it came from. Only gravity and
+            // applied forces act on it, and a force that was left out as too large is left out again.
             self.run_free(&Constants { plan, ..back }, integrator.schedule());
             let coupled = self.coupled();
             self.workspace.coupled.restore_all(&mut self.bodies.block(coupled));
@@ -276,7 +276,8 @@ impl<S: Scalar> Step<'_, S> {
     /// Takes the bodies at some indices through the stages, as coupled bodies, unseen by the probe.
     fn run_coupled(&mut self, indices: core::ops::Range<usize>, constants: &Constants<'_, S>, schedule: Schedule) {
         let Self { forces, settings, .. } = *self;
-        let (integrator, kinds) = (settings.integrator, FieldKinds::of(forces, self.bodies));
+        let integrator = settings.integrator;
+        let kinds = FieldKinds::of(forces, self.bodies);
         let pass = coupled::Coupled { bodies: self.bodies, indices, forces, constants: *constants, integrator, kinds };
         coupled::run(pass, schedule.coupled, self.workspace, None);
     }
@@ -284,7 +285,7 @@ impl<S: Scalar> Step<'_, S> {
     fn run_free(&mut self, constants: &Constants<'_, S>, schedule: Schedule) {
         let count = self.coupled().start;
         let pass = FreePass { constants: *constants, stages: schedule.free };
-        let Workspace { free, found, .. } = &mut *self.workspace;
-        free::run(&pass, self.bodies, count, free, found);
+        let Workspace { free, findings, .. } = &mut *self.workspace;
+        free::run(&pass, self.bodies, count, free, findings);
     }
 }

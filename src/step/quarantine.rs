@@ -7,28 +7,28 @@ use crate::body::{Activity, Bodies};
 use crate::error::Fault;
 use crate::scalar::Scalar;
 
-use super::workspace::Found;
+use super::workspace::Findings;
 
 /// Reports the faults in the order of the handles; the first fault of a body is its cause.
 pub(super) fn find<S: Scalar>(bodies: &Bodies<S>, workspace: &mut Workspace<S>) {
-    let Workspace { found, report, .. } = workspace;
-    if found.faults.is_empty() {
+    let Workspace { findings, report, .. } = workspace;
+    if findings.faults.is_empty() {
         return;
     }
-    found.sort_faults();
-    found.faults.dedup_by_key(|(i, _)| *i);
-    report.faults.extend(found.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause }));
+    findings.sort_faults();
+    findings.faults.dedup_by_key(|(i, _)| *i);
+    report.faults.extend(findings.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause }));
     report.faults.sort_unstable_by_key(|fault| fault.body);
 }
 
 /// The first fault in the order of the handles.
-pub(super) fn first<S: Scalar>(bodies: &Bodies<S>, found: &Found) -> Option<Fault> {
-    let faults = found.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause });
-    // The first of those that are equal: the first cause of a body.
+pub(super) fn first<S: Scalar>(bodies: &Bodies<S>, findings: &Findings) -> Option<Fault> {
+    let faults = findings.faults.iter().map(|&(i, cause)| Fault { body: bodies.id(i), cause });
+    // The first of equal faults: the first cause of a body.
     faults.min_by_key(|fault| fault.body)
 }
 
-/// Takes the bodies that are at fault and those that fell asleep out of the moving ones.
+/// Takes the bodies at fault and the bodies that fell asleep out of the moving ones.
 pub(super) fn take_out<S: Scalar>(bodies: &mut Bodies<S>, report: &Report<S>) {
     let at_fault = report.faults.iter().map(|fault| (fault.body, Activity::Quarantined));
     let asleep = report.fell_asleep.iter().map(|&body| (body, Activity::Asleep));

@@ -9,7 +9,7 @@
 use super::coupled::{FieldKinds, may_move};
 use super::{Contacts, Workspace};
 use crate::body::Bodies;
-use crate::collider::{Collider, ColliderSet};
+use crate::collider::ColliderSet;
 use crate::contact::Start;
 use crate::force::{End, FieldKind, FieldSet};
 use crate::island;
@@ -22,21 +22,22 @@ pub(super) fn find<S: Scalar>(
     bodies: &mut Bodies<S>,
     fields: &FieldSet<S>,
     contacts: &Contacts<'_, S>,
-    (ticks, kinds): (u32, FieldKinds),
+    ticks: u32,
+    kinds: FieldKinds,
     workspace: &mut Workspace<S>,
 ) {
     if kinds.moving_attractors {
         keep_awake_around_moving_attractors(bodies, fields);
     }
-    let Workspace { found, islands, touching, contacts: own_contacts, report, .. } = workspace;
-    if found.candidates.is_empty() {
+    let Workspace { findings, islands, touching, contacts: memory, report, .. } = workspace;
+    if findings.candidates.is_empty() {
         return;
     }
     touching.clear();
-    if let Some(own) = own_contacts {
-        own.list_touching(bodies, contacts, touching);
+    if let Some(memory) = memory {
+        memory.list_touching(bodies, contacts, touching);
     }
-    let candidates = (&found.candidates[..], &*touching);
+    let candidates = (&findings.candidates[..], &*touching);
     island::find_sleepers(bodies, fields, ticks, candidates, islands, &mut report.fell_asleep);
     for &body in &report.fell_asleep {
         stop(bodies, body);
@@ -58,13 +59,13 @@ fn stop<S: Scalar>(bodies: &mut Bodies<S>, body: BodyId) {
 fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
     for (_, field) in fields.iter() {
         let FieldKind::Attractor { centre: End::Body(carrier), .. } = &field.kind else { continue };
-        let Ok(own) = bodies.find(carrier.body) else { continue };
-        if !may_move(bodies, own) {
+        let Ok(carrier) = bodies.find(carrier.body) else { continue };
+        if !may_move(bodies, carrier) {
             continue;
         }
         // Free bodies feel no field.
         for i in bodies.free_count()..bodies.moving() {
-            if i != own && bodies.info(i).feels(field.force_groups) {
+            if i != carrier && bodies.info(i).feels(field.force_groups) {
                 bodies.columns.motion.ticks_at_rest[i] = 0;
             }
         }
@@ -85,11 +86,14 @@ pub(super) fn has_stayed<S: Scalar>(
     rate: S::Factor,
     start: &Start<S>,
 ) -> bool {
-    let (motion, i) = (&bodies.columns.motion, start.dense);
-    let (from, to) = (start.position, motion.position.get(i));
+    let i = start.dense;
+    let motion = &bodies.columns.motion;
+    let from = start.position;
+    let to = motion.position.get(i);
     let way = [(from.x, to.x), (from.y, to.y)].map(|(from, to)| to.plus(from.negated()).scaled(rate));
     let turned = start.angle.way_to(motion.angle[i]).times(rate).and_then(S::Wide::to_scalar);
-    let ([Some(x), Some(y)], Some(turned)) = (way, turned) else { return false };
+    let [Some(x), Some(y)] = way else { return false };
+    let Some(turned) = turned else { return false };
     is_within([x.value(), y.value(), turned], radius(bodies, colliders, i), speed)
 }
 
@@ -101,21 +105,22 @@ fn velocity<S: Scalar>(bodies: &Bodies<S>, i: usize) -> [S; 3] {
 
 /// The largest distance of a point of a body's colliders from its centre of mass.
 fn radius<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, i: usize) -> S {
-    let larger = |most: S, collider: &Collider<S>| if collider.radius > most { collider.radius } else { most };
-    colliders.solid_of_slot(bodies.columns.slot[i]).fold(S::ZERO, larger)
+    let radii = colliders.solid_of_slot(bodies.columns.slot[i]).map(|collider| collider.radius);
+    radii.fold(S::ZERO, |max, radius| if radius > max { radius } else { max })
 }
 
 /// Returns true if no point within a radius is faster than `speed`, for a velocity along x and y and around the centre. With a speed of 0
 /// no body is slow.
 fn is_within<S: Scalar>([x, y, angular]: [S; 3], radius: S, speed: S) -> bool {
     let size = |value: S| if value < S::ZERO { -value } else { value };
-    let (x, y) = (size(x), size(y));
-    // The speed that the turning leaves to the body.
-    let left = size(angular).times(radius).map(|rim| speed - rim);
+    let x = size(x);
+    let y = size(y);
+    // The rest of the speed, after the speed that the rotation gives the rim.
+    let linear_limit = size(angular).times(radius).map(|rim| speed - rim);
     let square = |v: S| v.product(v);
     // Below 2^10 m/s, no sum is too large.
     speed > S::ZERO
-        && left.is_some_and(|left| {
-            x <= left && y <= left && square(x).plus(square(y)).is_some_and(|sum| sum <= square(left))
+        && linear_limit.is_some_and(|limit| {
+            x <= limit && y <= limit && square(x).plus(square(y)).is_some_and(|sum| sum <= square(limit))
         })
 }

@@ -9,14 +9,14 @@ use crate::error::Cause;
 use crate::integrate::Plan;
 use crate::scalar::Scalar;
 
-/// Memory that this uses again.
+/// Memory that targets use again.
 #[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
     /// The velocities, before the step, of bodies whose targets are too far off, by their indices.
     out_of_reach: Vec<(usize, Velocities<S>)>,
 }
 
-/// Gives bodies with a target the velocity that leads there, and stops those that reached theirs in the step before.
+/// Gives bodies with a target the velocity that leads there, and stops the bodies that reached their target in the step before.
 pub(super) fn begin<S: Scalar>(
     bodies: &mut Bodies<S>,
     targets: &KinematicTargets<S>,
@@ -35,11 +35,11 @@ pub(super) fn begin<S: Scalar>(
         let motion = &mut bodies.columns.motion;
         let velocities = match target {
             KinematicTarget { goal: Some(goal), .. } => {
-                let there = goal.approach(motion, i, locks, plan.rate);
-                if there.is_none() {
+                let velocities = goal.approach(motion, i, locks, plan.rate);
+                if velocities.is_none() {
                     out_of_reach.push((i, (motion.velocity.get(i), motion.angular_velocity[i])));
                 }
-                there.unwrap_or_default()
+                velocities.unwrap_or_default()
             }
             KinematicTarget { goal: None, .. } => still,
         };
@@ -61,8 +61,7 @@ pub(super) fn finish<S: Scalar>(
 ) {
     let out_of_reach = &workspace.out_of_reach;
     // The stages take such a body to within an ulp of its target: beyond a limit perhaps.
-    let travels = |i| targets.of(bodies.id(i)).is_some_and(|target| target.goal.is_some());
-    faults.retain(|(i, _)| !travels(*i));
+    faults.retain(|(i, _)| targets.of(bodies.id(*i)).is_none_or(|target| target.goal.is_none()));
     for (body, target) in targets.rows_mut() {
         let Ok(i) = bodies.find(*body) else { continue };
         if !bodies.activity(i).takes_part() {
@@ -74,8 +73,8 @@ pub(super) fn finish<S: Scalar>(
         };
         let locks = bodies.mass(i).locks;
         let motion = &mut bodies.columns.motion;
-        if let Ok(at) = out_of_reach.binary_search_by_key(&i, |(i, _)| *i) {
-            let (velocity, angular_velocity) = out_of_reach[at].1;
+        if let Ok(index) = out_of_reach.binary_search_by_key(&i, |(i, _)| *i) {
+            let (velocity, angular_velocity) = out_of_reach[index].1;
             motion.velocity.set(i, velocity);
             motion.angular_velocity[i] = angular_velocity;
             // It stood still over the step, and was not at rest.

@@ -5,12 +5,12 @@ macro_rules! timed {
     ($workspace:expr, $part:ident, $run:expr) => {{
         #[cfg(feature = "timers")]
         let start = crate::step::timers::now();
-        let done = $run;
+        let result = $run;
         #[cfg(feature = "timers")]
         {
             $workspace.timers.$part += start.elapsed();
         }
-        done
+        result
     }};
 }
 
@@ -38,14 +38,14 @@ pub(super) fn now() -> std::time::Instant {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Timers {
-    /// Steps, also those that undo one.
+    /// Steps, including steps that undo one.
     pub steps: u64,
-    /// Finding the coupled bodies, dropping what is cached of bodies that changed, and turning applied forces into
+    /// Finding the coupled bodies, dropping the caches of bodies that changed, and turning applied forces into
     /// accelerations.
     pub survey: core::time::Duration,
-    /// All stages of free bodies: those that no field can act on.
+    /// All stages of free bodies, on which no field can act.
     pub free: core::time::Duration,
-    /// The fields stage: evaluating the fields of position, and those of velocity that it needs. This and the parts below are
+    /// The fields stage: evaluating the fields of position, and the fields of velocity that it needs. This and the parts below are
     /// the time of coupled bodies.
     pub fields: core::time::Duration,
     /// Damping and drag.

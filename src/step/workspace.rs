@@ -29,15 +29,15 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(super) contacts: Option<Box<contacts::Workspace<S>>>,
     pub(super) islands: island::Workspace,
     pub(super) touching: island::Touching,
-    pub(super) found: Found,
+    pub(super) findings: Findings,
     pub(crate) report: Report<S>,
     #[cfg(feature = "timers")]
     pub(crate) timers: super::Timers,
 }
 
-/// Bodies that the passes found, by their indices in the columns.
+/// The faults and the candidates for sleep that the passes found, by the indices of the bodies in the columns.
 #[derive(Debug, Default)]
-pub(super) struct Found {
+pub(super) struct Findings {
     /// In the order in which they happened to a body.
     pub(super) faults: Vec<(usize, Cause)>,
     /// Bodies that have been at rest for long enough to try to sleep.
@@ -46,7 +46,7 @@ pub(super) struct Found {
     placed: Vec<(usize, usize, Cause)>,
 }
 
-impl Found {
+impl Findings {
     /// Sorts the faults by body; the first fault of a body stays its first. A stable sort would take its memory from the heap.
     pub(super) fn sort_faults(&mut self) {
         let Self { faults, placed, .. } = self;
@@ -57,11 +57,11 @@ impl Found {
         faults.extend(placed.iter().map(|&(dense, _, cause)| (dense, cause)));
     }
 
-    /// Takes over what was found of other bodies.
+    /// Takes over the findings about other bodies.
     #[cfg(feature = "parallel")]
-    pub(super) fn append(&mut self, other: &mut Self) {
-        self.faults.append(&mut other.faults);
-        self.candidates.append(&mut other.candidates);
+    pub(super) fn append(&mut self, findings: &mut Self) {
+        self.faults.append(&mut findings.faults);
+        self.candidates.append(&mut findings.candidates);
     }
 }
 
@@ -117,14 +117,14 @@ impl<S: Scalar> Workspace<S> {
     }
 
     #[cfg(all(feature = "parallel", feature = "selftest"))]
-    pub(crate) fn share(&mut self, least: usize) {
-        self.free.share(least);
+    pub(crate) fn share(&mut self, min_bodies: usize) {
+        self.free.share(min_bodies);
     }
 
-    /// Makes it ready for a step: drops what is cached of bodies that changed since the last one, and forgets the changes.
+    /// Makes it ready for a step: drops the caches of bodies that changed since the last one, and forgets the changes.
     pub(super) fn begin(&mut self, bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
-        self.found.faults.clear();
-        self.found.candidates.clear();
+        self.findings.faults.clear();
+        self.findings.candidates.clear();
         if !bodies.changes().is_empty() {
             self.free.drop_changed(bodies);
             self.fields.drop_changed(bodies, fields);
@@ -141,7 +141,7 @@ impl<S: Scalar> Workspace<S> {
         self.contacts.as_ref()?.current_statics(bodies, colliders)
     }
 
-    /// Drops all that is cached: it belongs to other bodies. A step that finds nothing cached has the same bits.
+    /// Drops all caches: they belong to other bodies. A step without caches has the same bits.
     pub(crate) fn drop_cached(&mut self) {
         self.free.drop_cached();
         self.fields.drop_cached();
@@ -155,15 +155,13 @@ impl<S: Scalar> Workspace<S> {
         self.fields.drop_cached();
     }
 
-    /// Does what `clone_from` does, with what is cached: for a copy of the world that `source` belongs to.
+    /// Does the same as `clone_from`, and copies the caches: for a copy of the world that `source` belongs to.
     pub(crate) fn clone_cached_from(&mut self, source: &Self) {
         self.clone_from(source);
         self.free.clone_cached_from(&source.free);
         self.fields.clone_cached_from(&source.fields);
-        match (&mut self.contacts, &source.contacts) {
-            (_, None) => {}
-            (Some(own), Some(other)) => own.clone_cached_from(other),
-            (own @ None, Some(other)) => own.insert(Box::default()).clone_cached_from(other),
+        if let Some(contacts) = &source.contacts {
+            self.contacts.get_or_insert_default().clone_cached_from(contacts);
         }
     }
 }

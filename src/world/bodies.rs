@@ -40,10 +40,11 @@ impl<S: Scalar> World<S> {
     }
 
     pub(crate) fn add_body_inner(&mut self, mut def: BodyDef<S>) -> Result<BodyId, Error> {
-        let masses = self.check_new_body(&def)?;
+        let (collider_mass, properties) = self.check_new_body(&def)?;
         self.journal.note(|| Command::AddBody(def.clone()));
         let colliders = core::mem::take(&mut def.colliders);
-        let body = self.bodies.insert(def, masses, Arc::make_mut(&mut self.factor_table));
+        let factor_table = Arc::make_mut(&mut self.factor_table);
+        let body = self.bodies.insert(def, collider_mass, properties, factor_table);
         if !colliders.is_empty() {
             Arc::make_mut(&mut self.colliders).insert_all(body, colliders);
         }

@@ -174,7 +174,7 @@ impl<S: Scalar> World<S> {
         bodies.sort_unstable();
         let mut effects = Vec::new();
         for (body, dense) in bodies {
-            if let Some(effect) = self.blast_on(explosion, from, (body, dense))? {
+            if let Some(effect) = self.blast_on(explosion, from, body, dense)? {
                 effects.push((body, effect));
             }
         }
@@ -207,7 +207,8 @@ impl<S: Scalar> World<S> {
         &self,
         explosion: &Explosion<S>,
         from: Point,
-        (body, dense): (BodyId, usize),
+        body: BodyId,
+        dense: usize,
     ) -> Result<Option<Effect<S>>, Error> {
         let motion = &self.bodies.columns.motion;
         let position = motion.position.get(dense).map(|part| part.value());

@@ -89,15 +89,15 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn preview_inner(&self, body: BodyId) -> Result<Preview<S>, Error> {
         self.bodies.find(body)?;
-        let company = self.company(body);
+        let (company, felt) = self.company(body);
         let mut world = World::with_scalar(self.def)?;
         (world.tick, world.counted, world.custom_forces) = (self.tick, self.counted, self.custom_forces.clone());
         world.change_log = ChangeLog::starting_at(self.tick);
         world.targets.moved_at = self.targets.moved_at;
         let mut adopted = BTreeMap::new();
-        for &old in &company.0 {
-            let factor_table = (&*self.factor_table, Arc::make_mut(&mut world.factor_table));
-            let new = world.bodies.adopt((&self.bodies, old), factor_table)?;
+        for &old in &company {
+            let factor_table = Arc::make_mut(&mut world.factor_table);
+            let new = world.bodies.adopt(&self.bodies, old, &self.factor_table, factor_table)?;
             if let Some(row) = self.applied.row(old) {
                 world.applied.adopt(new, row.force, row.torque);
             }
@@ -107,7 +107,7 @@ impl<S: Scalar> World<S> {
             adopted.insert(old, new);
         }
         let fields = Arc::make_mut(&mut world.fields);
-        for (_, field) in self.fields.iter().filter(|(_, field)| acts_on_any(field, &company)) {
+        for (_, field) in self.fields.iter().filter(|(_, field)| acts_on_any(field, &company, felt)) {
             if let Some(field) = field.map_bodies(|body| adopted.get(&body).copied()) {
                 fields.insert(field);
             }
@@ -145,7 +145,7 @@ impl<S: Scalar> World<S> {
 }
 
 /// True if a field acts on one of these bodies.
-fn acts_on_any<S: Scalar>(field: &ForceField<S>, (bodies, felt): &(BTreeSet<BodyId>, u32)) -> bool {
+fn acts_on_any<S: Scalar>(field: &ForceField<S>, bodies: &BTreeSet<BodyId>, felt: u32) -> bool {
     if field.kind.acts_by_groups() {
         field.force_groups & felt != 0
     } else {

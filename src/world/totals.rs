@@ -176,7 +176,8 @@ impl<S: Scalar> World<S> {
                     sum.add(spring_energy(scene, near, far, spring, &mut directions)?)
                 }
                 FieldKind::Attractor { centre, mu, softening } => {
-                    self.add_attraction(sum, (centre, *mu, *softening), field.force_groups, (scene, &mut directions))?;
+                    let groups = field.force_groups;
+                    self.add_attraction(sum, centre, *mu, *softening, groups, scene, &mut directions)?;
                 }
                 FieldKind::Drag { .. }
                 | FieldKind::Thrust { .. }
@@ -191,9 +192,12 @@ impl<S: Scalar> World<S> {
     fn add_attraction(
         &self,
         sum: &mut S::Sum,
-        (centre, mu, softening): (&End<S>, S::Factor, S),
+        centre: &End<S>,
+        mu: S::Factor,
+        softening: S,
         force_groups: u32,
-        (scene, directions): (Scene<'_, S>, &mut Directions<S>),
+        scene: Scene<'_, S>,
+        directions: &mut Directions<S>,
     ) -> Option<()> {
         let carrier = match centre {
             End::Body(at) => self.bodies.find(at.body).ok(),

@@ -3,5 +3,6 @@
 mod figures;
 mod guide;
 mod items;
+mod names;
 mod openings;
 mod packages;

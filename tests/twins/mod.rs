@@ -307,8 +307,8 @@ impl Motion<Twin> for Twin {
     fn seconds(span: Span) -> FxFactor {
         Fx::seconds(span)
     }
-    fn half_square_seconds(ratio: (u32, u32)) -> FxFactor {
-        Fx::half_square_seconds(ratio)
+    fn half_square_seconds(num: u32, den: u32) -> FxFactor {
+        Fx::half_square_seconds(num, den)
     }
     fn decay_rate(kept: Self) -> Self::DecayRate {
         Fx::decay_rate(kept.0)

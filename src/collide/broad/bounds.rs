@@ -14,23 +14,26 @@ impl Bounds {
     /// The box without points: the union with it is the other box.
     pub(super) const EMPTY: Self = Self { min: [i64::MAX; 2], max: [i64::MIN; 2] };
 
-    pub(super) fn overlaps(&self, other: &Self) -> bool {
+    pub(super) fn overlaps(&self, bounds: &Self) -> bool {
         // All four, without a branch between them: which one fails follows no pattern.
-        (self.min[0] <= other.max[0])
-            & (other.min[0] <= self.max[0])
-            & (self.min[1] <= other.max[1])
-            & (other.min[1] <= self.max[1])
+        (self.min[0] <= bounds.max[0])
+            & (bounds.min[0] <= self.max[0])
+            & (self.min[1] <= bounds.max[1])
+            & (bounds.min[1] <= self.max[1])
     }
 
-    pub(super) fn contains(&self, other: &Self) -> bool {
-        (self.min[0] <= other.min[0])
-            & (other.max[0] <= self.max[0])
-            & (self.min[1] <= other.min[1])
-            & (other.max[1] <= self.max[1])
+    pub(super) fn contains(&self, bounds: &Self) -> bool {
+        (self.min[0] <= bounds.min[0])
+            & (bounds.max[0] <= self.max[0])
+            & (self.min[1] <= bounds.min[1])
+            & (bounds.max[1] <= self.max[1])
     }
 
-    pub(super) fn union(&self, other: &Self) -> Self {
-        Self { min: [0, 1].map(|k| self.min[k].min(other.min[k])), max: [0, 1].map(|k| self.max[k].max(other.max[k])) }
+    pub(super) fn union(&self, bounds: &Self) -> Self {
+        Self {
+            min: [0, 1].map(|k| self.min[k].min(bounds.min[k])),
+            max: [0, 1].map(|k| self.max[k].max(bounds.max[k])),
+        }
     }
 
     /// The middle along an axis, within an ulp.

@@ -27,30 +27,30 @@ impl Default for PairLimits {
 impl BroadPhase {
     /// Lists the colliders with too many pairs, and the pairs of the others: a function of the graph of pairs and of the limits.
     ///
-    /// With too many overlaps the graph is that of overlaps, and the pairs are those among them.
+    /// With too many overlaps the graph is the graph of overlaps, and the pairs are the overlaps that are pairs.
     ///
     /// *Domain* the tree holds the boxes as they are, without margins. No collider's pairs are counted beyond the cap, so that time grows
     /// with the number of colliders times the cap, and with the overlaps up to their limit.
     #[cold]
     pub(super) fn cap(&mut self, still: &Standing<'_>, limits: &PairLimits) {
         let colliders = still.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
-        let most = limits.per_collider.min(colliders) as u32;
-        let all = self.has_more_overlaps(still, limits.overlaps);
+        let max_degree = limits.per_collider.min(colliders) as u32;
+        let counts_overlaps = self.has_more_overlaps(still, limits.overlaps);
         self.degrees.clear();
         self.degrees.resize(self.entries.len(), 0);
         for i in 0..self.movers.len() {
             let mut degree = 0;
-            self.neighbours(still, self.movers[i], |other| {
-                degree += u32::from(all || other.is_pair);
-                degree <= most
+            self.neighbours(still, self.movers[i], |neighbour| {
+                degree += u32::from(counts_overlaps || neighbour.is_pair);
+                degree <= max_degree
             });
             self.degrees[self.movers[i] as usize] = degree;
         }
         // By cap, the number of pairs that need it: the larger number of pairs of its two colliders.
         let mut needs = core::mem::take(&mut self.needs);
         needs.clear();
-        needs.resize(most as usize + 1, 0);
-        self.pairs_within(still, most, all, |_, need, _| needs[need as usize] += 1);
+        needs.resize(max_degree as usize + 1, 0);
+        self.pairs_within(still, max_degree, counts_overlaps, |_, need, _| needs[need as usize] += 1);
         let mut total = 0;
         let fitting = needs.iter().take_while(|&&pairs| {
             total += pairs;
@@ -61,7 +61,7 @@ impl BroadPhase {
         self.needs = needs;
         let mut pairs = core::mem::take(&mut self.pairs);
         pairs.clear();
-        self.pairs_within(still, cap, all, |key, _, is_pair| {
+        self.pairs_within(still, cap, counts_overlaps, |key, _, is_pair| {
             if is_pair {
                 pairs.push(pair(key));
             }
@@ -73,50 +73,56 @@ impl BroadPhase {
         self.above_cap.sort_unstable();
     }
 
-    /// Returns true if there are more overlaps than `most`.
-    fn has_more_overlaps(&self, still: &Standing<'_>, most: usize) -> bool {
+    /// Returns true if there are more overlaps than `limit`.
+    fn has_more_overlaps(&self, still: &Standing<'_>, limit: usize) -> bool {
         let mut count = 0;
         self.movers.iter().any(|&collider| {
-            self.neighbours(still, collider, |other| {
-                count += usize::from(!other.moves || collider < other.collider);
-                count <= most
+            self.neighbours(still, collider, |neighbour| {
+                count += usize::from(!neighbour.moves || collider < neighbour.collider);
+                count <= limit
             });
-            count > most
+            count > limit
         })
     }
 
-    /// Calls `each` with every pair, or overlap if `all` is true, of colliders that have at most `cap` of them, with the larger number of
-    /// the two, and with whether it is a pair.
-    fn pairs_within(&self, still: &Standing<'_>, cap: u32, all: bool, mut each: impl FnMut(u64, u32, bool)) {
+    /// Calls `each` with every pair, or every overlap if `counts_overlaps` is true, of colliders that have at most `cap` of them, with the
+    /// larger number of the two, and with whether it is a pair.
+    fn pairs_within(
+        &self,
+        still: &Standing<'_>,
+        cap: u32,
+        counts_overlaps: bool,
+        mut each: impl FnMut(u64, u32, bool),
+    ) {
         for &collider in &self.movers {
-            let own = self.degrees[collider as usize];
-            if own > cap {
+            let degree = self.degrees[collider as usize];
+            if degree > cap {
                 continue;
             }
-            self.neighbours(still, collider, |other| {
-                let need = if other.moves { own.max(self.degrees[other.collider as usize]) } else { own };
-                // Two that move find each other.
-                let is_first = !other.moves || collider < other.collider;
-                if (all || other.is_pair) && need <= cap && is_first {
-                    each(key(collider, other.collider), need, other.is_pair);
+            self.neighbours(still, collider, |neighbour| {
+                let need = if neighbour.moves { degree.max(self.degrees[neighbour.collider as usize]) } else { degree };
+                // Two moving colliders find each other.
+                let is_first = !neighbour.moves || collider < neighbour.collider;
+                if (counts_overlaps || neighbour.is_pair) && need <= cap && is_first {
+                    each(key(collider, neighbour.collider), need, neighbour.is_pair);
                 }
                 true
             });
         }
     }
 
-    /// Calls `found` with each collider that overlaps this one, until it returns false.
-    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut found: impl FnMut(Neighbour) -> bool) {
+    /// Calls `visit` with each collider that overlaps this one, until it returns false.
+    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut visit: impl FnMut(Neighbour) -> bool) {
         let entry = &self.entries[collider as usize];
         let extent = entry.extent();
         let mut goes_on = true;
         self.tree.search(
             0,
             |node| node.touches(&extent),
-            |other| {
-                if other != collider {
-                    let is_pair = entry.may_meet(&self.entries[other as usize]);
-                    goes_on = found(Neighbour { collider: other, moves: true, is_pair });
+            |mover| {
+                if mover != collider {
+                    let is_pair = entry.may_meet(&self.entries[mover as usize]);
+                    goes_on = visit(Neighbour { collider: mover, moves: true, is_pair });
                 }
                 goes_on
             },
@@ -125,9 +131,9 @@ impl BroadPhase {
             if goes_on {
                 tree.search(
                     |node| node.touches(&extent),
-                    |other| {
-                        let is_pair = entry.filter.agrees(other.filter);
-                        goes_on = found(Neighbour { collider: other.collider, moves: false, is_pair });
+                    |proxy| {
+                        let is_pair = entry.filter.agrees(proxy.filter);
+                        goes_on = visit(Neighbour { collider: proxy.collider, moves: false, is_pair });
                         goes_on
                     },
                 );
@@ -136,7 +142,7 @@ impl BroadPhase {
     }
 }
 
-/// A collider whose box overlaps that of another one.
+/// A collider whose box overlaps the box of another one.
 #[derive(Clone, Copy)]
 struct Neighbour {
     collider: u32,

@@ -2,7 +2,7 @@
 //!
 //! A node holds the boxes of its two halves, so that a search reads one line of the cache for both; leaves stand in the order of the
 //! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by
-//! up to two units: what a search finds may not meet the path, but nothing that meets it is left out.
+//! up to two units: an outline that a search finds may not meet the path, but no outline that meets it is left out.
 
 use alloc::vec::Vec;
 
@@ -21,7 +21,7 @@ const WAITING: usize = 40;
 /// log2 of the least unit of boxes in ulps: with 2^22, a path of 2^52 ulps has 2^30 units.
 const LEAST_UNIT: u32 = 22;
 
-/// Two halves: their boxes, what filters are in them, and where they are.
+/// A node of two halves: their boxes, the filters in them, and where they are.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Node {
@@ -44,13 +44,14 @@ impl Node {
 #[derive(Clone, Copy, Debug)]
 #[repr(align(128))]
 struct Leaf {
-    /// The corners in ulps, where there are no more.
+    /// The corners in ulps, if they are no more than [`FEW`].
     few: [Point; FEW],
     /// ulps
     radius: i64,
     number: u32,
     filter: Filter,
-    /// The number of corners: 0 for one that has no place here. More than `few` stand among those of the tree, from `start` on.
+    /// The number of corners: 0 for an outline that has no place here. More than [`FEW`] stand among the corners of the tree, from
+    /// `start` on.
     count: u32,
     start: u32,
     is_link: bool,
@@ -96,39 +97,43 @@ pub(crate) struct CoreTree {
 impl CoreTree {
     /// The tree of cores with the halves of another tree; `leaf` gives the number, the filter and the core of each item.
     pub(super) fn new(tree: &Tree, mut leaf: impl FnMut(u32) -> (u32, Filter, Option<CoreAt>)) -> Self {
-        let Some((all, _)) = tree.node(0) else { return Self::default() };
-        let sides = [0, 1].map(|k| all.bounds.max[k].wrapping_sub(all.bounds.min[k]) as u64);
+        let Some((root, _)) = tree.node(0) else { return Self::default() };
+        let sides = [0, 1].map(|k| root.bounds.max[k].wrapping_sub(root.bounds.min[k]) as u64);
         let bits = u64::BITS - sides[0].max(sides[1]).leading_zeros();
-        let mut own = Self { base: all.bounds.min, unit: bits.saturating_sub(30).max(LEAST_UNIT), ..Self::default() };
-        own.nodes.push(Node::EMPTY);
-        // The nodes of the other tree, and where in this one they go; those to the left first, so that leaves follow in their order.
+        let mut cores =
+            Self { base: root.bounds.min, unit: bits.saturating_sub(30).max(LEAST_UNIT), ..Self::default() };
+        cores.nodes.push(Node::EMPTY);
+        // The nodes of the given tree, and where in the new one they go; left halves first, so that leaves follow in their order.
         let mut waiting = match tree.halves(0) {
             Some([left, right]) => Vec::from([(right, 0, 1), (left, 0, 0)]),
             None => Vec::from([(0, 0, 0)]),
         };
         while let Some((at, node, side)) = waiting.pop() {
             let Some((extent, item)) = tree.node(at) else { continue };
-            let from = |corner: Point, k: usize| corner[k].wrapping_sub(own.base[k]) as u64 >> own.unit;
+            let units = |corner: Point, k: usize| corner[k].wrapping_sub(cores.base[k]) as u64 >> cores.unit;
             let [low, high] =
-                [extent.bounds.min, extent.bounds.max].map(|corner| [0, 1].map(|k| from(corner, k) as i32));
+                [extent.bounds.min, extent.bounds.max].map(|corner| [0, 1].map(|k| units(corner, k) as i32));
             let child = match tree.halves(at) {
                 Some([left, right]) => {
-                    let child = own.nodes.len();
-                    own.nodes.push(Node::EMPTY);
+                    let child = cores.nodes.len();
+                    cores.nodes.push(Node::EMPTY);
                     waiting.extend([(right, child, 1), (left, child, 0)]);
                     child as u32
                 }
-                None => own.push(leaf(item)) | LEAF,
+                None => {
+                    let (number, filter, place) = leaf(item);
+                    cores.push(number, filter, place) | LEAF
+                }
             };
-            let node = &mut own.nodes[node];
+            let node = &mut cores.nodes[node];
             (node.low[side], node.high[side], node.child[side]) = (low, high.map(|part| part + 1), child);
             [node.category[side], node.mask[side]] = extent.filter_bits();
         }
-        own
+        cores
     }
 
     /// Adds a leaf. Returns its number.
-    fn push(&mut self, (number, filter, place): (u32, Filter, Option<CoreAt>)) -> u32 {
+    fn push(&mut self, number: u32, filter: Filter, place: Option<CoreAt>) -> u32 {
         let mut leaf = Leaf {
             few: [[0; 2]; FEW],
             radius: 0,
@@ -150,14 +155,14 @@ impl CoreTree {
         self.leaves.len() as u32 - 1
     }
 
-    /// Calls `found` with each outline whose box may meet a path and whose filter agrees with a filter, if there is one: those at the start
-    /// of the path first, but for some. `found` may shorten the path, and ends the search with false. Returns false if it did.
+    /// Calls `visit` with each outline whose box may meet a path and whose filter agrees with a filter, if there is one: the outlines at
+    /// the start of the path first, but for some. `visit` may shorten the path, and ends the search with false. Returns false if it did.
     #[inline]
     pub(crate) fn search<'a>(
         &'a self,
         path: &mut Path,
         filter: Option<Filter>,
-        mut found: impl FnMut(PlacedCore<'a>, &mut Path) -> bool,
+        mut visit: impl FnMut(PlacedCore<'a>, &mut Path) -> bool,
     ) -> bool {
         if self.nodes.is_empty() {
             return true;
@@ -173,10 +178,10 @@ impl CoreTree {
                 [true, false] => node.child[0],
                 [false, true] => node.child[1],
                 [true, true] => {
-                    let far = u32::from(walk.is_before([node.low[0], node.high[0]], [node.low[1], node.high[1]]));
-                    waiting[count] = at << 1 | far;
+                    let far_side = u32::from(walk.is_before([node.low[0], node.high[0]], [node.low[1], node.high[1]]));
+                    waiting[count] = at << 1 | far_side;
                     count += 1;
-                    node.child[(1 - far) as usize]
+                    node.child[(1 - far_side) as usize]
                 }
             };
             loop {
@@ -187,7 +192,7 @@ impl CoreTree {
                 if child != NONE {
                     let leaf = &self.leaves[(child & !LEAF) as usize];
                     if filter.is_none_or(|filter| filter.agrees(leaf.filter)) {
-                        if !found(self.placed(leaf), path) {
+                        if !visit(self.placed(leaf), path) {
                             return false;
                         }
                         walk.follow(path);

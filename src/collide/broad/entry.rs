@@ -15,16 +15,16 @@ const STEPS_AHEAD: i64 = 4;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) fat: Bounds,
-    /// The lower left corner of the box in the step before; that of now for a new one.
-    pub(super) before: [i64; 2],
+    /// The lower left corner of the box in the step before; the present corner for a new collider.
+    pub(super) previous_min: [i64; 2],
     /// Half the perimeter of the fat box, in units of 8 ulp.
     half_perimeter: i64,
     pub(super) filter: Filter,
     pub(super) body: u32,
     /// The leaf, or [`NONE`] for one that does not move.
     pub(super) leaf: u32,
-    /// The step in which it was seen last.
-    pub(super) seen: u32,
+    /// The last step in which the collider moved.
+    pub(super) last_step: u32,
     /// The number of colliders that its last search came to and that are no candidates with it.
     pub(super) rejected: u32,
     /// True if its candidates are searched anew in this step.
@@ -34,12 +34,12 @@ pub(super) struct Entry {
 impl Entry {
     pub(super) const NONE: Self = Self {
         fat: Bounds::EMPTY,
-        before: [0; 2],
+        previous_min: [0; 2],
         half_perimeter: 0,
         filter: Filter { category: 0, mask: 0, group: 0 },
         body: NONE,
         leaf: NONE,
-        seen: 0,
+        last_step: 0,
         rejected: 0,
         is_stale: false,
     };
@@ -50,33 +50,33 @@ impl Entry {
 
     /// Returns true if a proxy has another filter or another body.
     #[inline(always)]
-    pub(super) fn is_other(&self, proxy: &Proxy) -> bool {
+    pub(super) fn differs_from(&self, proxy: &Proxy) -> bool {
         self.filter != proxy.filter || self.body != proxy.body
     }
 
     /// Returns true if two colliders are of two bodies and their filters agree.
     #[inline(always)]
-    pub(super) fn may_meet(&self, other: &Self) -> bool {
-        self.body != other.body && self.filter.agrees(other.filter)
+    pub(super) fn may_meet(&self, entry: &Self) -> bool {
+        self.body != entry.body && self.filter.agrees(entry.filter)
     }
 
-    /// Returns true if the fat box holds a box and is not far too large for it: what stopped gives back its room for motion.
+    /// Returns true if the fat box holds a box and is not far too large for it: a collider that stopped gives back its room for motion.
     #[inline(always)]
     pub(super) fn fits(&self, bounds: &Bounds) -> bool {
         // Between ±2^62, as both are from 0 to 2^62.
         let slack = self.half_perimeter - bounds.half_perimeter();
-        self.fat.contains(bounds) && (slack <= MARGIN || slack <= self.most_slack(bounds))
+        self.fat.contains(bounds) && (slack <= MARGIN || slack <= self.max_slack(bounds))
     }
 
-    /// The most by which half the perimeter of the fat box may be larger, given the motion: about twice what it is larger by at first.
-    fn most_slack(&self, bounds: &Bounds) -> i64 {
+    /// The largest excess that half the perimeter of the fat box may have, given the motion: about twice its excess at first.
+    fn max_slack(&self, bounds: &Bounds) -> i64 {
         let [x, y] = self.motion(bounds).map(|d| d.saturating_abs() >> 3);
         (x + y).saturating_mul(2 * STEPS_AHEAD).saturating_add(MARGIN)
     }
 
     /// The motion of the box since the step before.
     fn motion(&self, bounds: &Bounds) -> [i64; 2] {
-        [0, 1].map(|k| bounds.min[k].saturating_sub(self.before[k]))
+        [0, 1].map(|k| bounds.min[k].saturating_sub(self.previous_min[k]))
     }
 
     /// Makes a fat box around a box.

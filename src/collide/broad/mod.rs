@@ -54,7 +54,7 @@ pub struct Proxy {
     pub body: u32,
     /// The box that holds the collider during the step, and the margin around it. *Domain* `min` is not above `max`.
     pub bounds: Aabb<Fx>,
-    /// The filter, which says what it may meet.
+    /// The filter, which says which colliders it may meet.
     pub filter: Filter,
     /// A hash of its outline and its place: a static collider whose digest changes has changed. A moving collider needs none.
     pub digest: u64,
@@ -83,7 +83,7 @@ impl<'a> Standing<'a> {
     }
 }
 
-/// The broad phase of a world, with what it remembers between steps. A new one and one of any history give the same pairs.
+/// The broad phase of a world, with its memory between steps. A new one and one of any history give the same pairs.
 #[derive(Clone, Debug, Default)]
 pub struct BroadPhase {
     statics: Arc<Statics>,
@@ -104,7 +104,7 @@ pub struct BroadPhase {
     /// Pairs whose fat boxes overlap, and whose filters agree: the lower number in the upper half.
     candidates: Vec<u64>,
     /// Workspace: new candidates.
-    found: Vec<u64>,
+    new_candidates: Vec<u64>,
     /// The number of changes of boxes since the tree was built.
     changes: usize,
     step: u32,
@@ -116,8 +116,8 @@ pub struct BroadPhase {
     needs: Vec<usize>,
     /// True if the candidates are all there are.
     is_complete: bool,
-    /// The sum of what the last searches of the moving colliders rejected: at least the number of overlaps of fat boxes that are no
-    /// candidates.
+    /// The number of overlaps that the last searches of the moving colliders rejected: at least the number of overlaps of fat boxes that
+    /// are no candidates.
     rejected: usize,
 }
 
@@ -131,8 +131,8 @@ fn pair(key: u64) -> [u32; 2] {
 }
 
 impl BroadPhase {
-    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among those that stand
-    /// still.
+    /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among the colliders
+    /// that stand still.
     ///
     /// With more than `limits.pairs` pairs, or more than `limits.overlaps` overlaps, [`above_cap`](Self::above_cap) names the colliders
     /// that have too many.
@@ -190,24 +190,24 @@ impl BroadPhase {
         &self.above_cap
     }
 
-    /// Makes room for what the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from them too: with
-    /// this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
+    /// Makes room for the entries that the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from
+    /// them too: with this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
     fn reserve(&mut self, still: &Standing<'_>, movers: &[Proxy]) {
         if movers.is_empty() {
             return;
         }
-        let most = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
-        let most = still.trees().map(Statics::end).fold(most, usize::max);
-        if most > self.entries.len() {
-            self.grow(most);
+        let end = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
+        let end = still.trees().map(Statics::end).fold(end, usize::max);
+        if end > self.entries.len() {
+            self.grow(end);
         }
         self.stale.reserve(movers.len());
         self.gone.reserve(self.movers.len());
         // Twice as many candidates as there were.
         let room = (2 * self.candidates.len()).max(64);
         self.candidates.reserve(room - self.candidates.len());
-        self.found.clear();
-        self.found.reserve(self.candidates.capacity());
+        self.new_candidates.clear();
+        self.new_candidates.reserve(self.candidates.capacity());
         self.pairs.clear();
         self.pairs.reserve(self.candidates.capacity());
     }
@@ -217,15 +217,16 @@ impl BroadPhase {
         self.step = self.step.wrapping_add(1);
         let mut is_same = movers.len() == self.movers.len();
         for proxy in movers {
-            let at = proxy.collider as usize;
+            let index = proxy.collider as usize;
             let bounds = Bounds::from(proxy.bounds);
-            let (entry, own) = (&mut self.entries[at], &mut self.boxes[at]);
+            let entry = &mut self.entries[index];
+            let current_bounds = &mut self.boxes[index];
             let is_new = entry.leaf == NONE;
-            entry.before = if is_new { bounds.min } else { own.min };
-            *own = bounds;
-            entry.seen = self.step;
+            entry.previous_min = if is_new { bounds.min } else { current_bounds.min };
+            *current_bounds = bounds;
+            entry.last_step = self.step;
             is_same &= !is_new;
-            if is_new || entry.is_other(proxy) || !entry.fits(&bounds) {
+            if is_new || entry.differs_from(proxy) || !entry.fits(&bounds) {
                 (entry.filter, entry.body) = (proxy.filter, proxy.body);
                 entry.is_stale = true;
                 self.stale.push(proxy.collider);
@@ -236,7 +237,7 @@ impl BroadPhase {
         }
         for &collider in &self.movers {
             let entry = &mut self.entries[collider as usize];
-            if entry.seen != self.step {
+            if entry.last_step != self.step {
                 self.tree.remove(entry.leaf);
                 (entry.leaf, entry.is_stale) = (NONE, true);
                 self.rejected = self.rejected.saturating_sub(core::mem::take(&mut entry.rejected) as usize);
@@ -312,9 +313,9 @@ impl BroadPhase {
 impl BroadPhase {
     /// The room of each list.
     fn capacities(&self) -> [usize; 9] {
-        let Self { tree, entries, boxes, movers, stale, gone, candidates, found, pairs, .. } = self;
+        let Self { tree, entries, boxes, movers, stale, gone, candidates, new_candidates, pairs, .. } = self;
         let colliders = [entries.capacity(), boxes.capacity(), movers.capacity(), stale.capacity(), gone.capacity()];
         let [a, b, c, d, e] = colliders;
-        [tree.capacity(), a, b, c, d, e, candidates.capacity(), found.capacity(), pairs.capacity()]
+        [tree.capacity(), a, b, c, d, e, candidates.capacity(), new_candidates.capacity(), pairs.capacity()]
     }
 }

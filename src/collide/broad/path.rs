@@ -3,8 +3,8 @@
 /// The way of a box along a straight line, as a query casts it; of a ray the box is a point.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
-    /// The upper and the lower corner of the box at the start, ulps: what is subtracted from the lower and the upper corner of another box
-    /// leaves the box of all differences.
+    /// The upper and the lower corner of the box at the start, ulps: subtracted from the lower and the upper corner of another box
+    /// they leave the box of all differences.
     start: [[i64; 2]; 2],
     translation: [i64; 2],
     /// The box around the path from its start to its present end, relative to the start.
@@ -21,7 +21,7 @@ impl Path {
         Self { start: [max, min], translation, low, high }
     }
 
-    /// Cuts the path off at a fraction of the whole, in units of 2^-62: it keeps what is in front of that, and up to an ulp more.
+    /// Cuts the path off at a fraction of the whole, in units of 2^-62: it keeps the part up to there, and up to an ulp more.
     pub fn shorten(&mut self, fraction: u64) {
         for k in 0..2 {
             // Below 2^53·2^62.
@@ -35,7 +35,7 @@ impl Path {
 /// A path in the coarse units of a tree.
 ///
 /// All is rounded so that boxes which the path meets are met here. Sizes: boxes are from 0 to 2^30 + 1, the path is at most 2^30 + 1 long
-/// in each component, and so is, relative to the start, what of a box is beside the path.
+/// in each component, and so is, relative to the start, the part of a box beside the path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Walk {
     /// The start of the [`Path`] seen from the corner of the tree: rounded up and down.
@@ -73,7 +73,7 @@ impl Walk {
     pub(super) fn follow(&mut self, path: &Path) {
         self.low = path.low.map(|part| part >> self.unit);
         self.high = path.high.map(|part| -(-part >> self.unit));
-        // Both components of the direction are wrong by up to 1, times those of the point.
+        // Both components of the direction are wrong by up to 1, times the components of the point.
         self.slack = self.high[0] - self.low[0] + self.high[1] - self.low[1];
     }
 
@@ -86,13 +86,13 @@ impl Walk {
         // The corners that are farthest to both sides of the line. Where there is such a box, products are below 2^61.
         let [x, y] = self.direction;
         let (right, left) = if x >= 0 { (low[1], high[1]) } else { (high[1], low[1]) };
-        let (least, most) = (x.wrapping_mul(right), x.wrapping_mul(left));
+        let (x_right, x_left) = (x.wrapping_mul(right), x.wrapping_mul(left));
         let (right, left) = if y >= 0 { (high[0], low[0]) } else { (low[0], high[0]) };
-        let (right, left) = (y.wrapping_mul(right), y.wrapping_mul(left));
+        let (y_right, y_left) = (y.wrapping_mul(right), y.wrapping_mul(left));
         (low[0] <= high[0])
             & (low[1] <= high[1])
-            & (least.wrapping_sub(right) <= self.slack)
-            & (left.wrapping_sub(most) <= self.slack)
+            & (x_right.wrapping_sub(y_right) <= self.slack)
+            & (y_left.wrapping_sub(x_left) <= self.slack)
     }
 
     /// Returns true if a box, by its corners, is nearer to the start than another one, along the path.

@@ -1,4 +1,4 @@
-//! Searches for candidates, and what they reject.
+//! Searches for candidates, and the overlaps that they reject.
 
 use alloc::vec::Vec;
 
@@ -13,7 +13,7 @@ pub(super) struct Room {
 }
 
 impl BroadPhase {
-    /// Searches the candidates of all.
+    /// Searches the candidates of all moving colliders.
     pub(super) fn search_all(&mut self, still: &Standing<'_>, room: Room) {
         self.settle();
         // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
@@ -23,8 +23,8 @@ impl BroadPhase {
 
     /// Lists all candidates, from the boxes in the tree, or a part of them if there is no room for all that it comes to.
     fn join(&mut self, still: &Standing<'_>, room: Room) {
-        let mut found = core::mem::take(&mut self.candidates);
-        found.clear();
+        let mut candidates = core::mem::take(&mut self.candidates);
+        candidates.clear();
         self.rejected = 0;
         let Self { tree, entries, .. } = self;
         for (leaf, collider, extent) in tree.leaves() {
@@ -34,63 +34,63 @@ impl BroadPhase {
             tree.search(
                 leaf as usize + 1,
                 |node| node.touches(extent),
-                |other| {
-                    if entry.may_meet(&entries[other as usize]) {
-                        found.push(key(collider, other));
+                |other_collider| {
+                    if entry.may_meet(&entries[other_collider as usize]) {
+                        candidates.push(key(collider, other_collider));
                     } else {
                         rejected += 1;
                     }
-                    found.len() <= room.candidates && rejected <= room.rejected
+                    candidates.len() <= room.candidates && rejected <= room.rejected
                 },
             );
             entries[collider as usize].rejected = rejected as u32;
             self.rejected += rejected;
-            if found.len() > room.candidates || self.rejected > room.rejected {
+            if candidates.len() > room.candidates || self.rejected > room.rejected {
                 break;
             }
         }
         for tree in still.trees().filter(|tree| !tree.is_empty()) {
             for i in 0..self.movers.len() {
-                if found.len() > room.candidates || self.rejected > room.rejected {
+                if candidates.len() > room.candidates || self.rejected > room.rejected {
                     break;
                 }
-                self.search_still(tree, self.movers[i], room, &mut found);
+                self.search_still(tree, self.movers[i], room, &mut candidates);
             }
         }
-        self.is_complete = found.len() <= room.candidates && self.rejected <= room.rejected;
+        self.is_complete = candidates.len() <= room.candidates && self.rejected <= room.rejected;
         if self.is_complete {
-            found.sort_unstable();
+            candidates.sort_unstable();
         }
-        self.candidates = found;
+        self.candidates = candidates;
     }
 
-    /// Adds the candidates of a moving collider with those that stand still.
-    fn search_still(&mut self, still: &Statics, collider: u32, room: Room, found: &mut Vec<u64>) {
+    /// Adds the candidates of a moving collider with the colliders that stand still.
+    fn search_still(&mut self, still: &Statics, collider: u32, room: Room, candidates: &mut Vec<u64>) {
         let Entry { filter, .. } = self.entries[collider as usize];
         let extent = self.entries[collider as usize].extent();
         let mut rejected = 0;
         still.search(
             |node| node.touches(&extent),
-            |other| {
-                if filter.agrees(other.filter) {
-                    self.boxes[other.collider as usize] = other.bounds.into();
-                    found.push(key(collider, other.collider));
+            |proxy| {
+                if filter.agrees(proxy.filter) {
+                    self.boxes[proxy.collider as usize] = proxy.bounds.into();
+                    candidates.push(key(collider, proxy.collider));
                 } else {
                     rejected += 1;
                 }
-                found.len() <= room.candidates && rejected <= room.rejected
+                candidates.len() <= room.candidates && rejected <= room.rejected
             },
         );
         self.reject(collider, rejected);
     }
 
-    /// Counts what a search of a collider rejected.
+    /// Counts the overlaps that a search of a collider rejected.
     fn reject(&mut self, collider: u32, rejected: usize) {
         self.entries[collider as usize].rejected += rejected as u32;
         self.rejected += rejected;
     }
 
-    /// Searches the candidates of those that are stale.
+    /// Searches the candidates of the stale colliders.
     pub(super) fn search_stale(&mut self, still: &Standing<'_>, room: Room) {
         if self.stale.is_empty() && self.gone.is_empty() {
             return;
@@ -99,8 +99,8 @@ impl BroadPhase {
         let entries = &self.entries;
         let is_stale = |collider: u32| entries[collider as usize].is_stale;
         self.candidates.retain(|&key| !pair(key).map(is_stale).contains(&true));
-        let mut found = core::mem::take(&mut self.found);
-        found.clear();
+        let mut new_candidates = core::mem::take(&mut self.new_candidates);
+        new_candidates.clear();
         let room = Room { candidates: room.candidates.saturating_sub(self.candidates.len()), ..room };
         for i in 0..self.stale.len() {
             let collider = self.stale[i];
@@ -112,29 +112,29 @@ impl BroadPhase {
             self.tree.search(
                 0,
                 |node| node.touches(&extent),
-                |other| {
-                    let with = &self.entries[other as usize];
-                    if !entry.may_meet(with) {
+                |other_collider| {
+                    let other_entry = &self.entries[other_collider as usize];
+                    if !entry.may_meet(other_entry) {
                         rejected += 1;
-                    } else if !with.is_stale || collider < other {
-                        // Of two that are stale, the lower one finds the pair.
-                        found.push(key(collider, other));
+                    } else if !other_entry.is_stale || collider < other_collider {
+                        // Of two stale colliders, the lower one finds the pair.
+                        new_candidates.push(key(collider, other_collider));
                     }
-                    found.len() <= room.candidates && rejected <= room.rejected
+                    new_candidates.len() <= room.candidates && rejected <= room.rejected
                 },
             );
             self.reject(collider, rejected);
             for tree in still.trees() {
-                self.search_still(tree, collider, room, &mut found);
+                self.search_still(tree, collider, room, &mut new_candidates);
             }
-            if found.len() > room.candidates || self.rejected > room.rejected {
+            if new_candidates.len() > room.candidates || self.rejected > room.rejected {
                 break;
             }
         }
-        self.is_complete = found.len() <= room.candidates && self.rejected <= room.rejected;
-        found.sort_unstable();
-        merge(&mut self.candidates, &found);
-        self.found = found;
+        self.is_complete = new_candidates.len() <= room.candidates && self.rejected <= room.rejected;
+        new_candidates.sort_unstable();
+        merge(&mut self.candidates, &new_candidates);
+        self.new_candidates = new_candidates;
         self.settle();
     }
 
@@ -158,12 +158,12 @@ impl BroadPhase {
 }
 
 /// Merges a sorted list into another one. No number is in both.
-fn merge(into: &mut Vec<u64>, from: &[u64]) {
-    let (mut left, mut right) = (into.len(), from.len());
-    into.resize(left + right, 0);
+fn merge(list: &mut Vec<u64>, additions: &[u64]) {
+    let (mut left, mut right) = (list.len(), additions.len());
+    list.resize(left + right, 0);
     while right > 0 {
-        let is_old_last = left > 0 && into[left - 1] > from[right - 1];
-        into[left + right - 1] = if is_old_last { into[left - 1] } else { from[right - 1] };
+        let is_old_last = left > 0 && list[left - 1] > additions[right - 1];
+        list[left + right - 1] = if is_old_last { list[left - 1] } else { additions[right - 1] };
         if is_old_last { left -= 1 } else { right -= 1 }
     }
 }

@@ -17,7 +17,7 @@ const CHANGES: usize = 512;
 /// The filter that meets all others.
 const EVERYTHING: Filter = Filter { category: !0, mask: !0, group: 0 };
 
-/// Colliders that stand still, those of static bodies or those of sleeping ones: a tree, which copies of a world share, and the few changes
+/// Colliders that stand still, of static bodies or of sleeping ones: a tree, which copies of a world share, and the few changes
 /// since it was built.
 ///
 /// A search finds the same colliders whenever the tree was built.
@@ -26,7 +26,7 @@ pub struct Statics {
     base: Arc<Part>,
     /// The numbers of colliders in the tree that are there no more, or changed, sorted.
     gone: Vec<u32>,
-    /// The colliders that are new, and those that changed.
+    /// The colliders that are new or have changed.
     added: Part,
 }
 
@@ -76,7 +76,7 @@ impl Part {
         self.proxies.binary_search_by_key(&collider, |proxy| proxy.collider)
     }
 
-    /// The number above those of all colliders.
+    /// The number above the numbers of all colliders.
     fn end(&self) -> usize {
         self.proxies.last().map_or(0, |proxy| proxy.collider as usize + 1)
     }
@@ -152,8 +152,8 @@ impl Statics {
         self.added.build();
     }
 
-    /// Sorts changes, each a number with what stands there now, and keeps those that change something. *Domain* a number that is there twice
-    /// has the same change twice.
+    /// Sorts changes, each a number with the collider that stands there now, and keeps the changes that change something. *Domain* a number
+    /// that is there twice has the same change twice.
     pub(crate) fn sift(&self, changes: &mut Vec<(u32, Option<Proxy>)>) {
         changes.retain(|(collider, now)| self.find(*collider) != now.as_ref());
         changes.sort_unstable_by_key(|(collider, _)| *collider);
@@ -195,9 +195,9 @@ impl Statics {
         Some(next)
     }
 
-    /// Returns true if these are those of a copy, with the same changes since.
-    pub(crate) fn are_those_of(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.base, &other.base) && self.gone == other.gone && self.added.proxies == other.added.proxies
+    /// Returns true if these are the colliders of a copy, with the same changes since.
+    pub(crate) fn are_those_of(&self, copy: &Self) -> bool {
+        Arc::ptr_eq(&self.base, &copy.base) && self.gone == copy.gone && self.added.proxies == copy.added.proxies
     }
 
     /// Returns true if these are the colliders, in any order.
@@ -218,12 +218,12 @@ impl Statics {
 
     /// The collider with a number.
     pub(crate) fn find(&self, collider: u32) -> Option<&Proxy> {
-        let from = |part: &'_ Part| part.find(collider).ok();
-        if let Some(i) = from(&self.added) {
+        let index_in = |part: &'_ Part| part.find(collider).ok();
+        if let Some(i) = index_in(&self.added) {
             return self.added.proxies.get(i);
         }
         let is_gone = self.gone.binary_search(&collider).is_ok();
-        from(&self.base).filter(|_| !is_gone).and_then(|i| self.base.proxies.get(i))
+        index_in(&self.base).filter(|_| !is_gone).and_then(|i| self.base.proxies.get(i))
     }
 
     /// Number of colliders.
@@ -238,58 +238,58 @@ impl Statics {
         self.len() == 0
     }
 
-    /// A number above those of all colliders.
+    /// A number above the numbers of all colliders.
     pub(super) fn end(&self) -> usize {
         self.base.end().max(self.added.end())
     }
 
-    /// Calls `found` with each collider whose box overlaps a box, whatever its filter, until it returns false.
-    pub(crate) fn near(&self, bounds: Aabb<Fx>, found: impl FnMut(&Proxy) -> bool) {
+    /// Calls `visit` with each collider whose box overlaps a box, whatever its filter, until it returns false.
+    pub(crate) fn near(&self, bounds: Aabb<Fx>, visit: impl FnMut(&Proxy) -> bool) {
         let extent = Extent::new(bounds.into(), EVERYTHING);
-        self.search(|node| node.meets(&extent), found);
+        self.search(|node| node.meets(&extent), visit);
     }
 
-    /// Calls `found` with each collider whose box overlaps one of some boxes, whatever its filter, once.
-    pub(crate) fn near_any(&self, boxes: &Boxes, mut found: impl FnMut(&Proxy)) {
+    /// Calls `visit` with each collider whose box overlaps one of some boxes, whatever its filter, once.
+    pub(crate) fn near_any(&self, boxes: &Boxes, mut visit: impl FnMut(&Proxy)) {
         self.search(
             |node| boxes.meets(node),
             |proxy| {
-                found(proxy);
+                visit(proxy);
                 true
             },
         );
     }
 
-    /// Calls `found` with each collider that makes a pair with another one, until it returns false.
-    pub(crate) fn meeting(&self, own: &Proxy, mut found: impl FnMut(&Proxy) -> bool) {
-        let extent = Extent::new(own.bounds.into(), own.filter);
+    /// Calls `visit` with each collider that makes a pair with another one, until it returns false.
+    pub(crate) fn meeting(&self, proxy: &Proxy, mut visit: impl FnMut(&Proxy) -> bool) {
+        let extent = Extent::new(proxy.bounds.into(), proxy.filter);
         self.search(
             |node| node.meets(&extent),
-            |other| {
-                let is_pair = own.body != other.body && own.filter.agrees(other.filter);
-                !is_pair || found(other)
+            |other_proxy| {
+                let is_pair = proxy.body != other_proxy.body && proxy.filter.agrees(other_proxy.filter);
+                !is_pair || visit(other_proxy)
             },
         );
     }
 
-    /// Calls `found` with each other collider that a search for the pairs of one comes to, and with whether it makes a pair, until it
+    /// Calls `visit` with each other collider that a search for the pairs of one comes to, and with whether it makes a pair, until it
     /// returns false.
-    pub(crate) fn touching(&self, own: &Proxy, mut found: impl FnMut(&Proxy, bool) -> bool) {
-        let extent = Extent::new(own.bounds.into(), own.filter);
+    pub(crate) fn touching(&self, proxy: &Proxy, mut visit: impl FnMut(&Proxy, bool) -> bool) {
+        let extent = Extent::new(proxy.bounds.into(), proxy.filter);
         self.search(
             |node| node.touches(&extent),
-            |other| {
-                let is_pair = own.body != other.body && own.filter.agrees(other.filter);
-                other.collider == own.collider || found(other, is_pair)
+            |other_proxy| {
+                let is_pair = proxy.body != other_proxy.body && proxy.filter.agrees(other_proxy.filter);
+                other_proxy.collider == proxy.collider || visit(other_proxy, is_pair)
             },
         );
     }
 
-    /// Calls `found` with the number of each collider whose box meets a box and whose filter agrees with a filter, and perhaps with others,
+    /// Calls `visit` with the number of each collider whose box meets a box and whose filter agrees with a filter, and perhaps with others,
     /// until it returns false.
-    pub fn search_box(&self, bounds: Aabb<Fx>, filter: Filter, mut found: impl FnMut(u32) -> bool) {
+    pub fn search_box(&self, bounds: Aabb<Fx>, filter: Filter, mut visit: impl FnMut(u32) -> bool) {
         let extent = Extent::new(bounds.into(), filter);
-        self.search(|node| node.meets(&extent), |proxy| found(proxy.collider));
+        self.search(|node| node.meets(&extent), |proxy| visit(proxy.collider));
     }
 
     /// The cores of all outlines, in two trees, which are kept for later queries; `place` gives the core of a number. Copies of a world
@@ -313,17 +313,17 @@ impl Statics {
         !self.gone.is_empty() && self.gone.binary_search(&number).is_ok()
     }
 
-    /// Calls `found` with each collider for which `is_met` is true, until it returns false.
+    /// Calls `visit` with each collider for which `is_met` is true, until it returns false.
     #[inline(always)]
-    pub(super) fn search(&self, is_met: impl Fn(&Extent) -> bool, mut found: impl FnMut(&Proxy) -> bool) {
+    pub(super) fn search(&self, is_met: impl Fn(&Extent) -> bool, mut visit: impl FnMut(&Proxy) -> bool) {
         let mut goes_on = true;
         self.base.tree.search(0, &is_met, |item| {
             let proxy = &self.base.proxies[item as usize];
-            goes_on = self.is_gone(proxy.collider) || found(proxy);
+            goes_on = self.is_gone(proxy.collider) || visit(proxy);
             goes_on
         });
         if goes_on && !self.added.proxies.is_empty() {
-            self.added.tree.search(0, &is_met, |item| found(&self.added.proxies[item as usize]));
+            self.added.tree.search(0, &is_met, |item| visit(&self.added.proxies[item as usize]));
         }
     }
 }
@@ -331,7 +331,7 @@ impl Statics {
 #[cfg(test)]
 impl Statics {
     /// Returns true if both have the same tree, with other changes beside it.
-    pub(super) fn shares_tree(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.base, &other.base)
+    pub(super) fn shares_tree(&self, statics: &Self) -> bool {
+        Arc::ptr_eq(&self.base, &statics.base)
     }
 }

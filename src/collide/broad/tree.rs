@@ -12,7 +12,7 @@ use crate::collider::Filter;
 pub(super) const NONE: u32 = u32::MAX;
 
 /// The number of parts that wait while a tree is built: one for each halving of 2^32 leaves, and one.
-const MOST_PARTS: usize = 33;
+const MAX_PARTS: usize = 33;
 
 /// The category and the mask by which trees know a filter: colliders of a positive group may meet whatever their masks say.
 pub(super) fn filter_bits(filter: Filter) -> [u32; 2] {
@@ -42,26 +42,26 @@ impl Extent {
     }
 
     /// Returns false if no collider in one can have a pair with one in the other.
-    pub(super) fn meets(&self, other: &Self) -> bool {
-        self.bounds.overlaps(&other.bounds) & (self.category & other.mask != 0) & (other.category & self.mask != 0)
+    pub(super) fn meets(&self, extent: &Self) -> bool {
+        self.bounds.overlaps(&extent.bounds) & (self.category & extent.mask != 0) & (extent.category & self.mask != 0)
     }
 
     /// Returns false if the boxes are apart, or no collider in one has a category in the mask of one in the other.
     ///
     /// Unlike [`meets`](Self::meets), where this is true for the filters of a part of a tree, it is true for one of the colliders in it.
-    pub(super) fn touches(&self, other: &Self) -> bool {
-        self.bounds.overlaps(&other.bounds) & (((self.category & other.mask) | (other.category & self.mask)) != 0)
+    pub(super) fn touches(&self, extent: &Self) -> bool {
+        self.bounds.overlaps(&extent.bounds) & (((self.category & extent.mask) | (extent.category & self.mask)) != 0)
     }
 
-    fn contains(&self, other: &Self) -> bool {
-        self.bounds.contains(&other.bounds) & (other.category & !self.category == 0) & (other.mask & !self.mask == 0)
+    fn contains(&self, extent: &Self) -> bool {
+        self.bounds.contains(&extent.bounds) & (extent.category & !self.category == 0) & (extent.mask & !self.mask == 0)
     }
 
-    fn union(&self, other: &Self) -> Self {
+    fn union(&self, extent: &Self) -> Self {
         Self {
-            bounds: self.bounds.union(&other.bounds),
-            category: self.category | other.category,
-            mask: self.mask | other.mask,
+            bounds: self.bounds.union(&extent.bounds),
+            category: self.category | extent.category,
+            mask: self.mask | extent.mask,
         }
     }
 }
@@ -122,7 +122,7 @@ impl Tree {
         self.built = 0;
     }
 
-    /// Frees what only [`Tree::build`] needs.
+    /// Frees the lists that only [`Tree::build`] needs.
     pub(super) fn drop_workspace(&mut self) {
         (self.leaves, self.places, self.parts) = (Vec::new(), Vec::new(), Vec::new());
     }
@@ -156,7 +156,7 @@ impl Tree {
         self.places.clear();
         self.leaves.reserve(leaves);
         self.places.reserve(leaves);
-        self.parts.reserve(MOST_PARTS);
+        self.parts.reserve(MAX_PARTS);
     }
 
     /// Adds a leaf behind the tree. Returns where it is.
@@ -178,7 +178,7 @@ impl Tree {
         self.nodes[leaf as usize].extent = extent;
     }
 
-    /// Changes the box of a leaf and enlarges those above it.
+    /// Changes the box of a leaf and enlarges the boxes above it.
     pub(super) fn enlarge(&mut self, leaf: u32, extent: Extent) {
         self.set(leaf, extent);
         let mut at = self.parents[leaf as usize];
@@ -224,7 +224,7 @@ impl Tree {
         self.refit();
     }
 
-    /// Builds the node of a part, and leaves its halves to be done. Halves are equal within one leaf: at most [`MOST_PARTS`] wait.
+    /// Builds the node of a part, and leaves its halves to be done. Halves are equal within one leaf: at most [`MAX_PARTS`] wait.
     fn build_part(&mut self, Part { start, end, node }: Part) {
         let places = &mut self.places[start..end];
         // A tree of m leaves has 2m - 1 nodes.
@@ -243,17 +243,17 @@ impl Tree {
         self.parts.push(Part { start, end: start + middle, node: left });
     }
 
-    /// Calls `found` with the item of each leaf, from a node on, for which `is_met` is true, until it returns false. Parts of the tree for
+    /// Calls `visit` with the item of each leaf, from a node on, for which `is_met` is true, until it returns false. Parts of the tree for
     /// which `is_met` is false are skipped.
     #[inline(always)]
-    pub(super) fn search(&self, from: usize, is_met: impl Fn(&Extent) -> bool, mut found: impl FnMut(u32) -> bool) {
+    pub(super) fn search(&self, from: usize, is_met: impl Fn(&Extent) -> bool, mut visit: impl FnMut(u32) -> bool) {
         let mut at = from;
         while let Some(node) = self.nodes.get(at) {
             if !is_met(&node.extent) {
                 at = node.skip as usize;
                 continue;
             }
-            if node.item != NONE && !found(node.item) {
+            if node.item != NONE && !visit(node.item) {
                 return;
             }
             at += 1;
@@ -278,15 +278,15 @@ impl Tree {
     }
 }
 
-/// Parts two places or more by the middle one along the axis on which they spread more. Returns the number of those in the first half.
+/// Parts two places or more by the middle one along the axis on which they spread more. Returns the number of places in the first half.
 fn halve(places: &mut [Place]) -> usize {
     let middle = places.len() / 2;
     let spread = |axis: usize| {
         let range =
-            |(least, most): (i64, i64), place: &Place| (least.min(place.centre[axis]), most.max(place.centre[axis]));
-        let (least, most) = places.iter().fold((i64::MAX, i64::MIN), range);
+            |(low, high): (i64, i64), place: &Place| (low.min(place.centre[axis]), high.max(place.centre[axis]));
+        let (low, high) = places.iter().fold((i64::MAX, i64::MIN), range);
         // Below 2^64, as there is a place.
-        most.wrapping_sub(least) as u64
+        high.wrapping_sub(low) as u64
     };
     let axis = usize::from(spread(1) > spread(0));
     if places.len() > 2 {

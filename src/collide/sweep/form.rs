@@ -9,7 +9,7 @@ use crate::math::Vec2;
 use crate::shape::Outline;
 
 /// A vector turned, each component rounded once, oddly. *Domain* components below 2^62.
-pub(super) fn turned([x, y]: [i64; 2], (sin, cos): (i64, i64)) -> [i64; 2] {
+pub(super) fn turned([x, y]: [i64; 2], sin: i64, cos: i64) -> [i64; 2] {
     let product = |a: i64, b: i64| i128::from(a) * i128::from(b);
     // Below 2^62 · 2^62 · 2.
     let part = |sum: i128| odd_shift(sum, 62) as i64;
@@ -65,9 +65,9 @@ impl<'a> Form<'a> {
 
 /// An outline at a moment, relative to the centre of its rotation, in world axes.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
+pub(super) struct PlacedForm {
     pub(super) centre: [i64; 2],
-    /// The numbers of corners and normals; what comes after them is of another outline.
+    /// The numbers of corners and normals; entries after them are of another outline.
     counts: [usize; 2],
     corners: [[i64; 2]; CORNERS],
     normals: [[i32; 2]; CORNERS],
@@ -75,24 +75,25 @@ pub(super) struct Seen {
     pub(super) reach: i64,
 }
 
-impl Seen {
+impl PlacedForm {
     pub(super) const NONE: Self =
         Self { centre: [0; 2], counts: [0; 2], corners: [[0; 2]; CORNERS], normals: [[0; 2]; CORNERS], reach: 0 };
 
     #[inline(always)]
     pub(super) fn set(&mut self, form: &Form<'_>, leg: &Leg, at: u64) {
-        let (arm, direction) = (leg.arm(at), sin_cos_turn(leg.angle(at).to_bits()));
+        let arm = leg.arm(at);
+        let (sin, cos) = sin_cos_turn(leg.angle(at).to_bits());
         self.centre = leg.centre(at);
         self.counts = [form.corners.len(), form.normals.len()];
         // Corners and arms are rounded.
         self.reach = form.reach + if arm == [0; 2] { 2 } else { root(square(arm)) + 4 };
         for (place, &corner) in self.corners.iter_mut().zip(form.corners) {
-            let [x, y] = turned(ulps(corner), direction);
+            let [x, y] = turned(ulps(corner), sin, cos);
             *place = [x + arm[0], y + arm[1]];
         }
         for (place, &normal) in self.normals.iter_mut().zip(form.normals) {
             // From 2^-32 to 2^-30.
-            *place = turned(ulps(normal), direction).map(|part| odd_shift(part.into(), 2) as i32);
+            *place = turned(ulps(normal), sin, cos).map(|part| odd_shift(part.into(), 2) as i32);
         }
     }
 

@@ -1,9 +1,9 @@
 //! Time of impact: the moment of a tick at which two outlines on given paths meet.
 //!
 //! *Conservative advancement.* At a moment, any direction n along which the outlines are apart (or overlap by less than is allowed) bounds
-//! from below the time for which they stay so: along n, the distance shrinks by the displacement, by what corners approach at their
-//! present speeds, and by at most φ²·r/2 more for a rotation by φ of corners within r of the centre; nor does a corner ever
-//! reach farther than r. The longest of those times over several directions is passed in one step, and so on until the end of the tick or
+//! from below the time for which they stay so: along n, the distance shrinks by the displacement, by the way that corners come closer at
+//! their present speeds, and by at most φ²·r/2 more for a rotation by φ of corners within r of the centre; nor does a corner ever
+//! reach farther than r. The longest of the times over several directions is passed in one step, and so on until the end of the tick or
 //! until no direction says more. So the outlines do not meet before the moment that is found, whatever the directions: a direction that
 //! is not the best one costs steps, and a path that takes more than [`STEPS`] of them ends early.
 //!
@@ -34,7 +34,7 @@ pub(crate) struct Sweep<'a> {
     pub(crate) second: Second,
 }
 
-/// What the body of the second outline does where the two meet.
+/// The response of the body of the second outline where the two meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Second {
     /// It gives way as well.
@@ -68,7 +68,7 @@ impl Depths {
             // A line may overlap another one at its ends alone.
             return Self { small, deep: 1 << 22, touch: -APART };
         }
-        // A body that others press into what carries it would be left behind for good.
+        // A body that others press into its carrier would be left behind for good.
         let touch = if second == Second::Carries { width >> 1 } else { width >> 2 };
         Self { small, deep: eighth, touch }
     }
@@ -77,11 +77,11 @@ impl Depths {
 /// Lines nearer than this touch, ulps: 6e-8 m.
 const APART: i64 = 1 << 8;
 
-/// The distance that a path leaves between lines: 15 µm, or half of what there was.
-const LEFT: i64 = 1 << 16;
+/// The distance that a path leaves between lines: 15 µm, or half of the distance at its start.
+const CLEARANCE: i64 = 1 << 16;
 
 /// Width of a segment where it meets something on one side alone, or something thick: 4 cm.
-const OF_LINES: i64 = (4 << 32) / 100;
+const LINE_WIDTH: i64 = (4 << 32) / 100;
 
 impl Sweep<'_> {
     /// Brings both outlines to a moment.
@@ -89,14 +89,14 @@ impl Sweep<'_> {
         moment.set(self.forms, self.paths, at);
     }
 
-    /// The width that an overlap is compared with: that of the outline that gives way, or the lesser one.
+    /// The width that an overlap is compared with: the width of the outline that gives way, or the lesser width.
     fn width(&self) -> i64 {
         let [a, b] = self.forms;
         let is_mutual = self.second == Second::GivesWay;
         match (a.width, b.width) {
-            (0, 0) if a.is_link || b.is_link => OF_LINES,
-            (0, width) => width.min(OF_LINES),
-            (width, 0) if is_mutual => width.min(OF_LINES),
+            (0, 0) if a.is_link || b.is_link => LINE_WIDTH,
+            (0, width) => width.min(LINE_WIDTH),
+            (width, 0) if is_mutual => width.min(LINE_WIDTH),
             (a, b) if is_mutual => a.min(b),
             (width, _) => width,
         }
@@ -105,24 +105,26 @@ impl Sweep<'_> {
     /// Returns true if an outline is behind a segment of a chain, by more than it may overlap it.
     fn is_behind(&self, moment: &Moment) -> bool {
         [0, 1].into_iter().filter(|&side| self.forms[side].is_link).any(|side| {
-            let (own, other) = (&moment.seen[side], &moment.seen[1 - side]);
+            let (segment, outline) = (&moment.placed[side], &moment.placed[1 - side]);
             let sign = if side == 0 { 1 } else { -1 };
-            let corners = other.corners();
+            let corners = outline.corners();
             let count = corners.len() as i128;
             // Twice the heights over the middle of the segment: in a mirror image its ends change places. Below 2^72.
-            let [from, to] = [own.corners()[0], own.corners()[1]];
+            let [from, to] = [segment.corners()[0], segment.corners()[1]];
             let sum = [0, 1].map(|k| {
-                let all: i128 = corners.iter().map(|corner| i128::from(corner[k])).sum();
-                2 * all + (2 * sign * moment.offset[k] - i128::from(from[k]) - i128::from(to[k])) * count
+                let total: i128 = corners.iter().map(|corner| i128::from(corner[k])).sum();
+                2 * total + (2 * sign * moment.offset[k] - i128::from(from[k]) - i128::from(to[k])) * count
             });
-            along(own.normals()[0], sum) < -2 * i128::from(self.width() >> 3) * count
+            along(segment.normals()[0], sum) < -2 * i128::from(self.width() >> 3) * count
         })
     }
 
     /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. `moment` is
     /// the start, and then that moment.
     fn reach(&self, depth: i64, from: u64, moment: &mut Moment) -> Option<u64> {
-        let (mut at, mut guess, mut tolerance) = (from, END, None);
+        let mut at = from;
+        let mut guess = END;
+        let mut tolerance = None;
         for _ in 0..STEPS {
             let room = moment.until - at;
             let mut longest = moment.longest_across(depth, room, guess);
@@ -177,10 +179,10 @@ impl Sweep<'_> {
         }
         // Outlines that overlap already may do so as deep as a tick may end, or else somewhat deeper than now.
         let depth = if depths.small == 0 {
-            -((before >> 1).min(i128::from(LEFT)) as i64)
+            -((before >> 1).min(i128::from(CLEARANCE)) as i64)
         } else if before < -i128::from(depths.small >> 1) {
-            // Thin ones would creep through in some ticks: they get a part of what is left, and so never deeper than a touch. A line that
-            // is as deep in a segment of a chain is almost behind it.
+            // Thin ones would creep through in some ticks: they get a part of the depth that is left, and so never deeper than a touch. A
+            // line that is as deep in a segment of a chain is almost behind it.
             let are_lines = self.forms.iter().all(|form| form.width == 0);
             let limit = if are_lines { depths.deep } else { depths.touch };
             let more = if depths.deep > depths.small { depths.small >> 2 } else { (limit + before as i64) >> 4 };
@@ -203,7 +205,7 @@ impl Sweep<'_> {
 
 /// The rest of a way down to a depth that counts as gone, for the distance at its start: a quarter.
 fn rest_of_way(depth: i64, start: i128) -> i128 {
-    // Outlines that overlap at the start have only what is left up to the depth.
+    // Outlines that overlap at the start have only the rest of the way up to the depth.
     let left = i128::from(depth) + start;
     let way = if left > 0 { left.min(depth.abs().into()) } else { depth.abs().into() };
     (way >> 2).max(ROUNDING.into())

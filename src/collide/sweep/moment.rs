@@ -1,11 +1,11 @@
 //! Two outlines at a moment of their paths: how far apart they are, and for how long they surely stay so.
 
-use super::form::{Form, Seen, square};
+use super::form::{Form, PlacedForm, square};
 use super::path::{self, END, Leg};
 use crate::kernel::sqrt::direction;
 use crate::scalar::Turn;
 
-/// The most that rounding adds to a distance, ulps: that of corners, of centres and their angles, and of the parts of a bound.
+/// The most that rounding adds to a distance, ulps: of corners, of centres and their angles, and of the parts of a bound.
 pub(super) const ROUNDING: i64 = 16;
 
 /// 2π in 2^-32, rounded up.
@@ -17,9 +17,9 @@ pub(super) const SHORTEST: u64 = END >> 40;
 /// Two outlines at a moment. Sweeps use its memory again.
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
-    pub(super) seen: [Seen; 2],
+    pub(super) placed: [PlacedForm; 2],
     legs: [Leg; 2],
-    /// From the centre of the first to that of the second.
+    /// From the centre of the first outline to the centre of the second one.
     pub(super) offset: [i128; 2],
     radius: i64,
     /// The moment at which a piece of either path ends.
@@ -34,7 +34,15 @@ pub(crate) struct Moment {
 impl Default for Moment {
     fn default() -> Self {
         let leg = Leg::new([0; 2], [0; 2], Turn::default(), 0);
-        Self { seen: [Seen::NONE; 2], legs: [leg; 2], offset: [0; 2], radius: 0, until: 0, front: None, widest: None }
+        Self {
+            placed: [PlacedForm::NONE; 2],
+            legs: [leg; 2],
+            offset: [0; 2],
+            radius: 0,
+            until: 0,
+            front: None,
+            widest: None,
+        }
     }
 }
 
@@ -84,7 +92,7 @@ pub(super) fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
     (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
 }
 
-/// n·p in units of 2^-30 of p's.
+/// n·p in units of 2^-30 of p's unit.
 pub(super) fn height(n: [i32; 2], p: [i64; 2]) -> i128 {
     i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
 }
@@ -107,16 +115,16 @@ impl Moment {
     /// Brings two outlines on the pieces of their paths to a moment.
     pub(super) fn set(&mut self, forms: [&Form<'_>; 2], paths: [&[Leg]; 2], at: u64) {
         let [(a, until_a), (b, until_b)] = paths.map(|legs| path::leg(legs, at));
-        self.seen[0].set(forms[0], a, at);
-        self.seen[1].set(forms[1], b, at);
-        let [from, to] = [self.seen[0].centre, self.seen[1].centre];
+        self.placed[0].set(forms[0], a, at);
+        self.placed[1].set(forms[1], b, at);
+        let [from, to] = [self.placed[0].centre, self.placed[1].centre];
         self.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
         self.legs = [*a, *b];
         self.radius = forms[0].radius + forms[1].radius;
         self.until = until_a.min(until_b);
         self.front = match (forms[0].is_link, forms[1].is_link) {
-            (true, _) if forms[1].width == 0 => Some(self.seen[0].normals()[0]),
-            (_, true) if forms[0].width == 0 => Some(self.seen[1].normals()[0].map(|part| -part)),
+            (true, _) if forms[1].width == 0 => Some(self.placed[0].normals()[0]),
+            (_, true) if forms[0].width == 0 => Some(self.placed[1].normals()[0].map(|part| -part)),
             _ => None,
         };
         self.widest = None;
@@ -128,9 +136,9 @@ impl Moment {
     }
 
     fn gap(&self, n: [i32; 2]) -> Gap {
-        let highest = self.seen[0].corners().iter().map(|&corner| height(n, corner)).max().unwrap_or(0);
-        let lowest = self.seen[1].corners().iter().map(|&corner| height(n, corner)).min().unwrap_or(0);
-        // Rounded to what is farther out.
+        let highest = self.placed[0].corners().iter().map(|&corner| height(n, corner)).max().unwrap_or(0);
+        let lowest = self.placed[1].corners().iter().map(|&corner| height(n, corner)).min().unwrap_or(0);
+        // Rounded outwards.
         let (support_a, support_b) = (-((-highest) >> 30) as i64, (lowest >> 30) as i64);
         let between = along(n, self.offset) + i128::from(support_b) - i128::from(support_a);
         Gap { n, support_a, support_b, distance: between - i128::from(self.radius) }
@@ -138,11 +146,11 @@ impl Moment {
 
     /// The directions that may separate best: of all edges, and between the corners that are nearest to each other.
     fn each_direction(&self, mut visit: impl FnMut([i32; 2])) {
-        self.seen[0].normals().iter().for_each(|&n| visit(n));
-        self.seen[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
-        // Centres are cut to words, which tells apart what is never near; corners are below 2^50.
+        self.placed[0].normals().iter().for_each(|&n| visit(n));
+        self.placed[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
+        // The offset is cut to words, which changes it only for outlines that are never near; corners are below 2^50.
         let offset = self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64);
-        let [a, b] = [0, 1].map(|side: usize| self.seen[side].corners());
+        let [a, b] = [0, 1].map(|side: usize| self.placed[side].corners());
         let between = |a: [i64; 2], b: [i64; 2]| [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]];
         let mut nearest = u128::MAX;
         for &a in a {
@@ -215,12 +223,13 @@ impl Moment {
         }
         // Below 2^50 in units of 2^-32 turns, 2^85 in 2^-64 rad; corners are below 2^49.
         let radians = ((((turns >> 32) + 1) * TAU) >> 32) + 1;
-        (((radians * self.seen[side].reach.unsigned_abs() as u128) >> 32) + 2) as i128
+        (((radians * self.placed[side].reach.unsigned_abs() as u128) >> 32) + 2) as i128
     }
 
     /// The angle that a body turns in a part of the tick, in 2^-44 rad, rounded up by at most 8; `None` above half a turn.
     fn angle(&self, side: usize, time: u64) -> Option<i64> {
-        let (turns, time) = (self.legs[side].spin.unsigned_abs(), u128::from(time));
+        let turns = self.legs[side].spin.unsigned_abs();
+        let time = u128::from(time);
         // Whole turns below 2^18, and the rest.
         let turned = (((turns >> 64) * time) << 2) + (((turns & u128::from(u64::MAX)) * time) >> 62);
         // From 2^-64 turns to 2^-44 rad: below 2^43 · 2^35.
@@ -238,13 +247,13 @@ impl Moment {
         let closing = -along(gap.n, [0, 1].map(|k| b.way[k] - a.way[k]));
         let bounds = [0, 1].map(|side| {
             // By how much the farthest corner may reach farther out; a unit vector is off by 2^-29.
-            let reach = self.seen[side].reach;
+            let reach = self.placed[side].reach;
             let reach = reach + (reach >> 28) + 2;
             let more = if side == 0 { reach - gap.support_a } else { reach + gap.support_b };
             (self.turn_speed(side), i128::from(more.max(0)))
         });
         let time = bounded(free, closing, bounds).min(room);
-        if time == room || bounds.iter().all(|(speed, most)| *speed == 0 || *most == 0) {
+        if time == room || bounds.iter().all(|(speed, bound)| *speed == 0 || *bound == 0) {
             return time;
         }
         let stays = |time: u64| self.stays_apart(gap, free, closing, time);
@@ -267,20 +276,21 @@ impl Moment {
     fn stays_apart(&self, gap: &Gap, free: i128, closing: i128, time: u64) -> bool {
         let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
         let farther = |side: usize, turn: i64| {
-            let (seen, leg) = (&self.seen[side], &self.legs[side]);
+            let (placed, leg) = (&self.placed[side], &self.legs[side]);
             if leg.spin == 0 {
                 return 0;
             }
             let [x, y] = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
-            let (turn, size) = (if leg.spin < 0 { -i128::from(turn) } else { turn.into() }, i128::from(turn));
+            let size = i128::from(turn);
+            let turn = if leg.spin < 0 { -size } else { size };
             // Along n, and along n the corner turned by a quarter. Corners are below 2^49.5 ulps, angles below 2^46: below 2^126.
             let at = |&corner: &[i64; 2]| height([x, y], corner) + ((height([y, -x], corner) * turn) >> 44);
-            let highest = seen.corners().iter().map(at).max().unwrap_or(0);
+            let highest = placed.corners().iter().map(at).max().unwrap_or(0);
             let support = if side == 0 { gap.support_a } else { -gap.support_b };
             // Rounded up: the product above, the angle, and half of its square.
-            let rounding = i128::from(2 + (seen.reach >> 40));
+            let rounding = i128::from(2 + (placed.reach >> 40));
             let square = ((size * size) >> 44) + 1;
-            (highest >> 30) - i128::from(support) + rounding + ((square * i128::from(seen.reach + 2)) >> 45) + 1
+            (highest >> 30) - i128::from(support) + rounding + ((square * i128::from(placed.reach + 2)) >> 45) + 1
         };
         // Below 2^66 · 2^58, rounded up.
         let part = i128::from(if closing > 0 { (time >> 4) + 1 } else { time >> 4 });
@@ -289,7 +299,7 @@ impl Moment {
     }
 }
 
-/// The time for which `closing·t + Σ min(speed·t, most)` stays below `free`, rounded down.
+/// The time for which `closing·t + Σ min(speed·t, bound)` stays below `free`, rounded down.
 fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
     // distance / speed. Both are cut to 64 bits, the speed rounded up.
     let time = |distance: i128, speed: i128| {
@@ -306,13 +316,13 @@ fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
     });
     let (first, second) = if first.0 <= second.0 { (first, second) } else { (second, first) };
     // The sum is concave: where it stops growing below `free`, it stays there. Each line is an upper bound of it.
-    let both = time(free, closing + first.1 + second.1);
-    if both <= first.0 {
-        return both;
+    let joint_time = time(free, closing + first.1 + second.1);
+    if joint_time <= first.0 {
+        return joint_time;
     }
-    let slower = time(free - first.2, closing + second.1);
-    if slower <= second.0 {
-        return slower.max(first.0);
+    let second_time = time(free - first.2, closing + second.1);
+    if second_time <= second.0 {
+        return second_time.max(first.0);
     }
     time(free - first.2 - second.2, closing).max(second.0)
 }

@@ -12,8 +12,8 @@ fn part_of(whole: i128, part: u64) -> i128 {
     if whole < 0 { -(size as i128) } else { size as i128 }
 }
 
-/// A motion at constant velocities from a moment on: that of a body around its centre of mass, or that of a body that another one
-/// carries along, around the other one's centre.
+/// A motion at constant velocities from a moment on: of a body around its centre of mass, or of a body that a carrier takes along,
+/// around the carrier's centre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Leg {
     pub(super) from: u64,
@@ -42,7 +42,8 @@ impl Leg {
 
     /// The rotation up to a moment, without whole turns.
     fn turned(&self, at: u64) -> u64 {
-        let (passed, size) = (at - self.from, self.spin.unsigned_abs());
+        let passed = at - self.from;
+        let size = self.spin.unsigned_abs();
         // Turns times a moment in units of 2^-62 turns, below 2^80; the rest is below 2^64.
         let whole = ((size >> 64) * u128::from(passed)) << 2;
         let rest = part_of((size & u128::from(u64::MAX)) as i128, passed) as u128;
@@ -59,7 +60,8 @@ impl Leg {
         if self.arm == [0; 2] {
             return self.arm;
         }
-        super::form::turned(self.arm, sin_cos_turn(self.turned(at)))
+        let (sin, cos) = sin_cos_turn(self.turned(at));
+        super::form::turned(self.arm, sin, cos)
     }
 
     /// The centre of mass and the angle at a moment.
@@ -74,11 +76,12 @@ impl Leg {
         Self { from, centre, way: [0; 2], angle, spin: 0, arm: [0; 2] }
     }
 
-    /// The body carried along by another one from a moment on.
-    fn carried(&self, by: &Self, from: u64) -> Self {
-        let ((at, angle), centre) = (self.pose(from), by.centre(from));
-        let arm = [0, 1].map(|k| at[k].saturating_sub(centre[k]));
-        Self { from, centre, angle, arm, ..*by }
+    /// The motion of the body that a carrier takes along from a moment on.
+    fn carried(&self, carrier: &Self, from: u64) -> Self {
+        let (position, angle) = self.pose(from);
+        let centre = carrier.centre(from);
+        let arm = [0, 1].map(|k| position[k].saturating_sub(centre[k]));
+        Self { from, centre, angle, arm, ..*carrier }
     }
 
     pub(crate) fn moves(&self) -> bool {
@@ -89,12 +92,12 @@ impl Leg {
     ///
     /// # Ranges
     /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
-    pub(crate) fn stays_apart(&self, other: &Self, reach: i64) -> bool {
-        if self.arm != [0; 2] || other.arm != [0; 2] {
+    pub(crate) fn stays_apart(&self, leg: &Self, reach: i64) -> bool {
+        if self.arm != [0; 2] || leg.arm != [0; 2] {
             return false;
         }
-        let offset = [0, 1].map(|k| i128::from(other.centre[k]) - i128::from(self.centre[k]));
-        let way = [0, 1].map(|k| other.way[k] - self.way[k]);
+        let offset = [0, 1].map(|k| i128::from(leg.centre[k]) - i128::from(self.centre[k]));
+        let way = [0, 1].map(|k| leg.way[k] - self.way[k]);
         let largest = offset.iter().chain(&way).map(|part| part.unsigned_abs()).max().unwrap_or(0);
         let down = (128 - largest.leading_zeros()).saturating_sub(30);
         // Towards zero: alike in a mirror image.
@@ -174,12 +177,12 @@ impl Path {
     }
 
     /// Cuts the path off at a moment and goes on with a piece. Without room for it, the path stays.
-    fn go_on(&mut self, at: u64, with: Leg) {
+    fn go_on(&mut self, at: u64, leg: Leg) {
         while self.count > 1 && self.last().from >= at {
             self.count -= 1;
         }
         if self.count < LEGS {
-            self.legs[self.count] = with;
+            self.legs[self.count] = leg;
             self.count += 1;
         }
     }
@@ -207,16 +210,16 @@ impl Path {
         self.last().from <= at && !self.last().moves()
     }
 
-    pub(crate) fn differs(&self, other: &Self) -> bool {
-        self.legs() != other.legs()
+    pub(crate) fn differs(&self, path: &Self) -> bool {
+        self.legs() != path.legs()
     }
 
-    /// The piece in which another body carries this one along from a moment on.
-    pub(crate) fn carried(&self, by: &Self, at: u64) -> Leg {
-        self.leg(at).carried(by.leg(at), at)
+    /// The piece in which a carrier takes this body along from a moment on.
+    pub(crate) fn carried(&self, carrier: &Self, at: u64) -> Leg {
+        self.leg(at).carried(carrier.leg(at), at)
     }
 
-    /// Goes on from a moment as that piece says.
+    /// Goes on with a piece from a moment.
     pub(crate) fn carry(&mut self, at: u64, leg: Leg) {
         self.go_on(at, leg);
     }

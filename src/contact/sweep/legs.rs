@@ -14,7 +14,7 @@ fn ulps(position: Vec2<FxAccumulator>) -> [i64; 2] {
 
 /// The angle turned after impulses, about, in 2^-32 rad.
 fn turned(flight: &Flight, rotation: Option<FxAccumulator>) -> i128 {
-    i128::from(flight.rotation.to_bits()) + rotation.map_or(0, |by| by.value().to_bits().into())
+    i128::from(flight.rotation.to_bits()) + rotation.map_or(0, |change| change.value().to_bits().into())
 }
 
 /// A bound of the distance by which a point within `reach` of the centre moves, ulps.
@@ -29,14 +29,15 @@ pub(super) fn moved(
         // Below 2^32 m; the magnitude is cut off, as in all images.
         (to.to_bits().abs_diff(from.to_bits()) >> 64).min(1 << 62) as i64 + 1
     };
-    let (x, y) = (way(from.x, to.x), way(from.y, to.y));
+    let x = way(from.x, to.x);
+    let y = way(from.y, to.y);
     // a + b/2 is at least the length of (a, b) for a ≥ b.
     let straight = x.max(y).saturating_add(x.min(y) / 2);
     if reach == 0 {
         return straight;
     }
-    // No point moves farther than twice its distance from the centre, which is below 2^49: beyond 8 rad a rotation counts as that.
-    let turned = flight.rotation.to_bits().saturating_add(rotation.map_or(0, |by| by.value().to_bits()));
+    // No point moves farther than twice its distance from the centre, which is below 2^49: a rotation beyond 8 rad counts as 8 rad.
+    let turned = flight.rotation.to_bits().saturating_add(rotation.map_or(0, |change| change.value().to_bits()));
     // Below 2^23 · 2^30, each rounded up.
     let round = ((turned.saturating_abs().min(8 << 32) >> 12) + 1) * ((reach >> 20) + 1);
     straight.saturating_add(round.min(2 * reach) + 1)
@@ -52,7 +53,8 @@ pub(super) fn leg(
 ) -> Leg {
     // 1/2π in 2^-66; from 2^-32 rad to 2^-64 turns.
     const PER_TURN: u128 = 0xa2f9_836e_4e44_152a;
-    let (from, to) = (ulps(start.position), ulps(position));
+    let from = ulps(start.position);
+    let to = ulps(position);
     let way = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
     let shortest = i128::from(angle.to_bits().wrapping_sub(start.angle.to_bits()) as i64);
     let about = mul_shift(turned(flight, rotation), PER_TURN, 66 + 32 - 64).unwrap_or(0);

@@ -1,6 +1,6 @@
 //! Continuous collision: the paths of fast bodies end where they would cross something.
 //!
-//! A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; nothing is done for others. Fast bodies
+//! A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; other bodies are not swept. Fast bodies
 //! are swept against static and kinematic ones, fast kinematic bodies against all, and bullets against all.
 //! In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact
 //! stops at the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a
@@ -41,7 +41,7 @@ const LAST_ROUNDS: u32 = 8;
 const WALL_ROUNDS: u32 = 8;
 
 /// The least motion that counts, ulps: 2^-12 m.
-const LEAST: i64 = 1 << 20;
+const MIN_MOTION: i64 = 1 << 20;
 
 /// Memory of continuous collision. None of it lasts beyond a step.
 #[derive(Debug, Default)]
@@ -50,13 +50,13 @@ pub(super) struct Workspace {
     pub(super) fast: Vec<u32>,
     /// By flight: true for a body that impulses sent elsewhere in the last look, or after all rounds; empty if there are none.
     pub(super) deflected: Vec<bool>,
-    /// By flight, where it is among the courses; [`NONE`] if it has none.
-    of: Vec<u32>,
+    /// By flight: the index of its course; [`NONE`] if it has none.
+    course_of: Vec<u32>,
     courses: Vec<Course>,
     /// The outlines of each pair by number, the lower one first.
     pub(super) pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
-    /// The boxes of what moves, and a tree of them where they are many.
+    /// The boxes of moving outlines, and a tree of them where they are many.
     movers: Vec<Proxy>,
     tree: Option<Statics>,
     pub(super) moments: [Moment; 2],
@@ -92,7 +92,7 @@ struct Hit {
     course: u32,
     at: u64,
     /// The course of the body that it meets.
-    by: u32,
+    obstacle: u32,
     /// Both give way.
     is_mutual: bool,
 }
@@ -108,7 +108,7 @@ impl Engine {
         stops: &mut Vec<Stop>,
     ) {
         stops.clear();
-        self.sweep.of.clear();
+        self.sweep.course_of.clear();
         self.sweep.courses.clear();
         self.find_fast(scene, corrections, is_faulty);
         if self.sweep.fast.is_empty() {
@@ -130,10 +130,10 @@ impl Engine {
         self.sweep.fast.clear();
         for (i, start) in scene.starts.iter().enumerate() {
             let place = self.flights.body(i as u32);
-            let rotation = corrections.get(i).map(|by| by.rotation);
+            let rotation = corrections.get(i).map(|correction| correction.rotation);
             let ends = [start.position, scene.bodies.position(start.dense)];
             let moved = moved(ends, self.flights.flight(i as u32), rotation, place.reach);
-            if moved > (place.width >> 2).max(LEAST) && !is_faulty(start.dense) {
+            if moved > (place.width >> 2).max(MIN_MOTION) && !is_faulty(start.dense) {
                 self.sweep.fast.push(i as u32);
             }
         }
@@ -141,7 +141,7 @@ impl Engine {
 
     /// The path of a body as far as it went.
     fn ended_path(&self, paths: &Paths<'_>, flight: u32) -> Path {
-        match self.sweep.of.get(flight as usize) {
+        match self.sweep.course_of.get(flight as usize) {
             Some(&course) if course != NONE => self.sweep.courses[course as usize].path,
             _ => Path::new(self.leg(paths, flight)),
         }
@@ -152,7 +152,7 @@ impl Engine {
         paths.leg(self.flights.body(flight), self.flights.flight(flight), flight)
     }
 
-    /// Visits the paths of fast bodies, with their slots, after those that end early have ended.
+    /// Visits the final paths of fast bodies, which may end early, with the slots of the bodies.
     pub(super) fn each_fast_path(&self, paths: &Paths<'_>, mut visit: impl FnMut(u32, Path)) {
         for &flight in &self.sweep.fast {
             visit(self.flights.body(flight).slot, self.ended_path(paths, flight));
@@ -163,10 +163,10 @@ impl Engine {
     pub(super) fn path_if_fast(&self, paths: &Paths<'_>, collider: &Collider) -> Option<Path> {
         let flight = self.flights.at(collider.body.slot)?;
         let start = paths.scene.starts.get(flight as usize)?;
-        let rotation = paths.corrections.get(flight as usize).map(|by| by.rotation);
+        let rotation = paths.corrections.get(flight as usize).map(|correction| correction.rotation);
         let ends = [start.position, paths.scene.bodies.position(start.dense)];
         let moved = moved(ends, self.flights.flight(flight), rotation, collider.radius.to_bits());
-        let is_fast = moved > (collider.width.to_bits() >> 2).max(LEAST);
+        let is_fast = moved > (collider.width.to_bits() >> 2).max(MIN_MOTION);
         is_fast.then(|| self.ended_path(paths, flight))
     }
 
@@ -191,12 +191,13 @@ impl Engine {
                 let first = self.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = around(from_ref(&leg), collider.outline(part).radius.to_bits());
-                    let (number, filter) = (first + part, collider.def.filter);
-                    let mut found = core::mem::take(&mut self.sweep.pairs);
-                    let mut visit = |other: u32| {
-                        let pair = [number.min(other), number.max(other)];
+                    let number = first + part;
+                    let filter = collider.def.filter;
+                    let mut pairs = core::mem::take(&mut self.sweep.pairs);
+                    let mut visit = |candidate: u32| {
+                        let pair = [number.min(candidate), number.max(candidate)];
                         if self.may_meet(scene, pair) {
-                            found.push(pair);
+                            pairs.push(pair);
                         }
                         true
                     };
@@ -207,11 +208,11 @@ impl Engine {
                     match tree {
                         Some(tree) => tree.search_box(bounds, filter, &mut visit),
                         None => {
-                            let near = movers.iter().filter(|proxy| overlap(&proxy.bounds, &bounds));
-                            near.for_each(|proxy| _ = visit(proxy.collider));
+                            let nearby_movers = movers.iter().filter(|proxy| overlap(&proxy.bounds, &bounds));
+                            nearby_movers.for_each(|proxy| _ = visit(proxy.collider));
                         }
                     }
-                    self.sweep.pairs = found;
+                    self.sweep.pairs = pairs;
                 }
             }
         }
@@ -246,12 +247,11 @@ impl Engine {
         a.body != b.body
             && a.def.filter.agrees(b.def.filter)
             && !self.are_excluded([a.body, b.body])
-            && [(outlines[0], a, b), (outlines[1], b, a)]
-                .into_iter()
-                .all(|(outline, own, other)| own.side.is_none() || self.is_held(outline, other.body.slot))
+            && (a.side.is_none() || self.is_held(outlines[0], b.body.slot))
+            && (b.side.is_none() || self.is_held(outlines[1], a.body.slot))
     }
 
-    /// Lists the boxes of what moves and may be in the way of fast bodies.
+    /// Lists the boxes of the moving outlines that may be in the way of fast bodies.
     fn list_movers(&mut self, paths: &Paths<'_>) {
         let place = |flight: u32| self.flights.body(flight);
         let is_bullet = |flight: u32| paths.is_bullet(place(flight).slot);
@@ -299,16 +299,16 @@ impl Engine {
 
     /// The course of a body, made when it is first asked for.
     fn course(&mut self, paths: &Paths<'_>, flight: u32) -> usize {
-        let at = flight as usize;
-        if self.sweep.of.len() <= at {
-            self.sweep.of.resize(at + 1, NONE);
+        let index = flight as usize;
+        if self.sweep.course_of.len() <= index {
+            self.sweep.course_of.resize(index + 1, NONE);
         }
-        if self.sweep.of[at] == NONE {
-            self.sweep.of[at] = self.sweep.courses.len() as u32;
+        if self.sweep.course_of[index] == NONE {
+            self.sweep.course_of[index] = self.sweep.courses.len() as u32;
             let path = Path::new(self.leg(paths, flight));
             self.sweep.courses.push(Course { flight, path, changed: Some(0), carrier: NONE, is_stuck: false });
         }
-        self.sweep.of[at] as usize
+        self.sweep.course_of[index] as usize
     }
 
     /// Ends paths at times of impact.
@@ -337,8 +337,8 @@ impl Engine {
         if a.1.kind != FlightOf::Dynamic {
             (outlines, a, b) = ([outlines[1], outlines[0]], b, a);
         }
-        let [own, other] = [self.course(paths, a.0), self.course(paths, b.0)];
-        let courses = [&self.sweep.courses[own], &self.sweep.courses[other]];
+        let indices = [self.course(paths, a.0), self.course(paths, b.0)];
+        let courses = indices.map(|index| &self.sweep.courses[index]);
         let Some(from) = courses.iter().filter_map(|course| course.changed).min() else { return };
         let is_carried = courses[0].carrier == b.0 || courses[1].carrier == a.0;
         if is_carried || !courses.iter().any(|course| course.path.moves()) {
@@ -360,15 +360,15 @@ impl Engine {
             },
         };
         let Some(at) = sweep.impact(from, &mut self.sweep.moments) else { return };
-        let (own, other) = (own as u32, other as u32);
+        let [first_course, second_course] = indices.map(|index| index as u32);
         let is_mutual = b.1.kind == FlightOf::Dynamic;
-        // A dominant body that impulses sent elsewhere does not end its way at those that it dominates.
+        // A dominant body that impulses deflected does not end its way at bodies that it dominates.
         let are_swept = is_swept([&a.1, &b.1], paths);
         if are_swept || a.1.dominance <= b.1.dominance {
-            self.sweep.hits.push(Hit { course: own, at, by: other, is_mutual });
+            self.sweep.hits.push(Hit { course: first_course, at, obstacle: second_course, is_mutual });
         }
         if is_mutual && (are_swept || b.1.dominance <= a.1.dominance) {
-            self.sweep.hits.push(Hit { course: other, at, by: own, is_mutual });
+            self.sweep.hits.push(Hit { course: second_course, at, obstacle: first_course, is_mutual });
         }
     }
 
@@ -378,21 +378,21 @@ impl Engine {
         hits.retain(|hit| !self.is_vain(hit, is_last));
         hits.sort_unstable();
         let mut has_changed = false;
-        for own in hits.chunk_by(|a, b| a.course == b.course) {
-            let mut course = self.sweep.courses[own[0].course as usize];
+        for course_hits in hits.chunk_by(|a, b| a.course == b.course) {
+            let mut course = self.sweep.courses[course_hits[0].course as usize];
             // A body that a kinematic one pushes goes with it, through others if there is no other way.
-            if is_last && course.carrier != NONE && own.iter().all(|hit| hit.is_mutual) {
+            if is_last && course.carrier != NONE && course_hits.iter().all(|hit| hit.is_mutual) {
                 continue;
             }
-            let is_pushed = course.carrier != NONE || own.iter().any(|hit| self.is_kinematic(hit));
+            let is_pushed = course.carrier != NONE || course_hits.iter().any(|hit| self.is_kinematic(hit));
             let at = if is_last && is_pushed {
-                own.iter().filter(|hit| !hit.is_mutual).map(|hit| hit.at).min().unwrap_or(own[0].at)
-            } else if is_last && own.iter().any(|hit| hit.is_mutual) {
+                course_hits.iter().filter(|hit| !hit.is_mutual).map(|hit| hit.at).min().unwrap_or(course_hits[0].at)
+            } else if is_last && course_hits.iter().any(|hit| hit.is_mutual) {
                 0
             } else {
-                own[0].at
+                course_hits[0].at
             };
-            let meets = own.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual));
+            let meets = course_hits.iter().filter(|hit| hit.at == at && !(is_last && hit.is_mutual));
             let leg = self.carried(paths, &course, meets);
             let before = course.path;
             match leg {
@@ -402,14 +402,14 @@ impl Engine {
                 }
                 None => {
                     course.path.stop(at);
-                    course.is_stuck = at == 0 && own.iter().any(|hit| hit.at == 0 && !hit.is_mutual);
+                    course.is_stuck = at == 0 && course_hits.iter().any(|hit| hit.at == 0 && !hit.is_mutual);
                     course.carrier = NONE;
                 }
             }
             if course.path.differs(&before) {
                 course.changed = Some(at);
                 has_changed = true;
-                self.sweep.courses[own[0].course as usize] = course;
+                self.sweep.courses[course_hits[0].course as usize] = course;
             }
         }
         self.sweep.hits = hits;
@@ -425,7 +425,7 @@ impl Engine {
 
     /// Returns true if a body meets a kinematic one.
     fn is_kinematic(&self, hit: &Hit) -> bool {
-        let course = &self.sweep.courses[hit.by as usize];
+        let course = &self.sweep.courses[hit.obstacle as usize];
         !hit.is_mutual && self.flights.body(course.flight).kind == FlightOf::Kinematic
     }
 
@@ -440,29 +440,29 @@ impl Engine {
         if course.carrier != NONE || paths.is_locked(place.slot) {
             return None;
         }
-        let mut found: Option<(u32, Leg)> = None;
+        let mut result: Option<(u32, Leg)> = None;
         for hit in hits {
-            let by = &self.sweep.courses[hit.by as usize];
-            if self.flights.body(by.flight).kind != FlightOf::Kinematic || !by.path.moves() {
+            let carrier = &self.sweep.courses[hit.obstacle as usize];
+            if self.flights.body(carrier.flight).kind != FlightOf::Kinematic || !carrier.path.moves() {
                 continue;
             }
-            let leg = course.path.carried(&by.path, hit.at);
-            match found {
-                Some((_, other)) if other.pose(END) != leg.pose(END) => return None,
+            let leg = course.path.carried(&carrier.path, hit.at);
+            match result {
+                Some((_, result_leg)) if result_leg.pose(END) != leg.pose(END) => return None,
                 Some(_) => {}
-                None => found = Some((by.flight, leg)),
+                None => result = Some((carrier.flight, leg)),
             }
         }
-        found
+        result
     }
 }
 
-/// Returns true if a body is dynamic, awake or asleep. A kinematic one that sleeps is in the way as a static one is.
-fn is_dynamic(of: &Place, paths: &Paths<'_>) -> bool {
-    of.kind == FlightOf::Dynamic || of.kind == FlightOf::Asleep && !paths.is_kinematic(of.slot)
+/// Returns true if a body is dynamic, awake or asleep. A sleeping kinematic body is an obstacle like a static one.
+fn is_dynamic(place: &Place, paths: &Paths<'_>) -> bool {
+    place.kind == FlightOf::Dynamic || place.kind == FlightOf::Asleep && !paths.is_kinematic(place.slot)
 }
 
-/// Returns true if the paths of two bodies are looked at where one of them is fast.
+/// Returns true if the paths of two bodies are tested where one of them is fast.
 fn is_swept([a, b]: [&Place; 2], paths: &Paths<'_>) -> bool {
     let is_awake = a.kind == FlightOf::Dynamic || b.kind == FlightOf::Dynamic;
     let are_dynamic = is_dynamic(a, paths) && is_dynamic(b, paths);

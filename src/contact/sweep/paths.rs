@@ -11,7 +11,7 @@ use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator};
 use crate::shape::Aabb;
 use crate::solve::Flight;
 
-/// Boxes are grown by this, ulps: more than what rounding may take.
+/// The growth of boxes, ulps: more than rounding errors may take away.
 const GROWTH: i64 = 1 << 14;
 
 /// The paths of bodies after impulses.
@@ -31,10 +31,11 @@ impl Paths<'_> {
             return legs::resting(bodies.position(dense), bodies.angle(dense));
         };
         let correction = self.corrections.get(number as usize);
-        let (mut position, mut angle) = (bodies.position(start.dense), bodies.angle(start.dense));
-        if let (Some(correction), false) = (correction, self.is_corrected) {
-            let moved = correction.displacement;
-            position = Vec2::new(position.x.plus(moved.x), position.y.plus(moved.y));
+        let mut position = bodies.position(start.dense);
+        let mut angle = bodies.angle(start.dense);
+        if let Some(correction) = correction.filter(|_| !self.is_corrected) {
+            let shift = correction.displacement;
+            position = Vec2::new(position.x.plus(shift.x), position.y.plus(shift.y));
             angle = angle.turned(correction.rotation);
         }
         let rotation = correction.map(|correction| correction.rotation);
@@ -44,14 +45,14 @@ impl Paths<'_> {
     /// The pose at the end of a path that ended early.
     pub(super) fn stop(&self, course: &Course) -> Stop {
         let start = &self.scene.starts[course.flight as usize];
-        let (place, angle) = course.path.last().pose(END);
+        let (centre, angle) = course.path.last().pose(END);
         let position = match course.path.stopped_at() {
             Some(at) => {
                 let end = self.scene.bodies.position(start.dense);
                 Vec2::new(legs::between(start.position.x, end.x, at), legs::between(start.position.y, end.y, at))
             }
             None => {
-                let [x, y] = place.map(|part| FxAccumulator::from_scalar(Fx::from_bits(part)));
+                let [x, y] = centre.map(|part| FxAccumulator::from_scalar(Fx::from_bits(part)));
                 Vec2::new(x, y)
             }
         };
@@ -79,10 +80,10 @@ impl Paths<'_> {
 /// The box around an outline of this reach on the pieces of a path.
 pub(in super::super) fn around(legs: &[Leg], reach: i64) -> Aabb<Fx> {
     let (low, high) = ends(legs);
-    let by = reach.saturating_add(GROWTH);
-    let at = |ends: [i64; 2], by: i64| {
-        let [x, y] = ends.map(|end| Fx::from_bits(end.saturating_add(by)));
+    let growth = reach.saturating_add(GROWTH);
+    let shifted = |corner: [i64; 2], shift: i64| {
+        let [x, y] = corner.map(|part| Fx::from_bits(part.saturating_add(shift)));
         Vec2::new(x, y)
     };
-    Aabb { min: at(low, -by), max: at(high, by) }
+    Aabb { min: shifted(low, -growth), max: shifted(high, growth) }
 }

@@ -8,7 +8,7 @@ use crate::collider::{ColliderDef, ColliderSet};
 use crate::fx::{Fx, fx};
 use crate::math::{Random, Vec2, vec2};
 use crate::scalar::{FxWide, ToF64 as _, Turn};
-use crate::shape::Shape;
+use crate::shape::{Aabb, Shape};
 use crate::slots::BodyId;
 
 /// A case: a collider of a body at a place, and a box.
@@ -17,7 +17,7 @@ struct Case {
     def: ColliderDef,
     position: Vec2,
     angle: Turn,
-    region: (Vec2, Vec2),
+    region: Aabb,
 }
 
 impl Case {
@@ -35,7 +35,7 @@ impl Case {
     fn dense(&self, chords: usize) -> [f64; 3] {
         let mut sums = [0.0; 3];
         let [cx, cy] = self.position.to_f64();
-        let ([left, bottom], [right, top]) = (self.region.0.to_f64(), self.region.1.to_f64());
+        let ([left, bottom], [right, top]) = (self.region.min.to_f64(), self.region.max.to_f64());
         let (sin, cos) = libm::sincos(self.angle.radians().to_f64());
         for outline in self.def.shape.outlines_at(self.def.angle, self.def.position) {
             let radius = outline.radius().to_f64();
@@ -122,7 +122,7 @@ fn each_case(count: u32, size: Fx, mut see: impl FnMut(&Case, bool)) {
         let at = vec2(number(fx!(3)), number(fx!(3)));
         let offset = vec2(number(fx!(0.5)), number(fx!(0.5)));
         let [a, b] = [(); 2].map(|()| at + vec2(number(fx!(1.7)), number(fx!(1.7))));
-        let region = (vec2(a.x.min(b.x), a.y.min(b.y)), vec2(a.x.max(b.x), a.y.max(b.y)));
+        let region = Aabb { min: vec2(a.x.min(b.x), a.y.min(b.y)), max: vec2(a.x.max(b.x), a.y.max(b.y)) };
         let [angle, own] = [(); 2].map(|()| number(fx!(1)) * fx!(3) / size);
         for (i, shape) in shapes.into_iter().enumerate() {
             let def = ColliderDef { position: offset, angle: own, ..ColliderDef::new(shape) };
@@ -169,8 +169,8 @@ fn the_image_of_an_area_is_the_same_to_the_bit() {
         let [area, x, y] = case.found();
         for (turn, mirror) in [(false, true), (true, false), (true, true)] {
             let of = |v: Vec2| flip(v, turn, mirror);
-            let (a, b) = (of(case.region.0), of(case.region.1));
-            let region = (vec2(a.x.min(b.x), a.y.min(b.y)), vec2(a.x.max(b.x), a.y.max(b.y)));
+            let (a, b) = (of(case.region.min), of(case.region.max));
+            let region = Aabb { min: vec2(a.x.min(b.x), a.y.min(b.y)), max: vec2(a.x.max(b.x), a.y.max(b.y)) };
             // The mirror image of a polygon is made from its image's corners: those that are their own image are enough.
             if mirror
                 && matches!(
@@ -201,9 +201,9 @@ fn the_image_of_an_area_is_the_same_to_the_bit() {
 
 #[test]
 fn an_outline_in_the_box_has_its_whole_area_and_one_beside_it_none() {
-    let everywhere = (vec2(-100, -100), vec2(100, 100));
-    let beside = (vec2(-100, -100), vec2(-7, 100));
-    let inside = (vec2(fx!(-0.25), fx!(-0.25)), vec2(fx!(0.25), fx!(0.25)));
+    let everywhere = Aabb { min: vec2(-100, -100), max: vec2(100, 100) };
+    let beside = Aabb { min: vec2(-100, -100), max: vec2(-7, 100) };
+    let inside = Aabb { min: vec2(fx!(-0.25), fx!(-0.25)), max: vec2(fx!(0.25), fx!(0.25)) };
     let case = |shape: Shape, region| Case {
         def: ColliderDef::new(shape),
         position: vec2(0, 0),
@@ -216,9 +216,9 @@ fn an_outline_in_the_box_has_its_whole_area_and_one_beside_it_none() {
     assert_eq!(case(square(), beside).found(), [0; 3]);
     // The box is in the outline, or shares a side with it.
     assert_eq!(case(square(), inside).found(), [whole(fx!(0.25)), 0, 0]);
-    let side = (vec2(0, fx!(-1.5)), vec2(1, fx!(1.5)));
+    let side = Aabb { min: vec2(0, fx!(-1.5)), max: vec2(1, fx!(1.5)) };
     assert_eq!(case(square(), side).found(), [whole(fx!(3)), whole(fx!(1.5)), 0]);
-    let touching = (vec2(1, -5), vec2(5, 5));
+    let touching = Aabb { min: vec2(1, -5), max: vec2(5, 5) };
     assert_eq!(case(square(), touching).found(), [0; 3]);
     let disc = case(Shape::circle(fx!(1)).expect("a shape"), everywhere).found();
     let area = disc[0] as f64 / 2.0_f64.powi(64);

@@ -1,4 +1,4 @@
-//! Bodies through the sub-steps, and what impulses change of their free flight.
+//! Bodies through the sub-steps, and the corrections of their free flight by impulses.
 
 use super::rounding::{BodyUnits, Rounding};
 use super::{Clock, Vector, dot};
@@ -20,15 +20,15 @@ pub(super) struct Body {
     offset: Vector,
     /// The velocity by the exact impulses.
     pub(super) velocity: Vector,
-    /// The velocity as contacts see it.
-    pub(super) seen: Vector,
+    /// The velocity rounded to units, as contacts see it.
+    pub(super) rounded_velocity: Vector,
     pub(super) displacement: Vector,
     /// The velocity of the free flight in this sub-step, and the correction of it before the contacts of the sub-step.
     flight: Vector,
     before: Vector,
     /// The change of velocity by the contacts of a phase.
     gain: Vector,
-    /// The impulses of the step, and those weighted by the sub-steps that they moved the body in.
+    /// The impulses of the step, and the impulses weighted by the sub-steps that they moved the body in.
     pub(super) applied: Vector,
     pub(super) weighted: Vector,
 }
@@ -43,7 +43,10 @@ impl Body {
         let [start, end] = [start, end].map(|velocity| vector(velocity.linear, velocity.angular));
         let change = [0, 1, 2].map(|i| end[i] - start[i]);
         let flown = vector(flight.displacement, flight.rotation);
-        let euler = |i: usize| clock.length * (clock.count() * start[i] + change[i] * (clock.count() + 1.0) / 2.0);
+        let offset = [0, 1, 2].map(|i| {
+            let euler = clock.length * (clock.count() * start[i] + change[i] * (clock.count() + 1.0) / 2.0);
+            euler - flown[i]
+        });
         let mut rounded = |velocity: Vector| [0, 1, 2].map(|i| velocity[i] + rounding.within(units.velocity[i] / 2.0));
         let inverse_mass = [flight.inverse_mass.x, flight.inverse_mass.y, flight.inverse_inertia];
         Self {
@@ -52,9 +55,9 @@ impl Body {
             start: rounded(start),
             end: rounded(end),
             change,
-            offset: [0, 1, 2].map(|i| euler(i) - flown[i]),
+            offset,
             velocity: start,
-            seen: start,
+            rounded_velocity: start,
             displacement: [0.0; 3],
             flight: start,
             before: [0.0; 3],
@@ -80,11 +83,11 @@ impl Body {
     }
 
     fn round(&mut self, units: f64, rounding: &mut Rounding) {
-        self.seen = [0, 1, 2].map(|i| self.velocity[i] + rounding.within(units * self.units.velocity[i]));
+        self.rounded_velocity = [0, 1, 2].map(|i| self.velocity[i] + rounding.within(units * self.units.velocity[i]));
     }
 
     pub(super) fn advance(&mut self, substep: f64) {
-        (0..3).for_each(|i| self.displacement[i] += self.seen[i] * substep);
+        (0..3).for_each(|i| self.displacement[i] += self.rounded_velocity[i] * substep);
     }
 
     pub(super) fn add_gain(&mut self, gain: Vector) {
@@ -101,7 +104,7 @@ impl Body {
     /// Takes over the motion of the body that this one follows.
     pub(super) fn follow(&mut self, leader: &Self) {
         self.velocity = leader.velocity;
-        self.seen = leader.seen;
+        self.rounded_velocity = leader.rounded_velocity;
         self.displacement = leader.displacement;
     }
 

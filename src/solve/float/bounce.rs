@@ -1,5 +1,5 @@
-//! Restitution: what met at speed moves apart, once a step and all at the same time. The rules are those of the solver in integers: an
-//! impact returns a share of the impulse that the passes found, and an island gains no energy by it.
+//! Restitution: points that met at speed move apart, once a step and all at the same time. The rules are the rules of the solver in
+//! integers: an impact returns a share of the impulse that the passes found, and an island gains no energy by it.
 
 use alloc::vec::Vec;
 
@@ -23,7 +23,7 @@ pub(super) struct Bounces {
 /// Twice the kinetic energy of the bodies of an island that bounce, as a polynomial of the factor of the impulses.
 #[derive(Clone, Copy, Debug, Default)]
 struct Energy {
-    /// The energy of the free flight above that before the bounce.
+    /// The energy of the free flight above the energy before the bounce.
     room: f64,
     linear: f64,
     square: f64,
@@ -37,7 +37,7 @@ impl Energy {
         self.square += mass * change * change;
     }
 
-    /// Adds twice the work that a fixed body does by the impulses before and by those that are returned, at its velocity along the row.
+    /// Adds twice the work that a fixed body does by the impulses before and by the returned ones, at its velocity along the row.
     fn add_work(&mut self, velocity: f64, before: f64, returned: f64) {
         self.room += -2.0 * before * velocity;
         self.linear += 2.0 * returned * velocity;
@@ -75,10 +75,10 @@ impl Impact {
     /// The impulse that is returned, for a step of `substeps`.
     fn returned(&self, restitution: f64, substeps: u32) -> f64 {
         let gained = |separation: f64| 2.0 * self.change * separation.max(0.0) / f64::from(substeps);
-        // A relax pass stops what would overlap in the next sub-step, above the surface.
+        // A relax pass stops points that would overlap in the next sub-step, above the surface.
         let gap = if self.is_late { self.separations[1].max(0.0) } else { 0.0 };
         let arrived = (self.closing * self.closing - gained(self.separations[0])).max(0.0);
-        // The velocity at the end of the free flight, or that of the impact if the flight slows down after it.
+        // The velocity at the end of the free flight, or at the impact if the flight slows down after it.
         let free = -(self.closing + self.change);
         let slows_down = self.change > 0.0 && !self.is_late;
         let approach = if slows_down { free.max(libm::sqrt(arrived)) } else { free };
@@ -106,9 +106,9 @@ impl Bounces {
     ) {
         self.impacts.clear();
         for (phase, rows) in phases.iter().enumerate() {
-            for (at, row) in rows.iter().enumerate() {
+            for (index, row) in rows.iter().enumerate() {
                 if let Some(returned) = returned(row, bodies, clock, threshold) {
-                    self.impacts.push((phase, at, returned));
+                    self.impacts.push((phase, index, returned));
                 }
             }
         }
@@ -116,8 +116,8 @@ impl Bounces {
             return;
         }
         self.add_energies(graph, flights, bodies, phases);
-        for &(phase, at, returned) in &self.impacts {
-            let row = &mut phases[phase][at];
+        for &(phase, index, returned) in &self.impacts {
+            let row = &mut phases[phase][index];
             let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
             let factor = self.energies[island as usize].largest_factor();
             for (k, returned) in returned.into_iter().enumerate().filter(|(_, returned)| *returned != 0.0) {
@@ -135,17 +135,17 @@ impl Bounces {
     fn add_energies(&mut self, graph: &Graph, flights: &[Flight], bodies: &[Body], phases: &[Vec<Rows>; PHASES]) {
         self.impulses.clear();
         self.impulses.resize(flights.len(), None);
-        for &(phase, at, [p1, p2]) in &self.impacts {
-            let row = &phases[phase][at];
-            for (body, on) in row.bodies.into_iter().zip(row.on_bodies([p1, p2, 0.0])) {
+        for &(phase, index, [p1, p2]) in &self.impacts {
+            let row = &phases[phase][index];
+            for (body, impulse) in row.bodies.into_iter().zip(row.on_bodies([p1, p2, 0.0])) {
                 let sums = self.impulses[body as usize].get_or_insert([0.0; 3]);
-                (0..3).for_each(|c| sums[c] += on[c]);
+                (0..3).for_each(|c| sums[c] += impulse[c]);
             }
         }
         self.energies.clear();
         self.energies.resize(graph.islands(), Energy::default());
-        for &(phase, at, returned) in &self.impacts {
-            let row = &phases[phase][at];
+        for &(phase, index, returned) in &self.impacts {
+            let row = &phases[phase][index];
             let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
             let carried = row.bodies.map(|body| match graph.island_of(body) {
                 Some(_) => [0.0; 3],
@@ -161,14 +161,15 @@ impl Bounces {
             let energy = &mut self.energies[island as usize];
             for (c, impulse) in impulses.iter().enumerate() {
                 let mass = if c < 2 { flights[i].mass.to_f64() } else { flights[i].inertia.to_f64() };
-                let (free, change) = (body.start[c] + body.change[c], *impulse * body.inverse_mass[c]);
+                let free = body.start[c] + body.change[c];
+                let change = *impulse * body.inverse_mass[c];
                 energy.add(mass, free, body.velocity[c], change);
             }
         }
     }
 }
 
-/// The impulses that the points of a contact return which have met at speed.
+/// The impulses that the points of a contact return that have met at speed.
 fn returned(row: &Rows, bodies: &[Body], clock: Clock, threshold: f64) -> Option<Pair> {
     if row.restitution <= 0.0 {
         return None;

@@ -1,5 +1,5 @@
 //! The solver in floats: TGS soft on top of the free flight, with the formulas and the limits of the solver in integers, in plain
-//! quantities: m, m/s, N·s. Worlds of floats compare with it; in tests, where it rounds as the other one does, it is the twin of it.
+//! quantities: m, m/s, N·s. Worlds of floats compare with it; in tests it rounds as the solver in integers does, and is its twin.
 //!
 //! - `body`: bodies through the sub-steps.
 //! - `rows`: contacts, their matrices, and impulses after a pass.
@@ -66,7 +66,7 @@ impl Clock {
     }
 }
 
-/// The buffers of the solver. Results do not depend on what it solved before.
+/// The buffers of the solver. Results do not depend on earlier steps.
 #[derive(Debug, Default)]
 pub struct FloatSolver {
     graph: Graph,
@@ -178,7 +178,7 @@ impl FloatSolver {
         }
     }
 
-    /// A pass over the contacts of all phases. Those of a phase do not see each other.
+    /// A pass over the contacts of all phases. Contacts of a phase do not see each other.
     fn pass(&mut self, substep: f64, pass: Pass) {
         let Self { bodies, rounding, .. } = self;
         for phase in 0..PHASES {
@@ -223,7 +223,7 @@ impl FloatSolver {
     }
 }
 
-/// Counts how often each body is named, and lists those that are.
+/// Counts how often each body is named, and lists each named body once.
 fn count(named: impl Iterator<Item = u32>, bodies: usize, shares: &mut Vec<u32>, list: &mut Vec<u32>) {
     list.clear();
     shares.clear();

@@ -26,7 +26,7 @@ pub(in crate::solve) struct ContactUnits {
     pub(in crate::solve) velocity: f64,
     /// N·s
     pub(in crate::solve) impulse: f64,
-    /// log2 of the resolution of factors of angular velocities over that of velocities.
+    /// log2 of the resolution of factors of angular velocities over the resolution of factors of velocities.
     pub(in crate::solve) angular_shift: i32,
     /// The velocity at which its overlap is pushed out at most, where wedges and locks limit it, m/s.
     pub(in crate::solve) push: f64,

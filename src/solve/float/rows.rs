@@ -1,4 +1,4 @@
-//! Contacts in the solver: rows, matrices, and impulses after a pass. The formulas and limits are those of the solver in integers.
+//! Contacts in the solver: rows, matrices, and impulses after a pass, by the formulas and within the limits of the solver in integers.
 
 use core::f64::consts::TAU;
 
@@ -16,11 +16,11 @@ type Sides = [Vector; 2];
 /// The constants of soft contacts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Softness {
-    /// The velocity at which an overlap is pushed out, over that in a sub-step.
+    /// The velocity at which an overlap is pushed out, over the velocity that takes all of it away in a sub-step.
     rate: f64,
     /// The compliance over the effective inverse mass.
     compliance: f64,
-    /// The largest velocity by which overlaps are pushed out, with what softness takes of it.
+    /// The largest velocity by which overlaps are pushed out, with the part that softness takes of it.
     push: f64,
 }
 
@@ -87,7 +87,7 @@ pub(super) struct Rows {
     gains: [Sides; 3],
     /// The separation of both points at the start, m.
     pub(super) separation: Pair,
-    /// Impulses of the sub-step, their sums, and the sums over sub-steps of those applied up to the move.
+    /// Impulses of the sub-step, the sums over sub-steps, and the sums over sub-steps of the impulses applied up to the move.
     pub(super) impulses: Vector,
     pub(super) applied: Vector,
     pub(super) weighted: Vector,
@@ -127,7 +127,7 @@ struct Solution {
 }
 
 impl Solution {
-    /// The solution for the matrix of whole bodies and that of their shares. `ulp` is the resolution of masses.
+    /// The solution for the matrices of whole bodies and of their shares. `ulp` is the resolution of masses.
     fn new(
         whole: &Elements,
         split: &Elements,
@@ -143,7 +143,7 @@ impl Solution {
         let product = split.normal[0] * split.normal[1];
         let determinant = product - across * across;
         let is_single = is_double && determinant <= product * power(-28);
-        let more = if is_single {
+        let diagonal_factor = if is_single {
             2.0
         } else if determinant < product / 64.0 {
             1.0 + power(-13)
@@ -151,7 +151,7 @@ impl Solution {
             1.0
         };
         // No row moves the other one by more than four times as much as itself.
-        let diagonal = split.normal.map(|k| (k * more).max(across.abs() / 4.0));
+        let diagonal = split.normal.map(|k| (k * diagonal_factor).max(across.abs() / 4.0));
         let across = if is_single { 0.0 } else { across };
         let soft = whole.normal.map(|k| (k + coupled) * softness.compliance + rounding.within(ulp));
         let mut ratio = |k: f64| across / k + rounding.within(power(-28));
@@ -228,7 +228,8 @@ impl Rows {
             return None;
         }
         let is_double = contact.count == 2;
-        let (factor, half) = (units.factor(), units.half());
+        let factor = units.factor();
+        let half = units.half();
         let mut gain = |k: usize, side: usize, c: usize| {
             let resolution = if c == 2 { half * power(units.angular_shift) } else { half };
             let length = if c == 2 { bodies[side].units.length } else { 1.0 };
@@ -295,12 +296,13 @@ impl Rows {
 
     /// The impulses after a pass, for sub-steps of `h` seconds.
     fn solved(&self, bodies: &[Body], h: f64, pass: Pass, rounding: &mut Rounding) -> Vector {
-        let velocities = self.bodies.map(|body| bodies[body as usize].seen);
+        let velocities = self.bodies.map(|body| bodies[body as usize].rounded_velocity);
         let moved = self.bodies.map(|body| bodies[body as usize].displacement);
         let ContactUnits { velocity: velocity_unit, impulse: impulse_unit, push: fastest_push, .. } = self.units;
         let Solution { inverse, ratio, compliance, softness } = &self.solution;
         let before = self.impulses;
-        let (mut pressed, mut wanted) = ([0; 2], [0.0; 2]);
+        let mut pressed = [0; 2];
+        let mut wanted = [0.0; 2];
         for k in 0..2 {
             let separation = self.separation[k] + self.along(k, moved) + rounding.within(velocity_unit * h);
             let velocity = self.along(k, velocities) + rounding.within(velocity_unit);
@@ -318,7 +320,7 @@ impl Rows {
             true => before[1] - (i12 * wanted[0] + i22 * wanted[1]) + rounding.within(impulse_unit),
             false => 0.0,
         };
-        let alone = |k: usize, x: f64, other: f64| (x + ratio[k][pressed[k]] * other.min(0.0)).max(0.0);
+        let alone = |k: usize, x: f64, opposite_x: f64| (x + ratio[k][pressed[k]] * opposite_x.min(0.0)).max(0.0);
         let [n1, n2] = [alone(0, x1, x2), alone(1, x2, x1)];
         if pass == Pass::Solve {
             return [n1, n2, before[2]];
@@ -330,7 +332,7 @@ impl Rows {
         [n1, n2, if pass == Pass::RelaxAgain { within(friction, before[2].abs()) } else { friction }]
     }
 
-    /// Computes the impulses of a pass, and adds what they change of the bodies' velocities.
+    /// Computes the impulses of a pass, and adds the changes of the bodies' velocities by them.
     pub(super) fn run(&mut self, bodies: &mut [Body], h: f64, pass: Pass, rounding: &mut Rounding) {
         let mut change = self.impulses;
         if pass != Pass::WarmStart {
@@ -350,13 +352,13 @@ impl Rows {
         }
     }
 
-    /// A pass over rolling resistance, after the friction of the phase: its row sees what friction left.
+    /// A pass over rolling resistance, after the friction of the phase: its row sees the velocities that friction left.
     pub(super) fn run_roll(&mut self, bodies: &mut [Body], pass: Pass, rounding: &mut Rounding) {
         let roll = &mut self.roll;
         let before = roll.impulse;
         let mut change = before;
         if pass != Pass::WarmStart {
-            let [a, b] = self.bodies.map(|body| bodies[body as usize].seen[2]);
+            let [a, b] = self.bodies.map(|body| bodies[body as usize].rounded_velocity[2]);
             // The reciprocal has 30 bits, and its terms are rounded to 2^-30 of a unit.
             let stopping = roll.radius * (b - a) / roll.ease * (1.0 + rounding.within(power(-26)));
             let wanted = before - stopping + rounding.within(self.units.impulse);

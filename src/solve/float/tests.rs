@@ -21,8 +21,8 @@ fn impulses_come_back() {
         let impulses = in_units(values);
         assert!(impulses.values.iter().all(|value| value.unsigned_abs() <= 1 << 62));
         let largest = values.into_iter().map(f64::abs).fold(0.0, f64::max);
-        for (value, back) in values.into_iter().zip(newton_seconds(impulses)) {
-            assert!((value - back).abs() <= largest * f64::EPSILON / 256.0, "{value:e} {back:e}");
+        for (value, restored) in values.into_iter().zip(newton_seconds(impulses)) {
+            assert!((value - restored).abs() <= largest * f64::EPSILON / 256.0, "{value:e} {restored:e}");
         }
     }
 }
@@ -31,7 +31,7 @@ fn impulses_come_back() {
 fn impulses_that_are_no_numbers_count_as_zero() {
     assert_eq!(in_units([f64::NAN, f64::INFINITY, f64::NEG_INFINITY]).values, [0; 3]);
     assert_eq!(newton_seconds(in_units([f64::NAN, 2.0, -1.0])), [0.0, 2.0, -1.0]);
-    // Beyond what a record holds.
-    let [most, least, _] = in_units([f64::MAX, f64::MIN_POSITIVE, 0.0]).values;
-    assert_eq!((most, least), (1 << 62, 0));
+    // Beyond the range of a record.
+    let [largest, smallest, _] = in_units([f64::MAX, f64::MIN_POSITIVE, 0.0]).values;
+    assert_eq!((largest, smallest), (1 << 62, 0));
 }

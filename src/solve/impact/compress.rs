@@ -3,7 +3,8 @@
 //! They minimise the kinetic energy over impulses λ ≥ 0 along the normals and |λt| ≤ μ·Σλ along the tangents: the velocity along a row is
 //! zero where its impulse pushes, and not negative where it does not. The iteration is projected Jacobi by contacts (a contact's two
 //! points are one block), with the mass of a body split among the shocks that share it, and accelerated by Nesterov's momentum, begun anew
-//! where it leads uphill. The limits of friction stand still for some iterations, as the problem is convex then. All shocks of an iteration see the same velocities and sums of integers commute, so no order matters.
+//! where it leads uphill. The limits of friction stand still for some iterations, as the problem is convex then. All shocks of an
+//! iteration see the same velocities and sums of integers commute, so no order matters.
 
 use super::super::Solver;
 use super::super::number::shifted;
@@ -15,8 +16,8 @@ use super::{FRACTION, Impacts, SubStep};
 /// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
 /// iteration.
 const ITERATIONS: u32 = 128;
-const LEAST: u32 = 8;
-/// Iterations times shocks after which a large set is left as it is: what is left of an impact in the middle of a pile.
+const MIN_ITERATIONS: u32 = 8;
+/// Iterations times shocks after which a large set is left as it is: the rest is the end of an impact in the middle of a pile.
 const WORK: usize = 1 << 9;
 /// Sets of fewer shocks converge to the tolerance.
 const SMALL: usize = 32;
@@ -32,7 +33,7 @@ impl Shock {
     /// The impulse of one normal row alone that brings its velocity to zero, at least the lower bound, as a change.
     fn alone(&self, row: usize, velocity: i64) -> i64 {
         let change = self.scaled(self.inverse.alone[row], velocity);
-        (self.from[row] + change).max(self.least[row]) - self.from[row]
+        (self.from[row] + change).max(self.lower_bounds[row]) - self.from[row]
     }
 
     /// −factor · velocity as an impulse, rounded oddly: velocities in 2^-[`FRACTION`], elements of the matrix in 2^-30.
@@ -44,7 +45,7 @@ impl Shock {
         shifted(-product(factor, velocity), down).clamp(-(1 << 60), 1 << 60) as i64
     }
 
-    /// The change of the velocity along row `i` by an impulse along row `j`, in 2^-[`FRACTION`].
+    /// The change of the velocity along one row by an impulse along another one, by their element of the matrix, in 2^-[`FRACTION`].
     fn coupled(&self, element: usize, impulse: i64) -> i64 {
         // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
         let product = product(self.matrix[element], impulse);
@@ -71,13 +72,14 @@ impl Shock {
             self.scaled(i11, velocities[0]).saturating_add(self.scaled(i12, velocities[1])),
             self.scaled(i12, velocities[0]).saturating_add(self.scaled(i22, velocities[1])),
         ];
-        let lowest = [0, 1].map(|point| self.least[point] - self.from[point]);
-        let beside = |point: usize, low: i64| self.alone(point, velocities[point].saturating_add(self.coupled(1, low)));
+        let lowest = [0, 1].map(|point| self.lower_bounds[point] - self.from[point]);
+        let alone_beside =
+            |point: usize, lowest: i64| self.alone(point, velocities[point].saturating_add(self.coupled(1, lowest)));
         match [0, 1].map(|point| change[point] < lowest[point]) {
             [false, false] => change,
-            [false, true] => [beside(0, lowest[1]), lowest[1]],
-            [true, false] => [lowest[0], beside(1, lowest[0])],
-            [true, true] => [beside(0, lowest[1]), beside(1, lowest[0])],
+            [false, true] => [alone_beside(0, lowest[1]), lowest[1]],
+            [true, false] => [lowest[0], alone_beside(1, lowest[0])],
+            [true, true] => [alone_beside(0, lowest[1]), alone_beside(1, lowest[0])],
         }
     }
 
@@ -96,12 +98,12 @@ impl Shock {
         ((pressing * i128::from(self.friction)) >> 26).clamp(0, 1 << 61) as i64
     }
 
-    /// By how much the velocities miss the goal: all of a closing one, and of an opening one or of slip what impulses can take back.
+    /// By how much the velocities miss the goal: all of a closing one, and of an opening one or of slip the part that impulses can take back.
     fn residual(&self, velocities: [i64; 3]) -> i64 {
         let normal = |point: usize| match (self.joined[point], velocities[point]) {
             (false, _) => 0,
             (true, velocity @ ..0) => -velocity,
-            (true, velocity) => velocity.min(self.coupled([0, 2][point], self.from[point] - self.least[point])),
+            (true, velocity) => velocity.min(self.coupled([0, 2][point], self.from[point] - self.lower_bounds[point])),
         };
         let tangent = self.from[2] + self.scaled(self.inverse.alone[2], velocities[2]);
         let slip = self.coupled(5, tangent.clamp(-self.limit, self.limit) - self.from[2]).abs();
@@ -122,7 +124,7 @@ impl Impacts {
                     let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
                     shock.from[row] += shifted(last * share, 20) as i64;
                 }
-                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.least[point]));
+                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.lower_bounds[point]));
             }
             (shock.last, shock.impulses) = (shock.impulses, shock.from);
             let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
@@ -137,7 +139,8 @@ impl Impacts {
     /// led uphill along the normals.
     fn correct(&mut self, renews: bool) -> (i64, i128) {
         let mut shocks = core::mem::take(&mut self.shocks);
-        let (mut largest, mut uphill) = (0, 0);
+        let mut largest = 0;
+        let mut uphill = 0;
         // All changes follow from the same velocities.
         for shock in &mut shocks {
             let velocities = self.velocities(shock);
@@ -195,7 +198,7 @@ impl Solver {
             let struck = &mut impacts.bodies[body as usize];
             struck.velocity = struck.begun;
         }
-        for _ in 0..LEAST {
+        for _ in 0..MIN_ITERATIONS {
             impacts.count_work();
             impacts.run_ahead(0);
             impacts.correct(true);
@@ -205,11 +208,12 @@ impl Solver {
 
     /// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
     fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> Option<i64> {
-        let (mut momentum, mut work, mut largest, mut has_grown) = (0, 0, 0, false);
+        let (mut momentum, mut work, mut largest) = (0, 0, 0);
+        let mut has_grown = false;
         for iteration in 1..=ITERATIONS {
             work += impacts.shocks.len();
             impacts.count_work();
-            if iteration > LEAST && (work > WORK || impacts.is_busy()) {
+            if iteration > MIN_ITERATIONS && (work > WORK || impacts.is_busy()) {
                 return None;
             }
             impacts.run_ahead(momentum);

@@ -17,7 +17,7 @@ const SHARE: u32 = 20;
 /// velocities.
 ///
 /// # Ranges
-/// Impulses are below 2^47 and velocities below 2^47 in 2^-16, or coarser units: products below 2^94, those of 2^12 shocks below 2^108,
+/// Impulses are below 2^47 and velocities below 2^47 in 2^-16, or coarser units: products below 2^94, sums over 2^12 shocks below 2^108,
 /// times a share below 2^127.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work {
@@ -35,7 +35,8 @@ impl Work {
 
     /// The largest share up to 1 without a gain.
     fn largest_share(&self) -> i128 {
-        let (mut lowest, mut gaining) = (0, 1 << SHARE);
+        let mut lowest = 0;
+        let mut gaining = 1 << SHARE;
         if !self.is_gain(gaining) {
             return gaining;
         }
@@ -66,56 +67,57 @@ fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
 }
 
 impl Impacts {
-    /// Takes a share of the impulses beyond those that surely do no work back, if all of them do work: friction and a compression that ended
-    /// early may.
+    /// Takes back a share of the impulses beyond the ones that surely do no work, if all of them do work: friction and a compression that
+    /// ended early may.
     fn take_back_gain(&mut self) {
         let mut shocks = core::mem::take(&mut self.shocks);
         for shock in &mut shocks {
-            shock.more = difference(shock.impulses, shock.sure);
-            self.push(shock, shock.more.map(|impulse| -impulse));
-            shock.impulses = shock.sure;
+            shock.extra = difference(shock.impulses, shock.workless);
+            self.push(shock, shock.extra.map(|impulse| -impulse));
+            shock.impulses = shock.workless;
         }
         self.shocks = shocks;
         self.add_within_energy();
     }
 
-    /// Adds a share of `more` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
+    /// Adds a share of `extra` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
     fn add_within_energy(&mut self) {
         let mut shocks = core::mem::take(&mut self.shocks);
         let mut total = Work::default();
         for shock in &mut shocks {
             shock.after = self.velocities(shock);
-            let (down, velocities) = (self.exponent - shock.exponent, sum(shock.relative_before(), shock.after));
+            let down = self.exponent - shock.exponent;
+            let velocities = sum(shock.relative_before(), shock.after);
             total.constant += work(shock.impulses, velocities, down, self.coarse);
-            total.linear += work(shock.more, velocities, down, self.coarse);
+            total.linear += work(shock.extra, velocities, down, self.coarse);
         }
         for shock in &shocks {
-            self.push(shock, shock.more);
+            self.push(shock, shock.extra);
         }
         for shock in &shocks {
             let down = self.exponent - shock.exponent;
             let change = difference(self.velocities(shock), shock.after);
             total.linear += work(shock.impulses, change, down, self.coarse);
-            total.square += work(shock.more, change, down, self.coarse);
+            total.square += work(shock.extra, change, down, self.coarse);
             // Rounding of velocities, by up to four units, is no gain.
-            let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.more[row].abs()) * 4);
+            let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.extra[row].abs()) * 4);
             total.constant -= rounding.sum::<i128>() >> down.clamp(0, 126);
         }
         let share = total.largest_share();
         for shock in &mut shocks {
-            let given = shock.more.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
+            let added = shock.extra.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
             if share < 1 << SHARE {
-                self.push(shock, difference(given, shock.more));
+                self.push(shock, difference(added, shock.extra));
             }
-            shock.impulses = sum(shock.impulses, given);
+            shock.impulses = sum(shock.impulses, added);
         }
         self.shocks = shocks;
     }
 }
 
 impl Solver {
-    /// Solves the shocks of a set, by coarser velocities where those of bodies do not hold what impulses change. Where these do not either,
-    /// there is no impact, and the passes stop the bodies.
+    /// Solves the shocks of a set, by coarser velocities where velocities of bodies do not hold the changes by impulses. Where coarser ones do
+    /// not either, there is no impact, and the passes stop the bodies.
     pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
         self.solve_set(impacts, substep);
         if impacts.is_cut_off() {
@@ -144,15 +146,15 @@ impl Solver {
             impacts.take_back_gain();
         }
         for shock in &mut impacts.shocks {
-            shock.sure = shock.impulses;
-            shock.more = shock.returned();
+            shock.workless = shock.impulses;
+            shock.extra = shock.returned();
         }
-        if impacts.shocks.iter().all(|shock| shock.more == [0; 3]) {
+        if impacts.shocks.iter().all(|shock| shock.extra == [0; 3]) {
             return;
         }
         impacts.add_within_energy();
         for shock in &mut impacts.shocks {
-            shock.least = [shock.impulses[0], shock.impulses[1]];
+            shock.lower_bounds = [shock.impulses[0], shock.impulses[1]];
         }
         self.compress(impacts, substep, false);
         // Normal impulses can only take energy away here; friction may not.
@@ -232,11 +234,13 @@ impl super::shock::Shock {
         [self.before[0] + self.gained[0], self.before[1] + self.gained[1], self.before[2] - self.surface]
     }
 
-    /// The impulses that its points return, also those that were at rest: what an impact passes through returns its share.
+    /// The impulses that its points return, also points that were at rest: every point that an impact passes through returns its share.
     fn returned(&self) -> [i64; 3] {
-        // Rounded down: below 2^60 · 2^32.
-        let share = |impulse: i64| ((i128::from(impulse) * i128::from(self.restitution)) >> 32) as i64;
-        let [first, second] = [0, 1].map(|point| if self.bounces[point] { share(self.impulses[point]) } else { 0 });
+        let [first, second] = [0, 1].map(|point| {
+            // Rounded down: below 2^60 · 2^32.
+            let share = (i128::from(self.impulses[point]) * i128::from(self.restitution)) >> 32;
+            if self.bounces[point] { share as i64 } else { 0 }
+        });
         [first, second, 0]
     }
 
@@ -244,7 +248,8 @@ impl super::shock::Shock {
     fn late(&self, mean: i64) -> [i64; 3] {
         let moments = self.moments.map(|moment| i128::from(moment.unwrap_or(mean)));
         let [first, second, tangent] = self.impulses.map(i128::from);
-        let (sum, weighted) = (first + second, first * moments[0] + second * moments[1]);
+        let sum = first + second;
+        let weighted = first * moments[0] + second * moments[1];
         let moment = if sum > 0 { weighted / sum } else { 0 };
         [
             shifted(first * moments[0], 30) as i64,
@@ -269,14 +274,16 @@ impl Impacts {
                 (0..3).for_each(|axis| begun[axis] = begun[axis].wrapping_add(change[axis]));
             }
         }
-        let is_off = |struck: &Struck| (0..3).any(|axis| struck.begun[axis].abs_diff(struck.velocity[axis]) > ROUNDING);
-        self.set.iter().any(|&body| is_off(&self.bodies[body as usize]))
+        self.set.iter().any(|&body| {
+            let Struck { begun, velocity, .. } = &self.bodies[body as usize];
+            (0..3).any(|axis| begun[axis].abs_diff(velocity[axis]) > ROUNDING)
+        })
     }
 
     /// Takes all impulses of the shocks back.
     fn take_all_back(&mut self) {
         for shock in &mut self.shocks {
-            (shock.impulses, shock.least) = ([0; 3], [0; 2]);
+            (shock.impulses, shock.lower_bounds) = ([0; 3], [0; 2]);
         }
         for &body in &self.set {
             let struck = &mut self.bodies[body as usize];

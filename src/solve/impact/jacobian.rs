@@ -1,4 +1,4 @@
-//! The rows of a contact in words, as impacts see them: what velocities give along them, and what impulses along them give to the bodies.
+//! The rows of a contact in words, for impacts: velocities along them, and changes of bodies by impulses along them.
 
 use super::super::contact::Group;
 use super::super::number::{shifted, shifted_word};
@@ -7,7 +7,7 @@ use super::{COARSER, FINE, FRACTION};
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
 pub(super) type Elements = [i64; 6];
 
-/// The two normal rows and the friction row of a contact: a copy of what its group holds in lanes.
+/// The two normal rows and the friction row of a contact: a copy of its lane of a group.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Jacobian {
     /// In 2^-30.

@@ -17,7 +17,7 @@
 //! 3. Compression once more, with these impulses as lower bounds and friction in the cone of the whole impulse.
 //!
 //! Impulses act from their moments on: they change the velocity, and take back the way that the body would have gone with that change
-//! up to the moment. The next sub-step does not repeat them, as it does those of the passes.
+//! up to the moment. The next sub-step does not repeat them, as it does the impulses of the passes.
 //!
 //! Box2D applies restitution once a step, by the approach speed at its start, and Rapier in the bias of each contact: both see the
 //! contacts of a body in turn, and gain or lose energy by their order. Moreau's time stepping solves one problem of this kind a step.
@@ -57,8 +57,8 @@ const LATEST: i64 = ONE + AT_ONCE;
 const TOUCH: Fx = fx!(0.001);
 /// See [`AT_ONCE`].
 const NEAR: i128 = 5;
-/// Bits that velocities of bodies have less where impulses of the shocks change some by more than they hold, 2^29 units: those on a light
-/// body under a heavy one may be large, and cancel.
+/// Bits that velocities of bodies have less where impulses of the shocks change some by more than they hold, 2^29 units: impulses on a
+/// light body under a heavy one may be large, and cancel.
 const COARSER: i32 = 8;
 /// No index.
 const NONE: u32 = u32::MAX;
@@ -117,7 +117,7 @@ pub(super) struct Impacts {
     body_of: Vec<u32>,
     /// The bodies of the shocks.
     set: Vec<u32>,
-    /// By row.
+    /// The moment of the first impact in the sub-step, by row.
     first_moment: Vec<i64>,
     /// The speed of the fastest impact of the shocks. Residuals up to 2^-12 of it end a compression. In 2^-[`FRACTION`].
     fastest: i64,
@@ -128,7 +128,7 @@ pub(super) struct Impacts {
     island: usize,
     /// True if the shocks have no solution.
     is_clamped: bool,
-    /// The exponent above those of all shocks.
+    /// The largest exponent of the shocks.
     exponent: i32,
     /// Bits of [`FINE`] that velocities of the shocks' bodies are without: none or [`COARSER`].
     coarse: i32,
@@ -259,7 +259,7 @@ impl Solver {
         }
     }
 
-    /// Lists the contacts of each row, once a step. A body that cannot be moved has those that it moves into.
+    /// Lists the contacts of each row, once a step. A body that cannot be moved has rows, and contacts here, only if it moves.
     fn index_contacts(&self, impacts: &mut Impacts) {
         if !impacts.first.is_empty() {
             return;
@@ -316,7 +316,8 @@ impl Solver {
     /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once, as does
     /// an island that is busy.
     fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
-        let (candidates, order) = (core::mem::take(&mut impacts.candidates), core::mem::take(&mut impacts.order));
+        let candidates = core::mem::take(&mut impacts.candidates);
+        let order = core::mem::take(&mut impacts.order);
         impacts.find_first_moments(&candidates);
         let shock = |number: u32| &candidates[number as usize];
         for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
@@ -349,7 +350,8 @@ impl Solver {
     fn follow_impacts(&mut self, impacts: &mut Impacts) {
         for index in 0..self.followers.len() {
             let Follower { row, leader, down } = self.followers[index];
-            let (is_struck, moment) = (impacts.body_of[leader as usize] != NONE, impacts.moment_of(leader));
+            let is_struck = impacts.body_of[leader as usize] != NONE;
+            let moment = impacts.moment_of(leader);
             if is_struck && self.rows.follow_impact(row, leader, down) {
                 let follower = impacts.body(row);
                 impacts.bodies[follower as usize].moment = moment;

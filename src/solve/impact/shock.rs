@@ -31,7 +31,7 @@ pub(super) struct Shock {
     pub(super) moments: [Option<i64>; 2],
     /// By point: the speed of its impact.
     pub(super) speeds: [i64; 2],
-    /// The time after an impact of one of its bodies within which its own is one with that, in 2^-30.
+    /// The time after an impact of one of its bodies within which both are one impact, in 2^-30.
     pub(super) window: i64,
     /// By point: the velocity that the flight adds up to the impact.
     pub(super) gained: [i64; 2],
@@ -53,7 +53,7 @@ pub(super) struct Shock {
     /// Velocities along the rows before the impact.
     pub(super) before: [i64; 3],
     /// Lower bounds of the normal impulses.
-    pub(super) least: [i64; 2],
+    pub(super) lower_bounds: [i64; 2],
     /// Impulses now, at the beginning of the compression, before the last iteration, and where this iteration starts.
     pub(super) impulses: [i64; 3],
     pub(super) begun: [i64; 3],
@@ -61,9 +61,9 @@ pub(super) struct Shock {
     pub(super) last: [i64; 3],
     pub(super) from: [i64; 3],
     /// Impulses that surely do no work.
-    pub(super) sure: [i64; 3],
+    pub(super) workless: [i64; 3],
     /// Impulses to add as far as they do no work, and the velocities along the rows without them.
-    pub(super) more: [i64; 3],
+    pub(super) extra: [i64; 3],
     pub(super) after: [i64; 3],
 }
 
@@ -100,12 +100,12 @@ impl Shock {
         let down = 128 - largest.leading_zeros() as i32 - 31;
         let scaled = |i: usize| shifted(matrix[i], down) as i64;
         let (k11, k12, k22, ktt) = (scaled(0), scaled(1), scaled(2), scaled(5));
-        let over = |value: i64, by: i64| if by <= 0 { 0 } else { ((i128::from(value) << 61) / i128::from(by)) as i64 };
+        let ratio = |num: i64, den: i64| if den <= 0 { 0 } else { ((i128::from(num) << 61) / i128::from(den)) as i64 };
         let inverted = |k: i64| if k <= 0 { 0 } else { ((1_i128 << 61) / i128::from(k)) as i64 };
         let determinant = k11 * k22 - k12 * k12;
         let is_regular = determinant > (k11 * k22) >> 20;
         self.inverse = Inverse {
-            block: is_regular.then(|| [over(k22, determinant), over(-k12, determinant), over(k11, determinant)]),
+            block: is_regular.then(|| [ratio(k22, determinant), ratio(-k12, determinant), ratio(k11, determinant)]),
             alone: [inverted(k11), inverted(k22), inverted(ktt)],
             shift: down,
         };
@@ -161,18 +161,18 @@ impl Solver {
         if (0..2).all(|i| before[i] - change[i].abs() >= -threshold) {
             return None;
         }
-        let from = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
+        let earliest = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
         let count = substep.contacts[self.places[place as usize].contact as usize].count;
         let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
-        let impacts = [0, 1].map(|i: usize| {
+        let point_impacts = [0, 1].map(|i: usize| {
             let gap = self.gap(place, i, accelerations[i], substep);
-            let impact = if i < count { impact(before[i].into(), accelerations[i], gap, from) } else { None };
+            let impact = if i < count { impact(before[i].into(), accelerations[i], gap, earliest) } else { None };
             impact.filter(|(_, speed)| *speed > threshold)
         });
-        let first = impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
+        let first = point_impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
         let mut shock = self.shock(place, before, substep, first);
         for i in 0..count {
-            match impacts[i] {
+            match point_impacts[i] {
                 Some((moment, speed)) => {
                     (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
                     shock.gained[i] = -speed - before[i];
@@ -191,7 +191,8 @@ impl Solver {
     /// # Ranges
     /// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
     fn is_slow(&self, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
-        let (n, passed) = (i64::from(substep.n), i64::from(substep.k - 1));
+        let n = i64::from(substep.n);
+        let passed = i64::from(substep.k - 1);
         let [row_a, row_b] = [group.a[lane], group.b[lane]];
         let ([start_a, change_a], [start_b, change_b]) = (self.motion(row_a, n, passed), self.motion(row_b, n, passed));
         let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
@@ -214,7 +215,8 @@ impl Solver {
     /// The velocity of a body at the beginning of a sub-step, after `passed` others, and its change in the step: both times `n`.
     #[inline(always)]
     fn motion(&self, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
-        let (flight, (before, _)) = (self.rows.flight(row), self.rows.before(row));
+        let flight = self.rows.flight(row);
+        let (before, _) = self.rows.before(row);
         let (mut start, mut change) = ([0; 3], [0; 3]);
         for i in 0..3 {
             let whole = i64::from(flight.change[i]);
@@ -260,7 +262,7 @@ impl Solver {
         substep.clock.length_within(TOUCH, self.unit_of[mover as usize], 1 << 29)
     }
 
-    /// A contact with these velocities along its rows, of which no point takes part but those that touch at this moment.
+    /// A contact with these velocities along its rows. The points that touch at this moment take part.
     pub(super) fn shock(&self, place: u32, before: [i64; 3], substep: SubStep<'_>, moment: i64) -> Shock {
         let (&Place { contact, exponent, .. }, group, lane) = self.lane_of(place);
         let contact = &substep.contacts[contact as usize];
@@ -269,7 +271,8 @@ impl Solver {
         let rows = [group.a[lane], group.b[lane]];
         let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
         let jacobian = Jacobian::of(group, lane);
-        let (closing, threshold) = (jacobian.along(start_a, start_b, 0), i64::from(group.surface[lane][1]));
+        let closing = jacobian.along(start_a, start_b, 0);
+        let threshold = i64::from(group.surface[lane][1]);
         let touches = |i: usize| {
             let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
             i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
@@ -296,14 +299,14 @@ impl Solver {
             inverse: Inverse::default(),
             shares: [0; 2],
             before,
-            least: [0; 2],
+            lower_bounds: [0; 2],
             impulses: [0; 3],
             begun: [0; 3],
             limit: 0,
             last: [0; 3],
             from: [0; 3],
-            sure: [0; 3],
-            more: [0; 3],
+            workless: [0; 3],
+            extra: [0; 3],
             after: [0; 3],
         }
     }
@@ -318,7 +321,7 @@ impl Solver {
         impacts.shocks.push(shock);
     }
 
-    /// The index of a body among those of the impacts, in the set of the shocks.
+    /// The index of a body among the bodies of the impacts, as one of the set of the shocks.
     fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
         let body = impacts.body(row);
         if !impacts.bodies[body as usize].is_in_set {
@@ -334,7 +337,7 @@ impl Solver {
 }
 
 impl Impacts {
-    /// The velocities along the rows of a shock, with what the flight adds up to its moments and without that of its surfaces.
+    /// The velocities along the rows of a shock, with the part that the flight adds up to its moments, less the velocity of its surfaces.
     pub(super) fn velocities(&self, shock: &Shock) -> [i64; 3] {
         let [a, b] = shock.bodies.map(|body| self.bodies[body as usize].velocity);
         let [first, second, slip] = shock.jacobian.velocities(a, b, self.coarse);
@@ -356,12 +359,12 @@ fn size([x, y, angular]: [i64; 3]) -> i64 {
     x.abs() + y.abs() + angular.abs()
 }
 
-/// The moment, not before `from`, at which a point reaches the surface up to [`LATEST`], and its speed then. `None` if it does not. The
-/// velocity and the gap are those at the beginning, the acceleration is by sub-step; all are in one unit.
-fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i64, i64)> {
-    let moved = (velocity * i128::from(from)) >> 30;
+/// The moment, from `earliest` to [`LATEST`], at which a point reaches the surface, and its speed then. `None` if it does not. The velocity
+/// and the gap are at the beginning of the sub-step, the acceleration is by sub-step; all are in one unit.
+fn impact(velocity: i128, acceleration: i128, gap: i128, earliest: i64) -> Option<(i64, i64)> {
+    let moved = (velocity * i128::from(earliest)) >> 30;
     if gap + moved <= 0 {
-        return (velocity < 0).then_some((from, -velocity as i64));
+        return (velocity < 0).then_some((earliest, -velocity as i64));
     }
     // It has come out of an overlap since the beginning.
     if gap <= 0 {
@@ -377,5 +380,5 @@ fn impact(velocity: i128, acceleration: i128, gap: i128, from: i64) -> Option<(i
         return None;
     }
     let moment = ((2 * gap) << 30) / (speed - velocity);
-    (moment <= i128::from(LATEST)).then_some((moment.max(from.into()) as i64, speed as i64))
+    (moment <= i128::from(LATEST)).then_some((moment.max(earliest.into()) as i64, speed as i64))
 }

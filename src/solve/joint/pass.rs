@@ -8,7 +8,7 @@ use crate::solve::number::shifted;
 /// The velocities that a pass over joints aims at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::solve) enum JointPass {
-    /// The impulses of the sub-step before, at the arms of now.
+    /// The impulses of the sub-step before, at the present arms.
     WarmStart,
     /// Soft joints take errors away.
     Solve,
@@ -35,7 +35,7 @@ impl Block {
         cut
     }
 
-    /// After the move of a sub-step: sums of what moved the bodies, then arms and matrices where they are now.
+    /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
     pub(super) fn advance(&mut self, rows: &Rows) -> u64 {
         (0..4).for_each(|i| self.weighted[i] += self.applied[i] + self.change[i]);
         self.moves += 1;
@@ -55,7 +55,8 @@ impl Block {
         let [e11, e12, e22] = self.inverse.map(i128::from);
         let [v1, v2] = errors.map(i128::from);
         let solution = [e11 * v1 + e12 * v2, e12 * v1 + e22 * v2];
-        let (mut cut, mut changes) = (0, [0; 2]);
+        let mut cut = 0;
+        let mut changes = [0; 2];
         for row in 0..self.count {
             let before = self.impulses[row];
             // Within 2^95, and 2^125 with the rigid share: the shift is as large as the inverse needs it.
@@ -84,8 +85,8 @@ impl Block {
         }
     }
 
-    /// Gives the bodies what the change of the sub-step makes of their velocities, less what they have of it. Returns the number
-    /// of changes that were cut off.
+    /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
+    /// Returns the number of changes that were cut off.
     fn give_gains(&mut self, rows: &mut Rows) -> u64 {
         let bits = self.mass_bits + FINER + 30 - GAIN_BITS;
         let [x, y, turn_a, turn_b] = self.change;
@@ -95,14 +96,14 @@ impl Block {
             if !side.is_movable() {
                 continue;
             }
-            let most = GAIN.min((1 << 61) / side.share);
+            let limit = GAIN.min((1 << 61) / side.share);
             let gains = &mut rows.rows[side.row as usize].gain;
             for (k, impulse) in [x, y, turn].into_iter().enumerate() {
                 let wanted = shifted(i128::from(side.masses[k]) * impulse, bits);
-                let made = wanted.clamp(-i128::from(most), i128::from(most)) as i64;
-                cut += u64::from(i128::from(made) != wanted);
-                gains[k] += sign * (made - side.made[k]);
-                side.made[k] = made;
+                let applied_gain = wanted.clamp(-i128::from(limit), i128::from(limit)) as i64;
+                cut += u64::from(i128::from(applied_gain) != wanted);
+                gains[k] += sign * (applied_gain - side.applied_gain[k]);
+                side.applied_gain[k] = applied_gain;
             }
         }
         cut

@@ -1,4 +1,4 @@
-//! Joints in phases of their own, before those of contacts.
+//! Joints in phases of their own, before the phases of contacts.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -87,7 +87,7 @@ impl Solver {
                 let rows = joint.bodies.map(|body| self.row(body, unit, flights, common.softness));
                 let bodies = joint.bodies.map(|body| &self.bodies[body as usize]);
                 let shares = joint.bodies.map(|body| self.shares[body as usize][phase].into());
-                self.joints.blocks.extend(Block::new(index, joint, (bodies, rows, shares), unit, common));
+                self.joints.blocks.extend(Block::new(index, joint, bodies, rows, shares, unit, common));
             }
             self.joints.phases[phase] = begin..self.joints.blocks.len();
         }
@@ -129,8 +129,8 @@ impl Solver {
                 let flight = &flights[body as usize];
                 if self.paths[body as usize] == Path::Flight {
                     let [x, y, turn] = flight.offsets(clock);
-                    let of = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
-                    side.shift = [of(x, unit), of(y, unit), of(turn, unit - flight.length())];
+                    let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
+                    side.shift = [shift(x, unit), shift(y, unit), shift(turn, unit - flight.length())];
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Joints beside doubles, closed forms and their own mirror images.
+//! Joints against doubles, closed forms and their own mirror images.
 
 mod cases;
 mod exact;

@@ -11,8 +11,8 @@ use crate::solve::number::shifted;
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
 const LARGEST_ANGLE: i64 = 107_374_182;
 
-/// The share of an impulse that is rigid, in 2^-30: k/(k + c·w) for a compliance c, in 2^-30 of the mass factor, where k is that
-/// of the shares of the bodies and w that of the bodies. (With k in place of w shares would make a joint softer.)
+/// The share of an impulse that is rigid, in 2^-30: k/(k + c·w) for a compliance c, in 2^-30 of the mass factor, where k is the mass
+/// factor of the shares of the bodies and w of the whole bodies. (With k in place of w shares would make a joint softer.)
 fn rigid_share(compliance: i32, split: i128, whole: i128) -> i64 {
     // Below 2^59, times 2^60.
     let sum = (split << 30) + i128::from(compliance) * whole;
@@ -43,10 +43,10 @@ pub(super) struct Side {
     pub(super) turn: (u64, i32),
     /// The angle of a unit of angular velocity in a sub-step, in 2^-30 rad: mantissa and shift.
     pub(super) angle: (u64, i32),
-    /// The excess of the displacement of the row over that of the body, at the end of the step.
+    /// The excess of the displacement of the row over the displacement of the body, at the end of the step.
     pub(super) shift: [i32; 3],
-    /// The changes of velocity that the joint made in the sub-step, in 2^-30.
-    pub(super) made: [i64; 3],
+    /// The changes of velocity by the joint in the sub-step, in 2^-30.
+    pub(super) applied_gain: [i64; 3],
 }
 
 impl Side {
@@ -89,12 +89,12 @@ impl Side {
 }
 
 impl Block {
-    /// Follows the bodies to where they are: arms, axes, errors and the matrix. Returns the number of errors that were cut off.
+    /// Updates arms, axes, errors and the matrix to the poses of the bodies. Returns the number of errors that were cut off.
     pub(super) fn turn(&mut self, rows: &Rows) -> u64 {
         let moved = [0, 1].map(|k| {
-            let (Side { row, shift, .. }, moves) = (&self.sides[k], self.moves);
+            let Side { row, shift, .. } = &self.sides[k];
             let [x, y, turn, _] = rows.displacement(*row);
-            let shift = shift.map(|s| part(s, moves, self.substeps));
+            let shift = shift.map(|s| part(s, self.moves, self.substeps));
             [x - shift[0], y - shift[1], turn - shift[2]]
         });
         for (side, moved) in self.sides.iter_mut().zip(moved) {
@@ -133,24 +133,25 @@ impl Block {
 
     /// Sets the inverse of the matrix of the rows, with shares of the bodies, and its softness.
     fn invert(&mut self) {
-        let of = |i: usize, j: usize, shares: [i64; 2]| {
+        let element = |i: usize, j: usize, shares: [i64; 2]| {
             i128::from(shares[0]) * self.element(0, i, j) + i128::from(shares[1]) * self.element(1, i, j)
         };
         let shares = [self.sides[0].share, self.sides[1].share];
-        let two = self.count == 2;
-        let (k11, k12, k22) = if two {
-            let (k11, k22) = (of(0, 0, shares), of(1, 1, shares));
+        let has_two_rows = self.count == 2;
+        let (k11, k12, k22) = if has_two_rows {
+            let (k11, k22) = (element(0, 0, shares), element(1, 1, shares));
             // Bodies that move along one axis only make the matrix singular.
-            let more = (k11 + k22) >> 20;
-            (k11 + more, of(0, 1, shares), k22 + more)
+            let extra = (k11 + k22) >> 20;
+            (k11 + extra, element(0, 1, shares), k22 + extra)
         } else {
-            let k11 = of(0, 0, shares);
+            let k11 = element(0, 0, shares);
             (k11, 0, k11)
         };
         // Down to 58 bits.
         let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
         let [k11, k12, k22] = [k11, k12, k22].map(|k| shifted(k, down) as i64);
-        let trace = |shares| shifted(of(0, 0, shares) + if two { of(1, 1, shares) } else { 0 }, down);
+        let trace =
+            |shares| shifted(element(0, 0, shares) + if has_two_rows { element(1, 1, shares) } else { 0 }, down);
         let (split, whole) = if self.is_split { (trace(shares), trace([1, 1])) } else { (1, 1) };
         self.rigid = rigid_share(self.soft.compliance, split, whole);
         // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
@@ -163,13 +164,13 @@ impl Block {
     /// The angle that a body turns in a sub-step at an angular velocity, in 2^-30 rad within ±0.1 rad.
     pub(super) fn angle_of(&self, side: usize, velocity: i32) -> i64 {
         let (mantissa, shift) = self.sides[side].angle;
-        let most = i128::from(LARGEST_ANGLE);
+        let limit = i128::from(LARGEST_ANGLE);
         // An angle that does not fit is as large as any.
-        mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(most).clamp(-most, most) as i64
+        mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(limit).clamp(-limit, limit) as i64
     }
 
     /// The part of the motion of the anchors in a sub-step along a row that the velocities at its end leave out, in 2^-30:
-    /// −(φ_B²·r_B − φ_A²·r_A)/2, the shifts of the bodies, and for a rod what it turns.
+    /// −(φ_B²·r_B − φ_A²·r_A)/2, the shifts of the bodies, and the turn of a rod.
     pub(super) fn second_order(&self, row: usize, velocities: [Vector; 2]) -> i64 {
         let bend = [0, 1].map(|k| {
             let angle = i128::from(self.angle_of(k, velocities[k][2]));
@@ -190,10 +191,10 @@ impl Block {
         if self.distance == 0 {
             return 0;
         }
-        let [of_a, of_b] = [0, 1].map(|k| self.sides[k].unit_arm);
+        let [arm_a, arm_b] = [0, 1].map(|k| self.sides[k].unit_arm);
         let [x, y] = [0, 1].map(|i| (i64::from(b[i]) - i64::from(a[i])) << 30);
         let [wa, wb] = [i64::from(a[2]), i64::from(b[2])];
-        let (x, y) = (x - wb * of_b[1] + wa * of_a[1], y + wb * of_b[0] - wa * of_a[0]);
+        let (x, y) = (x - wb * arm_b[1] + wa * arm_a[1], y + wb * arm_b[0] - wa * arm_a[0]);
         let [ux, uy] = self.axes[0].map(i128::from);
         let across = shifted(ux * i128::from(y) - uy * i128::from(x), 30) as i64;
         let angle = i128::from((across.abs() / self.distance).min(LARGEST_ANGLE));

@@ -1,4 +1,4 @@
-//! Single cases, each of which went wrong once.
+//! Regression tests: single cases, each of which was once a bug.
 
 use alloc::vec;
 
@@ -19,8 +19,8 @@ fn to_f64(value: FxAccumulator) -> f64 {
 
 /// The change of velocity of a body.
 fn change(scene: &Scene, body: usize) -> [f64; 3] {
-    let of = scene.solve().corrections[body];
-    [of.velocity.x, of.velocity.y, of.angular_velocity].map(to_f64)
+    let correction = scene.solve().corrections[body];
+    [correction.velocity.x, correction.velocity.y, correction.angular_velocity].map(to_f64)
 }
 
 #[test]
@@ -28,15 +28,17 @@ fn points_may_come_in_either_order() {
     let mut random = Random::seeded(run_seed(1));
     for case in 0..2000 {
         let [x1, x2, slide, spin] = [0; 4].map(|_| signed(&mut random));
-        let mut of = contact([0, 1], [0.0, 1.0], &[([x1, 1.0], [x1, -0.5], 0.0), ([x2, 1.0], [x2, -0.5], 0.001)]);
-        of.friction = fx(0.5);
-        let scene = Scene::new(vec![fixed(4.0), body(1.0, 3.0, 1.0).flying([slide, -2.0, spin], TICK)], vec![of]);
-        let other = scene.seen(|flight| *flight, Contact::with_points_swapped);
-        assert_eq!(scene.solve().corrections, other.solve().corrections, "case {case}");
+        let points = [([x1, 1.0], [x1, -0.5], 0.0), ([x2, 1.0], [x2, -0.5], 0.001)];
+        let mut contact = contact([0, 1], [0.0, 1.0], &points);
+        contact.friction = fx(0.5);
+        let falling = body(1.0, 3.0, 1.0).flying([slide, -2.0, spin], TICK);
+        let scene = Scene::new(vec![fixed(4.0), falling], vec![contact]);
+        let swapped = scene.image(|flight| *flight, Contact::with_points_swapped);
+        assert_eq!(scene.solve().corrections, swapped.solve().corrections, "case {case}");
     }
 }
 
-/// A body that lands on a narrow base to the side of its centre turns over the nearer point, as if that were the only one.
+/// A body that lands on a narrow base to the side of its centre turns over the nearer point, as if it were the only point.
 #[test]
 fn a_narrow_base_pushes_as_one_point_does() {
     for substeps in [1, 5] {
@@ -45,13 +47,16 @@ fn a_narrow_base_pushes_as_one_point_does() {
             let falling = body(1.0, 3.0, 1.0).flying([0.0, -speed, 0.0], TICK);
             let mut scene = Scene::new(vec![fixed(4.0), falling], vec![contact([0, 1], [0.0, 1.0], &points)]);
             scene.options.substeps = substeps;
-            let both = change(&scene, 1);
+            let by_two_points = change(&scene, 1);
             scene.contacts[0].count = 1;
-            let one = change(&scene, 1);
+            let by_one_point = change(&scene, 1);
             // The diagonal is raised by 2^-13, so that velocities differ by as much.
-            let within = speed * 2f64.powi(-12);
-            let differs = (0..3).any(|i| (both[i] - one[i]).abs() > within);
-            assert!(!differs, "{substeps} sub-steps, {speed} m/s, {half} m: {both:?} instead of {one:?}");
+            let tolerance = speed * 2f64.powi(-12);
+            let differs = (0..3).any(|i| (by_two_points[i] - by_one_point[i]).abs() > tolerance);
+            assert!(
+                !differs,
+                "{substeps} sub-steps, {speed} m/s, {half} m: {by_two_points:?} instead of {by_one_point:?}"
+            );
         }
     }
 }
@@ -70,28 +75,32 @@ fn still_bodies_have_no_row_of_their_own() {
 /// Two heaviest bodies an odd number of 2^-32 m apart: their middle is between two multiples.
 #[test]
 fn heaviest_bodies_tie_at_any_distance() {
-    let along = |a, b| contact([a, b], [1.0, 0.0], &[([1.0, 0.0], [-1.0, 0.0], 0.0)]);
-    let one = 1i64 << 32;
+    let side_contact = |a, b| contact([a, b], [1.0, 0.0], &[([1.0, 0.0], [-1.0, 0.0], 0.0)]);
+    let metre = 1i64 << 32;
     for odd in [0, 1] {
-        let at =
-            |bits: i64, flight: Flight| Flight { position: Vec2::new(fx(bits as f64 / one as f64), fx(0.0)), ..flight };
-        let (heavy, light) = (body(2.0, 2.0, 1.0), body(1.0, 2.0, 1.0));
+        let placed = |bits: i64, flight: Flight| Flight {
+            position: Vec2::new(fx(bits as f64 / metre as f64), fx(0.0)),
+            ..flight
+        };
+        let heavy = body(2.0, 2.0, 1.0);
+        let light = body(1.0, 2.0, 1.0);
         let flights = vec![
-            at(0, heavy.flying([1.0, 0.0, 0.0], TICK)),
-            at(2 * one, light),
-            at(2 * one + odd, light),
-            at(4 * one + odd, heavy.flying([-1.0, 0.0, 0.0], TICK)),
+            placed(0, heavy.flying([1.0, 0.0, 0.0], TICK)),
+            placed(2 * metre, light),
+            placed(2 * metre + odd, light),
+            placed(4 * metre + odd, heavy.flying([-1.0, 0.0, 0.0], TICK)),
         ];
-        let scene = Scene::new(flights, vec![along(0, 1), along(0, 2), along(1, 3), along(2, 3)]);
+        let scene =
+            Scene::new(flights, vec![side_contact(0, 1), side_contact(0, 2), side_contact(1, 3), side_contact(2, 3)]);
         let solution = scene.solve();
         let [left, right] = [0, 3].map(|body: usize| solution.corrections[body].velocity.x.to_bits());
         assert_eq!(left, -right, "a half turn about the middle exchanges the bodies");
         let mut reversed = scene.clone();
         reversed.flights.reverse();
         reversed.contacts.iter_mut().for_each(|contact| contact.bodies = contact.bodies.map(|body| 3 - body));
-        let mut other = reversed.solve().corrections;
-        other.reverse();
-        assert_eq!(solution.corrections, other);
+        let mut reversed_corrections = reversed.solve().corrections;
+        reversed_corrections.reverse();
+        assert_eq!(solution.corrections, reversed_corrections);
     }
 }
 
@@ -101,16 +110,16 @@ fn deep_overlaps_are_pushed_at_the_push_speed() {
     for speed in [0.0, 64.0, 4096.0] {
         for depth in [0.3, 1.0, 4.0] {
             let flight = body(1.0, 2.0, 8.0).flying([speed, 0.0, 0.0], TICK);
-            let of = contact([0, 1], [0.0, 1.0], &[([0.0, 1.0], [0.0, -1.0], -depth)]);
-            let solution = Scene::new(vec![flight; 2], vec![of]).solve();
-            let apart = [0, 1].map(|body: usize| to_f64(solution.corrections[body].displacement.y));
-            let push = (apart[1] - apart[0]) / TICK;
+            let contact = contact([0, 1], [0.0, 1.0], &[([0.0, 1.0], [0.0, -1.0], -depth)]);
+            let solution = Scene::new(vec![flight; 2], vec![contact]).solve();
+            let displacements = [0, 1].map(|body: usize| to_f64(solution.corrections[body].displacement.y));
+            let push = (displacements[1] - displacements[0]) / TICK;
             assert!((push - 3.0).abs() < 0.1, "{speed} m/s, {depth} m: {push} m/s");
         }
     }
 }
 
-/// A body that a heavier one hits at its rim turns faster than anything did before.
+/// A body that a heavier body hits at its rim turns faster than any body turned before.
 #[test]
 fn a_hit_at_the_rim_turns_a_body_at_any_speed() {
     for substeps in 1..=16 {
@@ -132,10 +141,10 @@ fn a_hit_at_the_rim_turns_a_body_at_any_speed() {
     }
 }
 
-/// A contact at one point beside the centre of B, with the impulse of the step before in 2^-30 N·s.
+/// A contact at one point beside the centre of B, with an impulse from the previous step in 2^-30 N·s.
 fn warm(bodies: [u32; 2], x: f64, impulse: i64) -> Contact {
-    let of = contact(bodies, [0.0, 1.0], &[([x, 0.0], [x, 0.0], 0.0)]);
-    Contact { impulses: Impulses { values: [impulse, 0, 0], exponent: -30 }, ..of }
+    let contact = contact(bodies, [0.0, 1.0], &[([x, 0.0], [x, 0.0], 0.0)]);
+    Contact { impulses: Impulses { values: [impulse, 0, 0], exponent: -30 }, ..contact }
 }
 
 /// A body whose inertia is small for its size, and impulses that cancel.
@@ -149,11 +158,12 @@ fn large_impulses_change_no_bit_of_the_lanes_beside_them() {
     ];
     let mut scene = Scene::new(vec![fixed(4.0), body(1.0, 262_144.0, 1.0), body(1.0, 2.0, 1.0)], contacts);
     scene.options.substeps = 1;
-    let (chosen, portable) = (scene.solve(), scene.solve_portably());
+    let vectorised = scene.solve();
+    let portable = scene.solve_portably();
     scene.contacts.pop();
     let alone = scene.solve();
-    assert_eq!(chosen, portable);
-    assert_eq!(chosen.corrections[1], alone.corrections[1]);
+    assert_eq!(vectorised, portable);
+    assert_eq!(vectorised.corrections[1], alone.corrections[1]);
 }
 
 #[test]
@@ -169,7 +179,7 @@ fn a_large_impulse_turns_the_way_it_points() {
     }
 }
 
-/// Both bodies of a contact get its impulse, however light one is.
+/// Both bodies of a contact get its impulse, however light a body is.
 #[test]
 fn no_body_is_left_out() {
     let light = body(1.0 / 65536.0, 2.0, 0.0078125);

@@ -21,28 +21,29 @@ impl Disc {
     /// The free flight towards the origin.
     fn flight(&self) -> Flight {
         let [x, y, turn] = self.velocity;
-        let end = [x - 4.0 * self.position[0] * TICK, y - 4.0 * self.position[1] * TICK];
-        let of = body(self.mass as f64, 2.0, 0.5).flying([x, y, turn], TICK);
-        let end = Velocity { linear: vec(end[0], end[1]), ..of.end };
-        Flight { position: vec(self.position[0], self.position[1]), end, ..of }
+        let linear = vec(x - 4.0 * self.position[0] * TICK, y - 4.0 * self.position[1] * TICK);
+        let flight = body(self.mass as f64, 2.0, 0.5).flying([x, y, turn], TICK);
+        let end = Velocity { linear, ..flight.end };
+        Flight { position: vec(self.position[0], self.position[1]), end, ..flight }
     }
 
-    /// Takes the flight and its correction.
-    fn moved(&mut self, flight: &Flight, by: &Correction) {
-        let part = |value: i128| value as f64 / 2f64.powi(96);
+    /// Moves the disc by its flight and the correction of the flight.
+    fn advance(&mut self, flight: &Flight, correction: &Correction) {
+        let exact = |value: i128| value as f64 / 2f64.powi(96);
         let fixed = |value: Fx| value.to_bits() as f64 / 2f64.powi(32);
         let ends = [flight.end.linear.x, flight.end.linear.y, flight.end.angular].map(fixed);
-        let changes = [by.velocity.x, by.velocity.y, by.angular_velocity].map(|v| part(v.to_bits()));
+        let changes = [correction.velocity.x, correction.velocity.y, correction.angular_velocity];
+        let changes = changes.map(|v| exact(v.to_bits()));
         self.velocity = [0, 1, 2].map(|i| ends[i] + changes[i]);
-        let moved = [flight.displacement.x, flight.displacement.y].map(fixed);
-        let corrected = [by.displacement.x, by.displacement.y].map(|d| part(d.to_bits()));
-        (0..2).for_each(|i| self.position[i] += moved[i] + corrected[i]);
+        let free = [flight.displacement.x, flight.displacement.y].map(fixed);
+        let corrected = [correction.displacement.x, correction.displacement.y].map(|d| exact(d.to_bits()));
+        (0..2).for_each(|i| self.position[i] += free[i] + corrected[i]);
     }
 }
 
-/// Contacts of discs that are near, with the impulses of the step before.
-fn contacts(discs: &[Disc], before: &[(u32, u32, Impulses)]) -> Vec<Contact> {
-    let mut found = Vec::new();
+/// The contacts of discs near each other, with their impulses from the previous step.
+fn contacts(discs: &[Disc], previous_impulses: &[(u32, u32, Impulses)]) -> Vec<Contact> {
+    let mut contacts = Vec::new();
     for b in 0..discs.len() as u32 {
         for a in 0..b {
             let [from, to] = [a, b].map(|i| discs[i as usize].position);
@@ -53,8 +54,8 @@ fn contacts(discs: &[Disc], before: &[(u32, u32, Impulses)]) -> Vec<Contact> {
             }
             let [nx, ny] = [x / distance, y / distance];
             let arms = [vec(0.5 * nx, 0.5 * ny), vec(-0.5 * nx, -0.5 * ny)];
-            let known = before.iter().find(|&&(i, j, _)| (i, j) == (a, b)).map(|known| known.2);
-            found.push(Contact {
+            let previous = previous_impulses.iter().find(|&&(i, j, _)| (i, j) == (a, b));
+            contacts.push(Contact {
                 bodies: [a, b],
                 normal: [nx, ny].map(|n| (n * f64::from(1 << 30)).round() as i32),
                 count: 1,
@@ -67,11 +68,11 @@ fn contacts(discs: &[Disc], before: &[(u32, u32, Impulses)]) -> Vec<Contact> {
                 rolling_resistance: fx(0.0),
                 rolling_radius: fx(0.0),
                 surface_speed: fx(0.0),
-                impulses: known.unwrap_or_default(),
+                impulses: previous.map(|&(.., impulses)| impulses).unwrap_or_default(),
             });
         }
     }
-    found
+    contacts
 }
 
 #[test]
@@ -84,25 +85,31 @@ fn a_pile_keeps_its_momentum() {
             velocity: [0; 3].map(|_| 4.0 * signed(&mut random)),
         })
         .collect();
-    let (mut solver, mut corrections, mut before) = (Solver::default(), Vec::new(), Vec::new());
-    let (mut sum, mut impulses, mut most_contacts) = ([0i128; 2], 0i128, 0);
+    let mut solver = Solver::default();
+    let mut corrections = Vec::new();
+    let mut previous_impulses = Vec::new();
+    let mut momentum_change = [0i128; 2];
+    let mut impulse_sum = 0i128;
+    let mut max_contacts = 0;
     for tick in 1..=6000_i128 {
         let flights: Vec<Flight> = discs.iter().map(Disc::flight).collect();
-        let mut scene = Scene::new(flights, contacts(&discs, &before));
+        let mut scene = Scene::new(flights, contacts(&discs, &previous_impulses));
         let Scene { time_step, options, flights, contacts } = &mut scene;
         solver.solve(*time_step, options, flights, &mut [], contacts, &mut corrections);
-        for ((disc, by), flight) in discs.iter_mut().zip(&corrections).zip(flights.iter()) {
-            let changes = [by.velocity.x, by.velocity.y].map(|v| disc.mass * v.to_bits());
-            (0..2).for_each(|i| sum[i] += changes[i]);
-            // Half of what all bodies get is at most the sum of impulses.
-            impulses += changes.iter().map(|change| change.abs()).max().unwrap_or_default() / 2;
-            disc.moved(flight, by);
+        for ((disc, correction), flight) in discs.iter_mut().zip(&corrections).zip(flights.iter()) {
+            let changes = [correction.velocity.x, correction.velocity.y].map(|v| disc.mass * v.to_bits());
+            (0..2).for_each(|i| momentum_change[i] += changes[i]);
+            // Half of the changes of momentum of all bodies is at most the sum of impulses.
+            impulse_sum += changes.iter().map(|change| change.abs()).max().unwrap_or_default() / 2;
+            disc.advance(flight, correction);
         }
-        before = contacts.iter().map(|of| (of.bodies[0], of.bodies[1], of.impulses)).collect();
-        most_contacts = most_contacts.max(contacts.len());
+        previous_impulses =
+            contacts.iter().map(|contact| (contact.bodies[0], contact.bodies[1], contact.impulses)).collect();
+        max_contacts = max_contacts.max(contacts.len());
         let masses: i128 = discs.iter().map(|disc| disc.mass).sum();
-        let most = (impulses >> 63) + masses * tick;
-        assert!(sum.iter().all(|sum| sum.abs() <= most), "tick {tick}: {sum:?} beyond {most}");
+        let limit = (impulse_sum >> 63) + masses * tick;
+        let is_conserved = momentum_change.iter().all(|change| change.abs() <= limit);
+        assert!(is_conserved, "tick {tick}: {momentum_change:?} beyond {limit}");
     }
-    assert!(most_contacts > 60 && impulses >> 96 > 1000, "{most_contacts} contacts, {} N·s", impulses >> 96);
+    assert!(max_contacts > 60 && impulse_sum >> 96 > 1000, "{max_contacts} contacts, {} N·s", impulse_sum >> 96);
 }

@@ -2,7 +2,7 @@
 //!
 //! No formula bounds how far rounding may lead: points that open or close, and bodies split among many contacts, amplify it. So
 //! the twin runs again with roundings of its own, at random and of the size of the solver's; the solver has to be about as
-//! close to the exact twin as those are.
+//! close to the exact twin as the twins that round.
 //!
 //! The twin has the solver's clamps by design: couplings and compliances are at most a quarter of a unit of velocity for a unit of impulse,
 //! as all factors of velocities are. Velocities and displacements do not saturate there: the unit has to leave room for them.
@@ -28,7 +28,8 @@ fn rounding(scene: &Scene) -> Rounding {
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
     let bodies = scene.flights.iter().zip(&solver.unit_of).map(|(flight, &unit)| {
         // Bodies that are fixed or touch nothing have no unit.
-        let (unit, length) = (2f64.powi(if unit == 0 { FINEST } else { unit }), 2f64.powi(flight.length()));
+        let unit = 2f64.powi(if unit == 0 { FINEST } else { unit });
+        let length = 2f64.powi(flight.length());
         BodyUnits { velocity: [unit, unit, unit / length], length }
     });
     let bodies: Vec<_> = bodies.collect();
@@ -36,8 +37,9 @@ fn rounding(scene: &Scene) -> Rounding {
         assert!(solver.graph.phase(contact.bodies) < PHASES, "one body of each contact can be moved");
         let place = solver.places.iter().find(|place| place.contact as usize == index).expect("all have places");
         let mover = solver.graph.mover(contact.bodies).expect("one can be moved");
-        let (group, lane, unit) =
-            (&solver.groups[place.group as usize], place.lane as usize, bodies[mover as usize].velocity[0]);
+        let group = &solver.groups[place.group as usize];
+        let lane = place.lane as usize;
+        let unit = bodies[mover as usize].velocity[0];
         let [rate, deepest] = group.push_out[lane].map(f64::from);
         ContactUnits {
             velocity: unit,
@@ -56,7 +58,8 @@ fn twin(scene: &Scene, seed: Option<u64>) -> Vec<Correction> {
     rounding.random = seed.map(Random::seeded);
     let mut solver = FloatSolver::default();
     solver.rounding = rounding;
-    let (mut contacts, mut corrections) = (scene.contacts.clone(), Vec::new());
+    let mut contacts = scene.contacts.clone();
+    let mut corrections = Vec::new();
     solver.solve(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
     corrections
 }
@@ -66,17 +69,23 @@ fn in_units(scene: &Scene, corrections: &[Correction]) -> Vec<[Vector; 2]> {
     let (num, den) = scene.time_step.seconds();
     let step = f64::from(num) / f64::from(den);
     let units = rounding(scene).bodies;
-    let change = |(correction, BodyUnits { velocity: unit, .. }): (&Correction, &BodyUnits)| {
-        let velocity = [correction.velocity.x, correction.velocity.y, correction.angular_velocity];
-        let moved = [correction.displacement.x, correction.displacement.y, correction.rotation];
-        [[0, 1, 2].map(|i| velocity[i].to_f64() / unit[i]), [0, 1, 2].map(|i| moved[i].to_f64() / (step * unit[i]))]
-    };
-    corrections.iter().zip(&units).map(change).collect()
+    corrections
+        .iter()
+        .zip(&units)
+        .map(|(correction, BodyUnits { velocity: unit, .. })| {
+            let velocity = [correction.velocity.x, correction.velocity.y, correction.angular_velocity];
+            let displacement = [correction.displacement.x, correction.displacement.y, correction.rotation];
+            [
+                [0, 1, 2].map(|i| velocity[i].to_f64() / unit[i]),
+                [0, 1, 2].map(|i| displacement[i].to_f64() / (step * unit[i])),
+            ]
+        })
+        .collect()
 }
 
-/// The largest difference of one of many quantities.
-fn apart(a: &[[Vector; 2]], b: &[[Vector; 2]]) -> f64 {
-    let [a, b] = [a, b].map(|of| of.as_flattened().as_flattened());
+/// The largest difference of any component.
+fn largest_difference(a: &[[Vector; 2]], b: &[[Vector; 2]]) -> f64 {
+    let [a, b] = [a, b].map(|changes| changes.as_flattened().as_flattened());
     a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
 }
 
@@ -101,20 +110,24 @@ fn steps_follow_a_twin_in_doubles() {
             cut += 1;
             continue;
         }
-        let ours = in_units(&scene, &solution.corrections);
-        let exactly = in_units(&scene, &twin(&scene, None));
-        let off = apart(&exactly, &ours);
-        // What rounding may lead to is seen by rounding at random: 24 times, or where a contact opens in few of them, more often.
-        let mut most = 0.0_f64;
+        let solver_changes = in_units(&scene, &solution.corrections);
+        let exact_changes = in_units(&scene, &twin(&scene, None));
+        let error = largest_difference(&exact_changes, &solver_changes);
+        // Twins that round at random show how far rounding may lead: 24 of them, or more where a contact opens in few of them.
+        let mut rounding = 0.0_f64;
         for seed in 0..1000 {
-            most = most.max(apart(&exactly, &in_units(&scene, &twin(&scene, Some(seed)))));
-            if seed >= 23 && off <= 2.0 * most + 2.0 {
+            let rounded_changes = in_units(&scene, &twin(&scene, Some(seed)));
+            rounding = rounding.max(largest_difference(&exact_changes, &rounded_changes));
+            if seed >= 23 && error <= 2.0 * rounding + 2.0 {
                 break;
             }
         }
-        assert!(off <= 2.0 * most + 2.0, "case {case}: {off} units from the twin, where rounding explains {most}");
-        touching += u32::from(solution.corrections.iter().any(|of| of.velocity.x.to_bits() != 0));
-        close += u32::from(off < 64.0);
+        assert!(
+            error <= 2.0 * rounding + 2.0,
+            "case {case}: {error} units from the twin, where rounding explains {rounding}"
+        );
+        touching += u32::from(solution.corrections.iter().any(|correction| correction.velocity.x.to_bits() != 0));
+        close += u32::from(error < 64.0);
     }
     assert!(cut <= 2, "the impulses of {cut} scenes of {cases} are cut off");
     // Most are close: a few units, not only less than rounding could lead.

@@ -1,4 +1,4 @@
-//! The ends of the solver's ranges: nothing overflows, and what is cut off is cut off oddly.
+//! The ends of the solver's ranges: nothing overflows, and the cut-off is an odd function of a value.
 
 use super::made::Ranges;
 use super::scene::{Image, Scene, by_exponent, fixed, fx, signed};
@@ -9,22 +9,22 @@ use crate::solve::{Contact, Flight, Impulses};
 /// Checks that a scene has the same result with and without vectors, and that its images have the images of the result: in a mirror, after
 /// a quarter turn, with bodies or points swapped. Returns the number of values that were cut off.
 fn check(scene: &Scene) -> u64 {
-    let solved = scene.solve();
-    assert_eq!(scene.solve_portably(), solved, "lanes: {scene:?}");
-    let mirrored = scene.seen(Flight::mirrored, Contact::mirrored).solve();
-    let turned = scene.seen(Flight::turned, Contact::turned).solve();
-    let swapped = scene.seen(Flight::swapped, Contact::swapped).solve();
-    let points = scene.seen(Flight::with_points_swapped, Contact::with_points_swapped).solve();
-    for (i, of) in solved.corrections.iter().enumerate() {
-        assert_eq!(mirrored.corrections[i], of.mirrored(), "mirrored: {scene:?}");
-        assert_eq!(turned.corrections[i], of.turned(), "turned: {scene:?}");
-        assert_eq!(swapped.corrections[i], *of, "swapped: {scene:?}");
-        assert_eq!(points.corrections[i], *of, "points: {scene:?}");
+    let solution = scene.solve();
+    assert_eq!(scene.solve_portably(), solution, "lanes: {scene:?}");
+    let mirrored = scene.image(Flight::mirrored, Contact::mirrored).solve();
+    let turned = scene.image(Flight::turned, Contact::turned).solve();
+    let swapped = scene.image(Flight::swapped, Contact::swapped).solve();
+    let points = scene.image(Flight::with_points_swapped, Contact::with_points_swapped).solve();
+    for (i, correction) in solution.corrections.iter().enumerate() {
+        assert_eq!(mirrored.corrections[i], correction.mirrored(), "mirrored: {scene:?}");
+        assert_eq!(turned.corrections[i], correction.turned(), "turned: {scene:?}");
+        assert_eq!(swapped.corrections[i], *correction, "swapped: {scene:?}");
+        assert_eq!(points.corrections[i], *correction, "points: {scene:?}");
     }
-    for other in [&mirrored, &turned, &swapped, &points] {
-        assert_eq!(other.counts, solved.counts, "{scene:?}");
+    for image in [&mirrored, &turned, &swapped, &points] {
+        assert_eq!(image.counts, solution.counts, "{scene:?}");
     }
-    solved.counts.cut
+    solution.counts.cut
 }
 
 /// Scenes at a rate and a number of sub-steps.
@@ -37,7 +37,8 @@ fn scene(random: &mut Random, ranges: &Ranges, rate: u32, substeps: u32) -> Scen
 
 /// Returns the number of values cut off in all scenes of these ranges.
 fn check_all(seed: u64, ranges: &Ranges) -> u64 {
-    let (mut random, mut cut) = (Random::seeded(run_seed(seed)), 0);
+    let mut random = Random::seeded(run_seed(seed));
+    let mut cut = 0;
     for rate in [1, 60, 10_000] {
         for substeps in 1..=16 {
             for _ in 0..20 {
@@ -97,7 +98,8 @@ fn fast_rims() {
 /// Impulses of any size, up to the largest that may be written, on bodies of any mass.
 #[test]
 fn impulses_at_the_cap() {
-    let (mut random, mut cut) = (Random::seeded(run_seed(6)), 0);
+    let mut random = Random::seeded(run_seed(6));
+    let mut cut = 0;
     let ranges = Ranges { mass: [-20.0, 20.0], gyration: [1.0, 1e4], restitution: 1.0, ..Ranges::default() };
     for _ in 0..400 {
         let substeps = 1 + random.below(16) as u32;
@@ -107,20 +109,21 @@ fn impulses_at_the_cap() {
             let exponent = random.integer(-80..=80) as i32;
             let largest = 2f64.powi(62);
             let values = [0; 3].map(|_| by_exponent(&mut random, 20.0, 62.0).min(largest) as i64);
-            let [one, mut two, mut along] = values;
-            along *= if random.below(2) == 0 { 1 } else { -1 };
-            two *= i64::from(contact.count == 2);
-            contact.impulses = Impulses { values: [one, two, along], exponent };
+            let [first, mut second, mut tangential] = values;
+            tangential *= if random.below(2) == 0 { 1 } else { -1 };
+            second *= i64::from(contact.count == 2);
+            contact.impulses = Impulses { values: [first, second, tangential], exponent };
         }
         cut += check(&scene);
     }
     assert!(cut > 0, "some velocities are cut off");
 }
 
-/// A light body between two heavy ones that fly at each other.
+/// A light body between two heavy bodies that fly at each other.
 #[test]
 fn light_bodies_between_heavy_ones() {
-    let (mut random, mut cut) = (Random::seeded(run_seed(7)), 0);
+    let mut random = Random::seeded(run_seed(7));
+    let mut cut = 0;
     for _ in 0..400 {
         let ranges = Ranges { mass: [20.0, 24.0], speed: 1000.0, separation: [-1.0, 0.0], ..Ranges::default() };
         let light = Ranges { mass: [-20.0, -16.0], ..ranges };

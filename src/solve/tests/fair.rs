@@ -1,4 +1,4 @@
-//! Fairness: how a scene is seen, and in what order it is given, changes no bit.
+//! Fairness: the observer of a scene, and the order of its bodies and contacts, change no bit.
 
 use alloc::vec::Vec;
 use std::thread;
@@ -14,12 +14,12 @@ use crate::solve::pass::{Pass, PassOver};
 use crate::solve::unit::Clock;
 use crate::solve::{Contact, Flight, Impulses, PHASES, Solver, SolverCounts};
 
-/// Scenes, with numbers for what is done to them.
-fn scenes(seed: u64, count: u64, most: u64) -> impl Iterator<Item = (Scene, Random)> {
+/// Random scenes, each with a generator for its changes in a test. There are 3 bodies and fewer than `extra_bodies` more.
+fn scenes(seed: u64, count: u64, extra_bodies: u64) -> impl Iterator<Item = (Scene, Random)> {
     let ranges = Ranges { restitution: 1.0, ..Ranges::default() };
     (0..count).map(move |index| {
         let mut random = Random::seeded(run_seed(seed << 32 | index));
-        let bodies = 3 + random.below(most);
+        let bodies = 3 + random.below(extra_bodies);
         let contacts = 1 + random.below(2 * bodies);
         let mut scene = ranges.scene(&mut random, bodies as usize, contacts as usize);
         scene.options.substeps = 1 + random.below(8) as u32;
@@ -29,57 +29,64 @@ fn scenes(seed: u64, count: u64, most: u64) -> impl Iterator<Item = (Scene, Rand
 }
 
 fn is_moved(solution: &Solution) -> bool {
-    solution.corrections.iter().any(|of| *of != Default::default())
+    solution.corrections.iter().any(|correction| *correction != Default::default())
 }
 
 #[test]
 fn images_stay_images() {
     let (mut moved, mut rolled) = (0, 0);
     for (scene, _) in scenes(1, 400, 24) {
-        let solved = scene.solve();
-        moved += usize::from(is_moved(&solved));
-        // Where a contact has one point, the second impulse is that of rolling resistance.
-        let turned_back = |image: fn(&Impulses) -> Impulses| {
-            let of = |(of, contact): (&Impulses, &Contact)| {
-                let [one, two, along] = image(of).values;
-                Impulses { values: [one, if contact.count == 1 { -two } else { two }, along], ..*of }
-            };
-            solved.impulses.iter().zip(&scene.contacts).map(of).collect()
+        let solution = scene.solve();
+        moved += usize::from(is_moved(&solution));
+        // The second impulse of a contact with one point is its rolling resistance.
+        let with_rolling_negated = |image: fn(&Impulses) -> Impulses| {
+            solution
+                .impulses
+                .iter()
+                .zip(&scene.contacts)
+                .map(|(impulses, contact)| {
+                    let [first, second, tangential] = image(impulses).values;
+                    let second = if contact.count == 1 { -second } else { second };
+                    Impulses { values: [first, second, tangential], ..*impulses }
+                })
+                .collect()
         };
-        rolled += solved
+        rolled += solution
             .impulses
             .iter()
             .zip(&scene.contacts)
-            .filter(|(of, contact)| contact.count == 1 && of.values[1] != 0)
+            .filter(|(impulses, contact)| contact.count == 1 && impulses.values[1] != 0)
             .count();
-        let with_points_swapped = |(of, contact): (&Impulses, &Contact)| {
-            if contact.count == 2 { of.with_points_swapped() } else { *of }
-        };
-        let swapped_points = solved.impulses.iter().zip(&scene.contacts).map(with_points_swapped).collect();
+        let swapped_points = solution
+            .impulses
+            .iter()
+            .zip(&scene.contacts)
+            .map(|(impulses, contact)| if contact.count == 2 { impulses.with_points_swapped() } else { *impulses })
+            .collect();
         let images = [
             (
-                scene.seen(Flight::mirrored, Contact::mirrored),
+                scene.image(Flight::mirrored, Contact::mirrored),
                 Solution {
-                    impulses: turned_back(Image::mirrored),
-                    corrections: solved.corrections.iter().map(Image::mirrored).collect(),
-                    ..solved
+                    impulses: with_rolling_negated(Image::mirrored),
+                    corrections: solution.corrections.iter().map(Image::mirrored).collect(),
+                    ..solution
                 },
             ),
             (
-                scene.seen(Flight::turned, Contact::turned),
-                Solution { corrections: solved.corrections.iter().map(Image::turned).collect(), ..solved.clone() },
+                scene.image(Flight::turned, Contact::turned),
+                Solution { corrections: solution.corrections.iter().map(Image::turned).collect(), ..solution.clone() },
             ),
             (
-                scene.seen(Flight::swapped, Contact::swapped),
-                Solution { impulses: turned_back(|of| *of), ..solved.clone() },
+                scene.image(Flight::swapped, Contact::swapped),
+                Solution { impulses: with_rolling_negated(|impulses| *impulses), ..solution.clone() },
             ),
             (
-                scene.seen(Flight::with_points_swapped, Contact::with_points_swapped),
-                Solution { impulses: swapped_points, ..solved.clone() },
+                scene.image(Flight::with_points_swapped, Contact::with_points_swapped),
+                Solution { impulses: swapped_points, ..solution.clone() },
             ),
         ];
-        for (index, (seen, expected)) in images.iter().enumerate() {
-            assert_eq!(&seen.solve(), expected, "image {index} of {scene:?}");
+        for (index, (image, expected)) in images.iter().enumerate() {
+            assert_eq!(&image.solve(), expected, "image {index} of {scene:?}");
         }
     }
     assert!(moved > 300 && rolled > 50, "{moved}, {rolled}");
@@ -109,52 +116,57 @@ fn reordered(scene: &Scene, bodies: &[usize], contacts: &[usize]) -> Scene {
 #[test]
 fn the_order_of_bodies_and_contacts_changes_no_bit() {
     for (scene, mut random) in scenes(2, 300, 40) {
-        let solved = scene.solve();
+        let solution = scene.solve();
         let bodies = shuffled(&mut random, scene.flights.len());
         let contacts = shuffled(&mut random, scene.contacts.len());
         let expected = Solution {
-            impulses: contacts.iter().map(|&from| solved.impulses[from]).collect(),
-            corrections: bodies.iter().map(|&from| solved.corrections[from]).collect(),
-            ..solved
+            impulses: contacts.iter().map(|&from| solution.impulses[from]).collect(),
+            corrections: bodies.iter().map(|&from| solution.corrections[from]).collect(),
+            ..solution
         };
         assert_eq!(reordered(&scene, &bodies, &contacts).solve(), expected);
     }
 }
 
-/// Other islands, between the bodies and contacts of this one, and at fixed bodies that both touch.
+/// The islands of a second scene, mixed with the bodies and contacts of the first and touching the same fixed body.
 #[test]
 fn bystanders_change_no_bit() {
     let mut shared = 0;
-    for ((scene, mut random), (mut others, _)) in scenes(3, 300, 20).zip(scenes(4, 300, 40)) {
-        // Faster ones, so that their unit of velocity is another one.
+    for ((scene, mut random), (mut bystanders, _)) in scenes(3, 300, 20).zip(scenes(4, 300, 40)) {
+        // Faster bodies, so that their unit of velocity is another one.
         let scale = random.below(12) as u32;
-        for flight in &mut others.flights {
+        for flight in &mut bystanders.flights {
             for velocity in [&mut flight.start, &mut flight.end] {
                 velocity.linear.x = crate::fx::Fx::from_bits(velocity.linear.x.to_bits() << scale);
             }
         }
-        let mut both = scene.clone();
+        let mut merged = scene.clone();
         let fixed = scene.flights.iter().position(Flight::is_fixed);
-        let place: Vec<u32> = (0..others.flights.len())
+        let place: Vec<u32> = (0..bystanders.flights.len())
             .map(|body| match fixed {
-                Some(fixed) if others.flights[body].is_fixed() => fixed as u32,
+                Some(fixed) if bystanders.flights[body].is_fixed() => fixed as u32,
                 _ => (scene.flights.len() + body) as u32,
             })
             .collect();
         shared += usize::from(fixed.is_some());
-        both.flights.extend_from_slice(&others.flights);
-        both.contacts.extend(
-            others.contacts.iter().map(|of| Contact { bodies: of.bodies.map(|body| place[body as usize]), ..*of }),
+        merged.flights.extend_from_slice(&bystanders.flights);
+        merged.contacts.extend(
+            bystanders
+                .contacts
+                .iter()
+                .map(|contact| Contact { bodies: contact.bodies.map(|body| place[body as usize]), ..*contact }),
         );
-        let bodies = shuffled(&mut random, both.flights.len());
-        let contacts = shuffled(&mut random, both.contacts.len());
-        let (alone, solved) = (scene.solve(), reordered(&both, &bodies, &contacts).solve());
-        let of_bodies = bodies.iter().zip(&solved.corrections).filter(|&(&from, _)| from < scene.flights.len());
-        for (&from, correction) in of_bodies {
+        let bodies = shuffled(&mut random, merged.flights.len());
+        let contacts = shuffled(&mut random, merged.contacts.len());
+        let alone = scene.solve();
+        let solution = reordered(&merged, &bodies, &contacts).solve();
+        let scene_corrections =
+            bodies.iter().zip(&solution.corrections).filter(|&(&from, _)| from < scene.flights.len());
+        for (&from, correction) in scene_corrections {
             assert_eq!(alone.corrections[from], *correction);
         }
-        let of_contacts = contacts.iter().zip(&solved.impulses).filter(|&(&from, _)| from < scene.contacts.len());
-        for (&from, impulses) in of_contacts {
+        let scene_impulses = contacts.iter().zip(&solution.impulses).filter(|&(&from, _)| from < scene.contacts.len());
+        for (&from, impulses) in scene_impulses {
             assert_eq!(alone.impulses[from], *impulses);
         }
     }
@@ -169,21 +181,23 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
         let size = groups.len().div_ceil(threads).max(1);
         let rows = &solver.rows;
         let parts: Vec<_> = thread::scope(|scope| {
-            let start = |groups| {
-                scope.spawn(move || {
-                    let mut rows = rows.clone();
-                    rows.rows.iter_mut().for_each(|row| row.gain = Default::default());
-                    let cut = PassOver { pass, groups, rows: &mut rows, touched: &[] }.run(Portable);
-                    (cut, rows.rows)
+            let handles: Vec<_> = groups
+                .chunks_mut(size)
+                .map(|groups| {
+                    scope.spawn(move || {
+                        let mut rows = rows.clone();
+                        rows.rows.iter_mut().for_each(|row| row.gain = Default::default());
+                        let cut = PassOver { pass, groups, rows: &mut rows, touched: &[] }.run(Portable);
+                        (cut, rows.rows)
+                    })
                 })
-            };
-            let handles: Vec<_> = groups.chunks_mut(size).map(start).collect();
+                .collect();
             handles.into_iter().map(|handle| handle.join().expect("no thread panics")).collect()
         });
-        for (part, theirs) in parts {
-            cut += part;
-            for (row, other) in solver.rows.rows.iter_mut().zip(theirs) {
-                (0..3).for_each(|i| row.gain[i] += other.gain[i]);
+        for (part_cut, part_rows) in parts {
+            cut += part_cut;
+            for (row, part_row) in solver.rows.rows.iter_mut().zip(part_rows) {
+                (0..3).for_each(|i| row.gain[i] += part_row.gain[i]);
             }
         }
         let touched = &solver.touched[phase][..];
@@ -194,10 +208,13 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
 }
 
 fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
-    let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), scene.contacts.clone());
+    let mut solver = Solver::default();
+    let mut corrections = Vec::new();
+    let mut contacts = scene.contacts.clone();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &contacts);
     let clock = Clock::new(scene.time_step, scene.options.substeps);
-    let (mut cut, n) = (0, scene.options.substeps);
+    let n = scene.options.substeps;
+    let mut cut = 0;
     for k in 1..=n {
         Begin { rows: &mut solver.rows, k, n }.run(Portable);
         solver.solve_impacts(SubStep { k, n, clock: &clock, contacts: &contacts }, Portable);
@@ -220,11 +237,11 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
 fn any_number_of_threads_gives_the_same_bits() {
     let mut largest = 0;
     for (scene, _) in scenes(5, 12, 300) {
-        let solved = scene.solve();
-        assert_eq!(solved, scene.solve_portably());
+        let solution = scene.solve();
+        assert_eq!(solution, scene.solve_portably());
         largest = largest.max(scene.contacts.len());
         for threads in 1..=8 {
-            assert_eq!(solve_in_parts(&scene, threads), solved, "{threads} threads");
+            assert_eq!(solve_in_parts(&scene, threads), solution, "{threads} threads");
         }
     }
     assert!(largest > 100, "groups for each of the threads: {largest} contacts");

@@ -1,4 +1,4 @@
-//! The graph beside one by brute force.
+//! The graph against a graph by brute force.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -15,8 +15,8 @@ fn labels(fixed: &[bool], links: &[[u32; 2]]) -> Vec<usize> {
     for _ in 0..fixed.len() {
         for [a, b] in links.iter().map(|link| link.map(|body| body as usize)) {
             if !fixed[a] && !fixed[b] {
-                let least = label[a].min(label[b]);
-                (label[a], label[b]) = (least, least);
+                let min_label = label[a].min(label[b]);
+                (label[a], label[b]) = (min_label, min_label);
             }
         }
     }
@@ -38,8 +38,8 @@ fn distances(is_source: &[bool], links: &[[u32; 2]]) -> Vec<Option<u32>> {
     distance
 }
 
-/// Every third body of an island, and the first.
-fn some(members: &[u32], queue: &mut Vec<u32>) {
+/// Chooses every third body of an island, and the first.
+fn choose_starts(members: &[u32], queue: &mut Vec<u32>) {
     let first = members.iter().min().copied().into_iter();
     let mut chosen: Vec<u32> = members.iter().copied().filter(|body| body % 3 == 0).chain(first).collect();
     chosen.sort_unstable();
@@ -49,8 +49,8 @@ fn some(members: &[u32], queue: &mut Vec<u32>) {
 
 fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
     let label = labels(fixed, links);
-    let touched = |body: u32| links.iter().filter(move |link| link.contains(&body));
-    let has_island = |body: u32| !fixed[body as usize] && touched(body).next().is_some();
+    let links_of = |body: u32| links.iter().filter(move |link| link.contains(&body));
+    let has_island = |body: u32| !fixed[body as usize] && links_of(body).next().is_some();
     let mut sources = fixed.to_vec();
     let grounded = distances(fixed, links);
     for island in 0..fixed.len() {
@@ -58,7 +58,7 @@ fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
             (0..fixed.len() as u32).filter(|&body| label[body as usize] == island && has_island(body)).collect();
         if members.iter().all(|&body| grounded[body as usize].is_none()) {
             let mut chosen = Vec::new();
-            some(&members, &mut chosen);
+            choose_starts(&members, &mut chosen);
             chosen.iter().for_each(|&body| sources[body as usize] = true);
         }
     }
@@ -69,26 +69,27 @@ fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
         for b in bodies.clone().filter(|&b| has_island(a) && has_island(b)) {
             assert_eq!(graph.island_of(a) == graph.island_of(b), label[a as usize] == label[b as usize]);
         }
-        let mut others: Vec<u32> = graph.touched_by(a).collect();
-        let mut expected: Vec<u32> = touched(a).map(|&[x, y]| if x == a { y } else { x }).collect();
-        others.sort_unstable();
+        let mut neighbours: Vec<u32> = graph.touched_by(a).collect();
+        let mut expected: Vec<u32> = links_of(a).map(|&[x, y]| if x == a { y } else { x }).collect();
+        neighbours.sort_unstable();
         expected.sort_unstable();
-        assert_eq!(others, expected);
+        assert_eq!(neighbours, expected);
     }
     for &link in links {
         let [a, b] = link.map(|body| level[body as usize].expect("it touches something"));
         assert_eq!(graph.phase(link), if a == b { 2 } else { (a.min(b) % 2) as usize });
         assert_eq!(graph.mover(link), link.into_iter().find(|&body| has_island(body)));
     }
-    let mut found: Vec<usize> = bodies.filter(|&body| has_island(body)).map(|body| label[body as usize]).collect();
-    found.sort_unstable();
-    found.dedup();
-    assert_eq!(graph.islands(), found.len());
+    let mut islands: Vec<usize> = bodies.filter(|&body| has_island(body)).map(|body| label[body as usize]).collect();
+    islands.sort_unstable();
+    islands.dedup();
+    assert_eq!(graph.islands(), islands.len());
 }
 
 #[test]
-fn islands_levels_and_phases_are_those_by_brute_force() {
-    let (mut random, mut graph) = (Random::seeded(run_seed(1)), Graph::default());
+fn islands_levels_and_phases_match_brute_force() {
+    let mut random = Random::seeded(run_seed(1));
+    let mut graph = Graph::default();
     for _ in 0..3000 {
         let bodies = 2 + random.below(24) as usize;
         let share = random.below(4);
@@ -100,20 +101,21 @@ fn islands_levels_and_phases_are_those_by_brute_force() {
                 links.push(link);
             }
         }
-        graph.build(|body| fixed[body as usize], bodies, links.iter().copied(), some);
+        graph.build(|body| fixed[body as usize], bodies, links.iter().copied(), choose_starts);
         check(&graph, &fixed, &links);
     }
 }
 
-/// Islands start from the heaviest bodies nearest to the centre of mass, all that tie, by exact fractions.
+/// Islands start from the heaviest bodies nearest to the centre of mass, from all of them if several tie, by exact fractions.
 #[test]
 fn islands_start_from_the_heaviest_and_nearest() {
-    let (mut random, mut ties) = (Random::seeded(run_seed(2)), 0);
+    let mut random = Random::seeded(run_seed(2));
+    let mut ties = 0;
     for _ in 0..3000 {
         let count = 1 + random.below(8) as usize;
-        let far = i128::from(random.integer(-(1 << 30)..=1 << 30));
-        let mut draw = |most: u64| i128::from(random.below(most));
-        let bodies: Vec<[i128; 3]> = (0..count).map(|_| [1 + draw(3), far + draw(5), draw(5)]).collect();
+        let offset = i128::from(random.integer(-(1 << 30)..=1 << 30));
+        let mut draw = |limit: u64| i128::from(random.below(limit));
+        let bodies: Vec<[i128; 3]> = (0..count).map(|_| [1 + draw(3), offset + draw(5), draw(5)]).collect();
         let flights: Vec<Flight> = bodies
             .iter()
             .map(|&[mass, x, y]| Flight {
@@ -121,17 +123,18 @@ fn islands_start_from_the_heaviest_and_nearest() {
                 ..body(mass as f64, 2.0, 1.0)
             })
             .collect();
-        let total: i128 = bodies.iter().map(|of| of[0]).sum();
-        let [sx, sy] = [1, 2].map(|i| bodies.iter().map(|of| of[0] * of[i]).sum::<i128>());
-        let distance = |of: &[i128; 3]| (total * of[1] - sx).pow(2) + (total * of[2] - sy).pow(2);
-        let heaviest = bodies.iter().map(|of| of[0]).max();
-        let heavy = |of: &&[i128; 3]| Some(of[0]) == heaviest;
-        let nearest = bodies.iter().filter(heavy).map(distance).min();
+        let mass: i128 = bodies.iter().map(|body| body[0]).sum();
+        let [sx, sy] = [1, 2].map(|i| bodies.iter().map(|body| body[0] * body[i]).sum::<i128>());
+        let distance = |body: &[i128; 3]| (mass * body[1] - sx).pow(2) + (mass * body[2] - sy).pow(2);
+        let max_mass = bodies.iter().map(|body| body[0]).max();
+        let is_heaviest = |body: &&[i128; 3]| Some(body[0]) == max_mass;
+        let min_distance = bodies.iter().filter(is_heaviest).map(distance).min();
         let expected: Vec<u32> = (0..count as u32)
-            .filter(|&i| heavy(&&bodies[i as usize]) && Some(distance(&bodies[i as usize])) == nearest)
+            .filter(|&i| is_heaviest(&&bodies[i as usize]) && Some(distance(&bodies[i as usize])) == min_distance)
             .collect();
         ties += usize::from(expected.len() > 1);
-        let (members, mut queue): (Vec<u32>, _) = ((0..count as u32).collect(), vec![]);
+        let members: Vec<u32> = (0..count as u32).collect();
+        let mut queue = vec![];
         graph_start(&flights, &members, &mut queue);
         assert_eq!(queue, expected, "{bodies:?}");
     }

@@ -1,4 +1,4 @@
-//! Scenes made up at random.
+//! Random scenes.
 
 use alloc::vec::Vec;
 
@@ -8,7 +8,7 @@ use crate::math::{Random, TimeStep};
 use crate::scalar::FxFactor;
 use crate::solve::{Contact, Flight, Impulses};
 
-/// The ranges of what is made up.
+/// The ranges of random quantities.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ranges {
     /// log2 of masses, kg.
@@ -22,7 +22,7 @@ pub(super) struct Ranges {
     /// Separations, m.
     pub(super) separation: [f64; 2],
     pub(super) restitution: f64,
-    /// Impulses of the step before, N·s.
+    /// Impulses of the previous step, N·s.
     pub(super) impulse: f64,
 }
 
@@ -48,9 +48,9 @@ impl Ranges {
     pub(super) fn flight(&self, random: &mut Random, seconds: f64) -> Flight {
         let radius = by_exponent(random, self.radius[0], self.radius[1]);
         let gyration = within(random, self.gyration);
-        let of = body(by_exponent(random, self.mass[0], self.mass[1]), gyration, radius);
+        let resting = body(by_exponent(random, self.mass[0], self.mass[1]), gyration, radius);
         let [x, y, turn] = [0; 3].map(|_| self.speed * signed(random));
-        let flight = of.flying([x, y, turn / radius], seconds);
+        let flight = resting.flying([x, y, turn / radius], seconds);
         // The field of a step.
         let mut end = flight.end;
         end.linear.y = end.linear.y.saturating_sub(fx(9.81 * seconds));
@@ -67,37 +67,37 @@ impl Ranges {
             (a, b, within(random, self.separation))
         });
         let count = 1 + random.below(2) as usize;
-        let mut of = contact(bodies, [angle.cos(), angle.sin()], &points[..count]);
-        of.friction = fx(if random.below(3) == 0 { 0.0 } else { unit(random) });
-        of.restitution = fx(self.restitution * unit(random));
+        let mut contact = contact(bodies, [angle.cos(), angle.sin()], &points[..count]);
+        contact.friction = fx(if random.below(3) == 0 { 0.0 } else { unit(random) });
+        contact.restitution = fx(self.restitution * unit(random));
         if count == 1 && random.below(2) == 0 {
-            of.rolling_resistance = fx(unit(random));
-            of.rolling_radius = fx(radii[0].min(radii[1]) * (0.01 + unit(random)));
+            contact.rolling_resistance = fx(unit(random));
+            contact.rolling_radius = fx(radii[0].min(radii[1]) * (0.01 + unit(random)));
         }
         if random.below(4) == 0 {
-            of.surface_speed = fx(signed(random));
+            contact.surface_speed = fx(signed(random));
         }
         if random.below(2) == 0 {
-            let [one, two, along] = [unit(random), unit(random), 0.3 * signed(random)];
-            let values = [one, two, along].map(|value| (value * self.impulse * 2f64.powi(24)) as i64);
-            of.impulses =
+            let values = [unit(random), unit(random), 0.3 * signed(random)];
+            let values = values.map(|value| (value * self.impulse * 2f64.powi(24)) as i64);
+            contact.impulses =
                 Impulses { values: [values[0], if count == 2 { values[1] } else { 0 }, values[2]], exponent: -24 };
-            if of.rolling_resistance > Fx::ZERO {
-                of.impulses.values[1] = ((of.rolling_resistance.to_bits() as f64 / 2f64.powi(32))
+            if contact.rolling_resistance > Fx::ZERO {
+                contact.impulses.values[1] = ((contact.rolling_resistance.to_bits() as f64 / 2f64.powi(32))
                     * signed(random)
                     * values[0] as f64) as i64;
             }
         }
-        of
+        contact
     }
 
     /// Bodies, one in six of them fixed, with contacts between any two.
-    pub(super) fn scene(&self, random: &mut Random, bodies: usize, contacts: usize) -> Scene {
+    pub(super) fn scene(&self, random: &mut Random, body_count: usize, contact_count: usize) -> Scene {
         let mut flights: Vec<Flight> = Vec::new();
         let seconds = 1.0 / 60.0;
-        for index in 0..bodies {
+        for index in 0..body_count {
             let flight = self.flight(random, seconds);
-            // One body at least can be moved.
+            // At least one body can be moved.
             let kind = random.below(12) + if index == 0 { 12 } else { 0 };
             flights.push(match kind {
                 0 => fixed(4.0),
@@ -107,14 +107,14 @@ impl Ranges {
                 _ => flight,
             });
         }
-        let mut made = Vec::new();
-        while made.len() < contacts {
-            let pair = [0; 2].map(|_| random.below(bodies as u64) as u32);
+        let mut contacts = Vec::new();
+        while contacts.len() < contact_count {
+            let pair = [0; 2].map(|_| random.below(body_count as u64) as u32);
             let is_fixed = pair.map(|body| flights[body as usize].is_fixed());
             if pair[0] != pair[1] && is_fixed != [true; 2] {
-                made.push(self.contact(random, pair, &flights));
+                contacts.push(self.contact(random, pair, &flights));
             }
         }
-        Scene { time_step: TimeStep::hz(60), ..Scene::new(flights, made) }
+        Scene { time_step: TimeStep::hz(60), ..Scene::new(flights, contacts) }
     }
 }

@@ -9,7 +9,7 @@ use super::super::pass::{Pass, PassOver};
 use crate::kernel::simd::{GROUP, VectorSet, run_with};
 use crate::kernel::sqrt::direction;
 
-/// Random numbers in ranges.
+/// A generator of random numbers in ranges.
 struct Random(u64);
 
 impl Random {
@@ -78,7 +78,7 @@ fn fill(random: &mut Random, group: &mut Group, lane: usize, bodies: usize, size
     let body = |random: &mut Random| random.below(bodies) as u32;
     (group.a[lane], group.b[lane]) = (body(random), body(random));
     (group.normal[lane], _) = direction(random.next() >> 2, random.next() >> 2 | 1);
-    let two = random.next() & 3 != 0;
+    let has_two_points = random.next() & 3 != 0;
     // The numbers of contacts of both bodies: more than there are, so that all of them may name the same body.
     let shares = [0, 1].map(|_| 32i64 << (random.next() & 3));
     let factors = shares.map(|share| (1 << 28) / share);
@@ -95,7 +95,8 @@ fn fill(random: &mut Random, group: &mut Group, lane: usize, bodies: usize, size
         group.inverse_12[k][lane] = random.pair(sizes.inverse);
     }
     for k in 0..4 {
-        group.inverse[k][lane] = [random.positive(sizes.inverse), if two { random.positive(sizes.inverse) } else { 0 }];
+        group.inverse[k][lane] =
+            [random.positive(sizes.inverse), if has_two_points { random.positive(sizes.inverse) } else { 0 }];
     }
     group.angular_shift[lane] = random.below(sizes.angular_shift + 1) as i64;
     group.inverse_shift[lane] = [random.below(63), 20, 30, 40][random.below(4)] as i64;
@@ -120,10 +121,11 @@ fn case(random: &mut Random, sizes: impl Fn(&mut Random) -> Sizes) -> Case {
     let size = sizes(random);
     for _ in 0..1 + random.below(20) {
         let velocity = |random: &mut Random| random.word(size.velocity);
-        let mut of = |limit: i64| [random.word(limit), random.word(limit), random.word(limit), 0];
-        let (start, change) = (of(size.velocity), of(2 * size.velocity));
+        let mut vector = |limit: i64| [random.word(limit), random.word(limit), random.word(limit), 0];
+        let start = vector(size.velocity);
+        let change = vector(2 * size.velocity);
         let row = rows.push(FlightRow { start, change }, i32::MAX) as usize;
-        rows.rows[row].displacement = of(size.displacement);
+        rows.rows[row].displacement = vector(size.displacement);
         let angle = rows.rows[row].displacement[2];
         rows.rows[row].velocity = [velocity(random), velocity(random), velocity(random), angle];
         if random.next() & 1 == 0 {
@@ -141,7 +143,7 @@ fn case(random: &mut Random, sizes: impl Fn(&mut Random) -> Sizes) -> Case {
         }
         groups.push(group);
     }
-    // All of them: what is never taken would add up from pass to pass.
+    // All bodies: gains that no pass takes would add up from pass to pass.
     let touched = (0..bodies as u32).collect();
     Case { rows, groups, touched }
 }
@@ -151,8 +153,8 @@ fn mixed(random: &mut Random) -> Sizes {
     if random.next() & 7 == 0 { LARGE } else { ORDINARY }
 }
 
-/// Runs something on the cases of many seeds with each set. Returns the sum of the results without vectors.
-fn same(sizes: impl Fn(&mut Random) -> Sizes + Copy, run: impl Fn(VectorSet, &mut Case, u64) -> u64) -> u64 {
+/// Checks that a run over the cases of many seeds has the same result with each set. Returns the sum of the results without vectors.
+fn check_sets(sizes: impl Fn(&mut Random) -> Sizes + Copy, run: impl Fn(VectorSet, &mut Case, u64) -> u64) -> u64 {
     let times = if cfg!(debug_assertions) { 1_000 } else { 30_000 };
     (0..times)
         .map(|seed| {
@@ -176,11 +178,11 @@ fn pass(set: VectorSet, case: &mut Case, pass: Pass) -> u64 {
 
 #[test]
 fn passes_are_the_same_with_each_set() {
-    for which in [Pass::Solve, Pass::Relax, Pass::WarmStart] {
+    for kind in [Pass::Solve, Pass::Relax, Pass::WarmStart] {
         for sizes in [|_: &mut Random| ORDINARY, mixed, |_: &mut Random| LARGE] {
-            let cut = same(sizes, |set, case, _| pass(set, case, which));
+            let cut = check_sets(sizes, |set, case, _| pass(set, case, kind));
             // The last two cut off.
-            assert!(sizes(&mut Random(0)).velocity == ORDINARY.velocity || cut > 100, "{which:?}: {cut}");
+            assert!(sizes(&mut Random(0)).velocity == ORDINARY.velocity || cut > 100, "{kind:?}: {cut}");
         }
     }
 }
@@ -188,7 +190,7 @@ fn passes_are_the_same_with_each_set() {
 #[test]
 fn motion_is_the_same_with_each_set() {
     for sizes in [|_: &mut Random| ORDINARY, mixed, |_: &mut Random| LARGE] {
-        same(sizes, |set, case, seed| {
+        check_sets(sizes, |set, case, seed| {
             let n = 1 + (seed % 8) as u32;
             for k in 1..=n {
                 run_with(set, Begin { rows: &mut case.rows, k, n });
@@ -202,7 +204,7 @@ fn motion_is_the_same_with_each_set() {
 #[test]
 fn steps_are_the_same_with_each_set() {
     for sizes in [|_: &mut Random| ORDINARY, mixed, |_: &mut Random| LARGE] {
-        same(sizes, |set, case, seed| {
+        check_sets(sizes, |set, case, seed| {
             let n = 1 + (seed % 8) as u32;
             let mut cut = pass(set, case, Pass::WarmStart);
             for k in 1..=n {

@@ -1,4 +1,4 @@
-//! Scenes for tests of the solver: made up at random or by hand, and their images under mirrors, turns and changes of order.
+//! Scenes for tests of the solver, by hand or at random, and their images under mirrors, turns and changes of order.
 
 use alloc::vec::Vec;
 
@@ -11,7 +11,7 @@ use crate::solve::{
     Contact, Correction, Flight, Impulses, Point, Solver, SolverCounts, SolverOptions, SubSteps, Velocity,
 };
 
-/// Bodies and the contacts between them, with what they are solved by.
+/// Bodies, the contacts between them, and the settings to solve them with.
 #[derive(Clone, Debug)]
 pub(super) struct Scene {
     pub(super) flights: Vec<Flight>,
@@ -85,15 +85,15 @@ impl Flight {
 
 /// A contact with points given by the arms of both bodies and the separation, frictionless.
 pub(super) fn contact(bodies: [u32; 2], normal: [f64; 2], points: &[([f64; 2], [f64; 2], f64)]) -> Contact {
-    let mut of = [Point::default(); 2];
-    for (point, &(a, b, separation)) in of.iter_mut().zip(points) {
+    let mut contact_points = [Point::default(); 2];
+    for (point, &(a, b, separation)) in contact_points.iter_mut().zip(points) {
         *point = Point { arms: [vec(a[0], a[1]), vec(b[0], b[1])], separation: fx(separation) };
     }
     Contact {
         bodies,
         normal: normal.map(|n| (n * f64::from(1 << 30)).round() as i32),
         count: points.len(),
-        points: of,
+        points: contact_points,
         friction: fx(0.0),
         restitution: fx(0.0),
         rolling_resistance: fx(0.0),
@@ -109,7 +109,9 @@ impl Scene {
     }
 
     pub(super) fn solve(&self) -> Solution {
-        let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
+        let mut solver = Solver::default();
+        let mut corrections = Vec::new();
+        let mut contacts = self.contacts.clone();
         let counts =
             solver.solve(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         Solution { impulses: contacts.iter().map(|contact| contact.impulses).collect(), corrections, counts }
@@ -117,7 +119,9 @@ impl Scene {
 
     /// Solves the scene with one lane at a time.
     pub(super) fn solve_portably(&self) -> Solution {
-        let (mut solver, mut corrections, mut contacts) = (Solver::default(), Vec::new(), self.contacts.clone());
+        let mut solver = Solver::default();
+        let mut corrections = Vec::new();
+        let mut contacts = self.contacts.clone();
         solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
         let clock = Clock::new(self.time_step, self.options.substeps);
         let relax_passes = self.options.relax_passes;
@@ -211,8 +215,8 @@ impl Image for Flight {
 
 impl Image for Impulses {
     fn mirrored(&self) -> Self {
-        let [one, two, along] = self.values;
-        Self { values: [one, two, -along], ..*self }
+        let [first, second, tangential] = self.values;
+        Self { values: [first, second, -tangential], ..*self }
     }
 
     fn turned(&self) -> Self {
@@ -224,8 +228,8 @@ impl Image for Impulses {
     }
 
     fn with_points_swapped(&self) -> Self {
-        let [one, two, along] = self.values;
-        Self { values: [two, one, along], ..*self }
+        let [first, second, tangential] = self.values;
+        Self { values: [second, first, tangential], ..*self }
     }
 }
 
@@ -233,7 +237,8 @@ impl Image for Contact {
     fn mirrored(&self) -> Self {
         let [x, y] = self.normal;
         let points = self.points.map(|point| Point { arms: point.arms.map(mirrored), ..point });
-        let (surface_speed, mut impulses) = (negated(self.surface_speed), self.impulses.mirrored());
+        let surface_speed = negated(self.surface_speed);
+        let mut impulses = self.impulses.mirrored();
         if self.count == 1 {
             impulses.values[1] = -impulses.values[1];
         }
@@ -260,8 +265,8 @@ impl Image for Contact {
         if self.count < 2 {
             return *self;
         }
-        let [one, two] = self.points;
-        Self { points: [two, one], impulses: self.impulses.with_points_swapped(), ..*self }
+        let [first, second] = self.points;
+        Self { points: [second, first], impulses: self.impulses.with_points_swapped(), ..*self }
     }
 }
 
@@ -291,8 +296,8 @@ impl Image for Correction {
 }
 
 impl Scene {
-    /// The scene with all of it seen otherwise.
-    pub(super) fn seen(&self, flight: impl Fn(&Flight) -> Flight, contact: impl Fn(&Contact) -> Contact) -> Self {
+    /// The scene with the images of its flights and contacts.
+    pub(super) fn image(&self, flight: impl Fn(&Flight) -> Flight, contact: impl Fn(&Contact) -> Contact) -> Self {
         Self {
             flights: self.flights.iter().map(flight).collect(),
             contacts: self.contacts.iter().map(contact).collect(),

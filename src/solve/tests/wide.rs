@@ -1,4 +1,4 @@
-//! One pass over one contact beside a twin in 128 bits, which rounds 40 bits later.
+//! One pass over one contact against a twin in 128 bits, which rounds 40 bits later.
 
 use alloc::vec::Vec;
 
@@ -44,30 +44,29 @@ fn separation_now(group: &Group, point: usize, rows: [Row; 2]) -> i32 {
     group.separation[0][point] + moved as i32
 }
 
-/// The contact in lane 0 as the twin solves it. Friction follows from `normals` where these are given: the normal impulses of the pass.
+/// Solves the contact in lane 0. With `normals`, the normal impulses of the pass, friction follows from them.
 fn twin(group: &Group, [a, b]: [Row; 2], pass: Pass, normals: Option<[i64; 2]>) -> Twin {
-    let one = 1i128 << PLACES;
     let [nx, ny] = group.normal[0].map(i128::from);
-    let dot = |of: [i32; 2], to: [i32; 2]| nx * i128::from(to[0] - of[0]) + ny * i128::from(to[1] - of[1]);
     let velocities = [a.velocity, b.velocity].map(|v| [v[0], v[1]]);
+    let [dx, dy] = [0, 1].map(|i| i128::from(velocities[1][i] - velocities[0][i]));
     let turning = [a.velocity[2], b.velocity[2]];
-    let before = [0, 1, 2].map(|k| i128::from(group.impulses[k][0]) << PLACES);
+    let start = [0, 1, 2].map(|k| i128::from(group.impulses[k][0]) << PLACES);
     let (mut rows, mut is_pressed) = ([0; 2], [false; 2]);
     for k in 0..2 {
-        // The choice is part of what is defined: by the rounded separation.
+        // The choice is part of the definition: it goes by the rounded separation.
         is_pressed[k] = separation_now(group, k, [a, b]) <= 0;
         let separation = (i128::from(group.separation[0][k]) << PLACES) + raised(moved(group, k, [a, b]));
-        let most = i128::from(SPECULATIVE) << PLACES;
+        let speculative = i128::from(SPECULATIVE) << PLACES;
         let bias = match pass {
             Pass::Solve if is_pressed[k] => {
                 let [rate, deepest] = group.push_out[0].map(i128::from);
-                let given = i128::from(group.compliance[0][k]) * before[k].min(i128::from(i32::MAX) << PLACES);
-                (rate * separation.max(deepest << PLACES) + given) >> 30
+                let softening = i128::from(group.compliance[0][k]) * start[k].min(i128::from(i32::MAX) << PLACES);
+                (rate * separation.max(deepest << PLACES) + softening) >> 30
             }
-            Pass::Solve => separation.min(most),
-            _ => separation.clamp(0, most),
+            Pass::Solve => separation.min(speculative),
+            _ => separation.clamp(0, speculative),
         };
-        rows[k] = raised(row(dot(velocities[0], velocities[1]), group.arms[k][0], turning)) + bias;
+        rows[k] = raised(row(nx * dx + ny * dy, group.arms[k][0], turning)) + bias;
     }
     let is_soft = is_pressed.map(|pressed| pressed && pass == Pass::Solve);
     let set = usize::from(is_soft[0]) + 2 * usize::from(is_soft[1]);
@@ -76,21 +75,21 @@ fn twin(group: &Group, [a, b]: [Row; 2], pass: Pass, normals: Option<[i64; 2]>) 
     let p12 = i128::from(group.ratio_12[0][usize::from(is_soft[0])]);
     let p21 = i128::from(group.ratio_21[0][usize::from(is_soft[1])]);
     let shift = group.inverse_shift[0];
-    let x1 = before[0] - ((i11 * rows[0] + i12 * rows[1]) >> shift);
-    let x2 = before[1] - ((i12 * rows[0] + i22 * rows[1]) >> shift);
-    let alone = |x: i128, p: i128, other: i128| (x + if other < 0 { (p * other) >> 28 } else { 0 }).max(0);
+    let x1 = start[0] - ((i11 * rows[0] + i12 * rows[1]) >> shift);
+    let x2 = start[1] - ((i12 * rows[0] + i22 * rows[1]) >> shift);
+    let alone = |x: i128, p: i128, other_x: i128| (x + if other_x < 0 { (p * other_x) >> 28 } else { 0 }).max(0);
     let solved = [alone(x1, p12, x2), alone(x2, p21, x1)];
     let [n1, n2] = normals.map_or(solved, |normals| normals.map(|n| i128::from(n) << PLACES));
-    let mut friction = before[2];
+    let mut friction = start[2];
     if pass == Pass::Relax {
         let [vx, vy] = [0, 1].map(|i| i128::from(velocities[1][i] - velocities[0][i]));
         let slip = raised(row(ny * vx - nx * vy, group.arms[2][0], turning));
         let [c1, c2] = group.coupling[0].map(i128::from);
-        let coupled = (c1 * (n1 - before[0]) + c2 * (n2 - before[1])) >> 30;
-        let slip = slip + coupled - i128::from(group.surface[0][0]) * one;
+        let coupled = (c1 * (n1 - start[0]) + c2 * (n2 - start[1])) >> 30;
+        let slip = slip + coupled - (i128::from(group.surface[0][0]) << PLACES);
         let [m, mu] = group.friction[0].map(i128::from);
         let limit = (mu * (n1 + n2)) >> 26;
-        friction = (before[2] - ((m * slip) >> 27)).clamp(-limit, limit);
+        friction = (start[2] - ((m * slip) >> 27)).clamp(-limit, limit);
     }
     Twin { impulses: [n1, n2, friction], solution: [x1, x2] }
 }
@@ -98,20 +97,20 @@ fn twin(group: &Group, [a, b]: [Row; 2], pass: Pass, normals: Option<[i64; 2]>) 
 /// The changes of velocity of a body (x, y, angular) by changes of impulses in 2^-places, in 2^-(places + 24).
 fn gains(group: &Group, side: usize, [d1, d2, dt]: [i128; 3]) -> [i128; 3] {
     let linear = if side == 0 { &group.linear_a } else { &group.linear_b };
-    let along = |i: usize| i128::from(linear[0][0][i]) * (d1 + d2) + i128::from(linear[1][0][i]) * dt;
+    let linear_gain = |i: usize| i128::from(linear[0][0][i]) * (d1 + d2) + i128::from(linear[1][0][i]) * dt;
     let [g1, g2, gt] = [0, 1, 2].map(|k| i128::from(group.angular[k][0][side]));
-    [along(0), along(1), (g1 * d1 + g2 * d2 + gt * dt) << group.angular_shift[0]]
+    [linear_gain(0), linear_gain(1), (g1 * d1 + g2 * d2 + gt * dt) << group.angular_shift[0]]
 }
 
-/// The velocity along a row (normals 1 and 2, tangent) by impulses along the rows, as it follows from the factors of the group.
-fn element(group: &Group, of: usize, by: usize) -> f64 {
+/// The velocity along a row (normals 1 and 2, tangent) by an impulse along a row, as it follows from the factors of the group.
+fn element(group: &Group, velocity_row: usize, impulse_row: usize) -> f64 {
     let [nx, ny] = group.normal[0];
-    let direction = if of == 2 { [ny, -nx] } else { [nx, ny] };
+    let direction = if velocity_row == 2 { [ny, -nx] } else { [nx, ny] };
     let mut impulse = [0; 3];
-    impulse[by] = 1;
+    impulse[impulse_row] = 1;
     let [a, b] = [0, 1].map(|side| gains(group, side, impulse));
     let linear: i128 = (0..2).map(|i| i128::from(direction[i]) * (b[i] - a[i])).sum();
-    let [ka, kb] = group.arms[of][0].map(i128::from);
+    let [ka, kb] = group.arms[velocity_row][0].map(i128::from);
     (linear + kb * b[2] - ka * a[2]) as f64 / 2f64.powi(30 + GAIN_BITS)
 }
 
@@ -127,7 +126,7 @@ struct Case {
     rows: [Row; 2],
 }
 
-/// A solver with one contact, its rows and impulses made up. Velocities and displacements are up to 2^24 units.
+/// A solver with one contact, random rows and random impulses. Velocities and displacements are up to 2^24 units.
 fn case(random: &mut Random, ranges: &Ranges) -> Case {
     let mut flights: Vec<_> = (0..2).map(|_| ranges.flight(random, 0.0)).collect();
     if random.below(4) == 0 {
@@ -142,22 +141,22 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
         let [vx, vy, turn, x, y, angle] = [0; 6].map(|_| (size * signed(random)) as i32);
         *row = Row { velocity: [vx, vy, turn, angle], displacement: [x, y, angle, 0], ..Row::default() };
     }
-    let of = solver.phases.iter().find(|phase| !phase.is_empty()).expect("one contact").start;
+    let first_group = solver.phases.iter().find(|phase| !phase.is_empty()).expect("one contact").start;
     for k in 0..2 {
         if k < scene.contacts[0].count {
-            solver.groups[of].impulses[k][0] = (size * unit(random)) as i64 * i64::from(random.below(3) != 0);
+            solver.groups[first_group].impulses[k][0] = (size * unit(random)) as i64 * i64::from(random.below(3) != 0);
         }
         // Pressed, open, or at the surface.
-        solver.groups[of].separation[0][k] = match random.below(4) {
+        solver.groups[first_group].separation[0][k] = match random.below(4) {
             0 => 0,
             1 => (size * unit(random)) as i32,
             _ => (size * signed(random)) as i32,
         };
     }
     if scene.contacts[0].count == 1 {
-        solver.groups[of].separation[0][1] = solver.groups[of].separation[0][0];
+        solver.groups[first_group].separation[0][1] = solver.groups[first_group].separation[0][0];
     }
-    let group = &mut solver.groups[of];
+    let group = &mut solver.groups[first_group];
     // No point is left to the impacts of the next sub-step.
     group.surface[0][1] = 1 << 28;
     let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
@@ -177,8 +176,8 @@ fn run(case: &mut Case, pass: Pass) -> (u64, Group, [Row; 2]) {
         let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
         (cut, group, rows)
     });
-    let [ours, portable] = &results;
-    assert_eq!((ours.0, ours.1.impulses, ours.2), (portable.0, portable.1.impulses, portable.2));
+    let [vectorised, portable] = &results;
+    assert_eq!((vectorised.0, vectorised.1.impulses, vectorised.2), (portable.0, portable.1.impulses, portable.2));
     core::mem::replace(&mut results[0], (0, Group::empty(0), [Row::default(); 2]))
 }
 
@@ -194,39 +193,40 @@ fn check_velocities(case: &Case, after: &Group, rows: &[Row; 2]) {
     }
 }
 
-/// The largest difference of impulses from the twin's, as velocities along the rows.
+/// Checks the differences of impulses from the twin's, as velocities along the rows.
 ///
 /// Rounding moves the velocity that a point aims at by at most e: 1/2 for the velocity, 1/2 for the separation of an open point;
 /// for the bias of a pressed one 1/2, and its rate, below 1/10, times 1/2 for the separation. The matrix M that is inverted is the
 /// contact's matrix K with a larger diagonal, K + D, so that with w = K·M⁻¹·e the bound |D^-1/2·w| ≤ |D^-1/2·e| holds; D is at least
 /// K's diagonal times 2^-13: |w_i| ≤ e·√(1 + K_ii/K_jj). One point alone is within the same bound, and as the solution is continuous in
-/// what is aimed at, so are changes from one to the other. Impulses are rounded down: once, and once more where a point is alone.
+/// the velocities aimed at, so are changes from one point to two and back. Impulses are rounded down: once, and once more where a point is alone.
 fn check_rows(case: &Case, after: &Group, pass: Pass) {
     let group = &case.group;
-    let of = twin(group, case.rows, pass, None);
-    let off = [0, 1].map(|k| difference(after.impulses[k][0], of.impulses[k]));
+    let solved = twin(group, case.rows, pass, None);
+    let errors = [0, 1].map(|k| difference(after.impulses[k][0], solved.impulses[k]));
     let k = |i: usize, j: usize| element(group, i, j);
     let e = 1.05;
     for (i, j) in [(0, 1), (1, 0)] {
-        let moved = k(i, 0) * off[0] + k(i, 1) * off[1];
+        let error = k(i, 0) * errors[0] + k(i, 1) * errors[1];
         let floors = 2.0 * (k(i, i).abs() + k(i, j).abs());
         // Elements of the inverse are rounded to 30 bits, and so both sides of a change of the points that push differ.
-        let largest = of.solution.iter().map(|x| x.unsigned_abs()).max().unwrap_or_default() as f64 / 2f64.powi(PLACES);
+        let largest =
+            solved.solution.iter().map(|x| x.unsigned_abs()).max().unwrap_or_default() as f64 / 2f64.powi(PLACES);
         let seam = k(i, i).abs() * largest * 2f64.powi(-27);
-        let most = e * (1.0 + k(i, i) / k(j, j)).sqrt() + floors + seam;
-        assert!(moved.abs() <= most, "row {i}: {moved} beyond {most}, {pass:?} {group:?}");
+        let limit = e * (1.0 + k(i, i) / k(j, j)).sqrt() + floors + seam;
+        assert!(error.abs() <= limit, "row {i}: {error} beyond {limit}, {pass:?} {group:?}");
     }
     let normals = [0, 1].map(|k| after.impulses[k][0]);
-    let of = twin(group, case.rows, pass, Some(normals));
-    let off = difference(after.impulses[2][0], of.impulses[2]);
-    // The slip is rounded to 1/2, what follows from it to 1/2, the limit down twice.
-    let most = 0.5 * f64::from(group.friction[0][0]) / 2f64.powi(27) + 2.5;
-    assert!(off.abs() <= most, "friction: {off} beyond {most}");
+    let solved = twin(group, case.rows, pass, Some(normals));
+    let error = difference(after.impulses[2][0], solved.impulses[2]);
+    // The slip is rounded to 1/2, the impulse that follows from it to 1/2, the limit down twice.
+    let limit = 0.5 * f64::from(group.friction[0][0]) / 2f64.powi(27) + 2.5;
+    assert!(error.abs() <= limit, "friction: {error} beyond {limit}");
 }
 
-fn check(seed: u64, cases: usize, ranges: &Ranges, mut also: impl FnMut(&Case, Pass, &Group, &[Row; 2])) {
+fn check(seed: u64, cases: usize, ranges: &Ranges, mut check_more: impl FnMut(&Case, Pass, &Group, &[Row; 2])) {
     let mut random = Random::seeded(run_seed(seed));
-    let mut whole = 0;
+    let mut uncut = 0;
     for _ in 0..cases {
         for pass in [Pass::Solve, Pass::Relax] {
             let mut case = case(&mut random, ranges);
@@ -234,14 +234,14 @@ fn check(seed: u64, cases: usize, ranges: &Ranges, mut also: impl FnMut(&Case, P
             // Set before a solve pass, and by a relax pass.
             assert_eq!(after.separation_now[0], [0, 1].map(|k| separation_now(&case.group, k, case.rows)));
             if cut == 0 {
-                whole += 1;
+                uncut += 1;
                 check_velocities(&case, &after, &rows);
                 check_rows(&case, &after, pass);
-                also(&case, pass, &after, &rows);
+                check_more(&case, pass, &after, &rows);
             }
         }
     }
-    assert!(whole > cases, "most cases are within the limits of the loop: {whole} of {}", 2 * cases);
+    assert!(uncut > cases, "most cases are within the limits of the loop: {uncut} of {}", 2 * cases);
 }
 
 /// By the energy of the change, a velocity differs by at most √(1/m · eᵀ·K⁻¹·e) ≤ e·√(1/m · Σ 1/K_ii / (1 − |K12|/√(K11·K22))),
@@ -253,22 +253,22 @@ fn well_conditioned_contacts_are_within_two_units_of_a_wide_twin() {
     check(1, 20_000, &ranges, |case, pass, after, rows| {
         let group = &case.group;
         let k = |i: usize, j: usize| element(group, i, j);
-        let linear = |of: &[Pairs; 2]| f64::from(of[0][0][0]).hypot(f64::from(of[0][0][1]));
+        let linear = |factors: &[Pairs; 2]| f64::from(factors[0][0][0]).hypot(f64::from(factors[0][0][1]));
         let mass = linear(&group.linear_a).max(linear(&group.linear_b)) / f64::from(1 << GAIN_BITS);
-        let two = group.inverse[0][0][1] != 0;
-        let apart = if two { 1.0 - k(0, 1).abs() / (k(0, 0) * k(1, 1)).sqrt() } else { 1.0 };
-        let compliance = (1.0 / k(0, 0) + if two { 1.0 / k(1, 1) } else { 0.0 }) / apart;
+        let has_two_points = group.inverse[0][0][1] != 0;
+        let independence = if has_two_points { 1.0 - k(0, 1).abs() / (k(0, 0) * k(1, 1)).sqrt() } else { 1.0 };
+        let compliance = (1.0 / k(0, 0) + if has_two_points { 1.0 / k(1, 1) } else { 0.0 }) / independence;
         if mass * compliance > 0.9 {
             return;
         }
-        let of = twin(group, case.rows, pass, None);
-        let changes = [0, 1, 2].map(|k| of.impulses[k] - (i128::from(group.impulses[k][0]) << PLACES));
+        let solved = twin(group, case.rows, pass, None);
+        let changes = [0, 1, 2].map(|k| solved.impulses[k] - (i128::from(group.impulses[k][0]) << PLACES));
         for side in (0..2).filter(|&side| [group.a, group.b][side][0] != 0) {
             for (i, gain) in gains(group, side, changes).into_iter().enumerate() {
                 let exact = f64::from(case.rows[side].velocity[i]) + gain as f64 / 2f64.powi(PLACES + GAIN_BITS);
-                let off = (f64::from(rows[side].velocity[i]) - exact).abs();
-                worst = worst.max(off);
-                assert!(off <= 2.0, "{off}: {:?} {pass:?} {:?} after {:?}", group, case.rows, after.impulses);
+                let error = (f64::from(rows[side].velocity[i]) - exact).abs();
+                worst = worst.max(error);
+                assert!(error <= 2.0, "{error}: {:?} {pass:?} {:?} after {:?}", group, case.rows, after.impulses);
             }
         }
         compared += 1;
@@ -278,7 +278,7 @@ fn well_conditioned_contacts_are_within_two_units_of_a_wide_twin() {
 
 #[test]
 fn contacts_of_any_masses_and_bases_follow_a_wide_twin() {
-    let far = Ranges { mass: [-20.0, 20.0], gyration: [1.0, 64.0], radius: [-6.0, 6.0], ..Ranges::default() };
-    check(2, 20_000, &far, |_, _, _, _| {});
+    let wide_ranges = Ranges { mass: [-20.0, 20.0], gyration: [1.0, 64.0], radius: [-6.0, 6.0], ..Ranges::default() };
+    check(2, 20_000, &wide_ranges, |_, _, _, _| {});
     check(3, 20_000, &Ranges::default(), |_, _, _, _| {});
 }

@@ -25,16 +25,16 @@ fn change_after<S: Scalar>(
 /// # Ranges
 /// Velocities are below 2^21 m/s, or rad/s: products are below 2^110.
 fn has_grown<const N: usize>(velocity: [FxAccumulator; N], change: [FxAccumulator; N]) -> bool {
-    let product = |i: usize| {
-        let [now, by] = [velocity[i], change[i]].map(|part| i128::from(part.value().to_bits()));
-        by * (2 * now - by)
-    };
-    (0..N).map(product).sum::<i128>() > 0
+    let growth = (0..N).map(|i| {
+        let [velocity, change] = [velocity[i], change[i]].map(|part| i128::from(part.value().to_bits()));
+        change * (2 * velocity - change)
+    });
+    growth.sum::<i128>() > 0
 }
 
 impl<S: Scalar> Step<'_, S> {
-    /// Ends the paths of fast bodies where they would cross something. A body that stops keeps what impulses gave it, and forces did not make
-    /// it faster in the time that is lost. The next step solves the contact.
+    /// Ends the paths of fast bodies where they would cross something. A body that stops keeps the velocity from impulses, and forces did not
+    /// make it faster in the lost time. The next step solves the contact.
     pub(super) fn end_paths(
         &mut self,
         memory: &mut Workspace<S>,
@@ -46,7 +46,7 @@ impl<S: Scalar> Step<'_, S> {
             return;
         }
         let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
-        list_faulty(&self.workspace.found.faults, at_fault);
+        list_faulty(&self.workspace.findings.faults, at_fault);
         let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
         engine.sweep_paths(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
         if !stops.is_empty() {
@@ -57,22 +57,22 @@ impl<S: Scalar> Step<'_, S> {
             motion.position.set(stop.dense, stop.position.map(S::Accumulator::from_fixed));
             motion.angle[stop.dense] = S::Angle::from_turn(stop.angle);
             let start = &starts[stop.start];
-            let by = corrections.get(stop.start).copied().unwrap_or_default();
-            if stop.is_stuck && !by.is_pushed {
+            let correction = corrections.get(stop.start).copied().unwrap_or_default();
+            if stop.is_stuck && !correction.is_pushed {
                 // The next step would begin as this one did, for ever.
                 motion.velocity.set(stop.dense, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
                 motion.angular_velocity[stop.dense] = S::Accumulator::default();
             } else if let Some(at) = stop.at {
                 let Vec2 { x, y } = motion.velocity.get(stop.dense);
-                let lost_x = change_after::<S>(at, start.velocity.x, x, by.velocity.x);
-                let lost_y = change_after::<S>(at, start.velocity.y, y, by.velocity.y);
+                let lost_x = change_after::<S>(at, start.velocity.x, x, correction.velocity.x);
+                let lost_y = change_after::<S>(at, start.velocity.y, y, correction.velocity.y);
                 let without =
                     |sum: S::Accumulator, change: FxAccumulator| sum.plus(S::Accumulator::from_fixed(change.negated()));
                 if has_grown([x.to_fixed(), y.to_fixed()], [lost_x, lost_y]) {
                     motion.velocity.set(stop.dense, Vec2::new(without(x, lost_x), without(y, lost_y)));
                 }
                 let spin = motion.angular_velocity[stop.dense];
-                let lost = change_after::<S>(at, start.angular_velocity, spin, by.angular_velocity);
+                let lost = change_after::<S>(at, start.angular_velocity, spin, correction.angular_velocity);
                 if has_grown([spin.to_fixed()], [lost]) {
                     motion.angular_velocity[stop.dense] = without(spin, lost);
                 }
@@ -80,13 +80,13 @@ impl<S: Scalar> Step<'_, S> {
                     cap(&mut self.bodies.block(stop.dense..stop.dense + 1), BlockFactors::Each(constants.rows));
                 }
             }
-            // What a fast kinematic body carries along may leave the allowed range.
-            if leaves_range(self.bodies, stop.dense, &mut self.workspace.found) {
+            // A body that a fast kinematic one carries along may leave the allowed range.
+            if leaves_range(self.bodies, stop.dense, &mut self.workspace.findings) {
                 start.restore(self.bodies);
             } else {
                 // A body that is pushed in each step and kept at its start has a velocity and goes nowhere. Without impulses nothing would
-                // wake it when its way is free, and at a sleep speed of 0 only what moves no more to the bit is at rest.
-                let is_kept = by.is_pushed && constants.sleep_speed > S::ZERO;
+                // wake it when its way is free, and at a sleep speed of 0 only a body that moves no more to the bit is at rest.
+                let is_kept = correction.is_pushed && constants.sleep_speed > S::ZERO;
                 self.count_rest(start, is_kept, constants);
             }
             self.note_pushed(stop.dense);

@@ -45,7 +45,7 @@ impl<'a, S: Scalar> Queries<'a, S> {
         reach: i64,
         filter: &QueryFilter<'_, S>,
     ) -> Result<(Point, Vec<Neighbour>), Error> {
-        let (from, parts) = checked_shape(shape, (position, S::ZERO))?;
+        let (from, parts) = checked_shape(shape, position, S::ZERO)?;
         let mut found = Vec::new();
         for (own, part) in (0_u32..).zip(&parts) {
             let [min, max] = part.bounds().map(|corner| beside(from, corner));

@@ -99,7 +99,7 @@ impl Cast {
     }
 
     /// The result for a collider that is met.
-    fn hit<S: Scalar>(&self, found: &Found<'_, S>, (own, end): Met) -> Option<CastHit<S>> {
+    fn hit<S: Scalar>(&self, found: &Found<'_, S>, own: u32, end: RayEnd) -> Option<CastHit<S>> {
         let Target { collider, id, part } = found.target()?;
         let (ray, (target, _)) = (self.translation, found.core(self.from)?);
         let (offset, normal) = match &self.shape {
@@ -133,7 +133,7 @@ impl<S: Scalar> Queries<'_, S> {
     }
 
     fn shape_cast(shape: &Shape<S>, pose: (Vec2<S>, S), translation: Vec2<S>) -> Result<Cast, Error> {
-        let (from, parts) = checked_shape(shape, pose)?;
+        let (from, parts) = checked_shape(shape, pose.0, pose.1)?;
         Ok(Cast { from, translation: checked_translation(translation)?, shape: Some(parts) })
     }
 
@@ -158,8 +158,8 @@ impl<S: Scalar> Queries<'_, S> {
             }
             true
         });
-        let (found, met) = least?;
-        cast.hit(&found, met)
+        let (found, (own, end)) = least?;
+        cast.hit(&found, own, end)
     }
 
     /// The first so many hits in their order.
@@ -191,7 +191,8 @@ impl<S: Scalar> Queries<'_, S> {
             found.retain(|((fraction, ..), _)| *fraction == u128::from(least));
         }
         sort_by_rank(&mut found);
-        let hit = |(rank, (outline, met)): (Rank, (Found<'_, S>, Met))| Some((rank, cast.hit(&outline, met)?));
+        let hit =
+            |(rank, (outline, (own, end))): (Rank, (Found<'_, S>, Met))| Some((rank, cast.hit(&outline, own, end)?));
         found.into_iter().filter_map(hit).collect()
     }
 
@@ -361,7 +362,8 @@ impl<S: Scalar> Queries<'_, S> {
 /// The position of a shape in ulps, and the cores of its outlines as seen from there.
 pub(super) fn checked_shape<S: Scalar>(
     shape: &Shape<S>,
-    (position, angle): (Vec2<S>, S),
+    position: Vec2<S>,
+    angle: S,
 ) -> Result<(Point, Vec<Core>), Error> {
     if shape.is_chain() {
         return Err(Error::DynamicChain);

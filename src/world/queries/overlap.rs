@@ -78,7 +78,7 @@ impl<S: Scalar> Queries<'_, S> {
         pose: (Vec2<S>, S),
         filter: &QueryFilter<'_, S>,
     ) -> Result<Vec<ColliderId>, Error> {
-        let (from, parts) = checked_shape(shape, pose)?;
+        let (from, parts) = checked_shape(shape, pose.0, pose.1)?;
         Ok(self.overlap(from, &parts, filter))
     }
 

@@ -242,7 +242,9 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
             redone,
             waits_for,
             self.first,
-            (&self.rows, self.handed_out, self.made),
+            &self.rows,
+            self.handed_out,
+            self.made,
             &self.events,
             world,
         ))

@@ -75,7 +75,9 @@ impl<'a, I, S: Scalar> RollbackReport<'a, I, S> {
         redone: u64,
         waits_for: Option<u32>,
         first: u64,
-        (rows, confirmed, made): (&'a VecDeque<Row<I, S>>, usize, usize),
+        rows: &'a VecDeque<Row<I, S>>,
+        confirmed: usize,
+        made: usize,
         events: &'a [TickEvent<S>],
         world: &'a World<S>,
     ) -> Self {

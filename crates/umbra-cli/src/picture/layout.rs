@@ -53,7 +53,8 @@ impl Layout {
         [self.least, self.most]
     }
 
-    pub(super) fn holds(&self, (x, y): Point) -> bool {
+    pub(super) fn holds(&self, point: Point) -> bool {
+        let (x, y) = point;
         x >= self.least.0 && x <= self.most.0 && y >= self.least.1 && y <= self.most.1
     }
 }

@@ -14,17 +14,17 @@ fn meets(proxy: &Proxy, [min, max]: [[i64; 2]; 2], translation: [i64; 2], more: 
     // The box of all differences, and whether the segment from the origin meets it.
     let low = [0, 1].map(|k| i128::from(low[k]) - i128::from(max[k]) - more);
     let high = [0, 1].map(|k| i128::from(high[k]) - i128::from(min[k]) + more);
-    let by = translation.map(i128::from);
-    let overlaps = |k: usize| low[k] <= by[k].max(0) && high[k] >= by[k].min(0);
+    let translation = translation.map(i128::from);
+    let overlaps = |k: usize| low[k] <= translation[k].max(0) && high[k] >= translation[k].min(0);
     let sides = [[low[0], low[1]], [low[0], high[1]], [high[0], low[1]], [high[0], high[1]]]
-        .map(|[x, y]| by[0] * y - by[1] * x);
+        .map(|[x, y]| translation[0] * y - translation[1] * x);
     overlaps(0) && overlaps(1) && sides.iter().any(|side| *side <= 0) && sides.iter().any(|side| *side >= 0)
 }
 
 #[test]
 fn a_search_finds_all_that_a_path_meets_and_little_else() {
     let mut random = Random::seeded(run_seed(12));
-    let (mut met, mut near) = (0, 0);
+    let (mut met, mut false_hits) = (0, 0);
     for round in 0..400 {
         // From a room to the whole range of positions.
         let size = 30 + random.below(33) as u32;
@@ -43,35 +43,38 @@ fn a_search_finds_all_that_a_path_meets_and_little_else() {
         let [tree, _] = Statics::new(proxies.clone()).cores(|_| None);
         for _ in 0..20 {
             let from = [number(&mut random, size), number(&mut random, size)];
-            let long = 20 + random.below(33) as u32;
-            let mut by = [number(&mut random, long), number(&mut random, long)];
+            let bits = 20 + random.below(33) as u32;
+            let mut translation = [number(&mut random, bits), number(&mut random, bits)];
             match random.below(6) {
-                0 => by[0] = 0,
-                1 => by = [0; 2],
+                0 => translation[0] = 0,
+                1 => translation = [0; 2],
                 _ => {}
             }
             let more = if random.below(2) == 0 { 0 } else { extent(&mut random) };
             let start = [from.map(|part| part - more), from.map(|part| part + more)];
-            let mut found = Vec::new();
-            let all = random.below(2) == 0;
-            let filter = (!all).then(Filter::default);
-            assert!(tree.search(&mut Path::new(start[0], start[1], by), filter, |placed, _| {
-                found.push(placed.number);
+            let mut numbers = Vec::new();
+            let is_filtered = random.below(2) != 0;
+            let filter = is_filtered.then(Filter::default);
+            assert!(tree.search(&mut Path::new(start[0], start[1], translation), filter, |placed, _| {
+                numbers.push(placed.number);
                 true
             }));
-            found.sort_unstable();
+            numbers.sort_unstable();
             // Four units of the tree, in which its whole extent has 30 bits.
             let slack = 1_i128 << (size + 5).saturating_sub(30).max(25);
             for proxy in &proxies {
-                let is_found = found.binary_search(&proxy.collider).is_ok();
-                let is_met = meets(proxy, start, by, 0);
-                assert!(is_found || !is_met, "{round}: {proxy:?} {start:?} {by:?}");
-                assert!(!is_found || meets(proxy, start, by, slack), "{round}: {proxy:?} {start:?} {by:?}");
+                let is_found = numbers.binary_search(&proxy.collider).is_ok();
+                let is_met = meets(proxy, start, translation, 0);
+                assert!(is_found || !is_met, "{round}: {proxy:?} {start:?} {translation:?}");
+                assert!(
+                    !is_found || meets(proxy, start, translation, slack),
+                    "{round}: {proxy:?} {start:?} {translation:?}"
+                );
                 met += u32::from(is_met);
-                near += u32::from(is_found && !is_met);
+                false_hits += u32::from(is_found && !is_met);
             }
         }
     }
     // The unit of boxes is there to be seen.
-    assert!(met > 1_000 && near > 10, "{met}, {near}");
+    assert!(met > 1_000 && false_hits > 10, "{met}, {false_hits}");
 }

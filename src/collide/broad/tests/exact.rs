@@ -1,9 +1,9 @@
-//! The pairs are those of the definition, whatever happened before.
+//! The pairs match the definition, whatever happened before.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_pairs, bounds, filter, found};
+use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_pairs, bounds, filter, updated_pairs};
 use crate::cases::run_seed;
 use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
 use crate::fx::Fx;
@@ -11,10 +11,10 @@ use crate::math::Random;
 use crate::shape::Aabb;
 
 /// Moves a box, within the range and where its mirror image is within it.
-fn moved(of: Aabb<Fx>, by: [i64; 2]) -> Aabb<Fx> {
+fn moved(aabb: Aabb<Fx>, shift: [i64; 2]) -> Aabb<Fx> {
     let add = |v: Fx, d: i64| v.to_bits().saturating_add(d).max(-i64::MAX);
-    let corner = |v: crate::math::Vec2<Fx>| [add(v.x, by[0]), add(v.y, by[1])];
-    bounds(corner(of.min), corner(of.max))
+    let corner = |v: crate::math::Vec2<Fx>| [add(v.x, shift[0]), add(v.y, shift[1])];
+    bounds(corner(aabb.min), corner(aabb.max))
 }
 
 /// A scene of boxes that come, go and move.
@@ -59,7 +59,7 @@ impl Scene {
 
     fn change_statics(&mut self) {
         self.free.extend(self.fixed.drain(..).map(|proxy| proxy.collider));
-        // Numbers change hands between those that move and those that do not.
+        // Numbers change hands between moving and static colliders.
         self.random.shuffle(&mut self.free);
         for _ in 0..self.random.below(20) {
             // On a body that does not move.
@@ -110,9 +110,9 @@ impl Scene {
                 // One ulp, a little, or far.
                 let range = [1, METRE / 100, METRE][self.random.below(3) as usize];
                 for proxy in &mut self.movers {
-                    let by = [0; 2].map(|_| self.random.integer(-range..=range));
+                    let shift = [0; 2].map(|_| self.random.integer(-range..=range));
                     if step == 10 || self.random.below(8) == 0 {
-                        proxy.bounds = moved(proxy.bounds, by);
+                        proxy.bounds = moved(proxy.bounds, shift);
                     }
                 }
             }
@@ -133,8 +133,8 @@ fn pairs_are_those_of_the_definition_after_any_history() {
             let mut broad = BroadPhase::default();
             for step in 0..60 {
                 let expected = scene.pairs();
-                assert_eq!(found(&mut broad, &scene.statics, &scene.movers), expected, "{kind:?} {run} {step}");
-                let fresh = found(&mut BroadPhase::default(), &scene.statics, &scene.movers);
+                assert_eq!(updated_pairs(&mut broad, &scene.statics, &scene.movers), expected, "{kind:?} {run} {step}");
+                let fresh = updated_pairs(&mut BroadPhase::default(), &scene.statics, &scene.movers);
                 assert_eq!(fresh, expected, "{kind:?} {run} {step}");
                 total += expected.len();
                 scene.advance();
@@ -151,14 +151,14 @@ fn a_restored_scene_has_the_pairs_it_had() {
         let mut history = Vec::new();
         let mut broad = BroadPhase::default();
         for _ in 0..100 {
-            let pairs = found(&mut broad, &scene.statics, &scene.movers);
+            let pairs = updated_pairs(&mut broad, &scene.statics, &scene.movers);
             history.push((scene.movers.clone(), Arc::clone(&scene.statics), pairs));
             scene.advance();
         }
         // Back and forth, with one cache for all.
         for _ in 0..300 {
             let (movers, statics, pairs) = &history[scene.random.below(100) as usize];
-            assert_eq!(found(&mut broad, statics, movers), *pairs, "{kind:?}");
+            assert_eq!(updated_pairs(&mut broad, statics, movers), *pairs, "{kind:?}");
         }
     }
 }
@@ -169,16 +169,16 @@ fn a_cache_of_another_world_does_no_harm() {
     for round in 0..50 {
         for kind in KINDS {
             let scene = Scene::new(kind, 2000 + round);
-            assert_eq!(found(&mut broad, &scene.statics, &scene.movers), scene.pairs(), "{kind:?} {round}");
+            assert_eq!(updated_pairs(&mut broad, &scene.statics, &scene.movers), scene.pairs(), "{kind:?} {round}");
         }
     }
 }
 
 /// The image of a box.
-fn image(of: &Proxy, map: impl Fn([i64; 2]) -> [i64; 2]) -> Proxy {
-    let corners = [of.bounds.min, of.bounds.max].map(|v| map([v.x.to_bits(), v.y.to_bits()]));
-    let by = |pick: fn(i64, i64) -> i64| [0, 1].map(|k| pick(corners[0][k], corners[1][k]));
-    Proxy { bounds: bounds(by(i64::min), by(i64::max)), ..*of }
+fn image(proxy: &Proxy, map: impl Fn([i64; 2]) -> [i64; 2]) -> Proxy {
+    let corners = [proxy.bounds.min, proxy.bounds.max].map(|v| map([v.x.to_bits(), v.y.to_bits()]));
+    let corner = |pick: fn(i64, i64) -> i64| [0, 1].map(|k| pick(corners[0][k], corners[1][k]));
+    Proxy { bounds: bounds(corner(i64::min), corner(i64::max)), ..*proxy }
 }
 
 #[test]
@@ -188,11 +188,11 @@ fn mirrored_and_turned_scenes_have_the_same_pairs() {
         let mut scene = Scene::new(kind, 3000 + i as u64);
         let mut broad = [const { None }; 4].map(|_: Option<()>| BroadPhase::default());
         for _ in 0..100 {
-            let expected = found(&mut broad[3], &scene.statics, &scene.movers);
+            let expected = updated_pairs(&mut broad[3], &scene.statics, &scene.movers);
             for (map, broad) in maps.into_iter().zip(&mut broad) {
-                let of = |list: &[Proxy]| list.iter().map(|proxy| image(proxy, map)).collect::<Vec<_>>();
-                let statics = Arc::new(Statics::new(of(&scene.fixed)));
-                assert_eq!(found(broad, &statics, &of(&scene.movers)), expected, "{kind:?}");
+                let images = |list: &[Proxy]| list.iter().map(|proxy| image(proxy, map)).collect::<Vec<_>>();
+                let statics = Arc::new(Statics::new(images(&scene.fixed)));
+                assert_eq!(updated_pairs(broad, &statics, &images(&scene.movers)), expected, "{kind:?}");
             }
             scene.advance();
         }
@@ -217,7 +217,7 @@ fn pairs_follow_the_numbers_and_not_the_order_of_the_list() {
         }
         expected.sort_unstable();
         let mut broad = BroadPhase::default();
-        assert_eq!(found(&mut broad, &Arc::new(Statics::new(fixed)), &movers), expected, "{kind:?}");
+        assert_eq!(updated_pairs(&mut broad, &Arc::new(Statics::new(fixed)), &movers), expected, "{kind:?}");
     }
 }
 
@@ -242,16 +242,19 @@ fn boxes_that_share_a_point_are_a_pair_and_those_an_ulp_apart_are_not() {
 
 #[test]
 fn boxes_of_the_whole_range_meet_all() {
-    let all = |collider| super::scene::proxy(collider, [i64::MIN; 2], [i64::MAX; 2]);
+    let whole = |collider| super::scene::proxy(collider, [i64::MIN; 2], [i64::MAX; 2]);
     let corner = |collider, x: i64, y: i64| super::scene::proxy(collider, [x, y], [x, y]);
     let corners = [i64::MIN, i64::MAX].map(|x| [i64::MIN, i64::MAX].map(|y| [x, y])).concat();
     let mut movers: Vec<Proxy> = corners.iter().zip(10..).map(|(&[x, y], k)| corner(k, x, y)).collect();
-    movers.push(all(1));
-    let statics = Arc::new(Statics::new([all(0)].to_vec()));
+    movers.push(whole(1));
+    let statics = Arc::new(Statics::new([whole(0)].to_vec()));
     let mut broad = BroadPhase::default();
     let expected = [[0, 1], [0, 10], [0, 11], [0, 12], [0, 13], [1, 10], [1, 11], [1, 12], [1, 13]];
-    assert_eq!(found(&mut broad, &statics, &movers), expected);
+    assert_eq!(updated_pairs(&mut broad, &statics, &movers), expected);
     // A collider that is gone has no box, not even for colliders that meet all others.
     movers.remove(2);
-    assert_eq!(found(&mut broad, &statics, &movers), [[0, 1], [0, 10], [0, 11], [0, 13], [1, 10], [1, 11], [1, 13]]);
+    assert_eq!(
+        updated_pairs(&mut broad, &statics, &movers),
+        [[0, 1], [0, 10], [0, 11], [0, 13], [1, 10], [1, 11], [1, 13]]
+    );
 }

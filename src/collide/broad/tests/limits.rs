@@ -4,7 +4,7 @@ use alloc::sync::Arc;
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_overlaps, all_pairs, filter, found, proxy};
+use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_overlaps, all_pairs, filter, proxy, updated_pairs};
 use crate::cases::run_seed;
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
 use crate::collider::Filter;
@@ -36,14 +36,14 @@ fn expected(statics: &[Proxy], movers: &[Proxy], limits: &PairLimits) -> (Vec<u3
 
 #[test]
 fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
-    let (mut capped, mut by_overlaps) = (0, 0);
+    let (mut capped, mut capped_by_overlaps) = (0, 0);
     for (i, kind) in KINDS.into_iter().enumerate() {
         let mut random = Random::seeded(run_seed(50 + i as u64));
         let mut broad = BroadPhase::default();
         for round in 0..60 {
             let mut make = |collider| {
                 let filter = if round % 2 == 0 { filter(&mut random) } else { Default::default() };
-                // Static colliders are on other bodies than those that move.
+                // Static colliders are on other bodies than moving colliders.
                 let body = if collider < 10 { collider } else { 10 + collider % 30 };
                 Proxy { collider, body, bounds: kind.bounds(&mut random), filter, digest: 0 }
             };
@@ -52,13 +52,15 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
             let statics = Arc::new(Statics::new(fixed.clone()));
             let count = all_pairs(&fixed, &movers).len();
             let overlaps = all_overlaps(&fixed, &movers).len();
-            let near = [0, count / 8, count / 2, count.saturating_sub(1), count, count + 1];
-            let about = [overlaps.saturating_sub(1), overlaps, usize::MAX];
-            for (pairs, most) in near.into_iter().flat_map(|pairs| about.map(|most| (pairs, most))) {
-                let limits = PairLimits { pairs, per_collider: random.below(20) as usize, overlaps: most };
+            let pair_limits = [0, count / 8, count / 2, count.saturating_sub(1), count, count + 1];
+            let overlap_limits = [overlaps.saturating_sub(1), overlaps, usize::MAX];
+            for (pairs, overlaps) in
+                pair_limits.into_iter().flat_map(|pairs| overlap_limits.map(|overlaps| (pairs, overlaps)))
+            {
+                let limits = PairLimits { pairs, per_collider: random.below(20) as usize, overlaps };
                 let (above, rest) = expected(&fixed, &movers, &limits);
                 capped += usize::from(!above.is_empty());
-                by_overlaps += usize::from(!above.is_empty() && count <= pairs);
+                capped_by_overlaps += usize::from(!above.is_empty() && count <= pairs);
                 broad.update(&Standing::of(&statics), &movers, &limits);
                 assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
                 let mut fresh = BroadPhase::default();
@@ -66,10 +68,10 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
                 assert_eq!((fresh.above_cap(), fresh.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
             }
             // Pairs that the limits left out are found again without limits.
-            assert_eq!(found(&mut broad, &statics, &movers), all_pairs(&fixed, &movers));
+            assert_eq!(updated_pairs(&mut broad, &statics, &movers), all_pairs(&fixed, &movers));
         }
     }
-    assert!(capped > 1_500 && by_overlaps > 200, "{capped}, {by_overlaps}");
+    assert!(capped > 1_500 && capped_by_overlaps > 200, "{capped}, {capped_by_overlaps}");
 }
 
 /// Moves a heap, a few boxes at a time and for many steps, while the limit is about the number of overlaps that there are.
@@ -85,7 +87,7 @@ fn overlaps_that_come_and_go_a_few_at_a_time_are_counted_as_they_are() {
     let statics = Arc::new(Statics::new(fixed.clone()));
     let mut movers: Vec<Proxy> = (0..100).map(|collider| make(&mut random, collider)).collect();
     let mut broad = BroadPhase::default();
-    let mut most = all_overlaps(&fixed, &movers).len();
+    let mut max_overlaps = all_overlaps(&fixed, &movers).len();
     let mut outcomes = [0; 2];
     for _ in 0..400 {
         for _ in 0..random.below(4) {
@@ -96,12 +98,12 @@ fn overlaps_that_come_and_go_a_few_at_a_time_are_counted_as_they_are() {
             }
         }
         let overlaps = all_overlaps(&fixed, &movers).len();
-        let limits = PairLimits { pairs: all_pairs(&fixed, &movers).len(), per_collider: 15, overlaps: most };
+        let limits = PairLimits { pairs: all_pairs(&fixed, &movers).len(), per_collider: 15, overlaps: max_overlaps };
         let (above, rest) = expected(&fixed, &movers, &limits);
         broad.update(&Standing::of(&statics), &movers, &limits);
-        assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{overlaps} of {most}");
+        assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{overlaps} of {max_overlaps}");
         outcomes[usize::from(above.is_empty())] += 1;
-        most = (overlaps + 3).saturating_sub(random.below(6) as usize);
+        max_overlaps = (overlaps + 3).saturating_sub(random.below(6) as usize);
     }
     assert!(outcomes.iter().all(|&count| count > 50), "{outcomes:?}");
 }
@@ -174,6 +176,6 @@ fn a_floor_is_never_above_the_cap() {
         &PairLimits { pairs: 500, per_collider: 0, ..NO_LIMITS },
     );
     assert_eq!((broad.above_cap().len(), broad.pairs().len()), (0, 500));
-    assert_eq!(found(&mut broad, &Arc::new(Statics::new(vec![floor])), &movers), all_pairs(&[floor], &movers));
+    assert_eq!(updated_pairs(&mut broad, &Arc::new(Statics::new(vec![floor])), &movers), all_pairs(&[floor], &movers));
     assert_eq!(NO_LIMITS.pairs, usize::MAX);
 }

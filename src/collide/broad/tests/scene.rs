@@ -41,21 +41,21 @@ pub(super) fn all_overlaps(statics: &[Proxy], movers: &[Proxy]) -> Vec<[u32; 2]>
 }
 
 /// Overlapping boxes, of which one moves, for which something is true.
-fn all_where(statics: &[Proxy], movers: &[Proxy], is_one: impl Fn(&Proxy, &Proxy) -> bool) -> Vec<[u32; 2]> {
-    let mut found = Vec::new();
+fn all_where(statics: &[Proxy], movers: &[Proxy], counts: impl Fn(&Proxy, &Proxy) -> bool) -> Vec<[u32; 2]> {
+    let mut pairs = Vec::new();
     for (i, a) in movers.iter().enumerate() {
         for b in movers[i + 1..].iter().chain(statics) {
-            if a.bounds.overlaps(b.bounds) && is_one(a, b) {
-                found.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
+            if a.bounds.overlaps(b.bounds) && counts(a, b) {
+                pairs.push([a.collider.min(b.collider), a.collider.max(b.collider)]);
             }
         }
     }
-    found.sort_unstable();
-    found
+    pairs.sort_unstable();
+    pairs
 }
 
 /// The pairs that a broad phase finds.
-pub(super) fn found(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Proxy]) -> Vec<[u32; 2]> {
+pub(super) fn updated_pairs(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Proxy]) -> Vec<[u32; 2]> {
     broad.update(&Standing::of(statics), movers, &NO_LIMITS);
     assert!(broad.above_cap().is_empty());
     broad.pairs().to_vec()

@@ -1,9 +1,9 @@
-//! Changes of static colliders: those of any history are those that stand there.
+//! Changes of static colliders: after any history they are the colliders that stand there.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::scene::{METRE, all_pairs, found, proxy};
+use super::scene::{METRE, all_pairs, proxy, updated_pairs};
 use crate::cases::run_seed;
 use crate::collide::broad::{Boxes, BroadPhase, Proxy, Statics};
 use crate::math::Random;
@@ -36,7 +36,7 @@ fn changed_tiles_are_those_of_a_new_tree() {
         statics = Arc::new(next);
         assert!(statics.are(&tiles), "{step}");
         if step % 50 == 0 {
-            assert_eq!(found(&mut broad, &statics, &movers), all_pairs(&tiles, &movers), "{step}");
+            assert_eq!(updated_pairs(&mut broad, &statics, &movers), all_pairs(&tiles, &movers), "{step}");
         }
     }
     // Most changes leave the tree as it is.
@@ -63,16 +63,16 @@ fn many_changes_at_once_are_those_of_a_new_tree() {
         let differs = |(number, now): &(u32, Option<Proxy>)| before.find(*number) != now.as_ref();
         assert!(changes.iter().all(differs) && changes.is_sorted_by_key(|(number, _)| *number), "{step}");
         statics.change(&changes);
-        let all: Vec<Proxy> = tiles.iter().copied().flatten().collect();
-        assert!(statics.are(&all), "{step}");
+        let proxies: Vec<Proxy> = tiles.iter().copied().flatten().collect();
+        assert!(statics.are(&proxies), "{step}");
 
         let mut boxes = Boxes::default();
         let places: Vec<Proxy> = changes.iter().filter_map(|(_, now)| *now).take(20).collect();
         boxes.refill(places.iter().map(|place| place.bounds));
-        let mut near = Vec::new();
-        statics.near_any(&boxes, |proxy| near.push(proxy.collider));
-        near.sort_unstable();
-        let is_near = |proxy: &&Proxy| places.iter().any(|place| place.bounds.overlaps(proxy.bounds));
-        assert!(near.iter().copied().eq(all.iter().filter(is_near).map(|proxy| proxy.collider)), "{step}");
+        let mut nearby = Vec::new();
+        statics.near_any(&boxes, |proxy| nearby.push(proxy.collider));
+        nearby.sort_unstable();
+        let is_nearby = |proxy: &&Proxy| places.iter().any(|place| place.bounds.overlaps(proxy.bounds));
+        assert!(nearby.iter().copied().eq(proxies.iter().filter(is_nearby).map(|proxy| proxy.collider)), "{step}");
     }
 }

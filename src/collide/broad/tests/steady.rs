@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::scene::{METRE, NO_LIMITS, all_pairs, found, proxy};
+use super::scene::{METRE, NO_LIMITS, all_pairs, proxy, updated_pairs};
 use crate::cases::run_seed;
 use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
 use crate::math::Random;
@@ -16,35 +16,36 @@ fn square(count: u32, shift: [i64; 2]) -> Vec<Proxy> {
 
 #[test]
 fn within_its_fat_box_a_collider_is_not_searched() {
-    let (rest, near) = (square(500, [0; 2]), square(500, [METRE / 100, -METRE / 50]));
+    let rest = square(500, [0; 2]);
+    let shifted = square(500, [METRE / 100, -METRE / 50]);
     let floor = Arc::new(Statics::new([proxy(900, [-METRE, -METRE], [40 * METRE, 0])].to_vec()));
     let mut broad = BroadPhase::default();
-    let pairs = found(&mut broad, &floor, &rest);
+    let pairs = updated_pairs(&mut broad, &floor, &rest);
     assert_eq!(broad.stale.len(), 500);
     for _ in 0..4 {
-        found(&mut broad, &floor, &near);
+        updated_pairs(&mut broad, &floor, &shifted);
         assert_eq!(broad.stale.len(), 0);
         // Back to where it was: as a restore does it.
-        assert_eq!(found(&mut broad, &floor, &rest), pairs);
+        assert_eq!(updated_pairs(&mut broad, &floor, &rest), pairs);
         assert_eq!(broad.stale.len(), 0);
     }
     // A collider that leaves its fat box is searched for alone, and once.
-    let mut one = rest.clone();
-    one[77] = proxy(77, [200 * METRE, 0], [201 * METRE, METRE]);
-    assert_eq!(found(&mut broad, &floor, &one).len(), pairs.len() - 8);
+    let mut movers = rest.clone();
+    movers[77] = proxy(77, [200 * METRE, 0], [201 * METRE, METRE]);
+    assert_eq!(updated_pairs(&mut broad, &floor, &movers).len(), pairs.len() - 8);
     assert_eq!(broad.stale, [77]);
-    found(&mut broad, &floor, &one);
+    updated_pairs(&mut broad, &floor, &movers);
     // It stopped: the room for its motion is given back.
     assert_eq!(broad.stale, [77]);
-    found(&mut broad, &floor, &one);
+    updated_pairs(&mut broad, &floor, &movers);
     assert_eq!(broad.stale.len(), 0);
     // A box that shrinks gives back its room as well.
-    one[77] = proxy(77, [200 * METRE, 0], [210 * METRE, METRE]);
-    found(&mut broad, &floor, &one);
-    one[77] = proxy(77, [200 * METRE, 0], [201 * METRE, METRE]);
-    found(&mut broad, &floor, &one);
+    movers[77] = proxy(77, [200 * METRE, 0], [210 * METRE, METRE]);
+    updated_pairs(&mut broad, &floor, &movers);
+    movers[77] = proxy(77, [200 * METRE, 0], [201 * METRE, METRE]);
+    updated_pairs(&mut broad, &floor, &movers);
     assert_eq!(broad.stale, [77]);
-    found(&mut broad, &floor, &one);
+    updated_pairs(&mut broad, &floor, &movers);
     assert_eq!(broad.stale.len(), 0);
 }
 
@@ -54,11 +55,11 @@ fn a_copy_shares_the_static_tree() {
     let statics = Arc::new(Statics::new(tiles.clone()));
     let movers = [proxy(5000, [0; 2], [3 * METRE; 2])];
     let mut broad = BroadPhase::default();
-    let pairs = found(&mut broad, &statics, &movers);
+    let pairs = updated_pairs(&mut broad, &statics, &movers);
     assert_eq!(pairs, all_pairs(&tiles, &movers));
     let mut copy = broad.clone();
     assert_eq!(Arc::strong_count(&statics), 3);
-    assert_eq!(found(&mut copy, &statics, &movers), pairs);
+    assert_eq!(updated_pairs(&mut copy, &statics, &movers), pairs);
     assert!(copy.stale.is_empty());
 }
 
@@ -83,8 +84,8 @@ fn steps_take_no_memory_once_sizes_have_been_reached() {
     let scene = |step: i64| {
         let at = |i: usize| {
             let turn = (step * speeds[i]) % 64;
-            let far = [turn.min(32), (turn - 32).max(0)].map(|way| way * METRE / 8);
-            [far[0] + (i as i64 % 18) * METRE, far[1] + (i as i64 / 18) * METRE]
+            let offset = [turn.min(32), (turn - 32).max(0)].map(|way| way * METRE / 8);
+            [offset[0] + (i as i64 % 18) * METRE, offset[1] + (i as i64 / 18) * METRE]
         };
         (0..300).map(|i| proxy(i as u32, at(i), at(i).map(|c| c + METRE))).collect::<Vec<_>>()
     };
@@ -92,7 +93,7 @@ fn steps_take_no_memory_once_sizes_have_been_reached() {
     let mut before = Default::default();
     for round in 0..4 {
         for step in 0..64 {
-            found(&mut broad, &statics, &scene(step));
+            updated_pairs(&mut broad, &statics, &scene(step));
         }
         if round == 2 {
             before = broad.capacities();

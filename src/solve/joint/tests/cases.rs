@@ -26,14 +26,14 @@ fn largest_speed(world: &World) -> f64 {
     world.bodies.iter().map(speed).fold(0.0, f64::max)
 }
 
-/// The change of energy of a pendulum in some seconds, as a share of m·g·l, and the largest one of them all.
+/// The change of energy of a pendulum in some seconds, as a share of m·g·l, and the largest change on the way.
 fn energy_change(mut world: World, seconds: u32) -> (f64, f64) {
     let scale = world.bodies[1].mass * 10.0;
-    let before = world.energy();
+    let initial = world.energy();
     let (mut change, mut largest) = (0.0, 0.0);
     for _ in 0..seconds * super::world::RATE {
         world.step();
-        change = (world.energy() - before) / scale;
+        change = (world.energy() - initial) / scale;
         largest = f64::max(largest, change.abs());
         assert!(world.worst_gap() < 3e-4, "{}", world.worst_gap());
     }
@@ -54,17 +54,17 @@ fn period(body: &Body) -> f64 {
 /// The mean period of a pendulum over ten swings, by the times at which it hangs straight down.
 fn measured_period(mut world: World) -> f64 {
     let mut times = vec![];
-    let mut before = world.bodies[1].at[0];
+    let mut last_x = world.bodies[1].at[0];
     for tick in 1.. {
         world.step();
-        let now = world.bodies[1].at[0];
-        if before * now <= 0.0 {
-            times.push((f64::from(tick) - now / (now - before)) / f64::from(super::world::RATE));
+        let x = world.bodies[1].at[0];
+        if last_x * x <= 0.0 {
+            times.push((f64::from(tick) - x / (x - last_x)) / f64::from(super::world::RATE));
         }
         if times.len() == 21 {
             break;
         }
-        before = now;
+        last_x = x;
     }
     (times[20] - times[0]) / 10.0
 }
@@ -92,9 +92,9 @@ fn a_pendulum_keeps_its_energy() {
 
 #[test]
 fn a_pendulum_keeps_its_energy_for_a_thousand_seconds() {
-    for (world, end, most) in [(pendulum(), 0.005, 0.0125), (bob(), 0.0125, 0.02)] {
+    for (world, max_end, max_change) in [(pendulum(), 0.005, 0.0125), (bob(), 0.0125, 0.02)] {
         let (change, largest) = energy_change(world, 1000);
-        assert!(change.abs() < end && largest < most, "{change} {largest}");
+        assert!(change.abs() < max_end && largest < max_change, "{change} {largest}");
     }
 }
 
@@ -105,9 +105,9 @@ fn a_rod_on_a_pin_keeps_spinning() {
     world.gravity = [0.0; 2];
     world.bodies[1].spin = 10.0;
     world.bodies[1].velocity = [0.0, 10.0];
-    let before = world.energy();
+    let initial = world.energy();
     world.run(100.0);
-    let kept = world.energy() / before;
+    let kept = world.energy() / initial;
     assert!((0.98..1.001).contains(&kept), "{kept}");
 }
 
@@ -124,7 +124,8 @@ fn a_box_on_a_joint_rests_on_the_floor() {
             _ => world.pin(1, 2, [0.3, 1.0]),
         }
         world.run(20.0);
-        let ([x, y], angle) = (world.bodies[2].at, world.bodies[2].angle);
+        let [x, y] = world.bodies[2].at;
+        let angle = world.bodies[2].angle;
         assert!(largest_speed(&world) < 1e-4, "{joint}: {}", largest_speed(&world));
         let moved = x.abs().max((y - 0.5).abs()).max(angle.abs());
         assert!(moved < 1e-3, "{joint}: {x} {y} {angle}");
@@ -133,7 +134,7 @@ fn a_box_on_a_joint_rests_on_the_floor() {
     }
 }
 
-/// A box that two joints hold above one that lies on the floor.
+/// A box that two joints hold above another box, which lies on the floor.
 #[test]
 fn joints_carry_a_box_on_another_one() {
     let on_floor = Body { half: [0.5; 2], ..Body::rectangle([0.0, 0.5], [0.5; 2]) };
@@ -241,11 +242,11 @@ fn a_net_comes_to_rest() {
     let mut world = net(10);
     world.run(30.0);
     assert!(largest_speed(&world) < 1e-4, "{}", largest_speed(&world));
-    let off = |i: usize| {
+    let asymmetry = (0..100).map(|i: usize| {
         let (a, b) = (world.bodies[i].at, world.bodies[i / 10 * 10 + 9 - i % 10].at);
         (a[0] + b[0]).abs().max((a[1] - b[1]).abs())
-    };
-    let asymmetry = (0..100).map(off).fold(0.0, f64::max);
+    });
+    let asymmetry = asymmetry.fold(0.0, f64::max);
     assert_eq!(asymmetry, 0.0);
     assert_eq!(world.cut, 0);
 }

@@ -1,4 +1,4 @@
-//! Images of a scene have the images of its bits, and what one body gets the other one loses.
+//! Images of a scene have the images of its results, bit for bit, and joints conserve momentum.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -107,12 +107,12 @@ impl Image {
         image
     }
 
-    fn correction(self, by: &Correction) -> Correction {
+    fn correction(self, correction: &Correction) -> Correction {
         Correction {
-            velocity: self.pair(by.velocity),
-            angular_velocity: self.angle(by.angular_velocity),
-            displacement: self.pair(by.displacement),
-            rotation: self.angle(by.rotation),
+            velocity: self.pair(correction.velocity),
+            angular_velocity: self.angle(correction.angular_velocity),
+            displacement: self.pair(correction.displacement),
+            rotation: self.angle(correction.rotation),
         }
     }
 }
@@ -120,11 +120,12 @@ impl Image {
 /// Scenes with and without fixed bodies, trees and loops of joints, with contacts in half of them.
 fn scenes(seed: u64, count: usize) -> Vec<Scene> {
     let mut random = Random::seeded(run_seed(seed));
-    let mut scene = |i: usize| {
-        let contacts = if i % 2 == 0 { 0 } else { 8 };
-        Scene::random(&mut random, [12, i % 3], 10 + i % 10, contacts)
-    };
-    (0..count).map(&mut scene).collect()
+    (0..count)
+        .map(|i| {
+            let contacts = if i % 2 == 0 { 0 } else { 8 };
+            Scene::random(&mut random, [12, i % 3], 10 + i % 10, contacts)
+        })
+        .collect()
 }
 
 #[test]
@@ -132,7 +133,7 @@ fn mirror_images_and_quarter_turns_keep_the_bits() {
     for scene in scenes(1, 300) {
         let (corrections, impulses, cut) = scene.solve();
         for image in [Image::Mirror, Image::Turn] {
-            let expected: Vec<_> = corrections.iter().map(|by| image.correction(by)).collect();
+            let expected: Vec<_> = corrections.iter().map(|correction| image.correction(correction)).collect();
             let kinds = scene.joints.iter().map(|joint| joint.kind);
             let values: Vec<_> = kinds.zip(&impulses).map(|(kind, &values)| image.impulses(kind, values)).collect();
             assert_eq!(image.scene(&scene).solve(), (expected, values, cut), "{image:?}");
@@ -144,19 +145,19 @@ fn mirror_images_and_quarter_turns_keep_the_bits() {
 fn bodies_of_a_joint_in_either_order_keep_the_bits() {
     for scene in scenes(2, 300) {
         let (corrections, impulses, cut) = scene.solve();
-        let swapped = |kind: JointKind, impulses: Impulses| match kind {
+        let swapped_impulses = |kind: JointKind, impulses: Impulses| match kind {
             JointKind::Revolute => Impulses { values: impulses.values.map(|value| -value), ..impulses },
             JointKind::Distance { .. } => impulses,
         };
-        let mut other = scene.clone();
-        for joint in &mut other.joints {
+        let mut swapped_scene = scene.clone();
+        for joint in &mut swapped_scene.joints {
             joint.bodies.reverse();
             joint.anchors.reverse();
-            joint.impulses = swapped(joint.kind, joint.impulses);
+            joint.impulses = swapped_impulses(joint.kind, joint.impulses);
         }
         let kinds = scene.joints.iter().map(|joint| joint.kind);
-        let expected = kinds.zip(&impulses).map(|(kind, &values)| swapped(kind, values)).collect();
-        assert_eq!(other.solve(), (corrections, expected, cut));
+        let expected = kinds.zip(&impulses).map(|(kind, &values)| swapped_impulses(kind, values)).collect();
+        assert_eq!(swapped_scene.solve(), (corrections, expected, cut));
     }
 }
 
@@ -170,26 +171,28 @@ fn any_order_of_bodies_and_joints_gives_the_same_bits() {
             keys.sort_unstable();
             keys.into_iter().map(|(_, i)| i).collect::<Vec<usize>>()
         };
-        let (bodies, joints) = (order(scene.flights.len()), order(scene.joints.len()));
+        let bodies = order(scene.flights.len());
+        let joints = order(scene.joints.len());
         let mut place = vec![0; bodies.len()];
         bodies.iter().enumerate().for_each(|(new, &old)| place[old] = new as u32);
-        let mut other = scene.clone();
-        other.flights = bodies.iter().map(|&i| scene.flights[i]).collect();
-        other.joints = joints.iter().map(|&i| scene.joints[i]).collect();
-        other.contacts.reverse();
-        let of_joints = other.joints.iter_mut().map(|joint| &mut joint.bodies);
-        for ends in of_joints.chain(other.contacts.iter_mut().map(|contact| &mut contact.bodies)) {
+        let mut reordered = scene.clone();
+        reordered.flights = bodies.iter().map(|&i| scene.flights[i]).collect();
+        reordered.joints = joints.iter().map(|&i| scene.joints[i]).collect();
+        reordered.contacts.reverse();
+        let joint_ends = reordered.joints.iter_mut().map(|joint| &mut joint.bodies);
+        for ends in joint_ends.chain(reordered.contacts.iter_mut().map(|contact| &mut contact.bodies)) {
             *ends = ends.map(|body| place[body as usize]);
         }
         let expected = bodies.iter().map(|&i| corrections[i]).collect();
-        assert_eq!(other.solve(), (expected, joints.iter().map(|&i| impulses[i]).collect(), cut));
+        assert_eq!(reordered.solve(), (expected, joints.iter().map(|&i| impulses[i]).collect(), cut));
     }
 }
 
 /// Only impulses that are cut off at the ends of ranges are counted; here the bodies are 10 km away from their anchors.
 #[test]
 fn values_that_are_cut_off_are_counted_and_cut_oddly() {
-    let (mut random, mut all) = (Random::seeded(run_seed(5)), 0);
+    let mut random = Random::seeded(run_seed(5));
+    let mut total_cut = 0;
     for _ in 0..20 {
         let mut scene = Scene::random(&mut random, [4, 1], 4, 0);
         for (i, flight) in scene.flights.iter_mut().enumerate() {
@@ -198,12 +201,12 @@ fn values_that_are_cut_off_are_counted_and_cut_oddly() {
         }
         scene.joints.iter_mut().for_each(|joint| joint.impulses.exponent = 40);
         let (corrections, _, cut) = scene.solve();
-        all += cut;
-        let expected: Vec<_> = corrections.iter().map(|by| Image::Mirror.correction(by)).collect();
-        let (mirrored, _, other) = Image::Mirror.scene(&scene).solve();
-        assert_eq!((mirrored, other), (expected, cut));
+        total_cut += cut;
+        let expected: Vec<_> = corrections.iter().map(|correction| Image::Mirror.correction(correction)).collect();
+        let (mirrored, _, mirrored_cut) = Image::Mirror.scene(&scene).solve();
+        assert_eq!((mirrored, mirrored_cut), (expected, cut));
     }
-    assert!(all > 0);
+    assert!(total_cut > 0);
 }
 
 /// Two free bodies of 1 and 3 kg: their momentum changes by the rounding of velocities alone.
@@ -211,7 +214,8 @@ fn values_that_are_cut_off_are_counted_and_cut_oddly() {
 fn joints_conserve_momentum() {
     let mut random = Random::seeded(run_seed(6));
     for rod in [false, true] {
-        let (mut small, mut large) = (Body::rectangle([0.0, 0.0], [0.5; 2]), Body::rectangle([1.5, 0.25], [0.5; 2]));
+        let mut small = Body::rectangle([0.0, 0.0], [0.5; 2]);
+        let mut large = Body::rectangle([1.5, 0.25], [0.5; 2]);
         (small.mass, small.inertia) = (1.0, 0.1);
         (large.mass, large.inertia) = (3.0, 0.4);
         small.velocity = [signed(&mut random), 2.0 * signed(&mut random)];

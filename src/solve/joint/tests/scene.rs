@@ -1,4 +1,4 @@
-//! Bodies with joints and contacts, made up at random, for a single step.
+//! Random scenes of bodies, joints and contacts, for a single step.
 
 use alloc::vec::Vec;
 
@@ -12,9 +12,9 @@ pub(super) fn signed(random: &mut Random) -> f64 {
     random.bits() as i64 as f64 / 2f64.powi(63)
 }
 
-/// A number from 0 to below `below`.
-fn index(random: &mut Random, below: usize) -> usize {
-    random.below(below as u64) as usize
+/// A number from 0 to below `count`.
+fn index(random: &mut Random, count: usize) -> usize {
+    random.below(count as u64) as usize
 }
 
 #[derive(Clone, Debug)]
@@ -30,23 +30,23 @@ pub(super) const RATE: u32 = 60;
 /// A body with accelerations of up to 20 m/s² and 20 rad/s².
 fn flight(random: &mut Random, is_fixed: bool) -> Flight {
     let h = 1.0 / f64::from(RATE);
-    let mut three = |size: f64| [size * signed(random), size * signed(random), size * signed(random)];
-    let (v, a, at) = (three(3.0), three(20.0), three(2.0));
+    let mut vector = |size: f64| [size * signed(random), size * signed(random), size * signed(random)];
+    let (v, a, position) = (vector(3.0), vector(20.0), vector(2.0));
     let velocity = |t: f64| Velocity { linear: vec2([v[0] + a[0] * t, v[1] + a[1] * t]), angular: fx(v[2] + a[2] * t) };
-    let way = |i: usize| (v[i] + a[i] * h / 2.0) * h;
+    let displacement = |i: usize| (v[i] + a[i] * h / 2.0) * h;
     let mass = 2f64.powf(2.0 * signed(random));
     let inertia = mass * 0.2 * 2f64.powf(signed(random));
-    let of = |value: f64| if is_fixed { FxFactor::ZERO } else { inverse(value) };
+    let inverse_or_zero = |value: f64| if is_fixed { FxFactor::ZERO } else { inverse(value) };
     Flight {
-        position: vec2([at[0], at[1]]),
+        position: vec2([position[0], position[1]]),
         start: velocity(0.0),
         end: velocity(h),
-        displacement: vec2([way(0), way(1)]),
-        rotation: fx(way(2)),
+        displacement: vec2([displacement(0), displacement(1)]),
+        rotation: fx(displacement(2)),
         mass: fx(mass),
         inertia: factor(inertia),
-        inverse_mass: Vec2::new(of(mass), of(mass)),
-        inverse_inertia: of(inertia),
+        inverse_mass: Vec2::new(inverse_or_zero(mass), inverse_or_zero(mass)),
+        inverse_inertia: inverse_or_zero(inertia),
         radius: fx(0.75),
         leader: None,
     }
@@ -75,26 +75,30 @@ impl Scene {
                 joint.kind = JointKind::Distance { length: fx(x.hypot(y) + 0.02 * signed(random)) };
                 joint.impulses.values[1] = 0;
             } else {
-                // The second body comes along: of several joints only the last one nearly holds.
+                // The second body is moved to the joint: of several joints at a body only the last one nearly holds.
                 joint.kind = JointKind::Revolute;
-                let at = &mut scene.flights[ends[1] as usize].position;
-                let near = |c: crate::fx::Fx, d: f64| fx(super::world::double(c) - d);
-                *at = Vec2::new(near(at.x, x + 0.02 * signed(random)), near(at.y, y + 0.02 * signed(random)));
+                let position = &mut scene.flights[ends[1] as usize].position;
+                let shifted = |c: crate::fx::Fx, d: f64| fx(super::world::double(c) - d);
+                *position = Vec2::new(
+                    shifted(position.x, x + 0.02 * signed(random)),
+                    shifted(position.y, y + 0.02 * signed(random)),
+                );
             }
             scene.joints.push(joint);
         }
         for _ in 0..contacts {
-            let (ends, angle) = (scene.pair(random), 3.0 * signed(random));
+            let ends = scene.pair(random);
+            let angle = 3.0 * signed(random);
             let normal = [angle.cos(), angle.sin()].map(|c: f64| (c * 2f64.powi(30)).round() as i32);
             let mut arm = || vec2([0.5 * signed(random), 0.5 * signed(random)]);
             let points = [[arm(), arm()], [arm(), arm()]].map(|arms| Point { arms, separation: fx(-0.01) });
-            let (friction, zero) = (fx(0.5), fx(0.0));
+            let zero = fx(0.0);
             scene.contacts.push(Contact {
                 bodies: ends,
                 normal,
                 count: 1 + index(random, 2),
                 points,
-                friction,
+                friction: fx(0.5),
                 restitution: zero,
                 rolling_resistance: zero,
                 rolling_radius: zero,
@@ -117,10 +121,13 @@ impl Scene {
 
     /// The corrections, the impulses of joints, and the number of values that were cut off.
     pub(super) fn solve(&self) -> (Vec<Correction>, Vec<Impulses>, u64) {
-        let (mut corrections, mut joints, mut contacts) = (Vec::new(), self.joints.clone(), self.contacts.clone());
-        let (time_step, options) = (TimeStep::hz(RATE), &self.options);
+        let mut corrections = Vec::new();
+        let mut joints = self.joints.clone();
+        let mut contacts = self.contacts.clone();
+        let time_step = TimeStep::hz(RATE);
         let mut solver = Solver::default();
-        let counts = solver.solve(time_step, options, &self.flights, &mut joints, &mut contacts, &mut corrections);
+        let counts =
+            solver.solve(time_step, &self.options, &self.flights, &mut joints, &mut contacts, &mut corrections);
         (corrections, joints.iter().map(|joint| joint.impulses).collect(), counts.cut)
     }
 }

@@ -1,4 +1,4 @@
-//! A step of joints in doubles, in metres and seconds, written for itself.
+//! A step of joints in doubles, in metres and seconds, written independently of the solver.
 
 use alloc::vec;
 use alloc::vec::Vec;
@@ -39,16 +39,16 @@ struct Body {
     /// Velocities at the start and at the end of the free flight: linear and angular.
     start: [f64; 3],
     end: [f64; 3],
-    /// The displacement without impulses: that of the sub-steps if a fixed body holds its island, else that of the free flight.
+    /// The displacement without impulses: by the sub-steps if a fixed body holds its island, else by the free flight.
     flown: [f64; 3],
-    /// The excess of that over the displacement of the free flight.
+    /// The excess of `flown` over the displacement of the free flight.
     offset: [f64; 3],
     /// Corrections of the velocity, and of the displacement.
     velocity: [f64; 3],
     moved: [f64; 3],
-    /// The true displacement up to now.
+    /// The true displacement so far.
     way: [f64; 3],
-    /// The velocity now.
+    /// The current velocity.
     now: [f64; 3],
 }
 
@@ -77,7 +77,7 @@ struct Twin {
     unit: f64,
 }
 
-/// Bodies that a fixed one holds by way of joints.
+/// Bodies that joints connect to a fixed body, directly or by way of others.
 fn held(scene: &Scene) -> Vec<usize> {
     let mut is_held: Vec<bool> = scene.flights.iter().map(|flight| flight.is_fixed()).collect();
     for _ in &scene.flights {
@@ -91,7 +91,7 @@ fn held(scene: &Scene) -> Vec<usize> {
 
 impl Twin {
     fn new(scene: &Scene) -> Self {
-        // The order is that of the solver, which has tests of its own.
+        // The phases are the solver's, which have tests of their own.
         let mut solver = Solver::default();
         solver.prepare(TimeStep::hz(RATE), &scene.options, &scene.flights, &scene.joints, &[]);
         let phase = |i: usize| solver.graph.phase(scene.joints[i].bodies);
@@ -108,8 +108,8 @@ impl Twin {
             let joint = &scene.joints[i];
             let in_phase = |&k: &usize| phase(k) == phase(i);
             let sharing = |body: u32| {
-                let of_phase = (0..scene.joints.len()).filter(in_phase);
-                of_phase.filter(|&k| scene.joints[k].bodies.contains(&body)).count() as f64
+                let phase_joints = (0..scene.joints.len()).filter(in_phase);
+                phase_joints.filter(|&k| scene.joints[k].bodies.contains(&body)).count() as f64
             };
             let (length, count) = match joint.kind {
                 JointKind::Revolute => (None, 2),
@@ -179,17 +179,16 @@ impl Twin {
         }
     }
 
-    /// Adds impulses at the arms of now to the changes of velocity.
+    /// Adds impulses at the current arms to the changes of velocity.
     fn push(&self, joint: &Joint, impulses: &[f64], gains: &mut [[f64; 3]]) {
         for (&impulse, &axis) in impulses.iter().zip(&joint.axes) {
             for (side, sign) in [(0, -1.0), (1, 1.0)] {
                 let body = joint.ends[side];
                 let Body { mass, inertia, .. } = self.bodies[body];
-                let by = sign * impulse;
-                let turn = inertia * cross(joint.arms[side], axis) * by;
-                for (gain, by) in gains[body].iter_mut().zip([mass * axis[0] * by, mass * axis[1] * by, turn]) {
-                    *gain += by;
-                }
+                let impulse = sign * impulse;
+                let turn = inertia * cross(joint.arms[side], axis) * impulse;
+                let changes = [mass * axis[0] * impulse, mass * axis[1] * impulse, turn];
+                gains[body].iter_mut().zip(changes).for_each(|(gain, change)| *gain += change);
             }
         }
     }
@@ -205,12 +204,12 @@ impl Twin {
 
     /// The matrix element of two rows, with shares of both bodies.
     fn element(&self, joint: &Joint, i: usize, j: usize, shares: [f64; 2]) -> f64 {
-        let of = |side: usize| {
+        let side_element = |side: usize| {
             let (body, arm) = (&self.bodies[joint.ends[side]], joint.arms[side]);
             let turning = cross(arm, joint.axes[i]) * cross(arm, joint.axes[j]);
             shares[side] * (body.mass * dot(joint.axes[i], joint.axes[j]) + body.inertia * turning)
         };
-        of(0) + of(1)
+        side_element(0) + side_element(1)
     }
 
     /// The bias of a row in the solve pass, m/s.
@@ -223,12 +222,12 @@ impl Twin {
         };
         let shift = |side: usize| {
             let (body, n) = (bodies[side], self.n as f64);
-            let of = |i: usize| {
+            let excess = |i: usize| {
                 let (from, to) = (body.start[i], body.end[i]);
                 let euler: f64 = (1..=self.n).map(|k| h * (from + (to - from) * k as f64 / n)).sum();
                 (euler - body.flown[i]) / (n * h)
             };
-            dot([of(0), of(1)], axis) + of(2) * cross(joint.arms[side], axis)
+            dot([excess(0), excess(1)], axis) + excess(2) * cross(joint.arms[side], axis)
         };
         let rod = if joint.length.is_some() {
             let speed = |side: usize| {
@@ -258,12 +257,12 @@ impl Twin {
         let (split, whole) = (trace(joint.shares), trace([1.0; 2]));
         let rigid = split / (split + compliance * whole);
         let velocity = |row: usize| {
-            let of = |side: usize| {
+            let speed = |side: usize| {
                 let body = &self.bodies[joint.ends[side]];
                 dot([body.now[0], body.now[1]], joint.axes[row])
                     + body.now[2] * cross(joint.arms[side], joint.axes[row])
             };
-            of(1) - of(0) + if is_biased { self.bias(joint, row, rate) } else { 0.0 }
+            speed(1) - speed(0) + if is_biased { self.bias(joint, row, rate) } else { 0.0 }
         };
         let k = |i: usize, j: usize| self.element(joint, i, j, joint.shares);
         let solution = if count == 1 {
@@ -274,19 +273,20 @@ impl Twin {
             let (v1, v2, det) = (velocity(0), velocity(1), k11 * k22 - k12 * k12);
             vec![(k22 * v1 - k12 * v2) / det, (k11 * v2 - k12 * v1) / det]
         };
-        let change = |(push, before): (f64, &f64)| {
-            if is_biased { -rigid * push - (1.0 - rigid) * before } else { -push }
-        };
-        solution.into_iter().zip(&joint.impulses).map(change).collect()
+        solution
+            .into_iter()
+            .zip(&joint.impulses)
+            .map(|(push, impulse)| if is_biased { -rigid * push - (1.0 - rigid) * impulse } else { -push })
+            .collect()
     }
 
     fn pass(&mut self, is_biased: bool) {
         for phase in 0..PHASES {
             let mut gains = vec![[0.0; 3]; self.bodies.len()];
-            let of_phase = |joint: &&Joint| joint.phase == phase;
+            let is_in_phase = |joint: &&Joint| joint.phase == phase;
             let changes: Vec<_> =
-                self.joints.iter().filter(of_phase).map(|joint| self.changes(joint, is_biased)).collect();
-            for (joint, changes) in self.joints.iter().filter(of_phase).zip(&changes) {
+                self.joints.iter().filter(is_in_phase).map(|joint| self.changes(joint, is_biased)).collect();
+            for (joint, changes) in self.joints.iter().filter(is_in_phase).zip(&changes) {
                 self.push(joint, changes, &mut gains);
             }
             for (joint, changes) in self.joints.iter_mut().filter(|joint| joint.phase == phase).zip(&changes) {
@@ -317,10 +317,10 @@ impl Twin {
 }
 
 /// A velocity is rounded, by half a unit, in up to 72 passes, nine in each of eight sub-steps: together 36 units. Where joints
-/// contradict each other by metres the unit is coarser than 2^-22 m/s, as the speed is that takes such errors away. Masses are at most
+/// contradict each other by metres the unit is coarser than 2^-22 m/s, as such errors are removed at a high speed. Masses are at most
 /// 4 kg.
 #[test]
-fn a_step_of_joints_is_that_of_doubles() {
+fn a_step_of_joints_follows_a_twin_in_doubles() {
     const UNITS: f64 = 36.0;
     let mut random = Random::seeded(run_seed(7));
     let mut largest = [0.0; 3];
@@ -330,23 +330,24 @@ fn a_step_of_joints_is_that_of_doubles() {
         twin.run();
         let (corrections, impulses, cut) = scene.solve();
         assert_eq!(cut, 0);
-        let mut see = |k: usize, difference: f64, unit: f64| largest[k] = f64::max(largest[k], difference.abs() / unit);
-        for (by, body) in corrections.iter().zip(&twin.bodies) {
-            let velocity = [by.velocity.x, by.velocity.y, by.angular_velocity].map(change);
-            let moved = [by.displacement.x, by.displacement.y, by.rotation].map(change);
+        let mut record =
+            |k: usize, difference: f64, unit: f64| largest[k] = f64::max(largest[k], difference.abs() / unit);
+        for (correction, body) in corrections.iter().zip(&twin.bodies) {
+            let velocity = [correction.velocity.x, correction.velocity.y, correction.angular_velocity].map(change);
+            let moved = [correction.displacement.x, correction.displacement.y, correction.rotation].map(change);
             for i in 0..3 {
-                see(0, velocity[i] - body.velocity[i], twin.unit);
-                see(1, moved[i] - body.moved[i] - body.offset[i], twin.unit / f64::from(RATE));
+                record(0, velocity[i] - body.velocity[i], twin.unit);
+                record(1, moved[i] - body.moved[i] - body.offset[i], twin.unit / f64::from(RATE));
             }
         }
         for (values, joint) in impulses.iter().zip(&twin.joints) {
             let unit = 2f64.powi(values.exponent);
             for (&value, impulse) in values.values.iter().zip(&joint.impulses) {
-                see(2, value as f64 * unit - impulse, 4.0 * twin.unit);
+                record(2, value as f64 * unit - impulse, 4.0 * twin.unit);
             }
         }
     }
-    assert!(largest.iter().all(|&most| most < UNITS), "{largest:?}");
+    assert!(largest.iter().all(|&units| units < UNITS), "{largest:?}");
 }
 
 /// A joint far from any other body changes nothing there, and a body without joints and contacts stays as it flies.

@@ -80,7 +80,7 @@ impl Body {
     }
 }
 
-/// Points in the frames of two bodies.
+/// A joint at points in the frames of two bodies.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Link {
     pub(super) bodies: [usize; 2],
@@ -207,16 +207,16 @@ impl World {
         for contact in &contacts {
             self.floor[contact.bodies[1] as usize] = contact.impulses;
         }
-        for ((body, flight), by) in self.bodies.iter_mut().zip(&flights).zip(&self.corrections) {
+        for ((body, flight), correction) in self.bodies.iter_mut().zip(&flights).zip(&self.corrections) {
             let sum = |a: f64, fixed: Fx, exact: FxAccumulator| a + (double(fixed) + change(exact));
             body.at = [
-                sum(body.at[0], flight.displacement.x, by.displacement.x),
-                sum(body.at[1], flight.displacement.y, by.displacement.y),
+                sum(body.at[0], flight.displacement.x, correction.displacement.x),
+                sum(body.at[1], flight.displacement.y, correction.displacement.y),
             ];
-            body.angle = sum(body.angle, flight.rotation, by.rotation);
+            body.angle = sum(body.angle, flight.rotation, correction.rotation);
             let Vec2 { x, y } = flight.end.linear;
-            body.velocity = [sum(0.0, x, by.velocity.x), sum(0.0, y, by.velocity.y)];
-            body.spin = sum(0.0, flight.end.angular, by.angular_velocity);
+            body.velocity = [sum(0.0, x, correction.velocity.x), sum(0.0, y, correction.velocity.y)];
+            body.spin = sum(0.0, flight.end.angular, correction.angular_velocity);
         }
     }
 
@@ -230,7 +230,7 @@ impl World {
         joints.capacity() + paths.capacity()
     }
 
-    /// The distance by which joints are off.
+    /// The largest error of the distance between the points of a joint.
     pub(super) fn worst_gap(&self) -> f64 {
         let gap = |link: &Link| {
             let [a, b] = [0, 1].map(|k| self.bodies[link.bodies[k]].point(link.points[k]));
@@ -240,11 +240,11 @@ impl World {
     }
 
     pub(super) fn energy(&self) -> f64 {
-        let of = |body: &Body| {
+        let body_energy = |body: &Body| {
             let [vx, vy] = body.velocity;
             let height = -(self.gravity[0] * body.at[0] + self.gravity[1] * body.at[1]);
             body.mass * (0.5 * (vx * vx + vy * vy) + height) + 0.5 * body.inertia * body.spin * body.spin
         };
-        self.bodies.iter().map(of).sum()
+        self.bodies.iter().map(body_energy).sum()
     }
 }
