@@ -44,16 +44,16 @@ impl Engine {
         self.find_pairs(&paths, &|_| false);
         self.flights.set_deflections(corrections);
         let pairs = core::mem::take(&mut self.sweep.pairs);
-        let known = self.contact_pairs.len();
+        let known = self.contacts.len();
         for &numbers in &pairs {
             self.meet_deflected(&paths, numbers, known, out);
         }
         self.sweep.pairs = pairs;
-        if self.contact_pairs.len() == known {
+        if self.contacts.len() == known {
             return false;
         }
-        self.again.added.extend(self.contacts[known..].iter().flat_map(|contact| contact.bodies));
-        self.sort_contacts(known);
+        self.again.added.extend(self.contacts.solver_contacts[known..].iter().flat_map(|contact| contact.bodies));
+        self.contacts.sort_from(known);
         true
     }
 
@@ -85,7 +85,7 @@ impl Engine {
     fn meet_deflected(&mut self, paths: &Paths<'_>, numbers: [u32; 2], known: usize, out: &mut Detected) {
         let scene = paths.scene;
         let Some((pair, ends)) = self.ends(paths, numbers) else { return };
-        if self.contact_pairs[..known].binary_search_by_key(&pair, |contact| contact.pair).is_ok() {
+        if self.contacts.has(pair, known) {
             return;
         }
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
@@ -100,37 +100,6 @@ impl Engine {
         if out.touched.len() == touched {
             self.add_contact(scene, pair, [a, b], flights, &manifold, &ways, Impulses::default());
         }
-    }
-
-    /// Takes the contacts from `known` on to their places, in the order of their outlines. Each move shifts all later contacts: such
-    /// contacts are few.
-    fn sort_contacts(&mut self, known: usize) {
-        for last in known..self.contact_pairs.len() {
-            let pair = self.contact_pairs[last].pair;
-            let place = self.contact_pairs[..last].partition_point(|contact| contact.pair < pair);
-            self.contact_pairs[place..=last].rotate_right(1);
-            self.contacts[place..=last].rotate_right(1);
-            self.starts[place..=last].rotate_right(1);
-            if !self.totals.is_empty() {
-                self.totals.insert(place, Impulses::default());
-            }
-            for (number, _) in &mut self.approaches {
-                match *number as usize {
-                    index if index == last => *number = place as u32,
-                    index if (place..last).contains(&index) => *number += 1,
-                    _ => {}
-                }
-            }
-        }
-        self.approaches.sort_unstable_by_key(|(number, _)| *number);
-    }
-
-    /// Exchanges the impulses of all contacts with the impulses that they start from.
-    pub(crate) fn swap_starts(&mut self) {
-        for (contact, start) in self.contacts.iter_mut().zip(&mut self.starts) {
-            core::mem::swap(&mut contact.impulses, start);
-        }
-        core::mem::swap(&mut self.touched, &mut self.start_touched);
     }
 }
 

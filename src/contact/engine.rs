@@ -5,16 +5,17 @@ use alloc::vec::Vec;
 
 #[cfg(feature = "selftest")]
 use super::MARGIN;
-use super::approach::{Approach, approach};
+use super::approach::approach;
 use super::body_tiles::BodyTiles;
 use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
+use super::list::{ContactList, DetectedContact};
 use super::moment::{Way, take_back};
 use super::numbers::Numbers;
 use super::passes::{NearbyManifold, PassRecord};
 use super::reach::{closing, swept};
 use super::seams::{self, Features, Union, Unions, corners, rolling_radius, take_over};
-use super::solved::{Again, ContactPair};
+use super::solved::Again;
 use super::stamped::Stamped;
 use super::still::{self, Still};
 use super::surfaces::Surfaces;
@@ -27,7 +28,7 @@ use crate::collide::{Cores, Manifold, Margin, Pose};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::slots::NONE;
-use crate::solve::{Contact, Flight, Impulses};
+use crate::solve::{Flight, Impulses};
 
 /// The search for the contacts of a world, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
@@ -49,18 +50,7 @@ pub(crate) struct Engine {
     pub(super) statics_revision: u64,
     pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
-    pub(super) contact_pairs: Vec<ContactPair>,
-    /// The contacts in the form that the solver takes, in the order of `contact_pairs`.
-    pub(super) contacts: Vec<Contact>,
-    pub(super) starts: Vec<Impulses>,
-    /// The impulses along the normals over the step, by the number of the contact; empty where no collider has events.
-    pub(super) totals: Vec<Impulses>,
-    /// By the number of the contact: true if it has events and touched in the step; empty where no collider has such events.
-    pub(super) touched: Vec<bool>,
-    /// Empty; swapped with `touched` while the contacts have the impulses that they start from.
-    pub(super) start_touched: Vec<bool>,
-    /// The contacts that may be hits, with their numbers, which rise.
-    pub(super) approaches: Vec<(u32, Approach)>,
+    pub(super) contacts: ContactList,
     /// The answers of one-way colliders in this step.
     pub(super) passes: Vec<PassRecord>,
     pub(super) nearby_manifolds: Vec<NearbyManifold>,
@@ -388,13 +378,9 @@ impl Engine {
         let speed = materials[0].surface_speed_against(materials[1]);
         let mut contact = Surfaces { coefficients, rolling_radius, speed }.contact(ends, manifold, start);
         contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
-        self.contacts.push(contact);
-        if a.def.hit_events || b.def.hit_events {
-            let approach = approach(scene, manifold, ways, &contact, ends.map(|flight| self.flights.flight(flight)));
-            self.approaches.push((self.contact_pairs.len() as u32, approach));
-        }
-        self.starts.push(start);
-        self.contact_pairs.push(ContactPair { pair, features, count });
+        let approach = (a.def.hit_events || b.def.hit_events)
+            .then(|| approach(scene, manifold, ways, &contact, ends.map(|flight| self.flights.flight(flight))));
+        self.contacts.push(DetectedContact { pair, features, count, start }, contact, approach);
     }
 
     /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
@@ -403,11 +389,6 @@ impl Engine {
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
         self.cores.clear();
         self.contacts.clear();
-        self.starts.clear();
-        self.contact_pairs.clear();
-        self.totals.clear();
-        self.touched.clear();
-        self.approaches.clear();
         self.core_of.clear();
         self.sweep.deflected.clear();
         self.again.clear();

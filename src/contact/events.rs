@@ -9,7 +9,7 @@
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::solved::ContactPair;
+use super::list::DetectedContact;
 use super::split::Part;
 use super::{ContactBodies, ContactRecord, ContactSet, Scene, Solvers};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
@@ -199,47 +199,47 @@ impl Engine {
             return;
         }
         let number = |contact: u32| part.map_or(contact, |part| part.contact_numbers[contact as usize]);
-        self.totals.resize(self.contact_pairs.len(), Impulses::default());
+        self.contacts.totals.resize(self.contacts.len(), Impulses::default());
         for (contact, [first, second], exponent) in solvers.totals() {
             let number = number(contact) as usize;
-            let second = if self.contacts[number].count == 2 { second } else { 0 };
-            self.totals[number] = Impulses { values: [first, second, 0], exponent };
+            let second = if self.contacts.solver_contacts[number].count == 2 { second } else { 0 };
+            self.contacts.totals[number] = Impulses { values: [first, second, 0], exponent };
         }
-        for (approached, approach) in &mut self.approaches {
+        for (approached, approach) in &mut self.contacts.approaches {
             if part.is_none_or(|part| part.contact_numbers.binary_search(approached).is_ok()) {
                 approach.set_impact(None);
             }
         }
-        for impact in solvers.impacts(part.map_or(&self.contacts, |part| &part.contacts)) {
+        for impact in solvers.impacts(part.map_or(&self.contacts.solver_contacts, |part| &part.contacts)) {
             let contact = number(impact.contact);
-            if let Ok(index) = self.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
-                self.approaches[index].1.set_impact(Some(impact));
+            if let Ok(index) = self.contacts.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
+                self.contacts.approaches[index].1.set_impact(Some(impact));
             }
         }
-        self.touched.clear();
+        self.contacts.touched.clear();
         if any_events {
-            for number in 0..self.contact_pairs.len() {
+            for number in 0..self.contacts.len() {
                 let touches = self.touches(scene, number);
-                self.touched.push(touches);
+                self.contacts.touched.push(touches);
             }
         }
     }
 
     /// Returns true if a contact has events and touched in the step.
     fn touches(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let ContactPair { pair, .. } = self.contact_pairs[number];
+        let DetectedContact { pair, .. } = self.contacts.detected[number];
         let is_reported = match pair.map(|outline| scene.colliders.at(outline.slot)) {
             [Some(a), Some(b)] => has_events([a, b]),
             _ => false,
         };
-        is_reported && (self.totals[number].values != [0; 3] || self.overlaps(scene, number))
+        is_reported && (self.contacts.totals[number].values != [0; 3] || self.overlaps(scene, number))
     }
 
     /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell:
     /// they were taken back to the start along rows that do not turn.
     fn overlaps(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let ContactPair { pair, count, .. } = self.contact_pairs[number];
-        if self.contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
+        let DetectedContact { pair, count, .. } = self.contacts.detected[number];
+        if self.contacts.solver_contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
             return false;
         }
         let numbers = pair.map(|outline| self.numbers.first(outline.slot) + outline.part);
@@ -249,10 +249,10 @@ impl Engine {
 
     /// Lists the hits of contacts that were solved.
     pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
-        for (number, approach) in &self.approaches {
+        for (number, approach) in &self.contacts.approaches {
             let number = *number as usize;
-            let Some(ContactPair { pair: outlines, .. }) = self.contact_pairs.get(number) else { continue };
-            let Some(total) = self.totals.get(number) else { continue };
+            let Some(DetectedContact { pair: outlines, .. }) = self.contacts.detected.get(number) else { continue };
+            let Some(total) = self.contacts.totals.get(number) else { continue };
             let slots = outlines.map(|outline| outline.slot);
             let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
             let is_swapped = pair.colliders[0].slot != slots[0];
@@ -266,7 +266,8 @@ impl Engine {
                 parts.reverse();
                 normal = normal.map(|component| -component);
             }
-            let impulse = approach.impulse(total, &self.contacts[number].impulses, scene.settings.substeps);
+            let impulse =
+                approach.impulse(total, &self.contacts.solver_contacts[number].impulses, scene.settings.substeps);
             hits.push(ContactHit {
                 pair,
                 parts,

@@ -7,6 +7,7 @@
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
 //! - `engine`: pairs and manifolds; `solved`: the contacts of a step, through the solver to records and hits.
+//! - `list`: the contacts of a step, in order.
 //! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
@@ -31,6 +32,7 @@ mod engine;
 mod events;
 mod excluded;
 mod flights;
+mod list;
 mod moment;
 mod numbers;
 mod passes;

@@ -5,47 +5,28 @@ use alloc::vec::Vec;
 use super::engine::Engine;
 use super::flights::Flights;
 use super::split::{Part, Solvers};
-use super::{ContactRecord, ContactSet, Correction, Scene};
-use crate::collider::{ColliderSet, OutlineId};
-use crate::fx::Fx;
-use crate::solve::{Contact, ContactSolver, Graph, Impulses};
-
-/// The outlines of a contact, and the features and the number of its points.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct ContactPair {
-    pub(super) pair: [OutlineId; 2],
-    pub(super) features: [u32; 2],
-    pub(super) count: usize,
-}
-
-impl ContactPair {
-    fn record(&self, impulses: Impulses) -> ContactRecord {
-        ContactRecord::new(self.pair, self.features, self.count, impulses)
-    }
-}
+use super::{ContactSet, Correction, Scene};
+use crate::collider::ColliderSet;
+use crate::solve::{Contact, ContactSolver, Graph};
 
 impl Engine {
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with the impulses that they start from, and after it also the
     /// contacts that touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
     pub(crate) fn list(&self, contacts: &mut ContactSet) {
         contacts.records.clear();
-        for (number, (contact_pair, contact)) in self.contact_pairs.iter().zip(&self.contacts).enumerate() {
-            if contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true) {
-                contacts.records.push(contact_pair.record(contact.impulses));
-            }
-        }
+        contacts.records.extend(self.contacts.records());
         contacts.passes.clone_from(&self.passes);
         contacts.excluded.clone_from(&self.excluded);
     }
 
+    /// Exchanges the impulses of all contacts with the impulses that they start from.
+    pub(crate) fn swap_starts(&mut self) {
+        self.contacts.swap_starts();
+    }
+
     /// Calls `visit` with the slots of the two bodies of each contact, and true if a surface of one of them moves.
-    pub(crate) fn touching(&self, colliders: &ColliderSet, mut visit: impl FnMut([u32; 2], bool)) {
-        for ContactPair { pair, .. } in &self.contact_pairs {
-            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
-                let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
-                visit([a.body.slot, b.body.slot], is_driven);
-            }
-        }
+    pub(crate) fn touching(&self, colliders: &ColliderSet, visit: impl FnMut([u32; 2], bool)) {
+        self.contacts.each_body_pair(colliders, visit);
     }
 
     /// Solves the contacts, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
@@ -57,13 +38,13 @@ impl Engine {
         corrections: &mut Vec<Correction>,
     ) {
         corrections.clear();
-        self.totals.clear();
-        self.touched.clear();
-        if self.contact_pairs.is_empty() {
+        self.contacts.totals.clear();
+        self.contacts.touched.clear();
+        if self.contacts.is_empty() {
             return;
         }
         let options = scene.settings.into();
-        let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts);
+        let changes = solvers.solve(scene.time_step, &options, self.flights.all(), &mut self.contacts.solver_contacts);
         // Moving bodies have the first flights.
         corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
         self.find_touches(solvers, scene, None);
@@ -78,10 +59,10 @@ impl Engine {
         corrections: &mut Vec<Correction>,
     ) {
         let mut again = core::mem::take(&mut self.again);
-        again.take_islands(&self.flights, &self.contacts);
+        again.take_islands(&self.flights, &self.contacts.solver_contacts);
         let part = &mut again.part;
         for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
-            contact.impulses = self.starts[number as usize];
+            contact.impulses = self.contacts.detected[number as usize].start;
         }
         let options = scene.settings.into();
         let changes = solvers.solve(scene.time_step, &options, &part.flights, &mut part.contacts);
@@ -94,7 +75,7 @@ impl Engine {
             }
         }
         for (contact, &number) in part.contacts.iter().zip(&part.contact_numbers) {
-            self.contacts[number as usize].impulses = contact.impulses;
+            self.contacts.solver_contacts[number as usize].impulses = contact.impulses;
         }
         self.find_touches(solvers, scene, Some(part));
         self.mark_pushing(corrections);
@@ -103,7 +84,7 @@ impl Engine {
 
     /// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
     fn mark_pushing(&self, corrections: &mut Vec<Correction>) {
-        for contact in self.contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
+        for contact in self.contacts.solver_contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
             for body in contact.bodies {
                 if let Some(correction) = corrections.get_mut(self.flights.leader(body) as usize) {
                     correction.is_pushed = true;

@@ -1,0 +1,117 @@
+//! The contacts of a step, in the order of their outlines.
+//!
+//! Reads: manifolds, one after the other; impulses of the solver. Writes: the contacts that the solver takes, and the records of the state.
+
+use alloc::vec::Vec;
+
+use super::ContactRecord;
+use super::approach::Approach;
+use crate::collider::{ColliderSet, OutlineId};
+use crate::fx::Fx;
+use crate::solve::{Contact, Impulses};
+
+/// A contact that was detected: its outlines, the features and the number of its points, and the impulses that it starts from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DetectedContact {
+    pub(super) pair: [OutlineId; 2],
+    pub(super) features: [u32; 2],
+    pub(super) count: usize,
+    pub(super) start: Impulses,
+}
+
+/// The contacts of a step. Lists of the same length share their order, and a number is an index into them.
+#[derive(Debug, Default)]
+pub(super) struct ContactList {
+    pub(super) detected: Vec<DetectedContact>,
+    /// The contacts in the form that the solver takes.
+    pub(super) solver_contacts: Vec<Contact>,
+    /// The impulses along the normals over the step; empty where no collider has events.
+    pub(super) totals: Vec<Impulses>,
+    /// True for a contact that has events and touched in the step; empty where no collider has such events.
+    pub(super) touched: Vec<bool>,
+    /// Empty; swapped with `touched` while the contacts have the impulses that they start from.
+    start_touched: Vec<bool>,
+    /// The contacts that may be hits, with their numbers, which rise.
+    pub(super) approaches: Vec<(u32, Approach)>,
+}
+
+impl ContactList {
+    pub(super) fn clear(&mut self) {
+        self.detected.clear();
+        self.solver_contacts.clear();
+        self.totals.clear();
+        self.touched.clear();
+        self.approaches.clear();
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.detected.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.detected.is_empty()
+    }
+
+    /// Adds a contact at the end, with the approach of its bodies if it may be a hit.
+    pub(super) fn push(&mut self, detected: DetectedContact, contact: Contact, approach: Option<Approach>) {
+        let number = self.detected.len() as u32;
+        self.approaches.extend(approach.map(|approach| (number, approach)));
+        self.solver_contacts.push(contact);
+        self.detected.push(detected);
+    }
+
+    /// Returns true if a pair has a contact among the first `count`, which are sorted.
+    pub(super) fn has(&self, pair: [OutlineId; 2], count: usize) -> bool {
+        self.detected[..count].binary_search_by_key(&pair, |contact| contact.pair).is_ok()
+    }
+
+    /// Moves the contacts from number `first` on to their places among the contacts before, which are sorted. Each move shifts all contacts
+    /// behind its place: such contacts are few.
+    pub(super) fn sort_from(&mut self, first: usize) {
+        for last in first..self.detected.len() {
+            let pair = self.detected[last].pair;
+            let place = self.detected[..last].partition_point(|contact| contact.pair < pair);
+            self.detected[place..=last].rotate_right(1);
+            self.solver_contacts[place..=last].rotate_right(1);
+            if !self.totals.is_empty() {
+                self.totals.insert(place, Impulses::default());
+            }
+            for (number, _) in &mut self.approaches {
+                match *number as usize {
+                    index if index == last => *number = place as u32,
+                    index if (place..last).contains(&index) => *number += 1,
+                    _ => {}
+                }
+            }
+        }
+        self.approaches.sort_unstable_by_key(|(number, _)| *number);
+    }
+
+    /// Exchanges the impulses of all contacts with the impulses that they start from.
+    pub(super) fn swap_starts(&mut self) {
+        for (contact, detected) in self.solver_contacts.iter_mut().zip(&mut self.detected) {
+            core::mem::swap(&mut contact.impulses, &mut detected.start);
+        }
+        core::mem::swap(&mut self.touched, &mut self.start_touched);
+    }
+
+    /// The records of the contacts with impulses, and of contacts that touched and have events.
+    pub(super) fn records(&self) -> impl Iterator<Item = ContactRecord> + '_ {
+        let contacts = self.detected.iter().zip(&self.solver_contacts).enumerate();
+        contacts.filter_map(|(number, (detected, contact))| {
+            let is_listed = contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true);
+            let DetectedContact { pair, features, count, .. } = *detected;
+            is_listed.then(|| ContactRecord::new(pair, features, count, contact.impulses))
+        })
+    }
+
+    /// Calls `visit` with the slots of the two bodies of each contact, and true if a surface of one of them moves.
+    pub(super) fn each_body_pair(&self, colliders: &ColliderSet, mut visit: impl FnMut([u32; 2], bool)) {
+        for DetectedContact { pair, .. } in &self.detected {
+            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
+                let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
+                visit([a.body.slot, b.body.slot], is_driven);
+            }
+        }
+    }
+}
