@@ -11,31 +11,30 @@ use super::excluded::ExcludedPair;
 use super::flights::{FlightOf, Flights};
 use super::list::{ContactList, DetectedContact};
 use super::moment::{Way, take_back};
-use super::numbers::Numbers;
 use super::passes::{NearbyManifold, PassRecord};
 use super::reach::{closing, swept};
+use super::resting::{Resting, Trees};
 use super::seams::{self, Features, Union, Unions, corners, rolling_radius, take_over};
 use super::solved::Again;
 use super::stamped::Stamped;
-use super::still::{self, Still};
 use super::surfaces::Surfaces;
 use super::sweep;
 use super::tiles::{SLANTED, Tiles, are_joined, is_polygon};
-use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits};
-use crate::collide::broad::{BroadPhase, Proxy, Statics};
+use super::{ContactRecord, ContactSet, Detected, Scene, pair_limits, sorted};
+use crate::body::Activity;
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
 use crate::collide::seam::Face;
 use crate::collide::{Cores, Manifold, Margin, Pose};
 use crate::collider::{BodyOutline, Collider, ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::slots::NONE;
+use crate::slots::{BodyId, NONE};
 use crate::solve::{Flight, Impulses};
 
 /// The search for the contacts of a world, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
 pub(crate) struct Engine {
     pub(super) flights: Flights,
-    /// The outlines as the broad phase knows them.
-    pub(super) numbers: Numbers,
+    pub(super) resting: Resting,
     pub(super) unions: Unions,
     pub(super) tiles: Tiles,
     body_tiles: BodyTiles,
@@ -45,10 +44,6 @@ pub(crate) struct Engine {
     /// The index of each outline at its start pose, by its number.
     start_core_of: Stamped,
     pub(super) broad: BroadPhase,
-    pub(super) still: Option<Still>,
-    /// The revision of the colliders that `still` was built from.
-    pub(super) statics_revision: u64,
-    pub(super) following: still::Workspace,
     pub(super) movers: Vec<Proxy>,
     pub(super) contacts: ContactList,
     /// The answers of one-way colliders in this step.
@@ -84,7 +79,7 @@ impl Engine {
         for flight in 0..self.flights.len() as u32 {
             let body = self.flights.body(flight);
             for collider in scene.colliders.solid_of_slot(body.slot) {
-                let first = self.numbers.first(collider.slot);
+                let first = self.resting.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = swept(&collider.outline(part), &body.pose, self.flights.flight(flight));
                     let filter = collider.def.filter;
@@ -92,12 +87,6 @@ impl Engine {
                 }
             }
         }
-    }
-
-    /// The trees of colliders at rest, if they were built from these colliders.
-    fn still_of(&self, colliders: &ColliderSet) -> Option<&Still> {
-        let is_current = self.statics_revision == colliders.revision() && self.numbers.is_of(colliders);
-        self.still.as_ref().filter(|_| is_current)
     }
 
     /// An outline in world axes, placed when it is first asked for.
@@ -130,15 +119,15 @@ impl Engine {
             return core;
         }
         let body = self.flights.body(flight);
-        match (&self.still, body.kind) {
-            (Some(Still { statics, .. }), FlightOf::Static) => {
-                if let Some(faces) = self.tiles.find(scene, statics, &self.numbers, number, outline, pose) {
+        match (&self.resting.trees, body.kind) {
+            (Some(Trees { statics, .. }), FlightOf::Static) => {
+                if let Some(faces) = self.tiles.find(scene, statics, &self.resting.numbers, number, outline, pose) {
                     self.cores.set_faces(faces.iter().copied());
                 }
             }
             (_, FlightOf::Static) => {}
             _ => {
-                let id = self.numbers.outline(number);
+                let id = self.resting.numbers.outline(number);
                 if !scene.colliders.at(id.slot).is_some_and(Collider::has_others) {
                     return core;
                 }
@@ -152,7 +141,7 @@ impl Engine {
 
     /// The surface of an outline that was placed; none if the outline stands alone.
     pub(super) fn faces(&self, scene: &Scene<'_>, number: u32) -> &[Face] {
-        let id = self.numbers.outline(number);
+        let id = self.resting.numbers.outline(number);
         let Some(collider) = scene.colliders.at(id.slot) else { return &[] };
         let slot = collider.body.slot;
         let surface = match self.flights.at(slot).map(|flight| self.flights.body(flight).kind) {
@@ -206,7 +195,7 @@ impl Engine {
                     continue;
                 }
                 let mut numbers_before = numbers;
-                numbers_before[side] = self.numbers.first(before[side].slot) + before[side].part;
+                numbers_before[side] = self.resting.numbers.first(before[side].slot) + before[side].part;
                 let manifold = self.mean_manifold(scene, numbers_before, before);
                 let is_joined = matches!(union, Union::Chain(_)) || {
                     let faces = [numbers[side], numbers_before[side]].map(|number| self.faces(scene, number));
@@ -285,7 +274,7 @@ impl Engine {
     /// An outline by its number.
     #[inline(always)]
     fn side<'a>(&mut self, scene: &Scene<'a>, number: u32) -> Option<Side<'a>> {
-        let outline = self.numbers.outline(number);
+        let outline = self.resting.numbers.outline(number);
         let collider = scene.colliders.at(outline.slot)?;
         let flight = self.flights.of(scene, collider.body.slot);
         Some(Side { number, outline, collider, flight, kind: self.flights.body(flight).kind })
@@ -309,7 +298,7 @@ impl Engine {
             return;
         }
         // The records are sorted by pair, as the pairs are.
-        let is_simple = self.numbers.is_simple();
+        let is_simple = self.resting.numbers.is_simple();
         let order =
             |record: &ContactRecord| if is_simple { record.slots().cmp(&numbers) } else { record.pair().cmp(&pair) };
         while contacts.records.get(*next).is_some_and(|record| order(record).is_lt()) {
@@ -393,14 +382,15 @@ impl Engine {
         self.sweep.deflected.clear();
         self.again.clear();
         self.start_core_of.clear();
-        let are_renumbered = self.numbers.update(scene.colliders);
         self.unions.clear();
         self.flights.begin(scene);
-        self.update_still(scene, are_renumbered, &mut out.disturbed);
+        if self.resting.update(scene, &mut out.disturbed) {
+            self.tiles.clear();
+        }
         self.place_movers(scene);
         let limits = pair_limits(scene.settings, scene.colliders);
         self.pair_moving(&limits);
-        let crowded = self.broad.above_cap().iter().map(|&number| self.numbers.outline(number));
+        let crowded = self.broad.above_cap().iter().map(|&number| self.resting.numbers.outline(number));
         let crowded = crowded.filter_map(|outline| scene.colliders.at(outline.slot));
         for collider in crowded {
             match scene.bodies.index_of(collider.body) {
@@ -414,7 +404,7 @@ impl Engine {
             return;
         }
         let mut pairs = self.broad.take_pairs();
-        self.pair_still(scene, contacts, &out.disturbed, &mut pairs);
+        self.resting.pair_disturbed(scene, contacts, &out.disturbed, &mut pairs);
         self.leave_out_excluded(scene, contacts, &mut pairs);
         self.leave_out_passing(scene, contacts, &out.disturbed, &mut pairs);
         let mut next = 0;
@@ -431,24 +421,80 @@ impl Engine {
         self.broad.return_pairs(pairs);
     }
 
+    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
+    /// `scene.starts` woke since contacts were detected, and nothing else has changed.
+    pub(crate) fn spread(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
+        // Bodies with too many pairs are at fault before they touch anything.
+        if !self.broad.above_cap().is_empty() {
+            return;
+        }
+        self.cores.clear();
+        self.core_of.clear();
+        self.flights.begin(scene);
+        self.place_movers(scene);
+        let Some(Trees { sleepers, .. }) = &self.resting.trees else { return };
+        let numbers = &self.resting.numbers;
+        let body = |number: u32| scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body);
+        let sleeps = |body: &BodyId| {
+            scene.bodies.index_of(*body).is_some_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
+        };
+        let mut pairs = self.broad.take_pairs();
+        pairs.clear();
+        for mover in &self.movers {
+            sleepers.meeting(mover, |sleeper| {
+                // The tree still has the colliders of bodies that woke since it was made.
+                let bodies = body(mover.collider).zip(body(sleeper.collider).filter(sleeps));
+                if bodies.is_some_and(|(a, b)| contacts.find_excluded(sorted(a, b)).is_err()) {
+                    pairs.push([mover.collider.min(sleeper.collider), mover.collider.max(sleeper.collider)]);
+                }
+                true
+            });
+        }
+        pairs.sort_unstable();
+        self.leave_out_passing(scene, contacts, &out.disturbed, &mut pairs);
+        for &numbers in &pairs {
+            let pair = numbers.map(|number| self.resting.numbers.outline(number));
+            if self.start_manifold(scene, numbers, pair).is_some() {
+                let bodies = pair.into_iter().filter_map(|outline| scene.colliders.at(outline.slot));
+                out.touched.extend(bodies.map(|collider| collider.body).filter(sleeps));
+            }
+        }
+        self.broad.return_pairs(pairs);
+    }
+
+    /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
+    /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
+    pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
+        let Some(trees) = &self.resting.trees else { return };
+        let overlaps = limits.overlaps.saturating_sub(trees.counts.overlaps);
+        self.broad.update(&trees.standing(), &self.movers, &PairLimits { overlaps, ..*limits });
+        let are_above = self.broad.pairs().len().saturating_add(trees.counts.pairs) > limits.pairs;
+        if !trees.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
+            self.movers.extend(trees.sleepers.iter());
+            // No real version has this number, so that the broad phase drops its cache of sleepers.
+            let standing = Standing { version: u64::MAX, ..Standing::of(&trees.statics) };
+            self.broad.update(&standing, &self.movers, limits);
+        }
+    }
+
     /// The tree of static colliders of the last search, if it belongs to these colliders.
     pub(crate) fn statics(&self, colliders: &ColliderSet) -> Option<&Arc<Statics>> {
-        self.still_of(colliders).map(|still| &still.statics)
+        self.resting.current(colliders).map(|trees| &trees.statics)
     }
 
     /// The tree of the colliders of sleeping bodies of the last search, likewise.
     pub(crate) fn sleepers(&self, colliders: &ColliderSet) -> Option<&Statics> {
-        self.still_of(colliders).map(|still| &still.sleepers)
+        self.resting.current(colliders).map(|trees| &trees.sleepers)
     }
 
     /// An outline by its number in [`statics`](Self::statics) and [`sleepers`](Self::sleepers).
     pub(crate) fn outline(&self, number: u32) -> OutlineId {
-        self.numbers.outline(number)
+        self.resting.numbers.outline(number)
     }
 
     /// The number of the first outline of the collider in a slot, likewise.
     pub(crate) fn number(&self, slot: u32) -> u32 {
-        self.numbers.first(slot)
+        self.resting.numbers.first(slot)
     }
 
     /// Finds contacts ahead of time or not, for tests.
@@ -459,19 +505,8 @@ impl Engine {
 
     /// Takes over the caches of the contacts of another world, of which this world is a copy.
     pub(crate) fn clone_cached_from(&mut self, source: &Self) {
-        let shares_statics = match (&self.still, &source.still) {
-            (Some(still), Some(source)) => Arc::ptr_eq(&still.statics, &source.statics),
-            _ => false,
-        };
-        if !shares_statics {
+        if self.resting.copy_from(&source.resting) {
             self.tiles.clear();
         }
-        match &source.still {
-            None => self.still = None,
-            Some(source) => self.still.get_or_insert_default().copy_from(source),
-        }
-        self.statics_revision = source.statics_revision;
-        // The trees know colliders by these numbers.
-        self.numbers.copy_from(&source.numbers);
     }
 }

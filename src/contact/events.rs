@@ -242,7 +242,7 @@ impl Engine {
         if self.contacts.solver_contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
             return false;
         }
-        let numbers = pair.map(|outline| self.numbers.first(outline.slot) + outline.part);
+        let numbers = pair.map(|outline| self.resting.numbers.first(outline.slot) + outline.part);
         let manifold = self.start_manifold(scene, numbers, pair);
         manifold.is_some_and(|manifold| manifold.least_separation() < -OVERLAP)
     }

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::engine::Engine;
-use super::still::Still;
+use super::resting::Trees;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
@@ -109,7 +109,7 @@ impl Engine {
         are_near.clear();
         are_near.resize(contacts.excluded.len(), false);
         pairs.retain(|&numbers| {
-            let pair = numbers.map(|number| self.numbers.outline(number));
+            let pair = numbers.map(|number| self.resting.numbers.outline(number));
             let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
             if [a, b].iter().any(|collider| self.is_excluded.get(collider.body.slot) == NONE) {
                 return true;
@@ -158,12 +158,12 @@ impl Engine {
         let [sleeping_body, other_body] = if states[0].is_some_and(sleeps) { bodies } else { [bodies[1], bodies[0]] };
         let mut near_numbers = core::mem::take(&mut self.near_numbers);
         let are_near = scene.colliders.solid_of_slot(sleeping_body).any(|collider| {
-            let first = self.numbers.first(collider.slot);
+            let first = self.resting.numbers.first(collider.slot);
             (first..first + collider.outline_count()).any(|number| {
                 self.list_near(number, other_body, &mut near_numbers);
                 near_numbers.iter().any(|&other_number| {
                     let numbers = [number.min(other_number), number.max(other_number)];
-                    self.is_near(scene, numbers, numbers.map(|number| self.numbers.outline(number)))
+                    self.is_near(scene, numbers, numbers.map(|number| self.resting.numbers.outline(number)))
                 })
             })
         });
@@ -174,7 +174,7 @@ impl Engine {
     /// Lists the outlines of a body at rest that make a pair with a sleeping outline.
     fn list_near(&self, sleeper: u32, body: u32, near_numbers: &mut Vec<u32>) {
         near_numbers.clear();
-        let Some(Still { statics, sleepers, .. }) = &self.still else { return };
+        let Some(Trees { statics, sleepers, .. }) = &self.resting.trees else { return };
         let Some(sleeper) = sleepers.find(sleeper) else { return };
         for tree in [&**statics, sleepers] {
             tree.meeting(sleeper, |proxy| {

@@ -205,7 +205,7 @@ impl Engine {
                 let record = if record.pair()[1 - side] == pair[1 - side] { record } else { record.swapped() };
                 let before = record.pair();
                 let mut numbers_before = numbers;
-                numbers_before[side] = self.numbers.first(before[side].slot) + before[side].part;
+                numbers_before[side] = self.resting.numbers.first(before[side].slot) + before[side].part;
                 // The surface of a tile is known once the tile is placed.
                 _ = self.mean_manifold(scene, numbers_before, before);
                 let faces = [numbers[side], numbers_before[side]].map(|number| self.faces(scene, number));

@@ -112,7 +112,7 @@ impl Engine {
         self.passes.extend(still);
         self.passes.sort_unstable_by_key(PassRecord::place);
         pairs.retain(|&numbers| {
-            let [a, b] = numbers.map(|number| self.numbers.outline(number));
+            let [a, b] = numbers.map(|number| self.resting.numbers.outline(number));
             let body = |outline: OutlineId| scene.colliders.at(outline.slot).map(|collider| collider.body.slot);
             let passes = |outline, visitor| {
                 let place = body(visitor).map(|body| (outline, body));
@@ -129,7 +129,7 @@ impl Engine {
 
     /// Adds the manifold of a pair, once for each of its colliders that is one-way.
     fn add_nearby_manifolds(&mut self, scene: &Scene<'_>, numbers: [u32; 2], manifolds: &mut Vec<NearbyManifold>) {
-        let pair = numbers.map(|number| self.numbers.outline(number));
+        let pair = numbers.map(|number| self.resting.numbers.outline(number));
         let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
         let colliders = [a, b];
         if colliders.iter().all(|collider| collider.side.is_none()) {

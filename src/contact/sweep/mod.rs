@@ -174,7 +174,7 @@ impl Engine {
     pub(super) fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
         self.sweep.pairs.clear();
-        let still = self.still.take().unwrap_or_default();
+        let still = self.resting.trees.take().unwrap_or_default();
         self.list_movers(paths);
         let movers = core::mem::take(&mut self.sweep.movers);
         let mut memory = self.sweep.tree.take();
@@ -188,7 +188,7 @@ impl Engine {
             let place = *self.flights.body(flight);
             let leg = self.leg(paths, flight);
             for collider in scene.colliders.solid_of_slot(place.slot) {
-                let first = self.numbers.first(collider.slot);
+                let first = self.resting.numbers.first(collider.slot);
                 for part in 0..collider.outline_count() {
                     let bounds = around(from_ref(&leg), collider.outline(part).radius.to_bits());
                     let number = first + part;
@@ -218,7 +218,7 @@ impl Engine {
         }
         self.sweep.movers = movers;
         self.sweep.tree = memory;
-        self.still = Some(still);
+        self.resting.trees = Some(still);
         let mut pairs = core::mem::take(&mut self.sweep.pairs);
         pairs.sort_unstable();
         pairs.dedup();
@@ -242,7 +242,7 @@ impl Engine {
     /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each
     /// other. A one-way collider without an answer in this step had no manifold with the body, and lets it pass.
     fn may_meet(&self, scene: &Scene<'_>, pair: [u32; 2]) -> bool {
-        let outlines = pair.map(|number| self.numbers.outline(number));
+        let outlines = pair.map(|number| self.resting.numbers.outline(number));
         let [Some(a), Some(b)] = outlines.map(|outline| scene.colliders.at(outline.slot)) else { return false };
         a.body != b.body
             && a.def.filter.agrees(b.def.filter)
@@ -276,7 +276,7 @@ impl Engine {
             }
             let leg = self.leg(paths, flight);
             for collider in paths.scene.colliders.solid_of_slot(place(flight).slot) {
-                let first = self.numbers.first(collider.slot);
+                let first = self.resting.numbers.first(collider.slot);
                 proxies.extend((0..collider.outline_count()).map(|part| Proxy {
                     collider: first + part,
                     body: collider.body.slot,
@@ -291,7 +291,7 @@ impl Engine {
 
     /// The outlines and the bodies of a pair.
     pub(super) fn ends(&mut self, paths: &Paths<'_>, pair: [u32; 2]) -> Option<Ends> {
-        let outlines = pair.map(|number| self.numbers.outline(number));
+        let outlines = pair.map(|number| self.resting.numbers.outline(number));
         let [a, b] = outlines.map(|outline| paths.scene.colliders.at(outline.slot));
         let flights = [a?, b?].map(|collider| self.flights.of(paths.scene, collider.body.slot));
         Some((outlines, flights.map(|flight| (flight, *self.flights.body(flight)))))

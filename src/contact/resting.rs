@@ -5,16 +5,15 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::bodies;
-use super::engine::Engine;
 use super::flights::pose;
+use super::numbers::Numbers;
 use super::passes::is_disturbed;
 use super::reach;
-use super::{Changed, ContactSet, Detected, Scene, pair_limits, sorted};
+use super::{Changed, ContactSet, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{Boxes, PairLimits, Proxy, Standing, Statics};
-use crate::collider::Collider;
+use crate::collider::{Collider, ColliderSet};
 use crate::query::place_digest;
-use crate::slots::BodyId;
 
 /// The number of changes that are followed one by one in any world. More changes, if also more than an eighth of the colliders, take longer
 /// than to list all colliders.
@@ -22,20 +21,20 @@ const FEW: usize = 512;
 
 /// The trees of a world.
 #[derive(Debug, Default)]
-pub(super) struct Still {
+pub(super) struct Trees {
     pub(super) statics: Arc<Statics>,
     pub(super) sleepers: Statics,
     /// The number of changes of `sleepers`, by this world or by the one that it was copied from.
     version: u64,
     /// The pairs and overlaps of a sleeping collider and a collider at rest.
-    counts: Counts,
+    pub(super) counts: Counts,
 }
 
 /// Numbers of pairs and of [overlaps](PairLimits::overlaps); `usize::MAX` if one of the numbers is above its limit.
 #[derive(Clone, Copy, Debug, Default)]
-struct Counts {
-    pairs: usize,
-    overlaps: usize,
+pub(super) struct Counts {
+    pub(super) pairs: usize,
+    pub(super) overlaps: usize,
 }
 
 impl Counts {
@@ -94,7 +93,7 @@ pub(super) struct Workspace {
     numbers: Vec<u32>,
 }
 
-impl Still {
+impl Trees {
     /// Becomes a copy.
     pub(super) fn copy_from(&mut self, source: &Self) {
         self.statics.clone_from(&source.statics);
@@ -105,7 +104,7 @@ impl Still {
         self.counts = source.counts;
     }
 
-    fn standing(&self) -> Standing<'_> {
+    pub(super) fn standing(&self) -> Standing<'_> {
         Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
     }
 
@@ -167,44 +166,81 @@ enum State {
     Asleep,
 }
 
-impl Engine {
-    /// Follows the changes of colliders at rest. `are_renumbered` says that outlines may have other numbers than before.
-    pub(super) fn update_still(&mut self, scene: &Scene<'_>, are_renumbered: bool, disturbed: &mut Disturbed) {
+/// The colliders at rest of a world, by the numbers of their outlines.
+#[derive(Debug, Default)]
+pub(super) struct Resting {
+    /// The outlines of all colliders as the broad phase knows them.
+    pub(super) numbers: Numbers,
+    /// `None` before the first step.
+    pub(super) trees: Option<Trees>,
+    /// The revision of the colliders that the trees were built from.
+    revision: u64,
+    workspace: Workspace,
+}
+
+impl Resting {
+    /// The trees, if they were built from these colliders.
+    pub(super) fn current(&self, colliders: &ColliderSet) -> Option<&Trees> {
+        let is_current = self.revision == colliders.revision() && self.numbers.is_of(colliders);
+        self.trees.as_ref().filter(|_| is_current)
+    }
+
+    /// Takes over the trees of another world, of which this world is a copy. Returns true if it has other static colliders than before.
+    pub(super) fn copy_from(&mut self, source: &Self) -> bool {
+        let shares_statics = match (&self.trees, &source.trees) {
+            (Some(trees), Some(source)) => Arc::ptr_eq(&trees.statics, &source.statics),
+            _ => false,
+        };
+        match &source.trees {
+            None => self.trees = None,
+            Some(source) => self.trees.get_or_insert_default().copy_from(source),
+        }
+        self.revision = source.revision;
+        // The trees know colliders by these numbers.
+        self.numbers.copy_from(&source.numbers);
+        !shares_statics
+    }
+
+    /// Follows the changes of colliders at rest. Returns true if static colliders may have changed.
+    pub(super) fn update(&mut self, scene: &Scene<'_>, disturbed: &mut Disturbed) -> bool {
+        let are_renumbered = self.numbers.update(scene.colliders);
         // Room for all colliders: a step that is taken again may have to list them where it followed changes before.
-        self.following.proxies.clear();
-        self.following.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
-        let is_current = self.statics_revision == scene.colliders.revision() && !are_renumbered;
-        if is_current && self.still.is_some() && scene.changed.is_some_and(Changed::is_empty) {
-            return;
+        self.workspace.proxies.clear();
+        self.workspace.proxies.reserve(scene.colliders.len() + scene.colliders.more_outlines());
+        let is_current = self.revision == scene.colliders.revision() && !are_renumbered;
+        if is_current && self.trees.is_some() && scene.changed.is_some_and(Changed::is_empty) {
+            return false;
         }
-        self.statics_revision = scene.colliders.revision();
+        self.revision = scene.colliders.revision();
         let limits = pair_limits(scene.settings, scene.colliders);
-        let mut workspace = core::mem::take(&mut self.following);
-        let before = self.still.take();
+        let mut workspace = core::mem::take(&mut self.workspace);
+        let before = self.trees.take();
         let is_known = before.is_some();
-        let mut still = before.unwrap_or_default();
+        let mut trees = before.unwrap_or_default();
         let few = FEW.max(scene.colliders.len() / 8);
-        match scene.changed.filter(|changed| changed.all(scene.colliders).take(few + 1).count() <= few) {
-            Some(changed) if is_known && !are_renumbered => {
-                self.follow(scene, changed, &mut still, &mut workspace, disturbed, &limits);
-            }
-            _ => {
-                disturbed.are_all = true;
-                self.tiles.clear();
-                self.list_resting(scene, State::Static, &mut workspace.proxies);
-                if !still.statics.are(&workspace.proxies) {
-                    still.statics = Arc::new(Statics::new(workspace.proxies.clone()));
+        let have_statics_changed =
+            match scene.changed.filter(|changed| changed.all(scene.colliders).take(few + 1).count() <= few) {
+                Some(changed) if is_known && !are_renumbered => {
+                    self.follow(scene, changed, &mut trees, &mut workspace, disturbed, &limits)
                 }
-                self.list_resting(scene, State::Asleep, &mut workspace.proxies);
-                if !still.sleepers.are(&workspace.proxies) {
-                    still.sleepers.refill(&workspace.proxies);
-                    still.version += 1;
+                _ => {
+                    disturbed.are_all = true;
+                    self.list_resting(scene, State::Static, &mut workspace.proxies);
+                    if !trees.statics.are(&workspace.proxies) {
+                        trees.statics = Arc::new(Statics::new(workspace.proxies.clone()));
+                    }
+                    self.list_resting(scene, State::Asleep, &mut workspace.proxies);
+                    if !trees.sleepers.are(&workspace.proxies) {
+                        trees.sleepers.refill(&workspace.proxies);
+                        trees.version += 1;
+                    }
+                    trees.counts = trees.count_all(&limits).known(&limits);
+                    true
                 }
-                still.counts = still.count_all(&limits).known(&limits);
-            }
-        }
-        self.following = workspace;
-        self.still = Some(still);
+            };
+        self.workspace = workspace;
+        self.trees = Some(trees);
+        have_statics_changed
     }
 
     /// Lists all colliders of bodies in this state.
@@ -215,32 +251,31 @@ impl Engine {
         }
     }
 
-    /// Applies the changes of bodies and colliders to the trees, the counts and the disturbed colliders.
+    /// Applies the changes of bodies and colliders to the trees, the counts and the disturbed colliders. Returns true if static colliders
+    /// may have changed.
     fn follow(
-        &mut self,
+        &self,
         scene: &Scene<'_>,
         changed: &Changed,
-        still: &mut Still,
+        trees: &mut Trees,
         workspace: &mut Workspace,
         disturbed: &mut Disturbed,
         limits: &PairLimits,
-    ) {
+    ) -> bool {
         let Workspace { changes: [statics, sleepers], changed_boxes, numbers, .. } = workspace;
         for (state, tree, changes) in
-            [(State::Static, &*still.statics, &mut *statics), (State::Asleep, &still.sleepers, &mut *sleepers)]
+            [(State::Static, &*trees.statics, &mut *statics), (State::Asleep, &trees.sleepers, &mut *sleepers)]
         {
             changes.clear();
             changed.all(scene.colliders).for_each(|slot| self.list_changes(scene, tree, slot, state, changes));
         }
-        if !statics.is_empty() {
-            self.tiles.clear();
-        }
+        let have_statics_changed = !statics.is_empty();
         let Disturbed { numbers: all, bodies, .. } = disturbed;
         all.extend(changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)));
         let changed_proxies =
-            statics.iter().flat_map(|(number, now)| [still.statics.find(*number).copied(), *now].into_iter().flatten());
+            statics.iter().flat_map(|(number, now)| [trees.statics.find(*number).copied(), *now].into_iter().flatten());
         changed_boxes.refill(changed_proxies.map(|proxy| proxy.bounds));
-        still.statics.near_any(changed_boxes, |neighbour| all.push(neighbour.collider));
+        trees.statics.near_any(changed_boxes, |neighbour| all.push(neighbour.collider));
         let collider = |number: u32| scene.colliders.at(self.numbers.outline(number).slot);
         let body = |&number: &u32| collider(number).map(|collider| collider.body.slot);
         bodies.extend(changed.bodies.iter().chain(&changed.owners).copied().chain(all.iter().filter_map(body)));
@@ -248,32 +283,33 @@ impl Engine {
             list.sort_unstable();
             list.dedup();
         }
-        still.statics.sift(statics);
-        still.sleepers.sift(sleepers);
+        trees.statics.sift(statics);
+        trees.sleepers.sift(sleepers);
         numbers.clear();
         numbers.extend(statics.iter().chain(&*sleepers).map(|(number, _)| *number));
         numbers.sort_unstable();
         numbers.dedup();
-        let removed = still.count_of(numbers, limits);
-        let next = still.statics.changed(statics);
+        let removed = trees.count_of(numbers, limits);
+        let next = trees.statics.changed(statics);
         if !sleepers.is_empty() {
-            still.sleepers.change(sleepers);
-            still.version += 1;
+            trees.sleepers.change(sleepers);
+            trees.version += 1;
         }
         if let Some(next) = next {
-            still.statics = Arc::new(next);
+            trees.statics = Arc::new(next);
         }
-        let counts = if still.counts.are_within(limits) {
-            let before = still.counts;
-            let added = still.count_of(numbers, limits);
+        let counts = if trees.counts.are_within(limits) {
+            let before = trees.counts;
+            let added = trees.count_of(numbers, limits);
             Counts {
                 pairs: before.pairs.saturating_sub(removed.pairs).saturating_add(added.pairs),
                 overlaps: before.overlaps.saturating_sub(removed.overlaps).saturating_add(added.overlaps),
             }
         } else {
-            still.count_all(limits)
+            trees.count_all(limits)
         };
-        still.counts = counts.known(limits);
+        trees.counts = counts.known(limits);
+        have_statics_changed
     }
 
     /// The boxes of a collider, if its body is in this state.
@@ -328,72 +364,16 @@ impl Engine {
         }
     }
 
-    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
-    /// `scene.starts` woke since contacts were detected, and nothing else has changed.
-    pub(crate) fn spread(&mut self, scene: &Scene<'_>, contacts: &ContactSet, out: &mut Detected) {
-        // Bodies with too many pairs are at fault before they touch anything.
-        if !self.broad.above_cap().is_empty() {
-            return;
-        }
-        self.cores.clear();
-        self.core_of.clear();
-        self.flights.begin(scene);
-        self.place_movers(scene);
-        let Some(Still { sleepers, .. }) = &self.still else { return };
-        let numbers = &self.numbers;
-        let body = |number: u32| scene.colliders.at(numbers.outline(number).slot).map(|collider| collider.body);
-        let sleeps = |body: &BodyId| {
-            scene.bodies.index_of(*body).is_some_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
-        };
-        let mut pairs = self.broad.take_pairs();
-        pairs.clear();
-        for mover in &self.movers {
-            sleepers.meeting(mover, |sleeper| {
-                // The tree still has the colliders of bodies that woke since it was made.
-                let bodies = body(mover.collider).zip(body(sleeper.collider).filter(sleeps));
-                if bodies.is_some_and(|(a, b)| contacts.find_excluded(sorted(a, b)).is_err()) {
-                    pairs.push([mover.collider.min(sleeper.collider), mover.collider.max(sleeper.collider)]);
-                }
-                true
-            });
-        }
-        pairs.sort_unstable();
-        self.leave_out_passing(scene, contacts, &out.disturbed, &mut pairs);
-        for &numbers in &pairs {
-            let pair = numbers.map(|number| self.numbers.outline(number));
-            if self.start_manifold(scene, numbers, pair).is_some() {
-                let bodies = pair.into_iter().filter_map(|outline| scene.colliders.at(outline.slot));
-                out.touched.extend(bodies.map(|collider| collider.body).filter(sleeps));
-            }
-        }
-        self.broad.return_pairs(pairs);
-    }
-
-    /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
-    /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
-    pub(super) fn pair_moving(&mut self, limits: &PairLimits) {
-        let Some(still) = &self.still else { return };
-        let overlaps = limits.overlaps.saturating_sub(still.counts.overlaps);
-        self.broad.update(&still.standing(), &self.movers, &PairLimits { overlaps, ..*limits });
-        let are_above = self.broad.pairs().len().saturating_add(still.counts.pairs) > limits.pairs;
-        if !still.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
-            self.movers.extend(still.sleepers.iter());
-            // No real version has this number, so that the broad phase drops its cache of sleepers.
-            let standing = Standing { version: u64::MAX, ..Standing::of(&still.statics) };
-            self.broad.update(&standing, &self.movers, limits);
-        }
-    }
-
     /// Adds the disturbed pairs of a sleeping and a static collider. Where the answer of a one-way collider for a body is disturbed, it adds
     /// the pairs with all colliders of the body, since the answer follows from all of them.
-    pub(super) fn pair_still(
+    pub(super) fn pair_disturbed(
         &self,
         scene: &Scene<'_>,
         contacts: &ContactSet,
         disturbed: &Disturbed,
         pairs: &mut Vec<[u32; 2]>,
     ) {
-        let Some(Still { statics, sleepers, .. }) = &self.still else { return };
+        let Some(Trees { statics, sleepers, .. }) = &self.trees else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
             return;
         }
