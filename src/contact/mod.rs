@@ -9,7 +9,7 @@
 //! - `engine`: pairs and manifolds; `solved`: the contacts of a step, through the solver to records and hits.
 //! - `list`: the contacts of a step, in order.
 //! - `moment`: the moment of the step that a manifold is of.
-//! - `numbers`: outlines as numbers, for the broad phase.
+//! - `resting`: the trees of colliders at rest; `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
 //! - `surfaces`: contacts as the solver takes them.
 //! - `approach`: how fast points approach each other.

@@ -108,8 +108,8 @@ impl Engine {
             self.passes.push(PassRecord::new(place, passes(contacts.passes_at(place), separation, is_facing)));
         }
         self.nearby_manifolds = manifolds;
-        let still = contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
-        self.passes.extend(still);
+        let unchanged = contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
+        self.passes.extend(unchanged);
         self.passes.sort_unstable_by_key(PassRecord::place);
         pairs.retain(|&numbers| {
             let [a, b] = numbers.map(|number| self.resting.numbers.outline(number));
@@ -170,7 +170,7 @@ fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
 }
 
 /// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Disturbed
-/// pairs are tested again ([`pair_still`](Engine::pair_still)).
+/// pairs are tested again ([`pair_disturbed`](super::resting::Resting::pair_disturbed)).
 fn is_still(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;

@@ -174,7 +174,7 @@ impl Engine {
     pub(super) fn find_pairs(&mut self, paths: &Paths<'_>, is_faulty: &dyn Fn(usize) -> bool) {
         let scene = paths.scene;
         self.sweep.pairs.clear();
-        let still = self.resting.trees.take().unwrap_or_default();
+        let trees = self.resting.trees.take().unwrap_or_default();
         self.list_movers(paths);
         let movers = core::mem::take(&mut self.sweep.movers);
         let mut memory = self.sweep.tree.take();
@@ -202,8 +202,8 @@ impl Engine {
                         true
                     };
                     if place.kind == FlightOf::Dynamic {
-                        still.statics.search_box(bounds, filter, &mut visit);
-                        still.sleepers.search_box(bounds, filter, &mut visit);
+                        trees.statics.search_box(bounds, filter, &mut visit);
+                        trees.sleepers.search_box(bounds, filter, &mut visit);
                     }
                     match tree {
                         Some(tree) => tree.search_box(bounds, filter, &mut visit),
@@ -218,7 +218,7 @@ impl Engine {
         }
         self.sweep.movers = movers;
         self.sweep.tree = memory;
-        self.resting.trees = Some(still);
+        self.resting.trees = Some(trees);
         let mut pairs = core::mem::take(&mut self.sweep.pairs);
         pairs.sort_unstable();
         pairs.dedup();
