@@ -28,7 +28,7 @@ pub(crate) use mass::ColliderMass;
 pub use material::{Material, MaterialPair, MixRule};
 pub use one_way::OneWay;
 pub(crate) use one_way::Side;
-pub(crate) use outline::BodyOutline;
+pub(crate) use outline::{BodyOutline, OutlineRef};
 pub(crate) use pairs::PairEntry;
 pub(crate) use set::{Collider, ColliderSet, OutlineId, more_outlines};
 pub use settings::ContactSettings;

@@ -1,9 +1,8 @@
 //! How two bodies approach each other at the points of a contact.
 
 use super::Scene;
-use super::moment::Way;
+use super::narrow::Meeting;
 use super::view::newton_seconds;
-use crate::collide::Manifold;
 use crate::fx::Fx;
 use crate::math::{TimeStep, Vec2};
 use crate::solve::{Contact, ContactImpact, Flight, Impulses, Velocity};
@@ -102,13 +101,8 @@ fn closing_speed(normal: [i32; 2], [a, b]: [[i128; 2]; 2]) -> i64 {
 }
 
 /// The approach at the points of a contact, which has this manifold at the end of these ways. Vectors are rounded oddly.
-pub(super) fn approach(
-    scene: &Scene<'_>,
-    manifold: &Manifold,
-    ways: &[Way; 2],
-    contact: &Contact,
-    flights: [&Flight; 2],
-) -> Approach {
+pub(super) fn approach(scene: &Scene<'_>, meeting: &Meeting, contact: &Contact, flights: [&Flight; 2]) -> Approach {
+    let Meeting { manifold, ways } = meeting;
     let normal = manifold.normal.map(|part| Fx::from_bits(i64::from(part) << 2));
     let mut approach = Approach {
         normal: Vec2::new(normal[0], normal[1]),

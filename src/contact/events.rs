@@ -8,8 +8,10 @@
 
 use alloc::vec::Vec;
 
-use super::engine::Engine;
-use super::list::DetectedContact;
+use super::flights::Flights;
+use super::list::{ContactList, DetectedContact};
+use super::narrow::Narrow;
+use super::resting::Resting;
 use super::split::Part;
 use super::{ContactBodies, ContactRecord, ContactSet, Scene, Solvers};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
@@ -185,100 +187,90 @@ impl Read for EndedPair {
     }
 }
 
-impl Engine {
-    /// Reads the data of events from the solvers: the impulses and the impacts of the step, and which contacts touched. The solvers have solved
-    /// all contacts, or the ones of this part.
-    pub(super) fn find_touches<C: ContactSolver>(
-        &mut self,
-        solvers: &Solvers<C>,
-        scene: &Scene<'_>,
-        part: Option<&Part>,
-    ) {
-        let any_events = scene.colliders.any_contact_events();
-        if !any_events && !scene.colliders.any_hit_events() {
-            return;
-        }
-        let number = |contact: u32| part.map_or(contact, |part| part.contact_numbers[contact as usize]);
-        self.contacts.totals.resize(self.contacts.len(), Impulses::default());
-        for (contact, [first, second], exponent) in solvers.totals() {
-            let number = number(contact) as usize;
-            let second = if self.contacts.solver_contacts[number].count == 2 { second } else { 0 };
-            self.contacts.totals[number] = Impulses { values: [first, second, 0], exponent };
-        }
-        for (approached, approach) in &mut self.contacts.approaches {
-            if part.is_none_or(|part| part.contact_numbers.binary_search(approached).is_ok()) {
-                approach.set_impact(None);
-            }
-        }
-        for impact in solvers.impacts(part.map_or(&self.contacts.solver_contacts, |part| &part.contacts)) {
-            let contact = number(impact.contact);
-            if let Ok(index) = self.contacts.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
-                self.contacts.approaches[index].1.set_impact(Some(impact));
-            }
-        }
-        self.contacts.touched.clear();
-        if any_events {
-            for number in 0..self.contacts.len() {
-                let touches = self.touches(scene, number);
-                self.contacts.touched.push(touches);
-            }
+/// Reads the data of events from the solvers: the impulses and the impacts of the step. The solvers have solved all contacts, or the
+/// contacts of this part.
+pub(super) fn read_totals<C: ContactSolver>(list: &mut ContactList, solvers: &Solvers<C>, part: Option<&Part>) {
+    let number = |contact: u32| part.map_or(contact, |part| part.contact_numbers[contact as usize]);
+    list.totals.resize(list.len(), Impulses::default());
+    for (contact, [first, second], exponent) in solvers.totals() {
+        let number = number(contact) as usize;
+        let second = if list.solver_contacts[number].count == 2 { second } else { 0 };
+        list.totals[number] = Impulses { values: [first, second, 0], exponent };
+    }
+    for (approached, approach) in &mut list.approaches {
+        if part.is_none_or(|part| part.contact_numbers.binary_search(approached).is_ok()) {
+            approach.set_impact(None);
         }
     }
+    for impact in solvers.impacts(part.map_or(&list.solver_contacts, |part| &part.contacts)) {
+        let contact = number(impact.contact);
+        if let Ok(index) = list.approaches.binary_search_by_key(&contact, |(number, _)| *number) {
+            list.approaches[index].1.set_impact(Some(impact));
+        }
+    }
+}
 
-    /// Returns true if a contact has events and touched in the step.
-    fn touches(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let DetectedContact { pair, .. } = self.contacts.detected[number];
-        let is_reported = match pair.map(|outline| scene.colliders.at(outline.slot)) {
-            [Some(a), Some(b)] => has_events([a, b]),
+/// Finds which contacts with events touched in the step: an impulse acted, or their outlines overlapped at its start.
+pub(super) fn find_touches(
+    list: &mut ContactList,
+    scene: &Scene<'_>,
+    flights: &mut Flights,
+    resting: &Resting,
+    narrow: &mut Narrow,
+) {
+    list.touched.clear();
+    if !scene.colliders.any_contact_events() {
+        return;
+    }
+    for (number, detected) in list.detected.iter().enumerate() {
+        let sides = detected.pair.map(|outline| flights.side(scene, &resting.numbers, resting.numbers.number(outline)));
+        let touches = match &sides {
+            [Some(first), Some(second)] if has_events([first.collider, second.collider]) => {
+                // Points alone do not tell: they were taken back to the start along rows that do not turn.
+                let points = &list.solver_contacts[number].points[..detected.count];
+                list.totals[number].values != [0; 3]
+                    || points.iter().any(|point| point.separation < -OVERLAP)
+                        && narrow
+                            .start_manifold(scene, flights, resting, [first, second])
+                            .is_some_and(|manifold| manifold.least_separation() < -OVERLAP)
+            }
             _ => false,
         };
-        is_reported && (self.contacts.totals[number].values != [0; 3] || self.overlaps(scene, number))
+        list.touched.push(touches);
     }
+}
 
-    /// Returns true if the outlines of a contact overlapped at the start of the step. Its points alone do not tell:
-    /// they were taken back to the start along rows that do not turn.
-    fn overlaps(&mut self, scene: &Scene<'_>, number: usize) -> bool {
-        let DetectedContact { pair, count, .. } = self.contacts.detected[number];
-        if self.contacts.solver_contacts[number].points[..count].iter().all(|point| point.separation >= -OVERLAP) {
-            return false;
+/// Lists the hits of contacts that were solved.
+pub(super) fn list_hits<S: Scalar>(list: &ContactList, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
+    for (number, approach) in &list.approaches {
+        let number = *number as usize;
+        let Some(DetectedContact { pair: outlines, .. }) = list.detected.get(number) else { continue };
+        let Some(total) = list.totals.get(number) else { continue };
+        let slots = outlines.map(|outline| outline.slot);
+        let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
+        let is_swapped = pair.colliders[0].slot != slots[0];
+        let Some((approach_speed, point)) = approach.fastest(total, usize::from(is_swapped)) else { continue };
+        if approach_speed < scene.settings.hit_speed {
+            continue;
         }
-        let numbers = pair.map(|outline| self.resting.numbers.first(outline.slot) + outline.part);
-        let manifold = self.start_manifold(scene, numbers, pair);
-        manifold.is_some_and(|manifold| manifold.least_separation() < -OVERLAP)
-    }
-
-    /// Lists the hits of contacts that were solved.
-    pub(crate) fn hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
-        for (number, approach) in &self.contacts.approaches {
-            let number = *number as usize;
-            let Some(DetectedContact { pair: outlines, .. }) = self.contacts.detected.get(number) else { continue };
-            let Some(total) = self.contacts.totals.get(number) else { continue };
-            let slots = outlines.map(|outline| outline.slot);
-            let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };
-            let is_swapped = pair.colliders[0].slot != slots[0];
-            let Some((approach_speed, point)) = approach.fastest(total, usize::from(is_swapped)) else { continue };
-            if approach_speed < scene.settings.hit_speed {
-                continue;
-            }
-            let mut parts = outlines.map(|outline| outline.part);
-            let mut normal = approach.normal;
-            if is_swapped {
-                parts.reverse();
-                normal = normal.map(|component| -component);
-            }
-            let impulse =
-                approach.impulse(total, &self.contacts.solver_contacts[number].impulses, scene.settings.substeps);
-            hits.push(ContactHit {
-                pair,
-                parts,
-                approach_speed: S::from_fx(approach_speed),
-                normal: normal.map(S::from_fx),
-                point: point.map(S::from_fx),
-                normal_impulse: S::from_fx(impulse),
-            });
+        let mut parts = outlines.map(|outline| outline.part);
+        let mut normal = approach.normal;
+        if is_swapped {
+            parts.reverse();
+            normal = normal.map(|component| -component);
         }
-        hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
+        let last = &list.solver_contacts[number].impulses;
+        let impulse = approach.impulse(total, last, scene.settings.substeps);
+        hits.push(ContactHit {
+            pair,
+            parts,
+            approach_speed: S::from_fx(approach_speed),
+            normal: normal.map(S::from_fx),
+            point: point.map(S::from_fx),
+            normal_impulse: S::from_fx(impulse),
+        });
     }
+    hits.sort_unstable_by_key(|hit| (hit.pair.rank(), hit.parts));
 }
 
 /// Returns true if the contacts of two colliders have events.

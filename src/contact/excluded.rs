@@ -2,14 +2,13 @@
 
 use alloc::vec::Vec;
 
-use super::engine::Engine;
-use super::resting::Trees;
+use super::flights::Flights;
+use super::narrow::Narrow;
+use super::resting::{Resting, Trees};
+use super::stamped::Stamped;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
-use crate::collider::OutlineId;
-use crate::fx::Fx;
-use crate::math::Vec2;
 use crate::slots::{BodyId, NONE};
 
 /// The time for which [`World::exclude_pair`](crate::World::exclude_pair) keeps two bodies from touching each other.
@@ -89,64 +88,80 @@ impl ContactSet {
     }
 }
 
-impl Engine {
+/// The pairs of bodies that stay excluded after a step.
+#[derive(Debug, Default)]
+pub(super) struct Exclusions {
+    /// Sorted by bodies.
+    pub(super) pairs: Vec<ExcludedPair>,
+    /// Has a number for each body of an excluded pair, by its slot.
+    excluded_bodies: Stamped,
+    /// By excluded pair of the step before: true if its bodies are near each other.
+    are_near: Vec<bool>,
+    /// The numbers of the outlines near an outline.
+    nearby: Vec<u32>,
+}
+
+impl Exclusions {
     /// Returns true if two bodies are an excluded pair in this step.
-    pub(super) fn are_excluded(&self, [a, b]: [BodyId; 2]) -> bool {
-        !self.excluded.is_empty() && self.excluded.binary_search_by_key(&sorted(a, b), |pair| pair.bodies).is_ok()
+    pub(super) fn has(&self, bodies: [BodyId; 2]) -> bool {
+        let pair = sorted(bodies[0], bodies[1]);
+        !self.pairs.is_empty() && self.pairs.binary_search_by_key(&pair, |pair| pair.bodies).is_ok()
     }
 
     /// Leaves out the pairs of excluded bodies, and lists the pairs of bodies that stay excluded.
-    pub(super) fn leave_out_excluded(&mut self, scene: &Scene<'_>, contacts: &ContactSet, pairs: &mut Vec<[u32; 2]>) {
-        self.excluded.clear();
+    pub(super) fn leave_out_excluded(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        narrow: &mut Narrow,
+        pairs: &mut Vec<[u32; 2]>,
+    ) {
+        self.pairs.clear();
+        let contacts = scene.contacts;
         if contacts.excluded.is_empty() {
             return;
         }
-        self.is_excluded.clear();
+        self.excluded_bodies.clear();
         for slot in contacts.excluded.iter().flat_map(|pair| pair.bodies) {
-            self.is_excluded.set(slot, 0);
+            self.excluded_bodies.set(slot, 0);
         }
-        let mut are_near = core::mem::take(&mut self.near_excluded);
-        are_near.clear();
-        are_near.resize(contacts.excluded.len(), false);
+        self.are_near.clear();
+        self.are_near.resize(contacts.excluded.len(), false);
         pairs.retain(|&numbers| {
-            let pair = numbers.map(|number| self.resting.numbers.outline(number));
-            let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
-            if [a, b].iter().any(|collider| self.is_excluded.get(collider.body.slot) == NONE) {
+            let sides = numbers.map(|number| flights.side(scene, &resting.numbers, number));
+            let [Some(first), Some(second)] = &sides else { return false };
+            let bodies = [first.collider.body, second.collider.body];
+            if bodies.iter().any(|body| self.excluded_bodies.get(body.slot) == NONE) {
                 return true;
             }
-            let Ok(index) = contacts.find_excluded(sorted(a.body, b.body)) else { return true };
+            let Ok(index) = contacts.find_excluded(sorted(bodies[0], bodies[1])) else { return true };
             let ends = contacts.excluded[index].exclusion == Exclusion::UntilApart;
-            if ends && !are_near[index] {
-                are_near[index] = self.is_near(scene, numbers, pair);
+            if ends && !self.are_near[index] {
+                self.are_near[index] = narrow.are_near(scene, flights, resting, [first, second]);
             }
             false
         });
-        for (pair, &is_near) in contacts.excluded.iter().zip(&are_near) {
-            let mut is_over = || {
-                let is_apart = !is_near && pair.bodies.iter().all(|&slot| self.takes_part(scene, slot));
-                is_apart && !self.are_near_at_rest(scene, pair.bodies)
-            };
-            if pair.exclusion == Exclusion::Always || !is_over() {
-                self.excluded.push(*pair);
+        for (index, pair) in contacts.excluded.iter().enumerate() {
+            let is_over = pair.exclusion == Exclusion::UntilApart
+                && !self.are_near[index]
+                && pair.bodies.iter().all(|&slot| takes_part(scene, flights, slot))
+                && !self.are_near_at_rest(scene, flights, resting, narrow, pair.bodies);
+            if !is_over {
+                self.pairs.push(*pair);
             }
         }
-        self.near_excluded = are_near;
-    }
-
-    /// Returns true if the broad phase of this step covered a body, or the body has no colliders to cover.
-    fn takes_part(&self, scene: &Scene<'_>, slot: u32) -> bool {
-        let Some(dense) = scene.bodies.index_in(slot) else { return true };
-        let is_still = match scene.bodies.activity(dense) {
-            Activity::Asleep => true,
-            Activity::Awake => scene.bodies.contact_info(dense).kind == BodyKind::Static,
-            Activity::Disabled | Activity::Quarantined => return false,
-        };
-        // A body at fault has no flight.
-        is_still || self.flights.has(slot) || scene.colliders.of_slot(slot).next().is_none()
     }
 
     /// Returns true if two bodies that stand still, one of them asleep, are near each other: no list of pairs has them.
-    fn are_near_at_rest(&mut self, scene: &Scene<'_>, bodies: [u32; 2]) -> bool {
+    fn are_near_at_rest(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        narrow: &mut Narrow,
+        bodies: [u32; 2],
+    ) -> bool {
         let state = |slot: u32| scene.bodies.index_in(slot).map(|dense| (dense, scene.bodies.activity(dense)));
         let states = bodies.map(state);
         let sleeps = |(_, activity): (usize, Activity)| activity == Activity::Asleep;
@@ -156,58 +171,46 @@ impl Engine {
             return false;
         }
         let [sleeping_body, other_body] = if states[0].is_some_and(sleeps) { bodies } else { [bodies[1], bodies[0]] };
-        let mut near_numbers = core::mem::take(&mut self.near_numbers);
-        let are_near = scene.colliders.solid_of_slot(sleeping_body).any(|collider| {
-            let first = self.resting.numbers.first(collider.slot);
-            (first..first + collider.outline_count()).any(|number| {
-                self.list_near(number, other_body, &mut near_numbers);
-                near_numbers.iter().any(|&other_number| {
-                    let numbers = [number.min(other_number), number.max(other_number)];
-                    self.is_near(scene, numbers, numbers.map(|number| self.resting.numbers.outline(number)))
-                })
-            })
-        });
-        self.near_numbers = near_numbers;
-        are_near
-    }
-
-    /// Lists the outlines of a body at rest that make a pair with a sleeping outline.
-    fn list_near(&self, sleeper: u32, body: u32, near_numbers: &mut Vec<u32>) {
-        near_numbers.clear();
-        let Some(Trees { statics, sleepers, .. }) = &self.resting.trees else { return };
-        let Some(sleeper) = sleepers.find(sleeper) else { return };
-        for tree in [&**statics, sleepers] {
-            tree.meeting(sleeper, |proxy| {
-                if proxy.body == body {
-                    near_numbers.push(proxy.collider);
+        let sleeping_colliders = scene.colliders.solid_of_slot(sleeping_body);
+        for number in sleeping_colliders.flat_map(|collider| resting.numbers.of(collider.slot)) {
+            list_near(resting, number, other_body, &mut self.nearby);
+            for &nearby in &self.nearby {
+                let numbers = [number.min(nearby), number.max(nearby)];
+                let sides = numbers.map(|number| flights.side(scene, &resting.numbers, number));
+                if let [Some(first), Some(second)] = &sides {
+                    if narrow.are_near(scene, flights, resting, [first, second]) {
+                        return true;
+                    }
                 }
-                true
-            });
+            }
         }
+        false
     }
+}
 
-    /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all
-    /// directions out tie, such as two discs with one centre: the shift tells these from outlines that are apart. The four shifts are their
-    /// own mirror image.
-    fn is_near(&mut self, scene: &Scene<'_>, numbers: [u32; 2], pair: [OutlineId; 2]) -> bool {
-        /// 2^-10 m
-        const SHIFT: Fx = Fx::from_bits(1 << 22);
-        if self.mean_manifold(scene, numbers, pair).is_some() {
-            return true;
-        }
-        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return false };
-        let colliders = [a, b];
-        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
-        let outlines = [0, 1].map(|side| colliders[side].outline(pair[side].part));
-        let second_core = self.core(scene, numbers[1], &outlines[1], ends[1]);
-        let pose = self.flights.body(ends[0]).pose;
-        let zero = Fx::ZERO;
-        let shifts = [(SHIFT, zero), (-SHIFT, zero), (zero, SHIFT), (zero, -SHIFT)];
-        shifts.into_iter().any(|(x, y)| {
-            let first_core = self.cores.push(&outlines[0].outline, &pose.shifted(Vec2::new(x, y)));
-            let flights = ends.map(|flight| self.flights.flight(flight));
-            let margin = self.margin(flights, [outlines[0].radius, outlines[1].radius]);
-            self.cores.collide(first_core, second_core, margin).is_some()
-        })
+/// Returns true if the broad phase of this step covered a body, or the body has no colliders to cover.
+fn takes_part(scene: &Scene<'_>, flights: &Flights, slot: u32) -> bool {
+    let Some(dense) = scene.bodies.index_in(slot) else { return true };
+    let is_still = match scene.bodies.activity(dense) {
+        Activity::Asleep => true,
+        Activity::Awake => scene.bodies.contact_info(dense).kind == BodyKind::Static,
+        Activity::Disabled | Activity::Quarantined => return false,
+    };
+    // A body at fault has no flight.
+    is_still || flights.has(slot) || scene.colliders.of_slot(slot).next().is_none()
+}
+
+/// Lists the outlines of a body at rest that make a pair with a sleeping outline.
+fn list_near(resting: &Resting, sleeper: u32, body: u32, nearby: &mut Vec<u32>) {
+    nearby.clear();
+    let Some(Trees { statics, sleepers, .. }) = &resting.trees else { return };
+    let Some(sleeper) = sleepers.find(sleeper) else { return };
+    for tree in [&**statics, sleepers] {
+        tree.meeting(sleeper, |proxy| {
+            if proxy.body == body {
+                nearby.push(proxy.collider);
+            }
+            true
+        });
     }
 }

@@ -4,10 +4,12 @@ use alloc::vec::Vec;
 
 use super::bodies::resting;
 use super::moment::{Way, length, mean_beginning};
+use super::numbers::Numbers;
 use super::stamped::Stamped;
 use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
 use crate::collide::Pose;
+use crate::collider::{Collider, OutlineId, OutlineRef};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
@@ -16,7 +18,7 @@ use crate::solve::Flight;
 
 /// The kind of a body's flight: how contacts treat the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum FlightOf {
+pub(super) enum FlightKind {
     /// A body that impulses move.
     Dynamic,
     /// A body that moves as set, whatever touches it.
@@ -32,7 +34,7 @@ pub(super) struct Place {
     pub(super) pose: Pose,
     /// The way from the start to that pose.
     pub(super) way: Way,
-    pub(super) kind: FlightOf,
+    pub(super) kind: FlightKind,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
     /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all
@@ -42,6 +44,35 @@ pub(super) struct Place {
     pub(super) width: i64,
     /// False while the flight lacks the values that only contacts need: few bodies of a step touch something.
     is_complete: bool,
+}
+
+/// An outline of a pair, with its collider and the flight of its body.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairSide<'a> {
+    /// The number by which the broad phase knows the outline.
+    pub(super) number: u32,
+    pub(super) id: OutlineId,
+    pub(super) collider: &'a Collider,
+    pub(super) flight: u32,
+    pub(super) kind: FlightKind,
+}
+
+impl<'a> PairSide<'a> {
+    #[inline(always)]
+    pub(super) fn outline(&self) -> OutlineRef<'a, Fx> {
+        self.collider.outline(self.id.part)
+    }
+
+    /// The largest distance of a point of the outline from the centre of mass of its body, m.
+    #[inline(always)]
+    pub(super) fn radius(&self) -> Fx {
+        self.outline().radius
+    }
+
+    /// Returns true for an outline that may be one of several with one surface.
+    pub(super) fn may_be_tile(&self) -> bool {
+        self.kind == FlightKind::Static || self.collider.has_others()
+    }
 }
 
 /// The flights of a step: moving bodies in the order of `Scene::starts`, then bodies that stand still, in the order in which pairs name
@@ -97,7 +128,7 @@ impl Flights {
         }
         self.flights.push(scene.bodies.flight(start, scene.time_step));
         let info = scene.bodies.contact_info(start.dense);
-        let kind = if info.kind == BodyKind::Dynamic { FlightOf::Dynamic } else { FlightOf::Kinematic };
+        let kind = if info.kind == BodyKind::Dynamic { FlightKind::Dynamic } else { FlightKind::Kinematic };
         let way = Way::steady(start, self.mean_beginning);
         let pose = if shows_angle {
             way.pose(start.position, start.angle)
@@ -112,7 +143,7 @@ impl Flights {
         let pose = pose(scene.bodies.position(dense), scene.bodies.angle(dense));
         self.flights.push(resting(pose.position()));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
-        let kind = if is_asleep { FlightOf::Asleep } else { FlightOf::Static };
+        let kind = if is_asleep { FlightKind::Asleep } else { FlightKind::Static };
         let way = Way::default();
         self.place(Place { slot, pose, way, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
     }
@@ -140,7 +171,7 @@ impl Flights {
     /// The flights of a contact, which are complete. For two dynamic bodies of unlike dominance, a follower stands for the higher one.
     pub(super) fn by_dominance(&mut self, ends: [u32; 2]) -> [u32; 2] {
         let [a, b] = ends.map(|flight| &self.places[flight as usize]);
-        let dynamic = FlightOf::Dynamic;
+        let dynamic = FlightKind::Dynamic;
         if a.dominance == b.dominance || a.kind != dynamic || b.kind != dynamic {
             return ends;
         }
@@ -167,7 +198,7 @@ impl Flights {
             leader: Some(leader),
             ..self.flights[leader as usize]
         });
-        self.places.push(Place { kind: FlightOf::Kinematic, ..self.places[leader as usize] });
+        self.places.push(Place { kind: FlightKind::Kinematic, ..self.places[leader as usize] });
         follower
     }
 
@@ -193,6 +224,15 @@ impl Flights {
             NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
             flight => flight,
         }
+    }
+
+    /// An outline by its number; `None` if its collider is gone.
+    #[inline(always)]
+    pub(super) fn side<'a>(&mut self, scene: &Scene<'a>, numbers: &Numbers, number: u32) -> Option<PairSide<'a>> {
+        let id = numbers.outline(number);
+        let collider = scene.colliders.at(id.slot)?;
+        let flight = self.of(scene, collider.body.slot);
+        Some(PairSide { number, id, collider, flight, kind: self.body(flight).kind })
     }
 
     /// The way of a body in the step at the velocity of the start, m.

@@ -4,8 +4,12 @@
 
 use alloc::vec::Vec;
 
-use super::ContactRecord;
-use super::approach::Approach;
+use super::approach::{Approach, approach};
+use super::flights::{Flights, PairSide};
+use super::moment::take_back;
+use super::narrow::Meeting;
+use super::surfaces::Surfaces;
+use super::{ContactRecord, Correction, Scene};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::solve::{Contact, Impulses};
@@ -52,12 +56,29 @@ impl ContactList {
         self.detected.is_empty()
     }
 
-    /// Adds a contact at the end, with the approach of its bodies if it may be a hit.
-    pub(super) fn push(&mut self, detected: DetectedContact, contact: Contact, approach: Option<Approach>) {
-        let number = self.detected.len() as u32;
-        self.approaches.extend(approach.map(|approach| (number, approach)));
+    /// Adds the contact of a pair at the end, with the approach of its bodies if it may be a hit.
+    pub(super) fn push(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        pair: [&PairSide<'_>; 2],
+        meeting: &Meeting,
+        start: Impulses,
+    ) {
+        let ends = pair.map(|side| side.flight);
+        ends.into_iter().for_each(|flight| flights.complete(scene, flight));
+        let ends = flights.by_dominance(ends);
+        let Meeting { manifold, ways } = meeting;
+        let features = manifold.features();
+        let count = manifold.count;
+        let mut contact = Surfaces::new(scene, pair, manifold).contact(ends, manifold, start);
+        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
+        if pair[0].collider.def.hit_events || pair[1].collider.def.hit_events {
+            let approach = approach(scene, meeting, &contact, ends.map(|flight| flights.flight(flight)));
+            self.approaches.push((self.detected.len() as u32, approach));
+        }
         self.solver_contacts.push(contact);
-        self.detected.push(detected);
+        self.detected.push(DetectedContact { pair: pair.map(|side| side.id), features, count, start });
     }
 
     /// Returns true if a pair has a contact among the first `count`, which are sorted.
@@ -93,6 +114,20 @@ impl ContactList {
             core::mem::swap(&mut contact.impulses, &mut detected.start);
         }
         core::mem::swap(&mut self.touched, &mut self.start_touched);
+    }
+
+    /// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
+    pub(super) fn mark_pushing(&self, flights: &Flights, corrections: &mut Vec<Correction>) {
+        for contact in self.solver_contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
+            for body in contact.bodies {
+                if let Some(correction) = corrections.get_mut(flights.leader(body) as usize) {
+                    correction.is_pushed = true;
+                }
+            }
+        }
+        if !corrections.iter().any(|correction| correction.is_pushed) {
+            corrections.clear();
+        }
     }
 
     /// The records of the contacts with impulses, and of contacts that touched and have events.

@@ -6,43 +6,45 @@
 //! - `deflected`: contacts that bodies meet on the ways that impulses send them.
 //! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
-//! - `engine`: pairs and manifolds; `solved`: the contacts of a step, through the solver to records and hits.
-//! - `list`: the contacts of a step, in order.
+//! - `pipeline`: the order of a step, from pairs to impulses. Its parts, each with a memory, are arguments of each other:
+//!   `flights`, the bodies of a step; `resting`, the trees of colliders at rest; `pairs`, outlines whose boxes overlap; `rules`, which of them
+//!   do not touch (`excluded`, `passes`); `narrow`, manifolds; `list`, the contacts of a step, in order; `again`, islands to which contacts were
+//!   added within a step; `sweep`, the paths of fast bodies.
 //! - `moment`: the moment of the step that a manifold is of.
-//! - `resting`: the trees of colliders at rest; `numbers`: outlines as numbers, for the broad phase.
+//! - `numbers`: outlines as numbers, for the broad phase.
 //! - `reach`: how far outlines come in a step.
 //! - `surfaces`: contacts as the solver takes them.
 //! - `approach`: how fast points approach each other.
 //! - `seams`: impulses of points that go from one segment of a chain to the next.
-//! - `passes`: one-way colliders; `excluded`: pairs of bodies that do not touch.
 //! - `tiles`: static polygons beside each other, as one surface; `body_tiles`: polygons of one body.
-//! - `flights`: the bodies of a step.
 //! - `split`: islands under heavy loads, in finer sub-steps.
-//! - `sweep`: the paths of fast bodies.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
 //! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.
 
+mod again;
 mod approach;
 mod asleep;
 mod bodies;
 mod body_tiles;
 mod deflected;
-mod engine;
 mod events;
 mod excluded;
 mod flights;
 mod list;
 mod moment;
+mod narrow;
 mod numbers;
+mod pairs;
 mod passes;
+mod pipeline;
 mod reach;
 mod records;
 mod resting;
+mod rules;
 mod seams;
 mod sensors;
 mod set;
-mod solved;
 mod split;
 mod stamped;
 mod surfaces;
@@ -65,12 +67,12 @@ use crate::solve::{self, SolverOptions};
 
 pub(crate) use bodies::ContactBodies;
 pub(crate) use deflected::ROUNDS;
-pub(crate) use engine::Engine;
 pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};
 pub use excluded::Exclusion;
 pub(crate) use excluded::{ExcludedPair, sorted};
 pub(crate) use passes::PassRecord;
+pub(crate) use pipeline::Pipeline;
 pub(crate) use records::ContactRecord;
 pub(crate) use resting::Disturbed;
 pub(crate) use sensors::{Overlap, Sensors};
@@ -251,6 +253,8 @@ pub(crate) struct Scene<'a> {
     /// The bodies at the end of their free flight.
     pub(crate) bodies: &'a dyn ContactBodies,
     pub(crate) colliders: &'a ColliderSet,
+    /// The contacts of the step before.
+    pub(crate) contacts: &'a ContactSet,
     /// The moving bodies with colliders, without bodies at fault.
     pub(crate) starts: &'a [Start],
     /// True if a static body or its colliders may have changed since the last step.

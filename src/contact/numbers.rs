@@ -82,6 +82,12 @@ impl Numbers {
         self.first.get(slot as usize).copied().unwrap_or(slot)
     }
 
+    /// The number of an outline.
+    #[inline(always)]
+    pub(super) fn number(&self, outline: OutlineId) -> u32 {
+        self.first(outline.slot) + outline.part
+    }
+
     /// The numbers of a slot.
     pub(super) fn of(&self, slot: u32) -> Range<u32> {
         let end = if self.is_simple() { slot + 1 } else { self.end(slot as usize) };

@@ -6,8 +6,9 @@
 
 use alloc::vec::Vec;
 
-use super::engine::Engine;
-use super::flights::FlightOf;
+use super::flights::{FlightKind, Flights, PairSide};
+use super::narrow::Narrow;
+use super::resting::Resting;
 use super::{ContactSet, Disturbed, MARGIN, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
@@ -81,80 +82,95 @@ fn passes(before: Option<bool>, separation: Fx, is_facing: bool) -> bool {
     }
 }
 
-impl Engine {
+/// The answers of one-way colliders in a step.
+#[derive(Debug, Default)]
+pub(super) struct OneWay {
+    pub(super) answers: Vec<PassRecord>,
+    nearby_manifolds: Vec<NearbyManifold>,
+}
+
+impl OneWay {
     /// Leaves out the pairs of one-way colliders and of bodies that pass, and lists the answers of all one-way colliders.
     pub(super) fn leave_out_passing(
         &mut self,
         scene: &Scene<'_>,
-        contacts: &ContactSet,
+        flights: &mut Flights,
+        resting: &Resting,
+        narrow: &mut Narrow,
         disturbed: &Disturbed,
         pairs: &mut Vec<[u32; 2]>,
     ) {
-        self.passes.clear();
+        self.answers.clear();
         if !scene.colliders.any_one_way() {
             return;
         }
-        let mut manifolds = core::mem::take(&mut self.nearby_manifolds);
-        manifolds.clear();
-        for &numbers in pairs.iter() {
-            self.add_nearby_manifolds(scene, numbers, &mut manifolds);
+        self.nearby_manifolds.clear();
+        let is_one_way = |&number: &u32| {
+            let collider = scene.colliders.at(resting.numbers.outline(number).slot);
+            collider.is_some_and(|collider| collider.side.is_some())
+        };
+        for &numbers in pairs.iter().filter(|numbers| numbers.iter().any(is_one_way)) {
+            let sides = numbers.map(|number| flights.side(scene, &resting.numbers, number));
+            if let [Some(first), Some(second)] = &sides {
+                self.add_nearby_manifolds(scene, flights, resting, narrow, [first, second]);
+            }
         }
-        manifolds.sort_unstable_by_key(|manifold| manifold.place);
-        for group in manifolds.chunk_by(|a, b| a.place == b.place) {
+        self.nearby_manifolds.sort_unstable_by_key(|manifold| manifold.place);
+        for group in self.nearby_manifolds.chunk_by(|a, b| a.place == b.place) {
             let separation = group.iter().fold(group[0].separation, |min, manifold| manifold.separation.min(min));
             let mut nearest = group.iter().filter(|manifold| manifold.separation == separation);
             let is_facing = nearest.all(|manifold| manifold.is_facing);
             let place = group[0].place;
-            self.passes.push(PassRecord::new(place, passes(contacts.passes_at(place), separation, is_facing)));
+            let passes = passes(scene.contacts.passes_at(place), separation, is_facing);
+            self.answers.push(PassRecord::new(place, passes));
         }
-        self.nearby_manifolds = manifolds;
-        let unchanged = contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
-        self.passes.extend(unchanged);
-        self.passes.sort_unstable_by_key(PassRecord::place);
+        let unchanged = scene.contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
+        self.answers.extend(unchanged);
+        self.answers.sort_unstable_by_key(PassRecord::place);
         pairs.retain(|&numbers| {
-            let [a, b] = numbers.map(|number| self.resting.numbers.outline(number));
+            let [a, b] = numbers.map(|number| resting.numbers.outline(number));
             let body = |outline: OutlineId| scene.colliders.at(outline.slot).map(|collider| collider.body.slot);
             let passes = |outline, visitor| {
                 let place = body(visitor).map(|body| (outline, body));
-                place.and_then(|place| answer(&self.passes, place)) == Some(true)
+                place.and_then(|place| answer(&self.answers, place)) == Some(true)
             };
             !passes(a, b) && !passes(b, a)
         });
     }
 
     /// Returns true if an outline of a one-way collider holds the body in a slot in this step.
-    pub(super) fn is_held(&self, outline: OutlineId, body: u32) -> bool {
-        answer(&self.passes, (outline, body)) == Some(false)
+    pub(super) fn holds(&self, outline: OutlineId, body: u32) -> bool {
+        answer(&self.answers, (outline, body)) == Some(false)
     }
 
     /// Adds the manifold of a pair, once for each of its colliders that is one-way.
-    fn add_nearby_manifolds(&mut self, scene: &Scene<'_>, numbers: [u32; 2], manifolds: &mut Vec<NearbyManifold>) {
-        let pair = numbers.map(|number| self.resting.numbers.outline(number));
-        let [Some(a), Some(b)] = pair.map(|outline| scene.colliders.at(outline.slot)) else { return };
-        let colliders = [a, b];
-        if colliders.iter().all(|collider| collider.side.is_none()) {
-            return;
-        }
-        let ends = colliders.map(|collider| self.flights.of(scene, collider.body.slot));
-        let kinds = ends.map(|flight| self.flights.body(flight).kind);
-        let any_moves = kinds.iter().any(|kind| matches!(kind, FlightOf::Dynamic | FlightOf::Kinematic));
-        let any_sleeps = kinds.contains(&FlightOf::Asleep);
-        if !any_sleeps && !kinds.contains(&FlightOf::Dynamic) {
+    fn add_nearby_manifolds(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        narrow: &mut Narrow,
+        pair: [&PairSide<'_>; 2],
+    ) {
+        let kinds = pair.map(|side| side.kind);
+        let any_moves = kinds.iter().any(|kind| matches!(kind, FlightKind::Dynamic | FlightKind::Kinematic));
+        let any_sleeps = kinds.contains(&FlightKind::Asleep);
+        if !any_sleeps && !kinds.contains(&FlightKind::Dynamic) {
             return;
         }
         // Pairs that stand still keep their answers: see `is_still`.
-        let both_sleep = kinds == [FlightOf::Asleep; 2];
+        let both_sleep = kinds == [FlightKind::Asleep; 2];
         if !any_moves && (both_sleep || !scene.may_have_moved_statics) {
             return;
         }
-        let Some(manifold) = self.start_manifold(scene, numbers, pair) else { return };
+        let Some(manifold) = narrow.start_manifold(scene, flights, resting, pair) else { return };
         for side in 0..2 {
-            if let Some(holds) = colliders[side].side {
-                let pose = self.flights.start_pose(scene, ends[side]);
-                let pose = pose.unwrap_or(self.flights.body(ends[side]).pose);
+            if let Some(holds) = pair[side].collider.side {
+                let flight = pair[side].flight;
+                let pose = flights.start_pose(scene, flight).unwrap_or(flights.body(flight).pose);
                 let cosine = manifold.cosine_with(pose.turned(holds.direction));
-                manifolds.push(NearbyManifold {
-                    place: (pair[side], colliders[1 - side].body.slot),
+                self.nearby_manifolds.push(NearbyManifold {
+                    place: (pair[side].id, pair[1 - side].collider.body.slot),
                     separation: manifold.least_separation(),
                     is_facing: if side == 0 { cosine >= holds.cosine } else { -cosine >= holds.cosine },
                 });

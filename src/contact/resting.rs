@@ -9,7 +9,7 @@ use super::flights::pose;
 use super::numbers::Numbers;
 use super::passes::is_disturbed;
 use super::reach;
-use super::{Changed, ContactSet, Scene, pair_limits};
+use super::{Changed, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{Boxes, PairLimits, Proxy, Standing, Statics};
 use crate::collider::{Collider, ColliderSet};
@@ -366,13 +366,7 @@ impl Resting {
 
     /// Adds the disturbed pairs of a sleeping and a static collider. Where the answer of a one-way collider for a body is disturbed, it adds
     /// the pairs with all colliders of the body, since the answer follows from all of them.
-    pub(super) fn pair_disturbed(
-        &self,
-        scene: &Scene<'_>,
-        contacts: &ContactSet,
-        disturbed: &Disturbed,
-        pairs: &mut Vec<[u32; 2]>,
-    ) {
+    pub(super) fn pair_disturbed(&self, scene: &Scene<'_>, disturbed: &Disturbed, pairs: &mut Vec<[u32; 2]>) {
         let Some(Trees { statics, sleepers, .. }) = &self.trees else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
             return;
@@ -393,9 +387,9 @@ impl Resting {
             for (proxy, tree) in disturbed.numbers.iter().copied().filter_map(sides) {
                 tree.meeting(proxy, |partner| add(proxy, partner));
             }
-            for record in contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
+            for record in scene.contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
                 let (outline, body) = record.place();
-                if let Some((proxy, tree)) = sides(self.numbers.first(outline.slot) + outline.part) {
+                if let Some((proxy, tree)) = sides(self.numbers.number(outline)) {
                     tree.meeting(proxy, |partner| partner.body != body || add(proxy, partner));
                 }
             }

@@ -6,7 +6,7 @@
 use alloc::vec::Vec;
 use core::ops::{Range, RangeInclusive};
 
-use super::{ContactRecord, ContactSet, Scene};
+use super::{ContactRecord, Scene};
 use crate::body::BodyKind;
 use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
@@ -62,12 +62,11 @@ impl Unions {
     pub(super) fn find(
         &mut self,
         scene: &Scene<'_>,
-        contacts: &ContactSet,
         union: Union,
         outline: OutlineId,
         corners: RangeInclusive<u32>,
     ) -> Range<usize> {
-        self.list(scene, contacts);
+        self.list(scene);
         let key = |&(union, outline, corner, _): &(Union, OutlineId, u32, u32)| (union, outline, corner);
         let first = (union, outline, *corners.start());
         let last = (union, outline, *corners.end());
@@ -77,12 +76,12 @@ impl Unions {
     }
 
     /// Lists the records when they are first asked for.
-    fn list(&mut self, scene: &Scene<'_>, contacts: &ContactSet) {
+    fn list(&mut self, scene: &Scene<'_>) {
         if self.is_listed {
             return;
         }
         self.is_listed = true;
-        for (i, record) in (0..).zip(&contacts.records).filter(|(_, record)| !record.is_slack()) {
+        for (i, record) in (0..).zip(&scene.contacts.records).filter(|(_, record)| !record.is_slack()) {
             let pair = record.pair();
             for side in 0..2 {
                 let collider = scene.colliders.at(pair[side].slot);
@@ -96,9 +95,11 @@ impl Unions {
         self.records.dedup();
     }
 
-    /// The index of a record.
-    pub(super) fn record(&self, i: usize) -> usize {
-        self.records[i].3 as usize
+    /// A record that was found, with this outline on this side: a body may be the first of its pair with one tile, and the second of its
+    /// pair with the next tile.
+    pub(super) fn record(&self, scene: &Scene<'_>, i: usize, side: usize, outline: OutlineId) -> ContactRecord {
+        let record = scene.contacts.records[self.records[i].3 as usize];
+        if record.pair()[side] == outline { record } else { record.swapped() }
     }
 }
 

@@ -17,7 +17,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 use core::slice::from_ref;
 
-use super::engine::Engine;
+use super::pipeline::Pipeline;
 use super::sweep::{Paths, around, form, resting};
 use super::{ContactBodies, pair_limits};
 use crate::body::{Activity, BodyKind};
@@ -104,7 +104,7 @@ pub(crate) struct Sensors {
 struct View<'a> {
     bodies: &'a dyn ContactBodies,
     colliders: &'a ColliderSet,
-    engine: &'a Engine,
+    pipeline: &'a Pipeline,
     paths: &'a [BodyPath],
 }
 
@@ -176,13 +176,13 @@ impl View<'_> {
     /// box of each is tested.
     fn standing(&self, sensor: &PlacedOutline, proxy: &Proxy, mut visit: impl FnMut(OutlineId, bool) -> bool) {
         let mut goes_on = true;
-        let sleepers = self.engine.sleepers(self.colliders);
-        let statics = self.engine.statics(self.colliders);
+        let sleepers = self.pipeline.sleepers(self.colliders);
+        let statics = self.pipeline.statics(self.colliders);
         let statics = statics.map(|statics| &**statics).filter(|_| sensor.kind != BodyKind::Static);
         for (tree, state) in [(sleepers, Activity::Asleep), (statics, Activity::Awake)] {
             let Some(tree) = tree.filter(|tree| goes_on && !tree.is_empty()) else { continue };
             tree.touching(proxy, |visitor, may_meet| {
-                let outline = self.engine.outline(visitor.collider);
+                let outline = self.pipeline.outline(visitor.collider);
                 let collider = self.colliders.at(outline.slot).filter(|_| may_meet);
                 let parts = outline.part..outline.part + 1;
                 let mut placed = collider.into_iter().flat_map(|collider| self.outlines(collider, parts.clone()));
@@ -213,17 +213,17 @@ impl Sensors {
         }
     }
 
-    /// Keeps the paths of fast bodies. `engine` ended them, and `paths` has the bodies then.
-    pub(crate) fn follow(&mut self, paths: &Paths<'_>, engine: &Engine) {
+    /// Keeps the paths of fast bodies. `pipeline` ended them, and `paths` has the bodies then.
+    pub(crate) fn follow(&mut self, paths: &Paths<'_>, pipeline: &Pipeline) {
         self.list_sensors(paths.scene.colliders);
         self.paths.clear();
         if self.slots.is_empty() {
             return;
         }
-        engine.each_fast_path(paths, |slot, path| self.paths.push((slot, path)));
+        pipeline.each_fast_path(paths, |slot, path| self.paths.push((slot, path)));
         for &slot in &self.slots {
             let Some(sensor) = paths.scene.colliders.at(slot) else { continue };
-            let path = engine.path_if_fast(paths, sensor);
+            let path = pipeline.path_if_fast(paths, sensor);
             self.paths.extend(path.map(|path| (sensor.body.slot, path)));
         }
         // Paths of one body are the same.
@@ -231,12 +231,12 @@ impl Sensors {
         self.paths.dedup_by_key(|(slot, _)| *slot);
     }
 
-    /// Finds all overlaps of sensors; `engine` found the contacts of the step, in which the bodies of `fell_asleep` did so.
+    /// Finds all overlaps of sensors; `pipeline` found the contacts of the step, in which the bodies of `fell_asleep` did so.
     pub(crate) fn find(
         &mut self,
         bodies: &dyn ContactBodies,
         colliders: &ColliderSet,
-        engine: &Engine,
+        pipeline: &Pipeline,
         fell_asleep: &[BodyId],
         settings: &ContactSettings,
     ) {
@@ -244,7 +244,7 @@ impl Sensors {
         self.overlaps.clear();
         self.crossed.clear();
         let paths = core::mem::take(&mut self.paths);
-        self.find_all(&View { bodies, colliders, engine, paths: &paths }, fell_asleep, settings);
+        self.find_all(&View { bodies, colliders, pipeline, paths: &paths }, fell_asleep, settings);
         self.paths = paths;
     }
 

@@ -1,5 +1,8 @@
 //! Two surfaces that touch, as the solver takes them.
 
+use super::Scene;
+use super::flights::PairSide;
+use super::seams::rolling_radius;
 use crate::collide::{Manifold, ManifoldPoint};
 use crate::collider::MaterialPair;
 use crate::fx::Fx;
@@ -10,14 +13,32 @@ use crate::solve::{Contact, Impulses, Point};
 /// The parameters of a contact of two surfaces.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Surfaces {
-    pub(super) coefficients: MaterialPair,
+    coefficients: MaterialPair,
     /// The radius at which one rolls on the other, m; zero if neither is round there.
-    pub(super) rolling_radius: Fx,
+    rolling_radius: Fx,
     /// The velocity of the second one against the first one along the tangent, m/s.
-    pub(super) speed: Fx,
+    speed: Fx,
 }
 
 impl Surfaces {
+    /// The surfaces of a pair of outlines with a manifold.
+    #[inline(always)]
+    pub(super) fn new(scene: &Scene<'_>, pair: [&PairSide<'_>; 2], manifold: &Manifold) -> Self {
+        let materials = pair.map(|side| &side.collider.def.material);
+        let defined = if scene.colliders.material_pairs().is_empty() {
+            None
+        } else {
+            scene.colliders.material_pair(materials.map(|material| material.id)).copied()
+        };
+        let coefficients = defined.unwrap_or_else(|| materials[0].mixed(materials[1]));
+        let rolling_radius = if manifold.count == 1 && coefficients.rolling_resistance > Fx::ZERO {
+            rolling_radius(manifold.features()[0], pair.map(|side| side.outline().outline.radius()))
+        } else {
+            Fx::ZERO
+        };
+        Self { coefficients, rolling_radius, speed: materials[0].surface_speed_against(materials[1]) }
+    }
+
     /// The contact of two flights, with the impulses that it starts from.
     pub(super) fn contact(&self, flights: [u32; 2], manifold: &Manifold, start: Impulses) -> Contact {
         let [first, second] = &manifold.points;

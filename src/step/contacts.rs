@@ -19,7 +19,7 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Engine, Overlap, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
+    Changed, ContactSet, Correction, Detected, Overlap, Pipeline, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
     is_asleep, list_pairs,
 };
 use crate::error::Cause;
@@ -42,7 +42,7 @@ const MAX_CHANGED: usize = 4096;
 /// Memory that contacts use again.
 #[derive(Debug, Default)]
 pub(super) struct Workspace<S: Scalar> {
-    engine: Engine,
+    pipeline: Pipeline,
     solvers: Solvers<S::Solver>,
     /// The revision of the colliders at the last step; `None` if the caches below belong to other bodies.
     revision: Option<u64>,
@@ -53,7 +53,7 @@ pub(super) struct Workspace<S: Scalar> {
     changed: Changed,
     /// True if `changed` has all changes.
     are_all_changed: bool,
-    /// True if the engine holds the contacts of this step.
+    /// True if the pipeline holds the contacts of this step.
     is_detected: bool,
     starts: Vec<Start<S>>,
     /// The starts in fixed point; empty in a world of `Fx`.
@@ -98,6 +98,7 @@ fn leaves_range<S: Scalar>(bodies: &Bodies<S>, dense: usize, findings: &mut Find
 fn scene<'a, S: Scalar>(
     bodies: &'a Bodies<S>,
     colliders: &'a ColliderSet<S>,
+    contacts: &'a ContactSet,
     starts: &'a [Start],
     settings: &'a ContactSettings,
     time_step: TimeStep,
@@ -106,6 +107,7 @@ fn scene<'a, S: Scalar>(
     Scene {
         bodies,
         colliders,
+        contacts,
         starts,
         may_have_moved_statics: false,
         changed: Some(Changed::NONE),
@@ -124,15 +126,15 @@ enum Blocked {
 }
 
 impl<S: Scalar> Workspace<S> {
-    /// The engine with the static colliders of the last step, if they stand where they did then.
+    /// The pipeline with the static colliders of the last step, if they stand where they did then.
     pub(super) fn current_statics(
         &self,
         bodies: &Bodies<S>,
         colliders: &ColliderSet<S>,
-    ) -> Option<(&Arc<Statics>, &Engine)> {
-        let statics = self.engine.statics(colliders.fixed())?;
+    ) -> Option<(&Arc<Statics>, &Pipeline)> {
+        let statics = self.pipeline.statics(colliders.fixed())?;
         // A body that is not static, and was not when the trees were last updated. A collider more or less makes another revision.
-        let was_static = |collider: &Collider<S>| statics.find(self.engine.number(collider.slot)).is_some();
+        let was_static = |collider: &Collider<S>| statics.find(self.pipeline.number(collider.slot)).is_some();
         let is_not_static = |slot: u32| {
             bodies.index_in(slot).is_none_or(|dense| bodies.info(dense).kind != BodyKind::Static)
                 && !colliders.of_slot(slot).any(was_static)
@@ -142,7 +144,7 @@ impl<S: Scalar> Workspace<S> {
             && self.revision == Some(colliders.revision())
             && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_not_static(slot))
             && bodies.changes().bodies().is_some_and(|changes| changes.iter().all(|&(slot, _)| is_not_static(slot)));
-        is_current.then_some((statics, &self.engine))
+        is_current.then_some((statics, &self.pipeline))
     }
 
     /// Drops the caches of bodies. The tree of static colliders stays: it is compared before it is used.
@@ -156,14 +158,14 @@ impl<S: Scalar> Workspace<S> {
         self.changed.clone_from(&source.changed);
         self.are_all_changed = source.are_all_changed;
         self.slots.clone_from(&source.slots);
-        self.engine.clone_cached_from(&source.engine);
+        self.pipeline.clone_cached_from(&source.pipeline);
     }
 
     /// Does without continuous collision, for tests: without the ends of paths, and without speculative contacts.
     #[cfg(feature = "selftest")]
     pub(super) fn do_without(&mut self, ends: bool, speculation: bool) {
         self.is_blind = ends;
-        self.engine.set_discrete(speculation);
+        self.pipeline.set_discrete(speculation);
     }
 
     /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
@@ -216,7 +218,7 @@ impl<S: Scalar> Workspace<S> {
         }
         let is_dynamic =
             |slot: u32| bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Dynamic);
-        self.engine.touching(contacts.colliders.fixed(), |pair, is_driven| {
+        self.pipeline.touching(contacts.colliders.fixed(), |pair, is_driven| {
             for [body, other_body] in [pair, [pair[1], pair[0]]] {
                 if is_dynamic(body) {
                     touching.push(body, other_body);
@@ -237,7 +239,7 @@ impl<S: Scalar> Workspace<S> {
         fell_asleep: &[BodyId],
         settings: &ContactSettings,
     ) {
-        self.sensors.find(bodies, colliders, &self.engine, fell_asleep, settings);
+        self.sensors.find(bodies, colliders, &self.pipeline, fell_asleep, settings);
     }
 
     /// The overlaps of sensors, sorted.
@@ -302,37 +304,37 @@ impl<S: Scalar> Step<'_, S> {
     /// added and all are solved again, up to [`ROUNDS`] times. Returns the reason why the contacts are not the contacts of the step, if
     /// there is one.
     fn solve_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) -> Option<Blocked> {
-        let Workspace { engine, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
+        let Workspace { pipeline, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
         detected.touched.clear();
         detected.crowded.clear();
         let starts = Start::all_fixed(starts, fixed_starts);
         let scene = Scene {
             may_have_moved_statics: memory.may_have_moved_statics,
             changed: memory.are_all_changed.then_some(&memory.changed),
-            ..scene(self.bodies, self.contacts.colliders, starts, settings, self.settings.time_step)
+            ..self.unchanged(starts, settings)
         };
-        engine.detect(&scene, self.contacts.contacts, detected);
+        pipeline.detect(&scene, detected);
         if !detected.touched.is_empty() {
             return Some(Blocked::Sleepers);
         }
         if !detected.crowded.is_empty() {
             return Some(Blocked::Crowded);
         }
-        engine.solve(solvers, &scene, corrections);
+        pipeline.solve(solvers, &scene, corrections);
         let mut rounds = 0;
-        while rounds < ROUNDS && engine.add_deflected(&scene, corrections, detected) {
-            engine.solve_again(solvers, &scene, corrections);
+        while rounds < ROUNDS && pipeline.add_deflected(&scene, corrections, &mut detected.touched) {
+            pipeline.solve_again(solvers, &scene, corrections);
             rounds += 1;
         }
         if rounds == ROUNDS {
-            engine.find_deflected(&scene, corrections);
+            pipeline.find_deflected(&scene, corrections);
         }
         (!detected.touched.is_empty()).then_some(Blocked::Sleepers)
     }
 
     /// Writes the contacts of the step, with their impulses, to the state, and hits to the report.
     fn list_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) {
-        let Workspace { engine, starts, fixed_starts, corrections, touching_before, .. } = memory;
+        let Workspace { pipeline, starts, fixed_starts, corrections, touching_before, .. } = memory;
         let Contacts { colliders, contacts, .. } = &mut self.contacts;
         if colliders.any_contact_events() {
             list_pairs(&contacts.records, colliders.fixed(), touching_before);
@@ -340,16 +342,16 @@ impl<S: Scalar> Step<'_, S> {
         let had_passes = !contacts.passes.is_empty();
         let excluded = contacts.excluded.len();
         if self.probe.is_some() {
-            engine.swap_starts();
-            engine.list(contacts);
+            pipeline.swap_starts();
+            pipeline.list(contacts);
             show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
-            engine.swap_starts();
+            pipeline.swap_starts();
         }
-        engine.list(contacts);
+        pipeline.list(contacts);
         if colliders.any_hit_events() {
             let starts = Start::all_fixed(starts, fixed_starts);
-            let scene = scene(self.bodies, colliders, starts, settings, self.settings.time_step);
-            engine.hits(&scene, &mut self.workspace.report.hits);
+            let scene = scene(self.bodies, colliders, contacts, starts, settings, self.settings.time_step);
+            pipeline.list_hits(&scene, &mut self.workspace.report.hits);
         }
         let has_passes = had_passes || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
         // Contacts that touched without an impulse are state that the step before does not have.
@@ -360,7 +362,8 @@ impl<S: Scalar> Step<'_, S> {
 
     /// The scene of the bodies after contacts were detected.
     fn unchanged<'a>(&'a self, starts: &'a [Start], settings: &'a ContactSettings) -> Scene<'a> {
-        scene(self.bodies, self.contacts.colliders, starts, settings, self.settings.time_step)
+        let Contacts { colliders, contacts, .. } = &self.contacts;
+        scene(self.bodies, colliders, contacts, starts, settings, self.settings.time_step)
     }
 
     /// Takes bodies with too many pairs back to the start, at fault.
@@ -402,7 +405,7 @@ impl<S: Scalar> Step<'_, S> {
             self.leave_out_faulty(memory, first_start, first_fault);
             memory.detected.touched.clear();
             let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[first_start..];
-            memory.engine.spread(&self.unchanged(starts, settings), self.contacts.contacts, &mut memory.detected);
+            memory.pipeline.spread(&self.unchanged(starts, settings), &mut memory.detected);
             if memory.detected.touched.is_empty() {
                 break;
             }

@@ -8,7 +8,7 @@ use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, ta
 use crate::body::Bodies;
 use crate::collide::broad::Statics;
 use crate::collider::ColliderSet;
-use crate::contact::{ColliderPair, ContactHit, Engine};
+use crate::contact::{ColliderPair, ContactHit, Pipeline};
 use crate::error::{Cause, Fault};
 use crate::force::FieldSet;
 use crate::island;
@@ -136,8 +136,8 @@ impl<S: Scalar> Workspace<S> {
         }
     }
 
-    /// The static colliders of the last step and the engine that numbers them, if they stand where they did then.
-    pub(crate) fn statics(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) -> Option<(&Arc<Statics>, &Engine)> {
+    /// The static colliders of the last step and the pipeline that numbers them, if they stand where they did then.
+    pub(crate) fn statics(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) -> Option<(&Arc<Statics>, &Pipeline)> {
         self.contacts.as_ref()?.current_statics(bodies, colliders)
     }
 

@@ -1,6 +1,6 @@
 //! The paths of bodies over a tick, as impulses left them.
 
-use super::super::flights::Place;
+use super::super::flights::Flights;
 use super::super::{Correction, Scene, Stop};
 use super::{Course, legs};
 use crate::body::{BodyKind, Locks};
@@ -9,7 +9,9 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator};
 use crate::shape::Aabb;
-use crate::solve::Flight;
+
+/// The least motion that counts, ulps: 2^-12 m.
+const MIN_MOTION: i64 = 1 << 20;
 
 /// The growth of boxes, ulps: more than rounding errors may take away.
 const GROWTH: i64 = 1 << 14;
@@ -23,14 +25,14 @@ pub(crate) struct Paths<'a> {
 }
 
 impl Paths<'_> {
-    /// The path of a body, in one piece.
-    pub(super) fn leg(&self, place: &Place, flight: &Flight, number: u32) -> Leg {
+    /// The path of a body that does not end early, in one piece.
+    pub(in super::super) fn leg(&self, flights: &Flights, flight: u32) -> Leg {
         let bodies = self.scene.bodies;
-        let Some(start) = self.scene.starts.get(number as usize) else {
-            let dense = bodies.index_in(place.slot).unwrap_or(0);
+        let Some(start) = self.scene.starts.get(flight as usize) else {
+            let dense = bodies.index_in(flights.body(flight).slot).unwrap_or(0);
             return legs::resting(bodies.position(dense), bodies.angle(dense));
         };
-        let correction = self.corrections.get(number as usize);
+        let correction = self.corrections.get(flight as usize);
         let mut position = bodies.position(start.dense);
         let mut angle = bodies.angle(start.dense);
         if let Some(correction) = correction.filter(|_| !self.is_corrected) {
@@ -39,7 +41,15 @@ impl Paths<'_> {
             angle = angle.turned(correction.rotation);
         }
         let rotation = correction.map(|correction| correction.rotation);
-        legs::leg(start, position, angle, flight, rotation)
+        legs::leg(start, position, angle, flights.flight(flight), rotation)
+    }
+
+    /// Returns true if a point within `reach` of the centre of a moving body moved more than a quarter of a width, both in ulps.
+    pub(super) fn is_fast(&self, flights: &Flights, flight: u32, reach: i64, width: i64) -> bool {
+        let start = &self.scene.starts[flight as usize];
+        let rotation = self.corrections.get(flight as usize).map(|correction| correction.rotation);
+        let ends = [start.position, self.scene.bodies.position(start.dense)];
+        legs::moved(ends, flights.flight(flight), rotation, reach) > (width >> 2).max(MIN_MOTION)
     }
 
     /// The pose at the end of a path that ended early.

@@ -45,10 +45,11 @@ impl<S: Scalar> Step<'_, S> {
         if memory.is_blind {
             return;
         }
-        let Workspace { engine, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
+        let Workspace { pipeline, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
         list_faulty(&self.workspace.findings.faults, at_fault);
         let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
-        engine.sweep_paths(&scene, corrections, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
+        let paths = Paths { scene: &scene, corrections, is_corrected: true };
+        pipeline.end_fast_paths(&paths, &|dense| at_fault.binary_search(&dense).is_ok(), stops);
         if !stops.is_empty() {
             self.contacts.contacts.pushed_at = self.settings.tick;
         }
@@ -96,9 +97,9 @@ impl<S: Scalar> Step<'_, S> {
     /// Keeps the paths of fast bodies for sensors.
     pub(super) fn follow_paths(&self, memory: &mut Workspace<S>, settings: &ContactSettings) {
         if self.contacts.colliders.any_sensors() {
-            let Workspace { engine, corrections, starts, fixed_starts, sensors, .. } = memory;
+            let Workspace { pipeline, corrections, starts, fixed_starts, sensors, .. } = memory;
             let scene = &self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
-            sensors.follow(&Paths { scene, corrections, is_corrected: true }, engine);
+            sensors.follow(&Paths { scene, corrections, is_corrected: true }, pipeline);
         }
     }
 }

@@ -12,7 +12,7 @@ use super::World;
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{CoreAt, CoreTree, Path, PlacedCore, Proxy, Statics};
 use crate::collider::{Collider, OutlineId};
-use crate::contact::Engine;
+use crate::contact::Pipeline;
 use crate::fx::Fx;
 use crate::query::{Core, Line, Placement, Point, beside};
 use crate::scalar::{Accumulator as _, Scalar};
@@ -68,8 +68,8 @@ pub use overlap::ClosestPoint;
 pub struct Queries<'a, S: Scalar = Fx> {
     world: &'a World<S>,
     statics: Arc<Statics>,
-    /// The engine of contacts that numbered the outlines in `statics`; without one they are in `outlines`.
-    engine: Option<&'a Engine>,
+    /// The pipeline of contacts that numbered the outlines in `statics`; without one they are in `outlines`.
+    pipeline: Option<&'a Pipeline>,
     /// The outlines of `statics` as they were when their tree was built, those that changed since, and those that may move.
     trees: [Arc<CoreTree>; 3],
     /// The outlines by the numbers that they have here.
@@ -94,14 +94,14 @@ impl<S: Scalar> World<S> {
         let mut queries = Queries {
             world: self,
             statics: Arc::default(),
-            engine: None,
+            pipeline: None,
             trees: Default::default(),
             outlines: Vec::new(),
         };
         let [base, changed] = match self.workspace.statics(&self.bodies, &self.colliders) {
-            Some((statics, engine)) => {
-                (queries.statics, queries.engine) = (Arc::clone(statics), Some(engine));
-                statics.cores(|number| self.place(engine.outline(number)))
+            Some((statics, pipeline)) => {
+                (queries.statics, queries.pipeline) = (Arc::clone(statics), Some(pipeline));
+                statics.cores(|number| self.place(pipeline.outline(number)))
             }
             None => queries.trees_of(self.colliders.list(), |kind| kind == BodyKind::Static),
         };
@@ -229,8 +229,8 @@ impl<S: Scalar> Queries<'_, S> {
     /// The outline of a number that a tree gave.
     #[inline]
     fn outline(&self, number: u32, is_static: bool) -> OutlineId {
-        match self.engine {
-            Some(engine) if is_static => engine.outline(number),
+        match self.pipeline {
+            Some(pipeline) if is_static => pipeline.outline(number),
             _ => self.outlines[number as usize],
         }
     }

@@ -1,0 +1,84 @@
+//! Contacts that are added within a step: the solver takes their islands again, from the start of the step.
+
+use alloc::vec::Vec;
+
+use super::flights::Flights;
+use super::list::ContactList;
+use super::split::{Part, Solvers};
+use super::{Correction, Scene};
+use crate::solve::{Contact, ContactSolver, Graph};
+
+/// The islands to which contacts were added within a step, and memory for solving them again.
+#[derive(Debug, Default)]
+pub(super) struct Again {
+    /// The flights of the contacts that were added last.
+    pub(super) added: Vec<u32>,
+    /// By flight: true for a body of an island with such a contact; empty before the first ones are added.
+    is_changed: Vec<bool>,
+    graph: Graph,
+    /// By island.
+    is_taken: Vec<bool>,
+    part: Part,
+}
+
+impl Again {
+    /// Solves the islands of the added contacts from the start of the step: writes impulses to the contacts, and the corrections of their
+    /// bodies. Returns the contacts that were solved.
+    pub(super) fn solve<C: ContactSolver>(
+        &mut self,
+        solvers: &mut Solvers<C>,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        contacts: &mut ContactList,
+        corrections: &mut [Correction],
+    ) -> &Part {
+        self.take_islands(flights, &contacts.solver_contacts);
+        let Self { part, is_changed, .. } = self;
+        for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
+            contact.impulses = contacts.detected[number as usize].start;
+        }
+        let changes = solvers.solve(scene.time_step, &scene.settings.into(), &part.flights, &mut part.contacts);
+        for (&number, change) in part.flight_numbers.iter().zip(changes) {
+            match corrections.get_mut(number as usize) {
+                Some(correction) if is_changed[number as usize] => *correction = Correction::from(change),
+                // A fixed body, which other islands may touch as well.
+                Some(correction) => correction.is_pushed = false,
+                None => {}
+            }
+        }
+        for (contact, &number) in part.contacts.iter().zip(&part.contact_numbers) {
+            contacts.solver_contacts[number as usize].impulses = contact.impulses;
+        }
+        part
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.added.clear();
+        self.is_changed.clear();
+    }
+
+    /// Returns true if the path of a body may be another one than before the last contacts were added.
+    pub(super) fn may_have_changed(&self, flight: u32) -> bool {
+        self.is_changed.get(flight as usize).is_none_or(|&is_changed| is_changed)
+    }
+
+    /// Copies the contacts of the islands of the added contacts; all of them where bodies follow others.
+    fn take_islands(&mut self, flights: &Flights, contacts: &[Contact]) {
+        let Self { added, is_changed, graph, is_taken, part } = self;
+        let links = contacts.iter().map(|contact| contact.bodies);
+        let all = flights.all();
+        graph.build(|body| all[body as usize].is_fixed(), all.len(), links, |_, _| {});
+        is_taken.clear();
+        is_taken.resize(graph.islands(), flights.any_followers());
+        for island in added.drain(..).filter_map(|body| graph.island_of(body)) {
+            is_taken[island as usize] = true;
+        }
+        is_changed.clear();
+        let islands = (0..all.len() as u32).map(|body| graph.island_of(body));
+        is_changed.extend(islands.map(|island| island.is_some_and(|island| is_taken[island as usize])));
+        part.take(all, contacts, |contact| contact.bodies.into_iter().any(|body| is_changed[body as usize]));
+        for index in 0..part.flights.len() {
+            part.flights[index].leader = part.flights[index].leader.and_then(|leader| part.flight(leader));
+        }
+    }
+}

@@ -1,0 +1,376 @@
+//! The narrow phase: the manifold of a pair of outlines, at the [moment](super::moment) of the step that fits the pair.
+//!
+//! Reads: the flights of the bodies, the surfaces of polygons beside each other, records of the step before. Writes: manifolds.
+
+use core::slice::from_ref;
+
+use super::body_tiles::BodyTiles;
+use super::flights::{FlightKind, Flights, PairSide};
+use super::moment::{LEVEL, SLOW, Way};
+use super::reach::{approach_bound, closing};
+use super::resting::Resting;
+use super::seams::{self, Union, Unions, corners, take_over};
+use super::stamped::Stamped;
+use super::sweep::{Paths, form};
+use super::tiles::{SLANTED, Tiles, are_joined, is_polygon};
+use super::{ContactRecord, MARGIN, Scene};
+use crate::collide::seam::Face;
+use crate::collide::sweep::{Moment, Second, Sweep};
+use crate::collide::{Cores, Manifold, Margin, Pose};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::slots::NONE;
+use crate::solve::Impulses;
+
+/// The memory of the narrow phase: outlines in world axes, each placed when it is first asked for, and surfaces of polygons.
+#[derive(Debug, Default)]
+pub(super) struct Narrow {
+    cores: Cores,
+    /// The index in `cores` of an outline at the moment of manifolds, by the number of the outline.
+    core_of: Stamped,
+    /// The same at the start of the step.
+    start_core_of: Stamped,
+    tiles: Tiles,
+    body_tiles: BodyTiles,
+    unions: Unions,
+    moment: Moment,
+    /// No contact is found ahead of time.
+    #[cfg(feature = "selftest")]
+    pub(super) is_discrete: bool,
+}
+
+/// The manifold of a pair, and the ways of its two bodies from the start of the step to the moment of the manifold.
+#[derive(Debug)]
+pub(super) struct Meeting {
+    pub(super) manifold: Manifold,
+    pub(super) ways: [Way; 2],
+}
+
+/// Returns true if one outline of a pair is a segment of a chain, and the other one pressed a segment near it in the step before: a body that
+/// rolls from segment to segment touches the next one as it touched the last one.
+fn presses_nearby(scene: &Scene<'_>, pair: [&PairSide<'_>; 2]) -> bool {
+    /// Segments on both sides.
+    const NEAR: u32 = 4;
+    let Some(side) = (0..2).find(|&side| pair[side].collider.def.shape.is_chain()) else { return false };
+    let records = &scene.contacts.records;
+    let part = pair[side].id.part;
+    (part.saturating_sub(NEAR)..=part.saturating_add(NEAR)).any(|part| {
+        let mut neighbours = pair.map(|side| side.id);
+        neighbours[side].part = part;
+        let record = records.binary_search_by_key(&neighbours, ContactRecord::pair);
+        record.is_ok_and(|index| !records[index].is_slack())
+    })
+}
+
+impl Narrow {
+    /// Forgets the outlines of the last search; `have_statics_changed` is true if the surfaces of static polygons may have changed.
+    pub(super) fn begin(&mut self, have_statics_changed: bool) {
+        self.cores.clear();
+        self.core_of.clear();
+        self.start_core_of.clear();
+        self.unions.clear();
+        if have_statics_changed {
+            self.tiles.clear();
+        }
+    }
+
+    /// Forgets the outlines of the last search at the moment of manifolds.
+    pub(super) fn forget_placed(&mut self) {
+        self.cores.clear();
+        self.core_of.clear();
+    }
+
+    /// Forgets the surfaces of static polygons.
+    pub(super) fn forget_tiles(&mut self) {
+        self.tiles.clear();
+    }
+
+    /// The index of an outline at the moment of manifolds.
+    #[inline(always)]
+    fn core(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, side: &PairSide<'_>) -> usize {
+        match self.core_of.get(side.number) {
+            NONE => {
+                let core = self.push_core(scene, flights, resting, side, &flights.body(side.flight).pose);
+                self.core_of.set(side.number, core as u32);
+                core
+            }
+            core => core as usize,
+        }
+    }
+
+    /// The index of an outline at the start of the step.
+    fn start_core(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, side: &PairSide<'_>) -> usize {
+        let Some(pose) = flights.start_pose(scene, side.flight) else {
+            return self.core(scene, flights, resting, side);
+        };
+        match self.start_core_of.get(side.number) {
+            NONE => {
+                let core = self.push_core(scene, flights, resting, side, &pose);
+                self.start_core_of.set(side.number, core as u32);
+                core
+            }
+            core => core as usize,
+        }
+    }
+
+    /// Places an outline at a pose of its body, and gives a polygon its surface.
+    fn push_core(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        side: &PairSide<'_>,
+        pose: &Pose,
+    ) -> usize {
+        let outline = side.outline();
+        let core = self.cores.push(&outline.outline, pose);
+        if !is_polygon(&outline) {
+            return core;
+        }
+        if side.kind == FlightKind::Static {
+            let statics = resting.trees.as_ref().map(|trees| &trees.statics);
+            let tiles = &mut self.tiles;
+            let faces =
+                statics.and_then(|statics| tiles.find(scene, statics, &resting.numbers, side.number, &outline, pose));
+            if let Some(faces) = faces {
+                self.cores.set_faces(faces.iter().copied());
+            }
+        } else if side.collider.has_others() {
+            let body = flights.body(side.flight).slot;
+            if let Some(faces) = self.body_tiles.find(scene.colliders, body, side.id) {
+                self.cores.set_faces(faces.iter().map(|face| face.turned(pose)));
+            }
+        }
+        core
+    }
+
+    /// The surface of an outline that was placed; none if the outline stands alone.
+    pub(super) fn faces(&self, scene: &Scene<'_>, side: &PairSide<'_>) -> &[Face] {
+        let surface = match side.kind {
+            FlightKind::Static => self.tiles.surface(side.number),
+            _ if side.collider.has_others() => {
+                self.body_tiles.surface(scene.colliders, side.collider.body.slot, side.id)
+            }
+            _ => None,
+        };
+        surface.unwrap_or_default()
+    }
+
+    /// The largest distance of two outlines at which they have a manifold.
+    #[inline(always)]
+    fn margin(&self, flights: &Flights, pair: [&PairSide<'_>; 2]) -> Margin {
+        #[cfg(feature = "selftest")]
+        if self.is_discrete {
+            return MARGIN.into();
+        }
+        closing(pair.map(|side| flights.flight(side.flight)), pair.map(PairSide::radius))
+    }
+
+    /// The manifold of a pair at the start of the step.
+    pub(super) fn start_manifold(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+    ) -> Option<Manifold> {
+        let cores = pair.map(|side| self.start_core(scene, flights, resting, side));
+        self.cores.collide(cores[0], cores[1], self.margin(flights, pair))
+    }
+
+    /// The manifold of a pair at the moment of manifolds of bodies that press each other.
+    #[inline(always)]
+    pub(super) fn mean_manifold(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+    ) -> Option<Manifold> {
+        let first = self.core(scene, flights, resting, pair[0]);
+        let second = self.core(scene, flights, resting, pair[1]);
+        self.cores.collide(first, second, self.margin(flights, pair))
+    }
+
+    /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all
+    /// directions out tie, such as two discs with one centre: the shift tells these from outlines that are apart. The four shifts are their
+    /// own mirror image.
+    pub(super) fn are_near(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+    ) -> bool {
+        /// 2^-10 m
+        const SHIFT: Fx = Fx::from_bits(1 << 22);
+        if self.mean_manifold(scene, flights, resting, pair).is_some() {
+            return true;
+        }
+        let second_core = self.core(scene, flights, resting, pair[1]);
+        let outline = pair[0].outline();
+        let pose = flights.body(pair[0].flight).pose;
+        let margin = self.margin(flights, pair);
+        let shifts = [(SHIFT, Fx::ZERO), (-SHIFT, Fx::ZERO), (Fx::ZERO, SHIFT), (Fx::ZERO, -SHIFT)];
+        shifts.into_iter().any(|(x, y)| {
+            let first_core = self.cores.push(&outline.outline, &pose.shifted(Vec2::new(x, y)));
+            self.cores.collide(first_core, second_core, margin).is_some()
+        })
+    }
+
+    /// Finds where the outlines of a pair meet; `None` if they do not meet in the step. `pressed` is true if they pressed each other in the
+    /// step before.
+    #[inline(always)]
+    pub(super) fn meet(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+        pressed: bool,
+    ) -> Option<Meeting> {
+        let bound = approach_bound(pair.map(|side| flights.flight(side.flight)), pair.map(PairSide::radius));
+        let sleeps = pair[0].kind == FlightKind::Asleep || pair[1].kind == FlightKind::Asleep;
+        let is_asked = !pressed && (bound > SLOW || bound > 0 && sleeps);
+        #[cfg(feature = "selftest")]
+        let is_asked = is_asked && !self.is_discrete;
+        let ways = pair.map(|side| flights.body(side.flight).way);
+        if !is_asked || presses_nearby(scene, pair) {
+            let manifold = self.mean_manifold(scene, flights, resting, pair)?;
+            return Some(Meeting { manifold, ways });
+        }
+        if pair[0].may_be_tile() || pair[1].may_be_tile() {
+            if let Some(manifold) = self.mean_manifold(scene, flights, resting, pair) {
+                if self.comes_over_seams(scene, flights, resting, pair, &manifold, SLANTED) {
+                    return Some(Meeting { manifold, ways });
+                }
+            }
+        }
+        let paths = Paths { scene, corrections: &[], is_corrected: false };
+        let meeting = self.meet_on_paths(&paths, flights, resting, pair)?;
+        // A body does not meet a tile of a level surface before it arrives there.
+        let is_later = self.comes_over_seams(scene, flights, resting, pair, &meeting.manifold, LEVEL);
+        (!is_later).then_some(meeting)
+    }
+
+    /// [`meet`](Self::meet) for the moment at which these paths meet.
+    pub(super) fn meet_on_paths(
+        &mut self,
+        paths: &Paths<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+    ) -> Option<Meeting> {
+        let legs = pair.map(|side| paths.leg(flights, side.flight));
+        let outlines = pair.map(PairSide::outline);
+        let reach = outlines[0].radius.saturating_add(outlines[1].radius);
+        if legs[0].stays_apart(&legs[1], reach.to_bits()) {
+            return None;
+        }
+        let forms = [form(pair[0].collider, &outlines[0]), form(pair[1].collider, &outlines[1])];
+        let pieces = [from_ref(&legs[0]), from_ref(&legs[1])];
+        let sweep = Sweep { forms: [&forms[0], &forms[1]], paths: pieces, second: Second::GivesWay };
+        let moment = sweep.first_touch(&mut self.moment)?;
+        let mut cores = [0; 2];
+        for side in 0..2 {
+            cores[side] = if legs[side].moves() {
+                let (centre, angle) = legs[side].pose(moment);
+                let pose = Pose::new(Vec2::new(Fx::from_bits(centre[0]), Fx::from_bits(centre[1])), angle);
+                self.push_core(paths.scene, flights, resting, pair[side], &pose)
+            } else {
+                self.core(paths.scene, flights, resting, pair[side])
+            };
+        }
+        let ways = pair.map(|side| Way::along(&flights.deflected(side.flight), moment));
+        let manifold = self.cores.collide(cores[0], cores[1], MARGIN.into())?;
+        Some(Meeting { manifold, ways })
+    }
+
+    /// Returns true if an outline of a pair pressed a tile beside the other one in the step before, and the surface goes on from tile to
+    /// tile where they touch, at an angle of up to this cosine: a body that slides from tile to tile touches the next one as it touched the
+    /// last one.
+    fn comes_over_seams(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+        manifold: &Manifold,
+        cosine: i64,
+    ) -> bool {
+        let features = (manifold.features(), manifold.count);
+        for side in 0..2 {
+            if self.faces(scene, pair[side]).is_empty() {
+                continue;
+            }
+            let Some(union) = Union::of(scene, pair[side].collider) else { continue };
+            for i in self.unions.find(scene, union, pair[1 - side].id, 0..=u32::MAX) {
+                let record = self.unions.record(scene, i, 1 - side, pair[1 - side].id);
+                let Some(tile_before) =
+                    flights.side(scene, &resting.numbers, resting.numbers.number(record.pair()[side]))
+                else {
+                    continue;
+                };
+                let mut pair_before = pair;
+                pair_before[side] = &tile_before;
+                // The surface of a tile is known once the tile is placed.
+                _ = self.mean_manifold(scene, flights, resting, pair_before);
+                let faces = [self.faces(scene, pair[side]), self.faces(scene, &tile_before)];
+                if are_joined(faces, side, features, &record, cosine) {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// For a contact with a segment of a chain, or with a polygon among others: adds the impulses that its points had with other segments or
+    /// polygons to the impulses that it starts from. The surface is at this side of the pair.
+    #[cold]
+    pub(super) fn start_over_seams(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+        side: usize,
+        manifold: &Manifold,
+        start: &mut Impulses,
+    ) {
+        let features = (manifold.features(), manifold.count);
+        let body_side = 1 - side;
+        let Some(union) = Union::of(scene, pair[side].collider) else { return };
+        let mut terms = core::mem::take(&mut self.unions.terms);
+        terms.clear();
+        let mut first_corner = None;
+        for corner in corners(features, body_side) {
+            for i in self.unions.find(scene, union, pair[body_side].id, corner..=corner) {
+                let record = self.unions.record(scene, i, body_side, pair[body_side].id);
+                let outline_before = record.pair()[side];
+                let mut record_corners = corners((record.features(), record.count()), body_side);
+                let is_repeated = first_corner.is_some_and(|first| record_corners.any(|corner| corner == first));
+                if outline_before == pair[side].id || is_repeated {
+                    continue;
+                }
+                let Some(side_before) = flights.side(scene, &resting.numbers, resting.numbers.number(outline_before))
+                else {
+                    continue;
+                };
+                let mut pair_before = pair;
+                pair_before[side] = &side_before;
+                let manifold_before = self.mean_manifold(scene, flights, resting, pair_before);
+                let is_joined = matches!(union, Union::Chain(_)) || {
+                    let faces = [self.faces(scene, pair[side]), self.faces(scene, &side_before)];
+                    are_joined(faces, side, features, &record, SLANTED)
+                };
+                if is_joined {
+                    let record_features = manifold_before.map(|manifold| (manifold.features(), manifold.count));
+                    take_over(&mut terms, features, &record, record_features, body_side);
+                }
+            }
+            first_corner = Some(corner);
+        }
+        seams::add(start, &terms);
+        self.unions.terms = terms;
+    }
+}

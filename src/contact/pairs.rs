@@ -1,0 +1,108 @@
+//! Pairs of outlines whose boxes overlap over a step.
+//!
+//! Reads: the flights of moving bodies, the trees of colliders at rest. Writes: pairs of outline numbers, sorted, the lower number of each
+//! first.
+
+use alloc::vec::Vec;
+
+use super::flights::Flights;
+use super::reach::swept;
+use super::resting::{Resting, Trees};
+use super::{Scene, pair_limits, sorted};
+use crate::body::Activity;
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing};
+use crate::slots::BodyId;
+
+/// The pairs of moving outlines, and the broad phase that finds them.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    broad: BroadPhase,
+    /// The boxes of moving outlines over the step.
+    movers: Vec<Proxy>,
+}
+
+/// Returns true for a body that is asleep.
+fn sleeps(scene: &Scene<'_>, body: BodyId) -> bool {
+    scene.bodies.index_of(body).is_some_and(|dense| scene.bodies.activity(dense) == Activity::Asleep)
+}
+
+impl Pairs {
+    /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
+    /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
+    pub(super) fn find(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting) {
+        self.place_movers(scene, flights, resting);
+        let Some(trees) = &resting.trees else { return };
+        let limits = pair_limits(scene.settings, scene.colliders);
+        let overlaps = limits.overlaps.saturating_sub(trees.counts.overlaps);
+        self.broad.update(&trees.standing(), &self.movers, &PairLimits { overlaps, ..limits });
+        let are_above = self.broad.pairs().len().saturating_add(trees.counts.pairs) > limits.pairs;
+        if !trees.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
+            self.movers.extend(trees.sleepers.iter());
+            // No real version has this number, so that the broad phase drops its cache of sleepers.
+            let standing = Standing { version: u64::MAX, ..Standing::of(&trees.statics) };
+            self.broad.update(&standing, &self.movers, &limits);
+        }
+    }
+
+    /// Lists the boxes of moving colliders over the step.
+    fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting) {
+        self.movers.clear();
+        for flight in 0..flights.len() as u32 {
+            let body = flights.body(flight);
+            for collider in scene.colliders.solid_of_slot(body.slot) {
+                let first = resting.numbers.first(collider.slot);
+                for part in 0..collider.outline_count() {
+                    let bounds = swept(&collider.outline(part), &body.pose, flights.flight(flight));
+                    let filter = collider.def.filter;
+                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter, digest: 0 });
+                }
+            }
+        }
+    }
+
+    /// The outlines of colliders with too many pairs, by number, sorted.
+    pub(super) fn crowded(&self) -> &[u32] {
+        self.broad.above_cap()
+    }
+
+    /// The pairs, to be gone through while something else changes; [`put_back`](Self::put_back) gives the list back.
+    pub(super) fn take(&mut self) -> Vec<[u32; 2]> {
+        self.broad.take_pairs()
+    }
+
+    pub(super) fn put_back(&mut self, pairs: Vec<[u32; 2]>) {
+        self.broad.return_pairs(pairs);
+    }
+
+    /// The pairs of moving and sleeping outlines, without pairs of excluded bodies; [`put_back`](Self::put_back) gives the list back.
+    pub(super) fn take_with_sleepers(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+    ) -> Vec<[u32; 2]> {
+        self.place_movers(scene, flights, resting);
+        let mut pairs = self.broad.take_pairs();
+        pairs.clear();
+        let Some(Trees { sleepers, .. }) = &resting.trees else { return pairs };
+        let body = |number: u32| scene.colliders.at(resting.numbers.outline(number).slot).map(|collider| collider.body);
+        for mover in &self.movers {
+            sleepers.meeting(mover, |sleeper| {
+                // The tree still has the colliders of bodies that woke since it was made.
+                let sleeping_body = body(sleeper.collider).filter(|&body| sleeps(scene, body));
+                let bodies = body(mover.collider).zip(sleeping_body);
+                if bodies.is_some_and(|(a, b)| scene.contacts.find_excluded(sorted(a, b)).is_err()) {
+                    pairs.push([mover.collider.min(sleeper.collider), mover.collider.max(sleeper.collider)]);
+                }
+                true
+            });
+        }
+        pairs.sort_unstable();
+        pairs
+    }
+
+    /// Adds the sleeping bodies of a pair of outlines to a list.
+    pub(super) fn add_sleepers(scene: &Scene<'_>, bodies: [BodyId; 2], list: &mut Vec<BodyId>) {
+        list.extend(bodies.into_iter().filter(|&body| sleeps(scene, body)));
+    }
+}

@@ -1,0 +1,365 @@
+//! The contacts of a step: from the free flights of bodies to impulses.
+//!
+//! Reads: bodies at the end of their free flight, colliders, the contacts of the step before. Writes: contacts with their impulses, the
+//! changes of bodies by impulses, the ends of fast paths.
+//!
+//! The parts are arguments of each other, in the order of a step: `flights`, `resting`, `pairs`, `rules`, `narrow`, `contacts`, `again` and
+//! `sweeps`. Each has the memory of its own work, and none keeps another one.
+
+use alloc::sync::Arc;
+use alloc::vec::Vec;
+
+use super::again::Again;
+use super::deflected::list_deflected;
+use super::events::{find_touches, list_hits, read_totals};
+use super::flights::{FlightKind, Flights, PairSide};
+use super::list::ContactList;
+use super::narrow::Narrow;
+use super::pairs::Pairs;
+use super::resting::Resting;
+use super::rules::Rules;
+use super::split::{Part, Solvers};
+use super::sweep::{Paths, Sweeps};
+use super::{ContactHit, ContactRecord, ContactSet, Correction, Detected, Scene, Stop};
+use crate::collide::broad::Statics;
+use crate::collide::sweep::Path;
+use crate::collider::{Collider, ColliderSet, OutlineId};
+use crate::fx::Fx;
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+use crate::solve::{ContactSolver, Impulses};
+
+/// The search for the contacts of a world, and its memory. No result depends on earlier steps through it.
+#[derive(Debug, Default)]
+pub(crate) struct Pipeline {
+    flights: Flights,
+    resting: Resting,
+    pairs: Pairs,
+    rules: Rules,
+    narrow: Narrow,
+    contacts: ContactList,
+    again: Again,
+    sweeps: Sweeps,
+}
+
+impl Pipeline {
+    /// Finds the contacts at the start poses, with the impulses that they start from. Adds to `touched` the sleeping bodies that a
+    /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs.
+    /// If there are any, the contacts are incomplete: the step wakes or quarantines the bodies and calls this again.
+    pub(crate) fn detect(&mut self, scene: &Scene<'_>, detected: &mut Detected) {
+        let Self { flights, resting, pairs, rules, narrow, contacts, again, sweeps } = self;
+        contacts.clear();
+        again.clear();
+        sweeps.deflected.clear();
+        flights.begin(scene);
+        narrow.begin(resting.update(scene, &mut detected.disturbed));
+        pairs.find(scene, flights, resting);
+        list_crowded(scene, resting, pairs.crowded(), detected);
+        if !detected.crowded.is_empty() || !detected.touched.is_empty() {
+            return;
+        }
+        let mut list = pairs.take();
+        resting.pair_disturbed(scene, &detected.disturbed, &mut list);
+        rules.filter(scene, flights, resting, narrow, &detected.disturbed, &mut list);
+        let mut next_record = 0;
+        let mut first: Option<PairSide<'_>> = None;
+        for &[first_number, second_number] in &list {
+            // Pairs are sorted: most have the same first outline as the pair before.
+            if first.as_ref().is_none_or(|side| side.number != first_number) {
+                first = self.flights.side(scene, &self.resting.numbers, first_number);
+            }
+            let second = self.flights.side(scene, &self.resting.numbers, second_number);
+            if let (Some(first), Some(second)) = (&first, &second) {
+                self.detect_pair(scene, [first, second], &mut next_record, &mut detected.touched);
+            }
+        }
+        self.pairs.put_back(list);
+    }
+
+    /// Adds the contact of a pair, if it has one, or the sleeping bodies that the pair wakes. `next_record` is the first record of the step
+    /// before that no earlier pair has passed.
+    #[inline(always)]
+    fn detect_pair(
+        &mut self,
+        scene: &Scene<'_>,
+        pair: [&PairSide<'_>; 2],
+        next_record: &mut usize,
+        touched: &mut Vec<BodyId>,
+    ) {
+        let Self { flights, resting, narrow, contacts, .. } = self;
+        let kinds = pair.map(|side| side.kind);
+        if !kinds.contains(&FlightKind::Dynamic) && !kinds.contains(&FlightKind::Asleep) {
+            return;
+        }
+        let record = find_record(scene, resting, pair, next_record);
+        let are_asleep = !kinds.iter().any(|kind| matches!(kind, FlightKind::Dynamic | FlightKind::Kinematic));
+        if are_asleep && (kinds == [FlightKind::Asleep; 2] || !scene.may_have_moved_statics) {
+            return;
+        }
+        let pressed = record.is_some_and(|record| !record.is_slack());
+        let Some(meeting) = narrow.meet(scene, flights, resting, pair, pressed) else { return };
+        let manifold = &meeting.manifold;
+        if kinds.contains(&FlightKind::Asleep) {
+            // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
+            // asleep in this contact sleeps on. A body that nothing moves would fall asleep again after each wake, and sleeps on too.
+            if !are_asleep
+                || manifold.is_pressed() && !scene.contacts.are_asleep_on_each_other(pair.map(|side| side.id))
+            {
+                let asleep = pair.into_iter().filter(|side| side.kind == FlightKind::Asleep);
+                let woken =
+                    asleep.map(|side| side.collider).filter(|collider| !are_asleep || is_pushed(scene, collider));
+                touched.extend(woken.map(|collider| collider.body));
+            }
+            return;
+        }
+        let mut start =
+            record.map_or_else(Default::default, |record| record.start(manifold.features(), manifold.count));
+        for side in 0..2 {
+            if pair[side].collider.def.shape.is_chain()
+                || pair[side].may_be_tile() && !narrow.faces(scene, pair[side]).is_empty()
+            {
+                narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
+            }
+        }
+        contacts.push(scene, flights, pair, &meeting, start);
+    }
+
+    /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
+    /// `scene.starts` woke since contacts were detected, and nothing else has changed.
+    pub(crate) fn spread(&mut self, scene: &Scene<'_>, detected: &mut Detected) {
+        let Self { flights, resting, pairs, rules, narrow, .. } = self;
+        // Bodies with too many pairs are at fault before they touch anything.
+        if !pairs.crowded().is_empty() {
+            return;
+        }
+        narrow.forget_placed();
+        flights.begin(scene);
+        let mut list = pairs.take_with_sleepers(scene, flights, resting);
+        rules.one_way.leave_out_passing(scene, flights, resting, narrow, &detected.disturbed, &mut list);
+        for &pair in &list {
+            let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
+            let [Some(first), Some(second)] = &sides else { continue };
+            if narrow.start_manifold(scene, flights, resting, [first, second]).is_some() {
+                Pairs::add_sleepers(scene, [first.collider.body, second.collider.body], &mut detected.touched);
+            }
+        }
+        pairs.put_back(list);
+    }
+
+    /// Solves the contacts, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
+    /// impulse.
+    pub(crate) fn solve<C: ContactSolver>(
+        &mut self,
+        solvers: &mut Solvers<C>,
+        scene: &Scene<'_>,
+        corrections: &mut Vec<Correction>,
+    ) {
+        let Self { flights, contacts, .. } = self;
+        corrections.clear();
+        contacts.totals.clear();
+        contacts.touched.clear();
+        if contacts.is_empty() {
+            return;
+        }
+        let options = scene.settings.into();
+        let changes = solvers.solve(scene.time_step, &options, flights.all(), &mut contacts.solver_contacts);
+        // Moving bodies have the first flights.
+        corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
+        self.read_events(solvers, scene, None);
+        self.contacts.mark_pushing(&self.flights, corrections);
+    }
+
+    /// Adds the contacts that deflected bodies meet on the paths of these corrections, and to `touched` the sleeping bodies. Returns true if
+    /// there is a contact.
+    pub(crate) fn add_deflected(
+        &mut self,
+        scene: &Scene<'_>,
+        corrections: &[Correction],
+        touched: &mut Vec<BodyId>,
+    ) -> bool {
+        let Self { flights, resting, rules, narrow, contacts, again, sweeps, .. } = self;
+        #[cfg(feature = "selftest")]
+        if narrow.is_discrete {
+            return false;
+        }
+        let known = contacts.len();
+        list_deflected(scene, corrections, flights, again, &mut sweeps.deflected);
+        if !sweeps.deflected.is_empty() {
+            let paths = Paths { scene, corrections, is_corrected: false };
+            sweeps.fast.clone_from(&sweeps.deflected);
+            sweeps.find_pairs(&paths, flights, resting, rules, &|_| false);
+            flights.set_deflections(corrections);
+            for &pair in &sweeps.pairs {
+                let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
+                let [Some(first), Some(second)] = &sides else { continue };
+                if contacts.has([first.id, second.id], known) {
+                    continue;
+                }
+                let Some(meeting) = narrow.meet_on_paths(&paths, flights, resting, [first, second]) else { continue };
+                let count = touched.len();
+                let asleep = [first, second].into_iter().filter(|side| side.kind == FlightKind::Asleep);
+                touched.extend(asleep.map(|side| side.collider.body));
+                if touched.len() == count {
+                    contacts.push(scene, flights, [first, second], &meeting, Impulses::default());
+                }
+            }
+        }
+        if contacts.len() == known {
+            // Bodies that meet nothing on their new ways are swept as others are.
+            sweeps.deflected.clear();
+            return false;
+        }
+        again.added.extend(contacts.solver_contacts[known..].iter().flat_map(|contact| contact.bodies));
+        contacts.sort_from(known);
+        true
+    }
+
+    /// Solves the islands again that the added contacts belong to, from the start of the step.
+    pub(crate) fn solve_again<C: ContactSolver>(
+        &mut self,
+        solvers: &mut Solvers<C>,
+        scene: &Scene<'_>,
+        corrections: &mut Vec<Correction>,
+    ) {
+        let mut again = core::mem::take(&mut self.again);
+        let part = again.solve(solvers, scene, &self.flights, &mut self.contacts, corrections);
+        self.read_events(solvers, scene, Some(part));
+        self.contacts.mark_pushing(&self.flights, corrections);
+        self.again = again;
+    }
+
+    /// Lists the bodies that are deflected still after all rounds: they are swept as bullets are.
+    pub(crate) fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
+        list_deflected(scene, corrections, &self.flights, &self.again, &mut self.sweeps.deflected);
+    }
+
+    /// Reads the impulses and impacts of events from the solvers, if a collider has events. The solvers have solved all contacts, or the
+    /// contacts of this part.
+    fn read_events<C: ContactSolver>(&mut self, solvers: &Solvers<C>, scene: &Scene<'_>, part: Option<&Part>) {
+        let Self { flights, resting, narrow, contacts, .. } = self;
+        if scene.colliders.any_contact_events() || scene.colliders.any_hit_events() {
+            read_totals(contacts, solvers, part);
+            find_touches(contacts, scene, flights, resting, narrow);
+        }
+    }
+
+    /// Lists the contacts with impulses: before [`solve`](Self::solve) with the impulses that they start from, and after it also the
+    /// contacts that touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
+    pub(crate) fn list(&self, contacts: &mut ContactSet) {
+        contacts.records.clear();
+        contacts.records.extend(self.contacts.records());
+        self.rules.list(contacts);
+    }
+
+    /// Exchanges the impulses of all contacts with the impulses that they start from.
+    pub(crate) fn swap_starts(&mut self) {
+        self.contacts.swap_starts();
+    }
+
+    /// Lists the hits of contacts that were solved.
+    pub(crate) fn list_hits<S: Scalar>(&self, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
+        list_hits(&self.contacts, scene, hits);
+    }
+
+    /// Calls `visit` with the slots of the two bodies of each contact, and true if a surface of one of them moves.
+    pub(crate) fn touching(&self, colliders: &ColliderSet, visit: impl FnMut([u32; 2], bool)) {
+        self.contacts.each_body_pair(colliders, visit);
+    }
+
+    /// Finds the bodies whose paths end before the end of the tick, lest they cross something, and their poses then. `paths` has the bodies
+    /// as impulses left them. Bodies at fault are left out.
+    pub(crate) fn end_fast_paths(
+        &mut self,
+        paths: &Paths<'_>,
+        is_faulty: &dyn Fn(usize) -> bool,
+        stops: &mut Vec<Stop>,
+    ) {
+        let Self { flights, resting, rules, sweeps, .. } = self;
+        sweeps.end_fast_paths(paths, flights, resting, rules, is_faulty, stops);
+    }
+
+    /// Visits the final paths of fast bodies, which may end early, with the slots of the bodies.
+    pub(super) fn each_fast_path(&self, paths: &Paths<'_>, visit: impl FnMut(u32, Path)) {
+        self.sweeps.each_fast_path(paths, &self.flights, visit);
+    }
+
+    /// The path of a collider's body, if it moved more than a quarter of the collider's least width.
+    pub(super) fn path_if_fast(&self, paths: &Paths<'_>, collider: &Collider) -> Option<Path> {
+        self.sweeps.path_if_fast(paths, &self.flights, collider)
+    }
+
+    /// The tree of static colliders of the last search, if it belongs to these colliders.
+    pub(crate) fn statics(&self, colliders: &ColliderSet) -> Option<&Arc<Statics>> {
+        self.resting.current(colliders).map(|trees| &trees.statics)
+    }
+
+    /// The tree of the colliders of sleeping bodies of the last search, likewise.
+    pub(crate) fn sleepers(&self, colliders: &ColliderSet) -> Option<&Statics> {
+        self.resting.current(colliders).map(|trees| &trees.sleepers)
+    }
+
+    /// An outline by its number in [`statics`](Self::statics) and [`sleepers`](Self::sleepers).
+    pub(crate) fn outline(&self, number: u32) -> OutlineId {
+        self.resting.numbers.outline(number)
+    }
+
+    /// The number of the first outline of the collider in a slot, likewise.
+    pub(crate) fn number(&self, slot: u32) -> u32 {
+        self.resting.numbers.first(slot)
+    }
+
+    /// Finds contacts ahead of time or not, for tests.
+    #[cfg(feature = "selftest")]
+    pub(crate) fn set_discrete(&mut self, is_discrete: bool) {
+        self.narrow.is_discrete = is_discrete;
+    }
+
+    /// Takes over the caches of the contacts of another world, of which this world is a copy.
+    pub(crate) fn clone_cached_from(&mut self, source: &Self) {
+        if self.resting.copy_from(&source.resting) {
+            self.narrow.forget_tiles();
+        }
+    }
+}
+
+/// Lists the bodies of outlines with too many pairs.
+fn list_crowded(scene: &Scene<'_>, resting: &Resting, crowded: &[u32], detected: &mut Detected) {
+    let outlines = crowded.iter().map(|&number| resting.numbers.outline(number));
+    for collider in outlines.filter_map(|outline| scene.colliders.at(outline.slot)) {
+        match scene.bodies.index_of(collider.body) {
+            Some(dense) if dense < scene.bodies.moving() => detected.crowded.push(dense),
+            // A sleeping body is at fault as if it were awake: sleep must not decide who is quarantined.
+            Some(_) => detected.touched.push(collider.body),
+            None => {}
+        }
+    }
+}
+
+/// The record of a pair from the step before. Records are sorted by pair, as the pairs are: `next_record` goes through them once.
+#[inline(always)]
+fn find_record<'a>(
+    scene: &Scene<'a>,
+    resting: &Resting,
+    pair: [&PairSide<'_>; 2],
+    next_record: &mut usize,
+) -> Option<&'a ContactRecord> {
+    let records = &scene.contacts.records;
+    let is_simple = resting.numbers.is_simple();
+    let order = |record: &ContactRecord| {
+        if is_simple {
+            record.slots().cmp(&pair.map(|side| side.number))
+        } else {
+            record.pair().cmp(&pair.map(|side| side.id))
+        }
+    };
+    while records.get(*next_record).is_some_and(|record| order(record).is_lt()) {
+        *next_record += 1;
+    }
+    records.get(*next_record).filter(|record| order(record).is_eq())
+}
+
+/// Returns true if impulses push the body of a collider out of an overlap, and it can move.
+fn is_pushed(scene: &Scene<'_>, collider: &Collider) -> bool {
+    scene.settings.push_speed > Fx::ZERO
+        && scene.bodies.index_of(collider.body).is_some_and(|dense| scene.bodies.can_move(dense))
+}
