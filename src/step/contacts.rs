@@ -7,79 +7,30 @@
 //! A body without impulses keeps the bits of its free flight. One with impulses is not at rest: the solver holds it to within half a unit
 //! of its velocities, and not to the bit.
 
+mod memory;
 mod stops;
 
-use alloc::sync::Arc;
 use alloc::vec::Vec;
 use core::ops::Range;
+
+pub(super) use memory::ContactMemory;
 
 use super::sleep::{has_stayed, is_slow};
 use super::{Constants, Findings, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
-use crate::collide::broad::Statics;
-use crate::collider::{Collider, ColliderSet, ContactSettings};
-use crate::contact::{
-    Changed, ContactSet, Correction, Detected, Overlap, Pipeline, ROUNDS, Scene, Sensors, Solvers, Start, Stop,
-    is_asleep, list_pairs,
-};
+use crate::collider::{ColliderSet, ContactSettings};
+use crate::contact::{Changed, ContactSet, ROUNDS, Scene, Start, is_asleep, list_pairs};
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
-use crate::island::{self, Joins, Touching, is_candidate};
+use crate::island::{self, Joins, is_candidate};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator, Angle as _, FxAccumulator, Scalar};
-use crate::slots::BodyId;
 
 /// The colliders and the contacts of a world.
 pub(crate) struct Contacts<'a, S: Scalar> {
     pub(crate) colliders: &'a ColliderSet<S>,
     pub(crate) contacts: &'a mut ContactSet,
     pub(crate) settings: &'a ContactSettings<S>,
-}
-
-/// The number of changes that are remembered from one update of the static colliders to the next.
-const MAX_CHANGED: usize = 4096;
-
-/// Memory that contacts use again.
-#[derive(Debug, Default)]
-pub(super) struct Workspace<S: Scalar> {
-    pipeline: Pipeline,
-    solvers: Solvers<S::Solver>,
-    /// The revision of the colliders at the last step; `None` if the caches below belong to other bodies.
-    revision: Option<u64>,
-    /// The slots of the moving bodies with colliders.
-    slots: Vec<u32>,
-    may_have_moved_statics: bool,
-    /// The changes since contacts were last detected.
-    changed: Changed,
-    /// True if `changed` has all changes.
-    are_all_changed: bool,
-    /// True if the pipeline holds the contacts of this step.
-    is_detected: bool,
-    starts: Vec<Start<S>>,
-    /// The starts in fixed point; empty in a world of `Fx`.
-    fixed_starts: Vec<Start>,
-    corrections: Vec<Correction>,
-    detected: Detected,
-    stops: Vec<Stop>,
-    /// The bodies at fault, sorted, by their indices in the columns.
-    at_fault: Vec<usize>,
-    /// The slots of colliders that touch and have events, before and after the step.
-    pub(super) touching_before: Vec<[u32; 2]>,
-    pub(super) touching_after: Vec<[u32; 2]>,
-    sensors: Sensors,
-    /// No path ends early.
-    #[cfg(feature = "selftest")]
-    is_blind: bool,
-}
-
-/// Returns true if a change of a body is one of the motion of a moving body alone.
-fn is_motion<S: Scalar>(bodies: &Bodies<S>, &(slot, change): &(u32, Change)) -> bool {
-    !change.is_any_of(Change::FORCES) && bodies.index_in(slot).is_some_and(|dense| dense < bodies.moving())
-}
-
-/// Returns true if more than the colliders of a body changed.
-fn is_of_body(&(_, change): &(u32, Change)) -> bool {
-    change.is_any_of(Change::VELOCITY.or(Change::POSE).or(Change::FORCES))
 }
 
 /// Lists the bodies of faults.
@@ -125,142 +76,6 @@ enum Blocked {
     Crowded,
 }
 
-impl<S: Scalar> Workspace<S> {
-    /// The pipeline with the static colliders of the last step, if they stand where they did then.
-    pub(super) fn current_statics(
-        &self,
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet<S>,
-    ) -> Option<(&Arc<Statics>, &Pipeline)> {
-        let statics = self.pipeline.statics(colliders.fixed())?;
-        // A body that is not static, and was not when the trees were last updated. A collider more or less makes another revision.
-        let was_static = |collider: &Collider<S>| statics.find(self.pipeline.number(collider.slot)).is_some();
-        let is_not_static = |slot: u32| {
-            bodies.index_in(slot).is_none_or(|dense| bodies.info(dense).kind != BodyKind::Static)
-                && !colliders.of_slot(slot).any(was_static)
-        };
-        let is_current = self.are_all_changed
-            && self.changed.colliders.is_empty()
-            && self.revision == Some(colliders.revision())
-            && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_not_static(slot))
-            && bodies.changes().bodies().is_some_and(|changes| changes.iter().all(|&(slot, _)| is_not_static(slot)));
-        is_current.then_some((statics, &self.pipeline))
-    }
-
-    /// Drops the caches of bodies. The tree of static colliders stays: it is compared before it is used.
-    pub(super) fn drop_cached(&mut self) {
-        self.revision = None;
-        self.sensors.forget();
-    }
-
-    pub(super) fn clone_cached_from(&mut self, source: &Self) {
-        self.revision = source.revision;
-        self.changed.clone_from(&source.changed);
-        self.are_all_changed = source.are_all_changed;
-        self.slots.clone_from(&source.slots);
-        self.pipeline.clone_cached_from(&source.pipeline);
-    }
-
-    /// Does without continuous collision, for tests: without the ends of paths, and without speculative contacts.
-    #[cfg(feature = "selftest")]
-    pub(super) fn do_without(&mut self, ends: bool, speculation: bool) {
-        self.is_blind = ends;
-        self.pipeline.set_discrete(speculation);
-    }
-
-    /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
-    pub(super) fn survey(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
-        // A change of motion alone changes no static body.
-        let listed = bodies.changes().bodies().filter(|_| self.revision.is_some());
-        let are_motions = listed.is_some_and(|changed| changed.iter().all(|change| is_motion(bodies, change)));
-        self.may_have_moved_statics = !are_motions;
-        // A world that nothing moves in for long has its colliders looked through instead.
-        self.are_all_changed &= listed.is_some() && self.changed.len() <= MAX_CHANGED;
-        if let Some(changed) = listed.filter(|_| self.are_all_changed) {
-            for change in changed.iter().filter(|change| !is_motion(bodies, change)) {
-                let list = if is_of_body(change) { &mut self.changed.bodies } else { &mut self.changed.owners };
-                list.push(change.0);
-            }
-        }
-        match self.revision.and_then(|revision| colliders.changed_since(revision)) {
-            Some(slots) if self.are_all_changed => self.changed.colliders.extend(slots),
-            Some(_) => {}
-            None => self.are_all_changed = false,
-        }
-        if !self.are_all_changed {
-            self.changed.clear();
-        }
-        if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
-            return;
-        }
-        self.revision = Some(colliders.revision());
-        self.slots.clear();
-        if !colliders.is_empty() {
-            let moving = bodies.columns.slot[..bodies.moving()].iter();
-            self.slots.extend(moving.filter(|&&slot| colliders.of_slot(slot).next().is_some()));
-        }
-    }
-
-    /// Keeps the motion of moving bodies with colliders before their free flight.
-    pub(super) fn begin(&mut self, bodies: &Bodies<S>) {
-        self.is_detected = false;
-        self.touching_before.clear();
-        self.sensors.begin();
-        self.starts.clear();
-        let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
-        self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
-    }
-
-    /// Lists which bodies touched each other in the step.
-    pub(super) fn list_touching(&self, bodies: &Bodies<S>, contacts: &Contacts<'_, S>, touching: &mut Touching) {
-        if !self.is_detected {
-            return;
-        }
-        let is_dynamic =
-            |slot: u32| bodies.index_in(slot).is_some_and(|dense| bodies.info(dense).kind == BodyKind::Dynamic);
-        self.pipeline.touching(contacts.colliders.fixed(), |pair, is_driven| {
-            for [body, other_body] in [pair, [pair[1], pair[0]]] {
-                if is_dynamic(body) {
-                    touching.push(body, other_body);
-                    if is_driven {
-                        touching.push_driven(body);
-                    }
-                }
-            }
-        });
-        touching.sort();
-    }
-
-    /// Finds the overlaps of sensors at the end of the step. *Domain* the contacts of the step were detected.
-    pub(super) fn find_overlaps(
-        &mut self,
-        bodies: &Bodies<S>,
-        colliders: &ColliderSet,
-        fell_asleep: &[BodyId],
-        settings: &ContactSettings,
-    ) {
-        self.sensors.find(bodies, colliders, &self.pipeline, fell_asleep, settings);
-    }
-
-    /// The overlaps of sensors, sorted.
-    pub(super) fn overlaps(&self) -> &[Overlap] {
-        &self.sensors.overlaps
-    }
-
-    /// The colliders that crossed sensors within the step and overlap them no more, sorted.
-    pub(super) fn crossed(&self) -> &[Overlap] {
-        &self.sensors.crossed
-    }
-
-    /// Returns true if nothing can touch anything.
-    pub(super) fn is_idle(&self, bodies: &Bodies<S>, colliders: &ColliderSet<S>, contacts: &ContactSet) -> bool {
-        // A static body may have been put into a sleeping one.
-        let may_wake = self.may_have_moved_statics && bodies.any_asleep() && !colliders.is_empty();
-        let is_empty = contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
-        !colliders.any_sensors() && self.starts.is_empty() && is_empty && !may_wake
-    }
-}
-
 impl<S: Scalar> Step<'_, S> {
     /// Lists the moving bodies with colliders.
     pub(super) fn survey_contacts(&mut self) {
@@ -303,8 +118,8 @@ impl<S: Scalar> Step<'_, S> {
     /// Detects the contacts of the bodies that take part, and solves them. Impulses send bodies where they meet others: such contacts are
     /// added and all are solved again, up to [`ROUNDS`] times. Returns the reason why the contacts are not the contacts of the step, if
     /// there is one.
-    fn solve_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) -> Option<Blocked> {
-        let Workspace { pipeline, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
+    fn solve_contacts(&mut self, memory: &mut ContactMemory<S>, settings: &ContactSettings) -> Option<Blocked> {
+        let ContactMemory { pipeline, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
         detected.touched.clear();
         detected.crowded.clear();
         let starts = Start::all_fixed(starts, fixed_starts);
@@ -333,8 +148,8 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Writes the contacts of the step, with their impulses, to the state, and hits to the report.
-    fn list_contacts(&mut self, memory: &mut Workspace<S>, settings: &ContactSettings) {
-        let Workspace { pipeline, starts, fixed_starts, corrections, touching_before, .. } = memory;
+    fn list_contacts(&mut self, memory: &mut ContactMemory<S>, settings: &ContactSettings) {
+        let ContactMemory { pipeline, starts, fixed_starts, corrections, touching_before, .. } = memory;
         let Contacts { colliders, contacts, .. } = &mut self.contacts;
         if colliders.any_contact_events() {
             list_pairs(&contacts.records, colliders.fixed(), touching_before);
@@ -367,7 +182,7 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Takes bodies with too many pairs back to the start, at fault.
-    fn refuse_crowded(&mut self, memory: &mut Workspace<S>) {
+    fn refuse_crowded(&mut self, memory: &mut ContactMemory<S>) {
         memory.detected.crowded.sort_unstable();
         memory.detected.crowded.dedup();
         let is_crowded = |start: &Start<S>| memory.detected.crowded.binary_search(&start.dense).is_ok();
@@ -381,7 +196,7 @@ impl<S: Scalar> Step<'_, S> {
     /// Wakes touched sleeping bodies, then the bodies that they touch, and so on, and lets them fly freely over the step.
     fn wake_touched(
         &mut self,
-        memory: &mut Workspace<S>,
+        memory: &mut ContactMemory<S>,
         settings: &ContactSettings,
         constants: &Constants<'_, S>,
         schedule: Schedule,
@@ -416,12 +231,12 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Removes the starts from `first_start` on of bodies at fault, by the faults from `first_fault` on.
-    fn leave_out_faulty(&self, memory: &mut Workspace<S>, first_start: usize, first_fault: usize) {
+    fn leave_out_faulty(&self, memory: &mut ContactMemory<S>, first_start: usize, first_fault: usize) {
         let faults = &self.workspace.findings.faults[first_fault..];
         if faults.is_empty() {
             return;
         }
-        let Workspace { starts, at_fault, .. } = memory;
+        let ContactMemory { starts, at_fault, .. } = memory;
         list_faulty(faults, at_fault);
         let mut end = first_start;
         for i in first_start..starts.len() {
@@ -453,7 +268,7 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Adds the corrections by impulses to the bodies. A body that leaves the allowed range is taken back to the start.
-    fn correct(&mut self, memory: &Workspace<S>, constants: &Constants<'_, S>) {
+    fn correct(&mut self, memory: &ContactMemory<S>, constants: &Constants<'_, S>) {
         let from_fixed = <S::Accumulator as Accumulator<S>>::from_fixed;
         for (start, correction) in memory.starts.iter().zip(&memory.corrections) {
             if !correction.is_pushed {

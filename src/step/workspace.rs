@@ -26,7 +26,7 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(super) damp: damp::Workspace<S>,
     pub(super) kick: kick::Workspace<S>,
     /// Made in the first step with a collider.
-    pub(super) contacts: Option<Box<contacts::Workspace<S>>>,
+    pub(super) contacts: Option<Box<contacts::ContactMemory<S>>>,
     pub(super) islands: island::Workspace,
     pub(super) touching: island::Touching,
     pub(super) findings: Findings,

@@ -1,7 +1,7 @@
 //! The ends of the paths of fast bodies, and the time that is lost by them.
 
 use super::super::{Constants, Step};
-use super::{Workspace, leaves_range, list_faulty};
+use super::{ContactMemory, leaves_range, list_faulty};
 use crate::collider::ContactSettings;
 use crate::contact::{Paths, Start, between};
 use crate::integrate::{BlockFactors, cap};
@@ -37,7 +37,7 @@ impl<S: Scalar> Step<'_, S> {
     /// make it faster in the lost time. The next step solves the contact.
     pub(super) fn end_paths(
         &mut self,
-        memory: &mut Workspace<S>,
+        memory: &mut ContactMemory<S>,
         settings: &ContactSettings,
         constants: &Constants<'_, S>,
     ) {
@@ -45,7 +45,7 @@ impl<S: Scalar> Step<'_, S> {
         if memory.is_blind {
             return;
         }
-        let Workspace { pipeline, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
+        let ContactMemory { pipeline, corrections, starts, fixed_starts, stops, at_fault, .. } = memory;
         list_faulty(&self.workspace.findings.faults, at_fault);
         let scene = self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
         let paths = Paths { scene: &scene, corrections, is_corrected: true };
@@ -95,9 +95,9 @@ impl<S: Scalar> Step<'_, S> {
     }
 
     /// Keeps the paths of fast bodies for sensors.
-    pub(super) fn follow_paths(&self, memory: &mut Workspace<S>, settings: &ContactSettings) {
+    pub(super) fn follow_paths(&self, memory: &mut ContactMemory<S>, settings: &ContactSettings) {
         if self.contacts.colliders.any_sensors() {
-            let Workspace { pipeline, corrections, starts, fixed_starts, sensors, .. } = memory;
+            let ContactMemory { pipeline, corrections, starts, fixed_starts, sensors, .. } = memory;
             let scene = &self.unchanged(Start::all_fixed(starts, fixed_starts), settings);
             sensors.follow(&Paths { scene, corrections, is_corrected: true }, pipeline);
         }
