@@ -11,7 +11,6 @@
 //!   and impulses in 64. Lanes of 64 bits hold both, with the same bits for any number of them.
 //! - The unit of the impulses of a contact is a power of two of its own, such that no sum of a phase overflows: `pass` has the proofs. Changes
 //!   beyond the range of a pass are cut off, oddly, and counted.
-//! - A soft contact under a load P over a sub-step h gives way by P·K·h/(hω)², whatever the number of passes.
 //!
 //! The modules:
 //!
