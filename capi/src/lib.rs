@@ -1,7 +1,9 @@
 //! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
 //!
-//! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside one file of
-//! vector instructions. Nothing is computed here: every function checks its arguments, calls the library, and returns the result.
+//! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside its vector
+//! instructions. It stands where a pointer comes with a length (`memory`), where a definition contains a shape, and for the run of a
+//! scene, which borrows from the scene (`world`); elsewhere functions take references that may be null. Every change is a `Command`.
+//! Nothing is computed here: every function checks its arguments, calls the library, and returns the result.
 //! The header, `include/umbra_physics.h`, is generated from these sources; `README.md` describes building, linking and
 //! ownership.
 //!

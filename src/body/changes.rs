@@ -1,4 +1,9 @@
 //! The record of which body changed in what since the last step. Caches of a step take from it what they have to drop.
+//!
+//! A step keeps for the next one: for each block of free bodies the number of steps in which none of them can leave the allowed range,
+//! the accelerations by fields of position, and the sines and cosines of bodies with something attached. Each cache drops the entries of
+//! bodies that changed, and of the bodies at the other ends of their springs. Only a change of a field that acts by groups, of a body that
+//! carries an attractor, or of more than an eighth of all bodies drops everything.
 
 use alloc::vec::Vec;
 

@@ -1,7 +1,11 @@
 //! The sets that the bodies are parted into in the columns: free, coupled, and all that no step moves.
 //!
 //! A moving body is *coupled* if a force field may act on it or is attached to it, and *free* otherwise. Which set a body is in,
-//! and its index within a set, is not state: it decides how a step computes, not what.
+//! and its index within a set, is not state: it decides how a step computes, not what. Hashes and files go by slot.
+//!
+//! The columns hold the free bodies first, then the coupled ones, then the static, sleeping, quarantined and disabled bodies. A step first
+//! moves bodies between the sets, if their groups, kind, activity or attached fields changed. It looks at all bodies only if the groups of
+//! the fields changed.
 
 use core::ops::Range;
 

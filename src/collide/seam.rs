@@ -1,6 +1,7 @@
 //! Seams between polygons that stand still: which edges, and which directions at corners, belong to the surface of their union.
 //!
-//! An edge that a neighbour covers is inside the union and pushes nothing. At a corner of an edge that is on the surface, the directions in
+//! An edge that a neighbour covers is inside the union and pushes nothing; an edge covered in part pushes only outlines that reach over the
+//! rest of it. At a corner of an edge that is on the surface, the directions in
 //! which the polygon pushes go from the edge's normal to the normal of the edge by which the surface goes on there, of the polygon itself
 //! or of a neighbour; where the surface goes on straight or turns inwards, there are none beside the normal. Segments of chains have the
 //! same rules ([`Link`](super::surface::Link)).

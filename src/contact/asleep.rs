@@ -1,4 +1,5 @@
-//! Contacts of sleeping bodies: kept apart from the contacts of awake bodies, so that steps skip them.
+//! Contacts of sleeping bodies: kept apart from the contacts of awake bodies, so that steps skip them. A body that wakes starts from the
+//! impulses that held it.
 
 use alloc::vec::Vec;
 

@@ -3,7 +3,10 @@
 //!
 //! A surface is in the axes of the body: a function of the body's colliders alone, kept until one of them changes. Static bodies have
 //! [surfaces](super::tiles) with each other. Polygons are neighbours as there, with the same filter and the same side of a
-//! one-way collider; a sensor touches nothing.
+//! one-way collider; a sensor touches nothing. Faces are turned where an outline is placed.
+//!
+//! The set of colliders names the state of the colliders of each body by a hash of their changes: so a copy of a world, or a world that goes
+//! back, knows whether its surfaces still hold. A body of one outline costs a look at two links.
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;

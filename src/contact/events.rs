@@ -4,7 +4,10 @@
 //! its start: one that is pushed out of another has no impulse in the sum. The contacts with events that have
 //! records are all that touched in the last step, also where no impulse is left at its end: the contacts that begin and end are
 //! the differences of these records before and after a step, and need no state of their own. Calls that drop such a
-//! record keep the pair until the next step reports its end.
+//! record keep the pair, with its keys, until the next step reports its end.
+//!
+//! A hit has the speed and the impulse of its impact, as the solver found them at its moment; below the speed of impacts, the impulse of
+//! the step less the impulses that carry.
 
 use alloc::vec::Vec;
 

@@ -3,7 +3,7 @@
 //! The solver holds the normal and the arms of a contact for a step, and moves its points along rows that do not turn. Rows of the start
 //! give energy to a body that turns, rows of the middle take it away: sub-steps of semi-implicit Euler, n of them, keep it with the rows
 //! of the mean of their beginnings, (n − 1)/2n of the step. So manifolds are found at the poses to which the velocities of the start lead up
-//! to then: a body that another one carries does not fall.
+//! to then: a body that another one carries does not fall. Bodies that go from tile to tile, or from segment to segment, have these too.
 //!
 //! Bodies that approach fast and did not press each other in the step before have the manifold of the moment at which their free flights
 //! meet, and no contact if they do not meet: a body touches nothing that its path does not touch, and a glancing hit has the normal of the

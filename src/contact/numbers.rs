@@ -1,4 +1,5 @@
-//! Numbers of outlines, by which the broad phase knows them.
+//! Numbers of outlines, by which the broad phase knows them: each part of a compound and each segment of a chain is a collider of its own
+//! there.
 
 use alloc::vec::Vec;
 use core::ops::Range;

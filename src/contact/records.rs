@@ -1,4 +1,9 @@
 //! The state of contacts: the impulses that the next step starts from.
+//!
+//! A record names two outlines and the corners that meet, with the impulses and their unit, in 40 bytes. Manifolds, islands, levels and
+//! units of velocity follow from the poses. A change of the time step or of the number of sub-steps scales the impulses, so that forces stay the
+//! same. A slot has 24 bits, so that 8 are left for the part of a compound; of the number of a segment above 255 the upper 8 bits stand
+//! beside the corners of the first point, of which a segment has two.
 
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
 use crate::collide;

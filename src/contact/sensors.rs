@@ -11,7 +11,8 @@
 //! included that filters reject. If these are more than a world may have, the sensors with the most pairs find nothing: a function of the
 //! boxes and the filters alone.
 //!
-//! Moving colliders search the tree of sensors; sensors search the trees of colliders that stand still.
+//! Moving colliders search the tree of sensors; sensors search the trees of colliders that stand still. Overlaps are kept, so that sleeping
+//! bodies out of reach cost nothing.
 
 use alloc::vec::Vec;
 use core::ops::Range;

@@ -13,7 +13,7 @@
 //! *Deep overlaps.* The solve pass gives bodies the velocity that pushes them out of each other, and the relax pass takes it back. It does
 //! so contact by contact: where one body wedges another out, at many times its own speed, a pass takes back a few hundredths, and the rest
 //! is energy from nothing. (A capsule that a ceiling pushes out by 15 cm squeezes a disc out below it, whose locks leave it one direction:
-//! 27 m/s, and 0.4 m/s with 65 passes.) So an island with an overlap of more than [`DEEP_OVERLAP`] takes [`RELAX_PASSES`], if it has up to
+//! 27 m/s, and less than 1 m/s with 65 passes.) So an island with an overlap of more than [`DEEP_OVERLAP`] takes [`RELAX_PASSES`], if it has up to
 //! [`FEW`] contacts: in piles overlaps are common, as loads and impacts make them, friction takes the energy away, and the passes would
 //! cost more than all else.
 //!

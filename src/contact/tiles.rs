@@ -1,9 +1,11 @@
 //! Static polygons beside each other: the surface of their union, found for each polygon when a body first comes near.
 //!
 //! A surface is a function of the static colliders alone. It is kept until one of them changes; a collider that no
-//! body comes near costs nothing.
+//! body comes near costs nothing, and a world without neighbours a look at each static outline once. A polygon in a [`CROWD`] counts as
+//! alone.
 //!
 //! Two polygons are neighbours if their filters are the same, and their `one_way`: an outline that meets one of them meets the other too.
+//! Polygons of two bodies that move are no neighbours: their surface would change with each step.
 
 use alloc::vec::Vec;
 use core::ops::Range;

@@ -1,4 +1,21 @@
 //! The integrators: which stages a step has, in which order, and over which part of the time step.
+//!
+//! | integrator | stages of the free flight | order |
+//! |---|---|---|
+//! | `ExplicitEuler` | fields, drift, kick, damp | 1, gains energy |
+//! | `SymplecticEuler` | fields, kick, drift, damp | 1 |
+//! | `VelocityVerlet` | damp ½, kick ½, drift, fields, kick ½, damp ½ | 2 |
+//! | `PublishedVerlet` | fields, kick with the mean of the last and this acceleration, drift with v·dt + ½a·dt², damp | 1 |
+//! | `Yoshida4` | the stages of Verlet over w₁·dt, w₀·dt, w₁·dt | 4 |
+//!
+//! Detect, solve, push and clear follow with every integrator. Traces, documentation and timers walk the same lists as the step.
+//!
+//! - Damping and drag are solved exactly, in the order of the fields. The closing stage of a step runs them in reverse order.
+//! - Forces that depend on position are evaluated once in a Verlet step: the accelerations after the drift serve the opening kick of the
+//!   next step too. They are a cache of a function of the state, and no state.
+//! - Forces that depend on velocity (spring dampers, custom forces that say so) are evaluated in each kick, and a second time in a closing
+//!   kick: the first half is explicit, the second one implicit, together they are the trapezoidal rule.
+//! - Forces that the caller applies are constant over their step. They are summed in 192 bits, so that the order of calls does not matter.
 
 mod rules;
 mod schedule;
@@ -82,7 +99,7 @@ pub enum StageKind {
     /// Finds the contacts at the start of the step, which the stages before have flown over. Reads colliders, poses, velocities, and the
     /// impulses of the step before; writes the impulses that contacts start from, and wakes sleeping bodies that are touched.
     Detect,
-    /// Solves contacts in sub-steps, then lets them bounce. Reads contacts, masses and velocities; writes impulses.
+    /// Solves impacts and contacts in sub-steps. Reads contacts, masses and velocities; writes impulses.
     Solve,
     /// Adds to positions, angles and velocities what the impulses change. Caps speeds of bodies that were pushed.
     Push,

@@ -1,4 +1,5 @@
-//! The lists of stages that the bodies of a step go through: those of coupled bodies, and those of free ones.
+//! The lists of stages that the bodies of a step go through: those of coupled bodies, and those of free ones. The list of free bodies is
+//! shorter: no field acts on them, and where the bodies of a block share one row of factors, damp, kick, drift, kick and damp are one loop.
 
 use super::{Integrator, Stage, StageKind, stage};
 

@@ -1,7 +1,8 @@
 //! Islands: the bodies that springs and contacts join, over any number of them. An island falls asleep and wakes as a whole.
 //!
 //! Static bodies and bodies that take no part join nothing; a kinematic body joins nothing by contacts. No step keeps islands: each query
-//! searches from the bodies that it is asked for, breadth first, and looks at nothing else.
+//! searches from the bodies that it is asked for, breadth first, and looks at nothing else. A step asks for bodies that have rested for long
+//! enough, a call for bodies that it wakes.
 
 use alloc::vec::Vec;
 

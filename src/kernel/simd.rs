@@ -1,7 +1,8 @@
 //! Vectors of lanes for the loops that solve contacts, and the choice among them when the program runs.
 //!
-//! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions of the target and
-//! calls the widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone.
+//! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions of the target and calls
+//! the widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone, which is 1 in
+//! portable code, 2 with NEON and with SIMD128 of WebAssembly, 4 with AVX2 and 8 with AVX-512.
 //!
 //! There are two kinds of vectors. A *narrow* vector holds 32-bit integers, a *wide* one 64-bit integers. Where both take 64 bits
 //! a lane, the upper half of a narrow lane is arbitrary: each operation on narrow vectors reads the lower halves only, as the widening

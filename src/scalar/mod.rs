@@ -1,12 +1,19 @@
 //! Number types: what the engine asks of a scalar.
 //!
 //! [`Fx`](crate::Fx) is the type that carries the promises; `f32` and `f64` (feature `float`) build the same engine to compare
-//! with. A quantity that does not fit in the scalar itself has a type of its own beside it: positions and velocities
-//! are [`Accumulator`]s; the time step, 1/m and moments of inertia are [`Factor`]s; forces, torques, accelerations and
-//! energies are [`Wide`]; angles are [`Angle`]s. For a float all of them are the float.
+//! with. A quantity that does not fit in the scalar itself has a type of its own beside it:
 //!
-//! The types of `Fx` ([`FxAccumulator`], [`FxFactor`], [`FxWide`], [`FxSum`], [`Turn`]) have methods of their own:
-//! the traits are needed only in code that is generic over the scalar. They are sealed.
+//! | trait | type of `Fx` | range and resolution | quantities |
+//! |---|---|---|---|
+//! | [`Scalar`] | [`Fx`](crate::Fx) | multiples of 2^-32 up to 2^31 | all that goes in and out |
+//! | [`Accumulator`] | [`FxAccumulator`] | multiples of 2^-96 up to 2^31 | positions and velocities |
+//! | [`Factor`] | [`FxFactor`] | 64 significant bits and an exponent | time steps, damping factors, 1/m, inertia, G·M |
+//! | [`Wide`] | [`FxWide`] | multiples of 2^-64 up to 2^63 | force, torque, acceleration, energy: the exact product of two `Fx` |
+//! | | [`FxSum`] | [`FxWide`] in 192 bits | sums whose order must not matter |
+//! | [`Angle`] | [`Turn`] | multiples of 2^-64 turns | angles |
+//!
+//! For a float all of them are the float. The types of `Fx` have methods of their own: the traits are needed only in code that
+//! is generic over the scalar. They are sealed.
 //!
 //! ```
 //! use umbra_physics::scalar::{Accumulator as _, Angle as _, Factor as _, Scalar, Wide as _};

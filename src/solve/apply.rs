@@ -8,8 +8,8 @@
 //! nothing, a body at rest o, one that is hit hard the part of o along Δv.
 //!
 //! Joints turn with their bodies, so that no such part is right for them: a pendulum whose impulses cancel o along the rod alone
-//! gains 1 % of its energy a second. Bodies with joints end where the sub-steps lead, with all of o, if their island is held by a
-//! fixed body, and else where their free flight does ([`Path`]).
+//! gains 1 % of its energy a second. Bodies with joints end where the sub-steps lead, with all of o, if a fixed body holds their island,
+//! by a joint or by a contact that pressed in the step before, and else where their free flight does ([`Path`]).
 //!
 //! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs: the
 //! momentum of bodies that are not fixed changes by the rounding of velocities alone.

@@ -7,6 +7,8 @@
 //! other. Where a disc rolls without slip each of the two rows undoes a part of the change by the other one, two thirds of it
 //! for a disc of even density: an eighth is left after the five sub-steps of a step, and impulses are kept.
 //!
+//! Where two arcs touch, the smaller radius counts: with the larger one a ball could not roll on a planet.
+//!
 //! There are no lanes: each row is computed in 64 and 128 bits, so all vector sets have the same bits. A scene without rolling resistance
 //! has neither rows nor memory for them.
 //!

@@ -3,6 +3,10 @@
 //! Overlaps are pushed out at up to [`push_speed`](super::SolverOptions::push_speed) along each normal. Along two normals at an angle θ that
 //! takes a body out between them at that speed over cos(θ/2), which a narrow wedge makes as large as one likes, and which no pass takes
 //! back: each row sees the cosine of it alone. So both push by cos(θ/2) less, at least by 2^-7 of the speed: a body that others clamp rests.
+//!
+//! The limit holds for the fastest of a body's points, by each point of a contact and by both together: pushed across the way that locks
+//! leave it, or at a small lever, a body would be thrown. Where bodies give way, further relax passes take the push back
+//! (`contact::split`).
 
 use super::Solver;
 

@@ -3,8 +3,12 @@
 //! Reads: the rows of factors, the applied accelerations. Writes: positions, angles, velocities, ticks at rest, faults.
 //!
 //! No field acts on a free body, so its way depends on itself alone. Where a block's bodies allow it, damp, kick, drift, kick
-//! and damp are one loop. A block whose bodies are all well inside the allowed range, as nearly every block is, needs no
-//! backup and no check: no stage could take a body out.
+//! and damp are one loop.
+//!
+//! A *backup* is a block as it was before the step: the state that a quarantined body is restored to, and the reference for the
+//! question of whether a body rests. A block whose bodies are all well inside the allowed range, as nearly every block is, needs no
+//! backup and no check: its factors are bounded, no force was applied, no body is about to sleep and every value is within half of its
+//! limit, so that no stage could take a body out.
 
 use alloc::vec::Vec;
 

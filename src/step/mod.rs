@@ -1,8 +1,20 @@
 //! The step. [`Step::step`] has its stages in order; each is in a file of its own, which begins with a list of its reads and writes.
 //!
 //! A *free* body, on which no force field can act, goes through all stages at once with its block ([`free`]). *Coupled* bodies
-//! go stage by stage, together, as a field looks at many bodies at once ([`coupled`]). Which way a body goes changes no bit.
+//! go stage by stage, together, as a field looks at many bodies at once ([`coupled`]). Which way a body goes changes no bit. With
+//! `PublishedVerlet`, and in a step that is traced, all bodies are coupled.
 //! A step is undone by the same ways with other lists of stages.
+//!
+//! - `targets`: before the stages, kinematic bodies get the velocity that leads to their target; after them they are placed on it.
+//! - `applied`: forces become accelerations: the forces of the caller here, the forces of fields through `fields`.
+//! - `free`: the pass of free bodies, a block at a time through all stages.
+//! - `coupled`: the pass of coupled bodies, stage by stage: `damp`, `kick`, `drift`, `fields`.
+//! - `bounds`: the allowed range, and ticks at rest.
+//! - `contacts`: contacts are found and solved, after the free flight of all bodies.
+//! - `quarantine`: bodies outside the allowed range, or with another fault, are excluded.
+//! - `sleep`: islands at rest fall asleep.
+//! - `events`: contacts that began and ended, hits, and colliders that entered and left sensors.
+//! - `workspace`: memory that steps use again.
 
 mod applied;
 mod bounds;

@@ -5,6 +5,8 @@
 //! A body without contacts is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
 //! below them either, no force was applied, and no body that might still move acts on it. Skipping it changes nothing. One that contacts
 //! push, or that floats, is at rest while it is slow, by its velocity and by the way that it moves; when it falls asleep, it stops.
+//!
+//! Manifolds without an impulse join islands too, so that two piles that nearly touch do not wake each other in turns.
 
 use super::coupled::{FieldKinds, may_move};
 use super::{Contacts, Workspace};

@@ -1,4 +1,13 @@
 //! Undo of steps.
+//!
+//! Each kick and each drift is a shear: it adds to one quantity an amount that depends only on the other one, which it leaves unchanged.
+//! Accumulators add without rounding and every other rounding is odd, so that the same shear with the opposite sign restores the exact
+//! bits. [`Integrator::inverse`](crate::Integrator::inverse) lists the stages in reverse; a step back runs that list with negated spans.
+//!
+//! Damping, drag, forces that depend on velocity, speed limits, reached targets, sleep counters, quarantine and contacts lose information and
+//! have no inverse: the call checks for them first. A step with impulses has none, nor has the step after it, as contacts start from the
+//! impulses of the step before. Only at the end is it known whether a body would leave the allowed range on the way back; the step
+//! back is then itself undone and refused.
 
 use super::{World, WorldDef};
 use crate::body::{Activity, BodyKind};

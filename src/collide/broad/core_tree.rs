@@ -3,6 +3,11 @@
 //! A node holds the boxes of its two halves, so that a search reads one line of the cache for both; leaves stand in the order of the
 //! tree, with their corners. Searches of large worlds wait for memory more than they compute. Boxes are in a coarse unit and too large by
 //! up to two units: an outline that a search finds may not meet the path, but no outline that meets it is left out.
+//!
+//! A search tests boxes in 64 bits, sees by the sides of its line that most leaves are beside it, and computes in 128 bits and more only for
+//! the outlines that it may hit. The tree of static colliders is made when the first query asks, kept beside the tree of the steps, and shared
+//! by copies of a world; changes since then stand in a second tree. It is keyed by a digest of each collider and its pose, since two
+//! shapes may have one box.
 
 use alloc::vec::Vec;
 

@@ -1,9 +1,9 @@
 //! Broad phase: the pairs of colliders that may touch.
 //!
-//! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes have a point in common, their filters agree and
-//! one of them moves. Each outline is a collider of its own here, as the parts of a compound are. Boxes are exact, and the pairs come
-//! sorted: they are a function of boxes and filters alone. Everything else here is a cache: no snapshot
-//! holds it, and its age changes no result.
+//! **Pairs are defined, not found.** Two colliders of two bodies are a pair if their boxes, swept over the free flight and grown by the
+//! margin, have a point in common, their filters agree and one of them moves. Each outline is a collider of its own here, as the parts of a
+//! compound are. Boxes are exact, and the pairs come sorted: they are a function of boxes and filters alone. Everything else here is a
+//! cache: no snapshot holds it, and its age changes no result.
 //!
 //! Each moving collider has a *fat* box, larger than its own by a margin, which it keeps until it leaves it. Pairs of fat boxes that
 //! overlap are *candidates*; they change when a collider leaves its fat box, and only then a tree is searched. A step in which none does
@@ -13,7 +13,9 @@
 //! **Rejected overlaps are bounded.** A search looks at each collider whose box overlaps, unless neither of the two has a category in the
 //! mask of the other: then it skips whole parts of a tree. Overlaps that it looks at and rejects are counted: colliders of one body or of
 //! one negative group, and masks that hold one way alone. Like the pairs they follow from the boxes and filters alone. Beyond a limit
-//! they count as pairs do.
+//! they count as pairs do. A part of a tree is skipped only where no collider in it has such a category, so that each part that a search
+//! enters holds one that counts. Each collider keeps how many its last search rejected: the sum is never below the number of rejected
+//! overlaps, depends on history, and only decides when these are counted exactly.
 
 mod bounds;
 mod cached;

@@ -1,4 +1,7 @@
 //! Colliders that stand still.
+//!
+//! The set of colliders remembers its last changes, and the step the bodies that calls changed. The changed colliders stand in a second small
+//! tree, beside a list of the colliders that are gone, until [`CHANGES`] are together and one tree is built of all.
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;

@@ -7,6 +7,16 @@
 //! until no direction says more. So the outlines do not meet before the moment that is found, whatever the directions: a direction that
 //! is not the best one costs steps, and a path that takes more than [`STEPS`] of them ends early.
 //!
+//! The directions tried are the directions of largest separation, and the directions across the way, which show in one step that a body
+//! flies past. The bound by r is for a bar that spins a thousand turns in a tick: beyond its reach no step is spent on turns.
+//!
+//! *Tolerance.* A resting or sliding body overlaps the ground a little, and must not stop for it. So a path ends at an overlap of 5 mm or of an
+//! eighth of the body's width, whichever is less: the body without a rim of that width never touches the wall. If the body still overlaps at
+//! the end of the tick, on the same side, by less than an eighth of the width, the path does not end: a contact takes over, and a box that
+//! tumbles along the ground loses no time. A body that overlaps so deep already may go a little deeper: a body narrower than 4 cm by a
+//! sixteenth of the rest up to a quarter of its width, so that it is never kept at its start for ever and never crosses. A body without
+//! width has no such rim, and keeps its distance: at least half of its distance at the start.
+//!
 //! All directions that tie are tried and the longest time is taken, so that neither the order of corners nor a mirror image changes the
 //! moment.
 

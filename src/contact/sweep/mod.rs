@@ -1,12 +1,14 @@
 //! Continuous collision: the paths of fast bodies end where they would cross something.
 //!
-//! A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; other bodies are not swept. Fast bodies
-//! are swept against static and kinematic ones, fast kinematic bodies against all, and bullets against all.
-//! In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact
-//! stops at the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a
-//! body along that it meets. Pairs of bodies whose paths changed are looked at again, in up to [`ROUNDS`] rounds; dynamic bodies
-//! that still meet others then stay where they were at the start, in up to [`LAST_ROUNDS`] more. In [`WALL_ROUNDS`] after these only bodies that do
-//! not give way count: each path is then looked at by itself, so that no wall is crossed for want of rounds.
+//! The *path* of a body over a tick is the straight way of its centre of mass from where it was to where impulses left it, and a constant
+//! rotation, whole turns included. A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; other
+//! bodies are not swept. Fast bodies are swept against static and kinematic ones, fast kinematic bodies against all, and bullets against
+//! all. In the first round each pair is looked at on the paths that impulses left. A body of which a pair finds a time of impact stops at
+//! the least of its times: so does each of two dynamic bodies that meet. A kinematic body does not give way: it carries a body along that
+//! it meets. Pairs of bodies whose paths changed are looked at again, in up to [`ROUNDS`] rounds; dynamic bodies that still meet others
+//! then stay where they were at the start, in up to [`LAST_ROUNDS`] more. In [`WALL_ROUNDS`] after these only bodies that do not give way
+//! count: each path is then looked at by itself, so that no wall is crossed for want of rounds. A body that stands does not change
+//! when another one meets it; the body that carries it does.
 //!
 //! The least of times depends on no order. Where two kinematic bodies meet a body at the same moment and would carry it
 //! to two places, it stops: it is squeezed, as is one that is carried into something.

@@ -16,6 +16,10 @@
 //!    J do no work: Σ J·(r before + r after) ≤ 0 over all rows, which is twice the change of the kinetic energy of all bodies.
 //! 3. Compression once more, with these impulses as lower bounds and friction in the cone of the whole impulse.
 //!
+//! Impacts of a body that follow within an eighth of a sub-step and within 5 mm of the way are one, as the two of a box that lands flat.
+//! Work is bounded: a contact joins where its bodies close by more than a share of the speed of the impact, from 2^-6 for a few contacts to
+//! 2^-3 for a crowd, in the first iterations; large sets, and sets without a solution, are left to the passes after some iterations.
+//!
 //! Impulses act from their moments on: they change the velocity, and take back the way that the body would have gone with that change
 //! up to the moment. The next sub-step does not repeat them, as it does the impulses of the passes.
 //!

@@ -1,4 +1,10 @@
 //! The ends of the paths of fast bodies, and the time that is lost by them.
+//!
+//! A body that stops keeps all impulses of the step, so that momentum is kept. Forces did not act in the lost time where they made the body
+//! faster: a body that falls has the speed of the height at which it stopped, and a body that impulses support has theirs. So no energy is
+//! added. No velocity becomes one that the body had before: the next step has another beginning. A body that a wall keeps at its start without
+//! any impulse, which the solver does not see, loses its velocity. A body that is pushed in each step and kept at its start counts as at
+//! rest, whatever its velocity, unless the sleep speed is 0.
 
 use super::super::{Constants, Step};
 use super::{ContactMemory, leaves_range, list_faulty};

@@ -1,4 +1,7 @@
 //! `umbra view`: a run as one page that plays it, and needs nothing else.
+//!
+//! The page sees a world once a tick. It stores the values of bodies by `track`, and contacts, on request, as singles for each frame. It
+//! drops every other frame when it would exceed 20 MB, and forbids the browser to fetch anything.
 
 mod contacts;
 mod drawing;
