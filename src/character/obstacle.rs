@@ -26,7 +26,7 @@ pub(super) struct Plane {
     pub(super) index: usize,
     /// The direction out of it, of any length; below 2^54.
     pub(super) direction: Point,
-    /// The same as a unit vector, in units of 2^-32, rounded.
+    /// The unit vector along `direction`, in units of 2^-32, rounded.
     pub(super) unit: Point,
     /// The cosine of the angle between it and up, in units of 2^-32.
     pub(super) cosine: i64,

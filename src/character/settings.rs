@@ -144,7 +144,7 @@ pub(super) struct Terms {
     pub(super) skin: i64,
     /// The smallest cosine of the angle between up and the normal of a surface that it climbs.
     pub(super) climbs: i64,
-    /// The same for a surface that it rests on.
+    /// The smallest cosine of the angle between up and the normal of a surface that it rests on.
     pub(super) rests: i64,
     pub(super) step_height: i64,
     pub(super) step_width: i64,

@@ -28,7 +28,7 @@ pub(super) struct Narrow {
     cores: Cores,
     /// The index in `cores` of an outline at the moment of manifolds, by the number of the outline.
     core_of: Stamped,
-    /// The same at the start of the step.
+    /// The index in `cores` of an outline at the start of the step.
     start_core_of: Stamped,
     tiles: Tiles,
     body_tiles: BodyTiles,

@@ -80,7 +80,8 @@ pub(crate) fn find_sleepers<S: Scalar>(
     bodies: &Bodies<S>,
     fields: &FieldSet<S>,
     ticks: u32,
-    (candidates, touching): (&[usize], &Touching),
+    candidates: &[usize],
+    touching: &Touching,
     workspace: &mut Workspace,
     fell_asleep: &mut Vec<BodyId>,
 ) {

@@ -39,9 +39,9 @@ pub(super) fn find<S: Scalar>(
     if let Some(memory) = memory {
         memory.list_touching(bodies, contacts, touching);
     }
-    let candidates = (&findings.candidates[..], &*touching);
-    island::find_sleepers(bodies, fields, ticks, candidates, islands, &mut report.fell_asleep);
-    for &body in &report.fell_asleep {
+    let fell_asleep = &mut report.fell_asleep;
+    island::find_sleepers(bodies, fields, ticks, &findings.candidates, touching, islands, fell_asleep);
+    for &body in &*fell_asleep {
         stop(bodies, body);
     }
 }

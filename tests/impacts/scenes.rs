@@ -9,7 +9,7 @@ pub(crate) fn floating() -> WorldDef {
     WorldDef { time_step: TimeStep::hz(60), gravity: Vec2::ZERO, sleep_after: None, ..WorldDef::default() }
 }
 
-/// The same with gravity.
+/// 60 steps a second under a gravity of 10 m/s², in which no body falls asleep.
 pub(crate) fn falling() -> WorldDef {
     WorldDef { gravity: vec2(0, -10), ..floating() }
 }

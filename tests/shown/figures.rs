@@ -40,6 +40,7 @@ fn the_self_test_has_the_scenes_ticks_and_digest_that_are_said() {
     let (digest, version) = (of("all")[2], of("physics_version")[1]);
     let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under version {version}");
     assert_says("docs/determinism.md", &claim);
+    assert_says("docs/stability.md", &format!("PHYSICS_VERSION == {version}"));
     assert_says("docs/determinism.md", &format!("The self-test has {scenes} scenes"));
     assert_says("CHANGELOG.md", &format!("(feature `selftest`): {scenes} scenes"));
 }

@@ -1,6 +1,6 @@
 //! Names and sentences that a reader who has not written the code can follow.
 //!
-//! Counted in the folders of contacts: bindings named by a pronoun or a preposition, and comments that point to a noun
+//! Counted in the folders of the step and of contacts: bindings named by a pronoun or a preposition, and comments that point to a noun
 //! ("those", "that of", "what") instead of naming it. Counted everywhere: parameters that are tuples.
 
 use std::collections::BTreeMap;
@@ -10,8 +10,10 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 use syn::{FnArg, Pat, PatIdent, Signature};
 
+use crate::openings;
+
 /// The folders in which names and comments are counted.
-const FOLDERS: [&str; 4] = ["src/contact", "src/collide", "src/solve", "src/step"];
+const FOLDERS: [&str; 6] = ["src/contact", "src/collide", "src/solve", "src/step", "src/character", "src/island"];
 
 /// Words that name a binding by its relation to another one, or by nothing.
 const PRONOUNS: [&str; 14] =
@@ -19,9 +21,9 @@ const PRONOUNS: [&str; 14] =
 
 /// The most bindings of that kind in 1,000 lines of code, the most pointing words in 1,000 words of comments, and the most tuple
 /// parameters in all.
-const PRONOUN_LIMIT: f64 = 5.0;
-const POINTER_LIMIT: f64 = 2.5;
-const TUPLE_LIMIT: usize = 20;
+const PRONOUN_LIMIT: f64 = 0.5;
+const POINTER_LIMIT: f64 = 0.25;
+const TUPLE_LIMIT: usize = 16;
 
 /// Counts of a source.
 #[derive(Default)]
@@ -72,19 +74,10 @@ fn code_lines(source: &str) -> usize {
 /// The sources in some folders of the repository.
 fn sources(folders: &[&str]) -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
-    folders.iter().for_each(|folder| list(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut paths));
+    folders
+        .iter()
+        .for_each(|folder| openings::sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut paths));
     paths.into_iter().map(|path| (path.clone(), fs::read_to_string(path).expect("it can be read"))).collect()
-}
-
-fn list(folder: &Path, paths: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        if path.is_dir() {
-            list(&path, paths);
-        } else if path.extension().is_some_and(|extension| extension == "rs") {
-            paths.push(path);
-        }
-    }
 }
 
 #[test]
