@@ -1,9 +1,4 @@
-//! The record of which body changed in what since the last step. Caches of a step take from it what they have to drop.
-//!
-//! A step keeps for the next one: for each block of free bodies the number of steps in which none of them can leave the allowed range,
-//! the accelerations by fields of position, and the sines and cosines of bodies with something attached. Each cache drops the entries of
-//! bodies that changed, and of the bodies at the other ends of their springs. Only a change of a field that acts by groups, of a body that
-//! carries an attractor, or of more than an eighth of all bodies drops everything.
+//! The log of which body changed in what. Each cache of a step has a cursor into it, and drops what changed since it last read the log.
 
 use alloc::vec::Vec;
 
@@ -35,82 +30,139 @@ impl Change {
     }
 }
 
-/// All changes since the last step. It is derived: dropping a cache changes no bit.
+/// A position in the log: how far a cache has read it. A cache that has read nothing takes all bodies as changed.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ChangeCursor {
+    entry: u64,
+    group_fields: u64,
+}
+
+/// The changes that a cache may not have read yet. The log is derived: a cache that takes all bodies as changed has the same results.
 ///
-/// A list that grows longer than an eighth of the bodies is given up: then all bodies count as changed.
+/// A log that grows longer than [`FEW`] entries and an eighth of the bodies is given up: then all bodies count as changed.
 #[derive(Debug)]
 pub(crate) struct Changes {
     /// Slots and changes, in the order of the calls; a slot may be there more than once, and its body may be gone.
-    bodies: Vec<(u32, Change)>,
-    /// True if any body may have changed in any quantity.
-    all: bool,
-    /// True if a field that acts on bodies by their groups was added, replaced or removed.
-    group_fields: bool,
-    /// Memory that parting the bodies uses again.
-    pub(super) indices: Vec<usize>,
+    entries: Vec<(u32, Change)>,
+    /// The position of the first entry.
+    first: u64,
+    /// The position from which on no cache has read.
+    unread: u64,
+    /// The number of times that a field which acts on bodies by their groups was added, replaced or removed.
+    group_fields: u64,
 }
 
-impl Clone for Changes {
-    fn clone(&self) -> Self {
-        Self { bodies: self.bodies.clone(), indices: Vec::new(), ..*self }
-    }
+/// The number of entries that are kept in any world.
+const FEW: usize = 4096;
 
-    fn clone_from(&mut self, source: &Self) {
-        self.bodies.clone_from(&source.bodies);
-        (self.all, self.group_fields) = (source.all, source.group_fields);
-    }
-}
+clone_by_field!([] Changes { entries, first, unread, group_fields });
 
 impl Default for Changes {
     /// Nothing is known of the bodies yet.
     fn default() -> Self {
-        Self { bodies: Vec::new(), all: true, group_fields: true, indices: Vec::new() }
+        Self { entries: Vec::new(), first: 1, unread: 1, group_fields: 1 }
     }
 }
 
 impl Changes {
+    /// The position after the last entry.
+    fn end(&self) -> u64 {
+        self.first + self.entries.len() as u64
+    }
+
     /// Notes a change of the body in a slot, one of `slots`.
     pub(crate) fn note(&mut self, slot: u32, change: Change, slots: usize) {
-        if self.all {
-            return;
-        }
-        let count = self.bodies.len();
-        match self.bodies.last_mut() {
-            Some((last, noted)) if *last == slot => *noted = noted.or(change),
-            _ if count < (slots / 8).max(64) => self.bodies.push((slot, change)),
-            _ => {
-                self.bodies.clear();
-                self.all = true;
-            }
+        let is_unread = self.unread < self.end();
+        let count = self.entries.len();
+        match self.entries.last_mut() {
+            Some((last, noted)) if *last == slot && is_unread => *noted = noted.or(change),
+            _ if count < (slots / 8).max(FEW) => self.entries.push((slot, change)),
+            _ => self.give_up(),
         }
     }
 
     /// Notes that any body and any field may have changed in anything.
     pub(crate) fn note_all(&mut self) {
-        *self = Self::default();
+        self.give_up();
+        self.note_group_fields();
     }
 
     /// Notes that the fields changed that act on bodies by their groups.
     pub(crate) fn note_group_fields(&mut self) {
-        self.group_fields = true;
+        self.group_fields += 1;
     }
 
-    /// The slots that changed and in what; `None` if any may have in anything.
-    pub(crate) fn bodies(&self) -> Option<&[(u32, Change)]> {
-        (!self.all).then_some(&self.bodies)
+    /// Leaves all cursors behind.
+    fn give_up(&mut self) {
+        self.first = self.end() + 1;
+        self.unread = self.first;
+        self.entries.clear();
     }
 
-    pub(crate) fn group_fields(&self) -> bool {
-        self.group_fields
+    /// The position after all changes so far, for a cache that has read them.
+    pub(crate) fn read(&mut self) -> ChangeCursor {
+        self.unread = self.end();
+        ChangeCursor { entry: self.unread, group_fields: self.group_fields }
     }
 
-    pub(crate) fn is_empty(&self) -> bool {
-        self.bodies.is_empty() && !self.all && !self.group_fields
+    /// The slots that changed after a position, and in what; `None` if any body may have changed in anything.
+    pub(crate) fn since(&self, cursor: ChangeCursor) -> Option<&[(u32, Change)]> {
+        let index = cursor.entry.checked_sub(self.first)?;
+        self.entries.get(index as usize..)
     }
 
-    /// Forgets all changes.
-    pub(crate) fn clear(&mut self) {
-        self.bodies.clear();
-        (self.all, self.group_fields) = (false, false);
+    /// Returns true if a field that acts on bodies by their groups changed after a position.
+    pub(crate) fn have_group_fields_changed(&self, cursor: ChangeCursor) -> bool {
+        self.group_fields != cursor.group_fields
+    }
+
+    /// Returns true if nothing changed after a position.
+    pub(crate) fn is_nothing_since(&self, cursor: ChangeCursor) -> bool {
+        !self.have_group_fields_changed(cursor) && self.since(cursor).is_some_and(<[_]>::is_empty)
+    }
+
+    /// Forgets the entries before a position. A cursor that the log has left behind keeps none.
+    pub(crate) fn forget_before(&mut self, cursor: ChangeCursor) {
+        let kept = self.since(cursor).map_or(0, <[_]>::len);
+        let forgotten = self.entries.len() - kept;
+        self.entries.drain(..forgotten);
+        self.first += forgotten as u64;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_cursor_reads_what_changed_since_it_was_taken() {
+        let mut changes = Changes::default();
+        assert!(changes.since(ChangeCursor::default()).is_none());
+        let first = changes.read();
+        assert!(changes.is_nothing_since(first));
+        changes.note(7, Change::POSE, 10);
+        changes.note(7, Change::VELOCITY, 10);
+        assert_eq!(changes.since(first), Some(&[(7, Change::POSE.or(Change::VELOCITY))][..]));
+        // A change of a slot that a cache has read is another entry.
+        let second = changes.read();
+        changes.note(7, Change::FORCES, 10);
+        assert_eq!(changes.since(second), Some(&[(7, Change::FORCES)][..]));
+        assert_eq!(changes.since(first).map(<[_]>::len), Some(2));
+        changes.forget_before(second);
+        assert!(changes.since(first).is_none());
+        assert_eq!(changes.since(second), Some(&[(7, Change::FORCES)][..]));
+        // A cursor left behind keeps nothing.
+        changes.forget_before(first);
+        assert!(changes.since(second).is_none());
+        let third = changes.read();
+        changes.note_group_fields();
+        assert!(changes.since(third).is_some_and(<[_]>::is_empty) && !changes.is_nothing_since(third));
+        let fourth = changes.read();
+        (0..FEW as u32 + 1).for_each(|slot| changes.note(slot, Change::POSE, 10));
+        assert!(changes.since(fourth).is_none());
+        let fifth = changes.read();
+        assert!(changes.is_nothing_since(fifth));
+        changes.note_all();
+        assert!(changes.since(fifth).is_none() && changes.have_group_fields_changed(fifth));
     }
 }

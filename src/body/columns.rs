@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use core::{borrow::Borrow, convert::identity};
 
 use super::asleep::Sleepers;
-use super::changes::{Change, Changes};
+use super::changes::{Change, ChangeCursor, Changes};
 use super::factors::{FactorTable, Key};
 use super::info::{BodyInfo, BodyTable};
 use super::mass::{MassTable, inverse_inertia_of};
@@ -47,6 +47,10 @@ pub(crate) struct Bodies<S: Scalar> {
     /// The groups of all fields that act on bodies by their groups, as the bodies are parted now.
     pub(super) coupling_groups: u32,
     pub(super) changes: Changes,
+    /// How far the parting into free and coupled bodies has followed the changes.
+    pub(super) parted: ChangeCursor,
+    /// Memory that parting uses again; empty in between.
+    pub(super) parting: Vec<usize>,
     /// The index of each body in the columns.
     pub(super) slots: Slots<BodyId>,
     /// True if bodies have a last acceleration. The column is empty as long as all are zero.
@@ -67,6 +71,8 @@ clone_by_field!(Bodies {
     first_coupled,
     coupling_groups,
     changes,
+    parted,
+    parting,
     slots,
     keeps_last,
     any_come,
@@ -86,6 +92,8 @@ impl<S: Scalar> Default for Bodies<S> {
             first_coupled: 0,
             coupling_groups: 0,
             changes: Changes::default(),
+            parted: ChangeCursor::default(),
+            parting: Vec::new(),
             slots: Slots::default(),
             keeps_last: false,
             any_come: false,

@@ -28,7 +28,7 @@ use crate::math::Vec2;
 use crate::scalar::{Accumulator, Scalar};
 use crate::shape::Shape;
 
-pub(crate) use changes::Change;
+pub(crate) use changes::{Change, ChangeCursor};
 pub(crate) use columns::Bodies;
 pub use damping::Damping;
 pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};

@@ -49,7 +49,7 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// The record of what changed since the last step.
+    /// The log of what changed.
     pub(crate) fn changes(&self) -> &Changes {
         &self.changes
     }
@@ -91,31 +91,38 @@ impl<S: Scalar> Bodies<S> {
     /// Parts the bodies that a step moves into free and coupled ones. It looks at the bodies that changed, or at all where
     /// the groups changed by which fields act.
     ///
-    /// `force_groups` are those of all fields that act on bodies by their groups, if they may have changed; `is_attached` says
-    /// whether a field is attached to a body.
-    pub(crate) fn part(&mut self, force_groups: Option<u32>, is_attached: impl Fn(BodyId) -> bool) {
-        let force_groups = force_groups.unwrap_or(self.coupling_groups);
+    /// `force_groups` returns the groups of all fields that act on bodies by their groups, `is_attached` whether a field is attached to a
+    /// body.
+    pub(crate) fn part(&mut self, force_groups: impl Fn() -> u32, is_attached: impl Fn(BodyId) -> bool) {
+        if self.changes.is_nothing_since(self.parted) {
+            return;
+        }
+        let have_fields_changed = self.changes.have_group_fields_changed(self.parted);
+        let force_groups = if have_fields_changed { force_groups() } else { self.coupling_groups };
         let is_coupled = |bodies: &Self, i: usize| bodies.info(i).feels(force_groups) || is_attached(bodies.id(i));
         let same_groups = core::mem::replace(&mut self.coupling_groups, force_groups) == force_groups;
-        let mut indices = core::mem::take(&mut self.changes.indices);
-        indices.clear();
-        match self.changes.bodies() {
-            Some(changed) if same_groups => {
+        let changed = self.changes.since(self.parted).filter(|_| same_groups);
+        match changed {
+            Some(changed) => {
+                let mut indices = core::mem::take(&mut self.parting);
                 let changed = changed.iter().filter(|(_, change)| change.is_any_of(Change::FORCES));
                 indices.extend(changed.filter_map(|&(slot, _)| self.index_in(slot)));
                 indices.sort_unstable();
                 indices.dedup();
                 indices.retain(|&i| i < self.moving && is_coupled(self, i) != (i >= self.first_coupled));
                 self.change_sets(&indices);
+                indices.clear();
+                self.parting = indices;
             }
-            _ => self.part_all(is_coupled),
+            None => self.part_all(is_coupled),
         }
-        self.changes.indices = indices;
+        self.parted = self.changes.read();
     }
 
     /// Makes all bodies that a step moves free: there are no fields.
     pub(crate) fn free_all(&mut self) {
         (self.coupling_groups, self.first_coupled) = (0, self.moving);
+        self.parted = self.changes.read();
     }
 
     /// Moves these bodies, in ascending order, from the set they are in to the other one.

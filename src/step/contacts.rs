@@ -14,6 +14,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 pub(super) use memory::ContactMemory;
+use memory::Followed;
 
 use super::sleep::{has_stayed, is_slow};
 use super::{Constants, Findings, Step, bounds, show};
@@ -109,8 +110,7 @@ impl<S: Scalar> Step<'_, S> {
         self.end_paths(&mut memory, &settings, constants);
         self.follow_paths(&mut memory, &settings);
         self.show(StageKind::Push);
-        memory.changed.clear();
-        memory.are_all_changed = true;
+        memory.detected_at = Followed::all(self.bodies, self.contacts.colliders);
         memory.detected.disturbed.clear();
         self.workspace.contacts = Some(memory);
     }
@@ -119,13 +119,14 @@ impl<S: Scalar> Step<'_, S> {
     /// added and all are solved again, up to [`ROUNDS`] times. Returns the reason why the contacts are not the contacts of the step, if
     /// there is one.
     fn solve_contacts(&mut self, memory: &mut ContactMemory<S>, settings: &ContactSettings) -> Option<Blocked> {
-        let ContactMemory { pipeline, solvers, starts, fixed_starts, corrections, detected, .. } = memory;
+        let are_all_listed = memory.list_changed(self.bodies, self.contacts.colliders);
+        let ContactMemory { pipeline, solvers, starts, fixed_starts, corrections, detected, changed, .. } = memory;
         detected.touched.clear();
         detected.crowded.clear();
         let starts = Start::all_fixed(starts, fixed_starts);
         let scene = Scene {
             may_have_moved_statics: memory.may_have_moved_statics,
-            changed: memory.are_all_changed.then_some(&memory.changed),
+            changed: are_all_listed.then_some(changed),
             ..self.unchanged(starts, settings)
         };
         pipeline.detect(&scene, detected);
@@ -210,9 +211,7 @@ impl<S: Scalar> Step<'_, S> {
             let touched = memory.detected.touched.iter().copied();
             let woke = &mut self.workspace.report.woke;
             let Contacts { colliders, contacts, .. } = &mut self.contacts;
-            let before = woke.len();
             island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
-            memory.changed.bodies.extend(woke[before..].iter().map(|body| body.slot));
             let indices = first_woken..self.bodies.moving();
             let has_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
             memory.starts.extend(indices.clone().filter(has_colliders).map(|dense| Start::of(self.bodies, dense)));

@@ -56,8 +56,9 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// Drops the caches of bodies that changed, and of the bodies at the other ends of fields attached to them.
-    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>) {
-        let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
+    ///
+    /// `changed` has the changes since the last step; `None` if any body may have changed, or fields that act by groups.
+    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, fields: &FieldSet<S>, changed: Option<&[(u32, Change)]>) {
         let Some(changed) = changed else { return self.drop_cached() };
         // Some were not needed in the last step, and may be elsewhere now.
         self.is_current &= self.outdated.is_empty();

@@ -15,7 +15,7 @@ use alloc::vec::Vec;
 use super::applied::part_in;
 use super::bounds::{SafeSteps, check_bounds_and_rest};
 use super::{Constants, Findings, kick};
-use crate::body::{BLOCK, Block, Bodies, Motion};
+use crate::body::{BLOCK, Block, Bodies, Change, Motion};
 use crate::error::Cause;
 use crate::integrate::{
     BlockFactors, FreeStage, Stage, StageKind, cap, damp, drift, fused_kick_drift_kick, fused_kick_drift_kick_each,
@@ -59,9 +59,10 @@ impl<S: Scalar> Workspace<S> {
     }
 
     /// Drops the caches of the blocks with bodies that changed.
-    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>) {
-        // Where fields that act by groups changed, bodies may have come to a block without a change of their own.
-        let changed = bodies.changes().bodies().filter(|_| !bodies.changes().group_fields());
+    ///
+    /// `changed` has the changes since the last step; `None` if bodies may have come to a block without a change of their own, as where
+    /// fields that act by groups changed.
+    pub(super) fn drop_changed(&mut self, bodies: &Bodies<S>, changed: Option<&[(u32, Change)]>) {
         let Some(changed) = changed else { return self.drop_cached() };
         // Any change counts: a body that became free stands in a block that was checked without it.
         for i in changed.iter().filter_map(|&(slot, _)| bodies.index_in(slot)) {

@@ -213,8 +213,6 @@ impl<S: Scalar> Step<'_, S> {
     /// The first fault on the way back, in the order of the handles; then all bodies are as they were.
     pub(crate) fn step_back(mut self, schedule: Schedule) -> Result<(), Fault> {
         let Settings { plan, factor_table, integrator, .. } = self.settings;
-        // No contact is found, but calls since the last step are forgotten here, and the next one has to know them.
-        self.survey_contacts();
         self.part();
         let kinds = self.begin();
         let applied = self.convert_applied();
@@ -248,9 +246,8 @@ impl<S: Scalar> Step<'_, S> {
         let fields = self.forces.fields;
         if fields.len() == 0 {
             self.bodies.free_all();
-        } else if !self.bodies.changes().is_empty() {
-            let force_groups = self.bodies.changes().group_fields().then(|| fields.coupling_groups());
-            self.bodies.part(force_groups, |body| fields.is_attached(body));
+        } else {
+            self.bodies.part(|| fields.coupling_groups(), |body| fields.is_attached(body));
         }
     }
 

@@ -5,7 +5,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, targets};
-use crate::body::Bodies;
+use crate::body::{Bodies, ChangeCursor};
 use crate::collide::broad::Statics;
 use crate::collider::ColliderSet;
 use crate::contact::{ColliderPair, ContactHit, Pipeline};
@@ -20,6 +20,8 @@ use crate::slots::BodyId;
 pub(crate) struct Workspace<S: Scalar> {
     pub(super) targets: targets::Workspace<S>,
     pub(super) applied: Vec<AppliedAcceleration<S>>,
+    /// How far the caches of the free flight have followed the changes of bodies.
+    flown: ChangeCursor,
     pub(super) free: free::Workspace<S>,
     pub(super) coupled: coupled::Workspace<S>,
     pub(super) fields: fields::Workspace<S>,
@@ -121,15 +123,20 @@ impl<S: Scalar> Workspace<S> {
         self.free.share(min_bodies);
     }
 
-    /// Makes it ready for a step: drops the caches of bodies that changed since the last one, and forgets the changes.
+    /// Makes it ready for a step: drops the caches of bodies that changed since the last one, and forgets the changes that all caches have
+    /// followed.
     pub(super) fn begin(&mut self, bodies: &mut Bodies<S>, fields: &FieldSet<S>) {
         self.findings.faults.clear();
         self.findings.candidates.clear();
-        if !bodies.changes().is_empty() {
-            self.free.drop_changed(bodies);
-            self.fields.drop_changed(bodies, fields);
-            bodies.changes_mut().clear();
+        if !bodies.changes().is_nothing_since(self.flown) {
+            let have_fields_changed = bodies.changes().have_group_fields_changed(self.flown);
+            let changed = bodies.changes().since(self.flown).filter(|_| !have_fields_changed);
+            self.free.drop_changed(bodies, changed);
+            self.fields.drop_changed(bodies, fields, changed);
+            self.flown = bodies.changes_mut().read();
         }
+        let oldest = self.contacts.as_ref().map_or(self.flown, |memory| memory.oldest_cursor());
+        bodies.changes_mut().forget_before(oldest);
         #[cfg(feature = "timers")]
         {
             self.timers.steps += 1;
@@ -143,6 +150,7 @@ impl<S: Scalar> Workspace<S> {
 
     /// Drops all caches: they belong to other bodies. A step without caches has the same bits.
     pub(crate) fn drop_cached(&mut self) {
+        self.flown = ChangeCursor::default();
         self.free.drop_cached();
         self.fields.drop_cached();
         if let Some(contacts) = &mut self.contacts {
@@ -158,6 +166,7 @@ impl<S: Scalar> Workspace<S> {
     /// Does the same as `clone_from`, and copies the caches: for a copy of the world that `source` belongs to.
     pub(crate) fn clone_cached_from(&mut self, source: &Self) {
         self.clone_from(source);
+        self.flown = source.flown;
         self.free.clone_cached_from(&source.free);
         self.fields.clone_cached_from(&source.fields);
         if let Some(contacts) = &source.contacts {

@@ -5,7 +5,7 @@ use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::Contacts;
-use crate::body::{Bodies, BodyKind, Change};
+use crate::body::{Bodies, BodyKind, Change, ChangeCursor};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
 use crate::contact::{Changed, ContactSet, Correction, Detected, Overlap, Pipeline, Sensors, Solvers, Start, Stop};
@@ -13,23 +13,35 @@ use crate::island::Touching;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
-/// The number of changes that are remembered from one update of the static colliders to the next.
-const MAX_CHANGED: usize = 4096;
+/// How far a cache has followed the changes of bodies and colliders.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Followed {
+    bodies: ChangeCursor,
+    /// The revision of the colliders; `None` if the cache belongs to other bodies.
+    colliders: Option<u64>,
+}
+
+impl Followed {
+    /// The position after all changes so far.
+    pub(super) fn all<S: Scalar>(bodies: &mut Bodies<S>, colliders: &ColliderSet<S>) -> Self {
+        Self { bodies: bodies.changes_mut().read(), colliders: Some(colliders.revision()) }
+    }
+}
 
 /// The memory of the contacts of a world, from step to step and within a step. No result depends on it.
 #[derive(Debug, Default)]
 pub(in super::super) struct ContactMemory<S: Scalar> {
     pub(super) pipeline: Pipeline,
     pub(super) solvers: Solvers<S::Solver>,
-    /// The revision of the colliders at the last step; `None` if the caches below belong to other bodies.
-    pub(super) revision: Option<u64>,
+    /// The last survey, which listed the moving bodies with colliders.
+    surveyed: Followed,
+    /// The last step in which contacts were detected.
+    pub(super) detected_at: Followed,
     /// The slots of the moving bodies with colliders.
     pub(super) slots: Vec<u32>,
     pub(super) may_have_moved_statics: bool,
-    /// The changes since contacts were last detected.
+    /// The changes since the last step in which contacts were detected.
     pub(super) changed: Changed,
-    /// True if `changed` has all changes.
-    pub(super) are_all_changed: bool,
     /// True if the pipeline holds the contacts of this step.
     pub(super) is_detected: bool,
     pub(super) starts: Vec<Start<S>>,
@@ -73,24 +85,25 @@ impl<S: Scalar> ContactMemory<S> {
             bodies.index_in(slot).is_none_or(|dense| bodies.info(dense).kind != BodyKind::Static)
                 && !colliders.of_slot(slot).any(was_static)
         };
-        let is_current = self.are_all_changed
-            && self.changed.colliders.is_empty()
-            && self.revision == Some(colliders.revision())
-            && self.changed.bodies.iter().chain(&self.changed.owners).all(|&slot| is_not_static(slot))
-            && bodies.changes().bodies().is_some_and(|changes| changes.iter().all(|&(slot, _)| is_not_static(slot)));
+        let Followed { bodies: cursor, colliders: revision } = self.detected_at;
+        let is_current = revision == Some(colliders.revision())
+            && bodies
+                .changes()
+                .since(cursor)
+                .is_some_and(|changes| changes.iter().all(|&(slot, _)| is_not_static(slot)));
         is_current.then_some((statics, &self.pipeline))
     }
 
     /// Drops the caches of bodies. The tree of static colliders stays: it is compared before it is used.
     pub(in super::super) fn drop_cached(&mut self) {
-        self.revision = None;
+        self.surveyed = Followed::default();
+        self.detected_at = Followed::default();
         self.sensors.forget();
     }
 
     pub(in super::super) fn clone_cached_from(&mut self, source: &Self) {
-        self.revision = source.revision;
-        self.changed.clone_from(&source.changed);
-        self.are_all_changed = source.are_all_changed;
+        self.surveyed = source.surveyed;
+        self.detected_at = source.detected_at;
         self.slots.clone_from(&source.slots);
         self.pipeline.clone_cached_from(&source.pipeline);
     }
@@ -102,37 +115,41 @@ impl<S: Scalar> ContactMemory<S> {
         self.pipeline.set_discrete(speculation);
     }
 
+    /// The position of the changes that are not followed yet.
+    pub(in super::super) fn oldest_cursor(&self) -> ChangeCursor {
+        self.detected_at.bodies
+    }
+
     /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
-    pub(in super::super) fn survey(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) {
+    pub(in super::super) fn survey(&mut self, bodies: &mut Bodies<S>, colliders: &ColliderSet<S>) {
+        let Followed { bodies: cursor, colliders: revision } = self.surveyed;
         // A change of motion alone changes no static body.
-        let listed = bodies.changes().bodies().filter(|_| self.revision.is_some());
-        let are_motions = listed.is_some_and(|changed| changed.iter().all(|change| is_motion(bodies, change)));
+        let changes = bodies.changes().since(cursor);
+        let are_motions = changes.is_some_and(|changes| changes.iter().all(|change| is_motion(bodies, change)));
         self.may_have_moved_statics = !are_motions;
-        // A world that nothing moves in for long has its colliders looked through instead.
-        self.are_all_changed &= listed.is_some() && self.changed.len() <= MAX_CHANGED;
-        if let Some(changed) = listed.filter(|_| self.are_all_changed) {
-            for change in changed.iter().filter(|change| !is_motion(bodies, change)) {
-                let list = if is_of_body(change) { &mut self.changed.bodies } else { &mut self.changed.owners };
-                list.push(change.0);
-            }
-        }
-        match self.revision.and_then(|revision| colliders.changed_since(revision)) {
-            Some(slots) if self.are_all_changed => self.changed.colliders.extend(slots),
-            Some(_) => {}
-            None => self.are_all_changed = false,
-        }
-        if !self.are_all_changed {
-            self.changed.clear();
-        }
-        if self.revision == Some(colliders.revision()) && !self.may_have_moved_statics {
+        self.surveyed = Followed::all(bodies, colliders);
+        if revision == Some(colliders.revision()) && are_motions {
             return;
         }
-        self.revision = Some(colliders.revision());
         self.slots.clear();
         if !colliders.is_empty() {
             let moving = bodies.columns.slot[..bodies.moving()].iter();
             self.slots.extend(moving.filter(|&&slot| colliders.of_slot(slot).next().is_some()));
         }
+    }
+
+    /// Lists the changes since the last step in which contacts were detected. Returns false if anything may have changed.
+    pub(super) fn list_changed(&mut self, bodies: &Bodies<S>, colliders: &ColliderSet<S>) -> bool {
+        self.changed.clear();
+        let Followed { bodies: cursor, colliders: revision } = self.detected_at;
+        let Some(changes) = bodies.changes().since(cursor) else { return false };
+        let Some(slots) = revision.and_then(|revision| colliders.changed_since(revision)) else { return false };
+        for change in changes.iter().filter(|change| !is_motion(bodies, change)) {
+            let list = if is_of_body(change) { &mut self.changed.bodies } else { &mut self.changed.owners };
+            list.push(change.0);
+        }
+        self.changed.colliders.extend(slots);
+        true
     }
 
     /// Keeps the motion of moving bodies with colliders before their free flight.
