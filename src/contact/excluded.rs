@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::flights::Flights;
 use super::narrow::Narrow;
 use super::resting::{Resting, Trees};
-use super::stamped::Stamped;
+use super::slot_table::SlotTable;
 use super::{ContactSet, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write, codec_enum};
@@ -94,7 +94,7 @@ pub(super) struct Exclusions {
     /// Sorted by bodies.
     pub(super) pairs: Vec<ExcludedPair>,
     /// Has a number for each body of an excluded pair, by its slot.
-    excluded_bodies: Stamped,
+    excluded_bodies: SlotTable,
     /// By excluded pair of the step before: true if its bodies are near each other.
     are_near: Vec<bool>,
     /// The numbers of the outlines near an outline.

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 use super::bodies::resting;
 use super::moment::{Way, length, mean_beginning};
 use super::numbers::Numbers;
-use super::stamped::Stamped;
+use super::slot_table::SlotTable;
 use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
 use crate::collide::Pose;
@@ -83,7 +83,7 @@ pub(super) struct Flights {
     /// The body of each flight.
     places: Vec<Place>,
     /// The number of the flight by the slot of the body.
-    flight_of: Stamped,
+    flight_of: SlotTable,
     /// The moment of manifolds, and the length of the step, in 2^-48 s.
     mean_beginning: u64,
     length: u64,
@@ -139,7 +139,7 @@ impl Flights {
     }
 
     #[cold]
-    fn push_still(&mut self, scene: &Scene<'_>, slot: u32, dense: usize) -> u32 {
+    fn push_resting(&mut self, scene: &Scene<'_>, slot: u32, dense: usize) -> u32 {
         let pose = pose(scene.bodies.position(dense), scene.bodies.angle(dense));
         self.flights.push(resting(pose.position()));
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
@@ -221,7 +221,7 @@ impl Flights {
     pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {
         match self.flight_of.get(slot) {
             // A pair names only colliders whose bodies exist.
-            NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_still(scene, slot, dense)),
+            NONE => scene.bodies.index_in(slot).map_or(0, |dense| self.push_resting(scene, slot, dense)),
             flight => flight,
         }
     }

@@ -8,7 +8,7 @@
 //! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
 //! - `pipeline`: the order of a step, from pairs to impulses. Its parts, each with a memory, are arguments of each other:
 //!   `flights`, the bodies of a step; `resting`, the trees of colliders at rest; `pairs`, outlines whose boxes overlap; `rules`, which of them
-//!   do not touch (`excluded`, `passes`); `narrow`, manifolds; `list`, the contacts of a step, in order; `again`, islands to which contacts were
+//!   do not touch (`excluded`, `one_way`); `narrow`, manifolds; `list`, the contacts of a step, in order; `again`, islands to which contacts were
 //!   added within a step; `sweep`, the paths of fast bodies.
 //! - `moment`: the moment of the step that a manifold is of.
 //! - `numbers`: outlines as numbers, for the broad phase.
@@ -35,8 +35,8 @@ mod list;
 mod moment;
 mod narrow;
 mod numbers;
+mod one_way;
 mod pairs;
-mod passes;
 mod pipeline;
 mod reach;
 mod records;
@@ -45,8 +45,8 @@ mod rules;
 mod seams;
 mod sensors;
 mod set;
+mod slot_table;
 mod split;
-mod stamped;
 mod surfaces;
 mod sweep;
 mod tiles;
@@ -71,10 +71,10 @@ pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};
 pub use excluded::Exclusion;
 pub(crate) use excluded::{ExcludedPair, sorted};
-pub(crate) use passes::PassRecord;
+pub(crate) use one_way::OneWayAnswer;
 pub(crate) use pipeline::Pipeline;
 pub(crate) use records::ContactRecord;
-pub(crate) use resting::Disturbed;
+pub(crate) use resting::ChangedResting;
 pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub(crate) use split::Solvers;
@@ -265,11 +265,11 @@ pub(crate) struct Scene<'a> {
     pub(crate) time_step: TimeStep,
 }
 
-/// The results of detection that keep the contacts from being solved, and the disturbed colliders.
+/// The results of detection that keep the contacts from being solved, and the changed colliders.
 #[derive(Debug, Default)]
 pub(crate) struct Detected {
     pub(crate) touched: Vec<BodyId>,
     pub(crate) crowded: Vec<usize>,
     /// The colliders at rest whose contacts the step tests, however often contacts are detected in it.
-    pub(crate) disturbed: Disturbed,
+    pub(crate) changed_resting: ChangedResting,
 }

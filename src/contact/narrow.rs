@@ -10,7 +10,7 @@ use super::moment::{LEVEL, SLOW, Way};
 use super::reach::{approach_bound, closing};
 use super::resting::Resting;
 use super::seams::{self, Union, Unions, corners, take_over};
-use super::stamped::Stamped;
+use super::slot_table::SlotTable;
 use super::sweep::{Paths, form};
 use super::tiles::{SLANTED, Tiles, are_joined, is_polygon};
 use super::{ContactRecord, MARGIN, Scene};
@@ -27,9 +27,9 @@ use crate::solve::Impulses;
 pub(super) struct Narrow {
     cores: Cores,
     /// The index in `cores` of an outline at the moment of manifolds, by the number of the outline.
-    core_of: Stamped,
+    core_of: SlotTable,
     /// The index in `cores` of an outline at the start of the step.
-    start_core_of: Stamped,
+    start_core_of: SlotTable,
     tiles: Tiles,
     body_tiles: BodyTiles,
     unions: Unions,

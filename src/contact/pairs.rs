@@ -10,7 +10,7 @@ use super::reach::swept;
 use super::resting::{Resting, Trees};
 use super::{Scene, pair_limits, sorted};
 use crate::body::Activity;
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing};
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees};
 use crate::slots::BodyId;
 
 /// The pairs of moving outlines, and the broad phase that finds them.
@@ -34,13 +34,13 @@ impl Pairs {
         let Some(trees) = &resting.trees else { return };
         let limits = pair_limits(scene.settings, scene.colliders);
         let overlaps = limits.overlaps.saturating_sub(trees.counts.overlaps);
-        self.broad.update(&trees.standing(), &self.movers, &PairLimits { overlaps, ..limits });
+        self.broad.update(&trees.for_search(), &self.movers, &PairLimits { overlaps, ..limits });
         let are_above = self.broad.pairs().len().saturating_add(trees.counts.pairs) > limits.pairs;
         if !trees.sleepers.is_empty() && (are_above || !self.broad.above_cap().is_empty()) {
             self.movers.extend(trees.sleepers.iter());
             // No real version has this number, so that the broad phase drops its cache of sleepers.
-            let standing = Standing { version: u64::MAX, ..Standing::of(&trees.statics) };
-            self.broad.update(&standing, &self.movers, &limits);
+            let resting_trees = RestingTrees { version: u64::MAX, ..RestingTrees::of(&trees.statics) };
+            self.broad.update(&resting_trees, &self.movers, &limits);
         }
     }
 

@@ -52,15 +52,15 @@ impl Pipeline {
         again.clear();
         sweeps.deflected.clear();
         flights.begin(scene);
-        narrow.begin(resting.update(scene, &mut detected.disturbed));
+        narrow.begin(resting.update(scene, &mut detected.changed_resting));
         pairs.find(scene, flights, resting);
         list_crowded(scene, resting, pairs.crowded(), detected);
         if !detected.crowded.is_empty() || !detected.touched.is_empty() {
             return;
         }
         let mut list = pairs.take();
-        resting.pair_disturbed(scene, &detected.disturbed, &mut list);
-        rules.filter(scene, flights, resting, narrow, &detected.disturbed, &mut list);
+        resting.pair_changed(scene, &detected.changed_resting, &mut list);
+        rules.filter(scene, flights, resting, narrow, &detected.changed_resting, &mut list);
         let mut next_record = 0;
         let mut first: Option<PairSide<'_>> = None;
         for &[first_number, second_number] in &list {
@@ -135,7 +135,7 @@ impl Pipeline {
         narrow.forget_placed();
         flights.begin(scene);
         let mut list = pairs.take_with_sleepers(scene, flights, resting);
-        rules.one_way.leave_out_passing(scene, flights, resting, narrow, &detected.disturbed, &mut list);
+        rules.one_way.leave_out_passing(scene, flights, resting, narrow, &detected.changed_resting, &mut list);
         for &pair in &list {
             let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
             let [Some(first), Some(second)] = &sides else { continue };

@@ -10,11 +10,11 @@ use alloc::vec::Vec;
 use super::bodies;
 use super::flights::pose;
 use super::numbers::Numbers;
-use super::passes::is_disturbed;
+use super::one_way::has_changed;
 use super::reach;
 use super::{Changed, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
-use crate::collide::broad::{Boxes, PairLimits, Proxy, Standing, Statics};
+use crate::collide::broad::{Boxes, PairLimits, Proxy, RestingTrees, Statics};
 use crate::collider::{Collider, ColliderSet};
 use crate::query::place_digest;
 
@@ -61,8 +61,8 @@ impl Counts {
 /// The colliders at rest that may have other contacts than before: changed colliders, and static colliders beside a changed one,
 /// whose surface may be another one. It stays the same however often contacts are detected in a step.
 #[derive(Debug, Default)]
-pub(crate) struct Disturbed {
-    /// True if all colliders at rest may be disturbed.
+pub(crate) struct ChangedResting {
+    /// True if all colliders at rest may have changed.
     are_all: bool,
     /// The numbers of the outlines, sorted.
     numbers: Vec<u32>,
@@ -70,14 +70,14 @@ pub(crate) struct Disturbed {
     bodies: Vec<u32>,
 }
 
-impl Disturbed {
+impl ChangedResting {
     pub(crate) fn clear(&mut self) {
         self.are_all = false;
         self.numbers.clear();
         self.bodies.clear();
     }
 
-    /// Returns true if a collider of a body may be disturbed.
+    /// Returns true if a collider of a body may have changed.
     pub(super) fn has(&self, body: u32) -> bool {
         self.are_all || self.bodies.binary_search(&body).is_ok()
     }
@@ -107,8 +107,8 @@ impl Trees {
         self.counts = source.counts;
     }
 
-    pub(super) fn standing(&self) -> Standing<'_> {
-        Standing { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
+    pub(super) fn for_search(&self) -> RestingTrees<'_> {
+        RestingTrees { statics: &self.statics, sleepers: Some(&self.sleepers), version: self.version }
     }
 
     /// Calls `visit` with each collider that overlaps `proxy`, true if that collider sleeps, and true if they make a pair, until `visit`
@@ -205,7 +205,7 @@ impl Resting {
     }
 
     /// Follows the changes of colliders at rest. Returns true if static colliders may have changed.
-    pub(super) fn update(&mut self, scene: &Scene<'_>, disturbed: &mut Disturbed) -> bool {
+    pub(super) fn update(&mut self, scene: &Scene<'_>, changed_resting: &mut ChangedResting) -> bool {
         let are_renumbered = self.numbers.update(scene.colliders);
         // Room for all colliders: a step that is taken again may have to list them where it followed changes before.
         self.workspace.proxies.clear();
@@ -224,10 +224,10 @@ impl Resting {
         let have_statics_changed =
             match scene.changed.filter(|changed| changed.all(scene.colliders).take(few + 1).count() <= few) {
                 Some(changed) if is_known && !are_renumbered => {
-                    self.follow(scene, changed, &mut trees, &mut workspace, disturbed, &limits)
+                    self.follow(scene, changed, &mut trees, &mut workspace, changed_resting, &limits)
                 }
                 _ => {
-                    disturbed.are_all = true;
+                    changed_resting.are_all = true;
                     self.list_resting(scene, State::Static, &mut workspace.proxies);
                     if !trees.statics.are(&workspace.proxies) {
                         trees.statics = Arc::new(Statics::new(workspace.proxies.clone()));
@@ -254,7 +254,7 @@ impl Resting {
         }
     }
 
-    /// Applies the changes of bodies and colliders to the trees, the counts and the disturbed colliders. Returns true if static colliders
+    /// Applies the changes of bodies and colliders to the trees, the counts and the changed colliders. Returns true if static colliders
     /// may have changed.
     fn follow(
         &self,
@@ -262,7 +262,7 @@ impl Resting {
         changed: &Changed,
         trees: &mut Trees,
         workspace: &mut Workspace,
-        disturbed: &mut Disturbed,
+        changed_resting: &mut ChangedResting,
         limits: &PairLimits,
     ) -> bool {
         let Workspace { changes: [statics, sleepers], changed_boxes, numbers, .. } = workspace;
@@ -273,7 +273,7 @@ impl Resting {
             changed.all(scene.colliders).for_each(|slot| self.list_changes(scene, tree, slot, state, changes));
         }
         let have_statics_changed = !statics.is_empty();
-        let Disturbed { numbers: all, bodies, .. } = disturbed;
+        let ChangedResting { numbers: all, bodies, .. } = changed_resting;
         all.extend(changed.all(scene.colliders).flat_map(|slot| self.numbers.of(slot)));
         let changed_proxies =
             statics.iter().flat_map(|(number, now)| [trees.statics.find(*number).copied(), *now].into_iter().flatten());
@@ -367,9 +367,9 @@ impl Resting {
         }
     }
 
-    /// Adds the disturbed pairs of a sleeping and a static collider. Where the answer of a one-way collider for a body is disturbed, it adds
+    /// Adds the changed pairs of a sleeping and a static collider. Where the answer of a one-way collider for a body may have changed, it adds
     /// the pairs with all colliders of the body, since the answer follows from all of them.
-    pub(super) fn pair_disturbed(&self, scene: &Scene<'_>, disturbed: &Disturbed, pairs: &mut Vec<[u32; 2]>) {
+    pub(super) fn pair_changed(&self, scene: &Scene<'_>, changed_resting: &ChangedResting, pairs: &mut Vec<[u32; 2]>) {
         let Some(Trees { statics, sleepers, .. }) = &self.trees else { return };
         if !scene.may_have_moved_statics || sleepers.is_empty() || statics.is_empty() {
             return;
@@ -384,13 +384,13 @@ impl Resting {
             Some(sleeper) => Some((sleeper, &**statics)),
             None => statics.find(number).map(|proxy| (proxy, sleepers)),
         };
-        if disturbed.are_all {
+        if changed_resting.are_all {
             sleepers.iter().for_each(|sleeper| statics.meeting(sleeper, |partner| add(sleeper, partner)));
         } else {
-            for (proxy, tree) in disturbed.numbers.iter().copied().filter_map(sides) {
+            for (proxy, tree) in changed_resting.numbers.iter().copied().filter_map(sides) {
                 tree.meeting(proxy, |partner| add(proxy, partner));
             }
-            for record in scene.contacts.passes.iter().filter(|record| is_disturbed(scene, record, disturbed)) {
+            for record in scene.contacts.passes.iter().filter(|record| has_changed(scene, record, changed_resting)) {
                 let (outline, body) = record.place();
                 if let Some((proxy, tree)) = sides(self.numbers.number(outline)) {
                     tree.meeting(proxy, |partner| partner.body != body || add(proxy, partner));

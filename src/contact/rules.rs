@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use super::excluded::Exclusions;
 use super::flights::Flights;
 use super::narrow::Narrow;
-use super::passes::OneWay;
-use super::resting::{Disturbed, Resting};
+use super::one_way::OneWay;
+use super::resting::{ChangedResting, Resting};
 use super::{ContactSet, Scene};
 
 /// The answers of the rules in a step.
@@ -24,11 +24,11 @@ impl Rules {
         flights: &mut Flights,
         resting: &Resting,
         narrow: &mut Narrow,
-        disturbed: &Disturbed,
+        changed_resting: &ChangedResting,
         pairs: &mut Vec<[u32; 2]>,
     ) {
         self.exclusions.leave_out_excluded(scene, flights, resting, narrow, pairs);
-        self.one_way.leave_out_passing(scene, flights, resting, narrow, disturbed, pairs);
+        self.one_way.leave_out_passing(scene, flights, resting, narrow, changed_resting, pairs);
     }
 
     /// Returns true if two outlines may touch: neither their filters, nor an excluded pair, nor a one-way collider lets them pass each

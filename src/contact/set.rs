@@ -4,7 +4,7 @@ use alloc::borrow::Cow;
 use alloc::vec::Vec;
 
 use super::asleep::AsleepContacts;
-use super::{ContactBodies, ContactRecord, EndedPair, ExcludedPair, Overlap, PassRecord};
+use super::{ContactBodies, ContactRecord, EndedPair, ExcludedPair, OneWayAnswer, Overlap};
 use crate::codec::{self, StateHasher, Write as _};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::solve::Impulses;
@@ -18,7 +18,7 @@ pub(crate) struct ContactSet {
     /// The contacts with a body that is asleep.
     pub(super) asleep: AsleepContacts,
     /// The answers of one-way colliders for the bodies near them in the last step, sorted by outline and body.
-    pub(crate) passes: Vec<PassRecord>,
+    pub(crate) passes: Vec<OneWayAnswer>,
     /// The pairs of bodies that do not touch, sorted.
     pub(crate) excluded: Vec<ExcludedPair>,
     /// The colliders that overlapped sensors at the end of the last step, sorted.

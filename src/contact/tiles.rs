@@ -14,7 +14,7 @@ use super::flights::pose;
 use super::numbers::Numbers;
 use super::reach;
 use super::seams::Features;
-use super::stamped::Stamped;
+use super::slot_table::SlotTable;
 use super::{ContactRecord, Scene};
 use crate::collide::Pose;
 use crate::collide::broad::{Proxy, Statics};
@@ -27,7 +27,7 @@ use crate::slots::NONE;
 #[derive(Debug, Default)]
 pub(super) struct Tiles {
     /// By number of the outline: the number of its surface, or [`ALONE`].
-    surface_of: Stamped,
+    surface_of: SlotTable,
     surfaces: SurfaceList,
     /// Workspace: a polygon and its neighbours.
     polygons: Polygons,

@@ -111,7 +111,7 @@ impl<S: Scalar> Step<'_, S> {
         self.follow_paths(&mut memory, &settings);
         self.show(StageKind::Push);
         memory.detected_at = Followed::all(self.bodies, self.contacts.colliders);
-        memory.detected.disturbed.clear();
+        memory.detected.changed_resting.clear();
         self.workspace.contacts = Some(memory);
     }
 

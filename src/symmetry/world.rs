@@ -5,7 +5,7 @@ use alloc::sync::Arc;
 use super::{FAR, Image, Symmetry};
 use crate::body::MassSource;
 use crate::collider::{ColliderMass, ColliderSet, OutlineId};
-use crate::contact::{ContactRecord, PassRecord};
+use crate::contact::{ContactRecord, OneWayAnswer};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
@@ -63,9 +63,9 @@ impl Symmetry {
         for record in &mut image.contacts.passes {
             let (OutlineId { slot, part }, body) = record.place();
             let part = world.colliders.at(slot).map_or(part, |own| image_of_part(&own.def.shape, part));
-            *record = PassRecord::new((OutlineId { slot, part }, body), record.passes);
+            *record = OneWayAnswer::new((OutlineId { slot, part }, body), record.passes);
         }
-        image.contacts.passes.sort_unstable_by_key(PassRecord::place);
+        image.contacts.passes.sort_unstable_by_key(OneWayAnswer::place);
         are_all_images.then_some(())
     }
 

@@ -1,6 +1,6 @@
 //! Limits on the number of pairs, and the rule by which colliders are left out.
 
-use super::{BroadPhase, Standing, Statics, key, pair};
+use super::{BroadPhase, RestingTrees, Statics, key, pair};
 
 /// Limits on the number of pairs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,15 +32,15 @@ impl BroadPhase {
     /// *Domain* the tree holds the boxes as they are, without margins. No collider's pairs are counted beyond the cap, so that time grows
     /// with the number of colliders times the cap, and with the overlaps up to their limit.
     #[cold]
-    pub(super) fn cap(&mut self, still: &Standing<'_>, limits: &PairLimits) {
-        let colliders = still.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
+    pub(super) fn cap(&mut self, resting: &RestingTrees<'_>, limits: &PairLimits) {
+        let colliders = resting.trees().map(Statics::len).fold(self.movers.len(), usize::saturating_add);
         let max_degree = limits.per_collider.min(colliders) as u32;
-        let counts_overlaps = self.has_more_overlaps(still, limits.overlaps);
+        let counts_overlaps = self.has_more_overlaps(resting, limits.overlaps);
         self.degrees.clear();
         self.degrees.resize(self.entries.len(), 0);
         for i in 0..self.movers.len() {
             let mut degree = 0;
-            self.neighbours(still, self.movers[i], |neighbour| {
+            self.neighbours(resting, self.movers[i], |neighbour| {
                 degree += u32::from(counts_overlaps || neighbour.is_pair);
                 degree <= max_degree
             });
@@ -50,7 +50,7 @@ impl BroadPhase {
         let mut needs = core::mem::take(&mut self.needs);
         needs.clear();
         needs.resize(max_degree as usize + 1, 0);
-        self.pairs_within(still, max_degree, counts_overlaps, |_, need, _| needs[need as usize] += 1);
+        self.pairs_within(resting, max_degree, counts_overlaps, |_, need, _| needs[need as usize] += 1);
         let mut total = 0;
         let fitting = needs.iter().take_while(|&&pairs| {
             total += pairs;
@@ -61,7 +61,7 @@ impl BroadPhase {
         self.needs = needs;
         let mut pairs = core::mem::take(&mut self.pairs);
         pairs.clear();
-        self.pairs_within(still, cap, counts_overlaps, |key, _, is_pair| {
+        self.pairs_within(resting, cap, counts_overlaps, |key, _, is_pair| {
             if is_pair {
                 pairs.push(pair(key));
             }
@@ -74,10 +74,10 @@ impl BroadPhase {
     }
 
     /// Returns true if there are more overlaps than `limit`.
-    fn has_more_overlaps(&self, still: &Standing<'_>, limit: usize) -> bool {
+    fn has_more_overlaps(&self, resting: &RestingTrees<'_>, limit: usize) -> bool {
         let mut count = 0;
         self.movers.iter().any(|&collider| {
-            self.neighbours(still, collider, |neighbour| {
+            self.neighbours(resting, collider, |neighbour| {
                 count += usize::from(!neighbour.moves || collider < neighbour.collider);
                 count <= limit
             });
@@ -89,7 +89,7 @@ impl BroadPhase {
     /// larger number of the two, and with whether it is a pair.
     fn pairs_within(
         &self,
-        still: &Standing<'_>,
+        resting: &RestingTrees<'_>,
         cap: u32,
         counts_overlaps: bool,
         mut each: impl FnMut(u64, u32, bool),
@@ -99,7 +99,7 @@ impl BroadPhase {
             if degree > cap {
                 continue;
             }
-            self.neighbours(still, collider, |neighbour| {
+            self.neighbours(resting, collider, |neighbour| {
                 let need = if neighbour.moves { degree.max(self.degrees[neighbour.collider as usize]) } else { degree };
                 // Two moving colliders find each other.
                 let is_first = !neighbour.moves || collider < neighbour.collider;
@@ -112,7 +112,7 @@ impl BroadPhase {
     }
 
     /// Calls `visit` with each collider that overlaps this one, until it returns false.
-    fn neighbours(&self, still: &Standing<'_>, collider: u32, mut visit: impl FnMut(Neighbour) -> bool) {
+    fn neighbours(&self, resting: &RestingTrees<'_>, collider: u32, mut visit: impl FnMut(Neighbour) -> bool) {
         let entry = &self.entries[collider as usize];
         let extent = entry.extent();
         let mut goes_on = true;
@@ -127,7 +127,7 @@ impl BroadPhase {
                 goes_on
             },
         );
-        for tree in still.trees() {
+        for tree in resting.trees() {
             if goes_on {
                 tree.search(
                     |node| node.touches(&extent),

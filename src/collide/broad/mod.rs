@@ -62,9 +62,9 @@ pub struct Proxy {
     pub digest: u64,
 }
 
-/// The colliders that stand still in a step.
+/// The colliders at rest in a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Standing<'a> {
+pub struct RestingTrees<'a> {
     /// The colliders of static bodies.
     pub statics: &'a Arc<Statics>,
     /// The colliders of sleeping bodies, which are treated alike.
@@ -73,7 +73,7 @@ pub struct Standing<'a> {
     pub version: u64,
 }
 
-impl<'a> Standing<'a> {
+impl<'a> RestingTrees<'a> {
     /// The colliders of static bodies alone.
     #[must_use]
     pub fn of(statics: &'a Arc<Statics>) -> Self {
@@ -134,39 +134,39 @@ fn pair(key: u64) -> [u32; 2] {
 
 impl BroadPhase {
     /// Finds the pairs of a step. `movers` are the colliders that move, in any order, each once and none of them among the colliders
-    /// that stand still.
+    /// at rest.
     ///
     /// With more than `limits.pairs` pairs, or more than `limits.overlaps` overlaps, [`above_cap`](Self::above_cap) names the colliders
     /// that have too many.
     ///
     /// Time and memory are bounded by the numbers of colliders and of pairs and overlaps, or by the limits if they are lower.
-    pub fn update(&mut self, still: &Standing<'_>, movers: &[Proxy], limits: &PairLimits) {
-        let are_new = !Arc::ptr_eq(&self.statics, still.statics) || self.version != still.version;
+    pub fn update(&mut self, resting: &RestingTrees<'_>, movers: &[Proxy], limits: &PairLimits) {
+        let are_new = !Arc::ptr_eq(&self.statics, resting.statics) || self.version != resting.version;
         if are_new {
-            self.statics = Arc::clone(still.statics);
-            self.version = still.version;
+            self.statics = Arc::clone(resting.statics);
+            self.version = resting.version;
         }
         self.stale.clear();
         self.gone.clear();
-        self.reserve(still, movers);
+        self.reserve(resting, movers);
         self.place(movers);
         // With more candidates than this, the pairs are searched without margins.
         let candidates = limits.pairs.saturating_mul(2).saturating_add(movers.len());
         let room = Room { candidates, rejected: limits.overlaps };
         if are_new || !self.is_complete || self.stale.len() > movers.len() / 8 {
-            self.search_all(still, room);
+            self.search_all(resting, room);
         } else {
-            self.search_stale(still, room);
+            self.search_stale(resting, room);
         }
         self.above_cap.clear();
         let is_small = self.is_complete && self.is_within(limits);
-        if !is_small && !self.search_exactly(still, limits) {
-            return self.cap(still, limits);
+        if !is_small && !self.search_exactly(resting, limits) {
+            return self.cap(resting, limits);
         }
         self.sift();
         if self.pairs.len() > limits.pairs {
-            self.search_exactly(still, limits);
-            self.cap(still, limits);
+            self.search_exactly(resting, limits);
+            self.cap(resting, limits);
         }
     }
 
@@ -194,12 +194,12 @@ impl BroadPhase {
 
     /// Makes room for the entries that the lists may come to hold. Fat boxes depend on the steps before, and the lists that follow from
     /// them too: with this room, a step of which a copy has been taken, and that is taken again, takes nothing from the heap.
-    fn reserve(&mut self, still: &Standing<'_>, movers: &[Proxy]) {
+    fn reserve(&mut self, resting: &RestingTrees<'_>, movers: &[Proxy]) {
         if movers.is_empty() {
             return;
         }
         let end = movers.iter().map(|proxy| proxy.collider as usize + 1).max().unwrap_or(0);
-        let end = still.trees().map(Statics::end).fold(end, usize::max);
+        let end = resting.trees().map(Statics::end).fold(end, usize::max);
         if end > self.entries.len() {
             self.grow(end);
         }

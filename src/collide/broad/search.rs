@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::entry::Entry;
-use super::{BroadPhase, PairLimits, Standing, Statics, key, pair};
+use super::{BroadPhase, PairLimits, RestingTrees, Statics, key, pair};
 
 /// The most candidates and rejected overlaps that a search may come to.
 #[derive(Clone, Copy)]
@@ -14,15 +14,15 @@ pub(super) struct Room {
 
 impl BroadPhase {
     /// Searches the candidates of all moving colliders.
-    pub(super) fn search_all(&mut self, still: &Standing<'_>, room: Room) {
+    pub(super) fn search_all(&mut self, resting: &RestingTrees<'_>, room: Room) {
         self.settle();
         // With new fat boxes for all: most would leave theirs soon, and each of them then costs a search of its own.
         self.refit(true);
-        self.join(still, room);
+        self.join(resting, room);
     }
 
     /// Lists all candidates, from the boxes in the tree, or a part of them if there is no room for all that it comes to.
-    fn join(&mut self, still: &Standing<'_>, room: Room) {
+    fn join(&mut self, resting: &RestingTrees<'_>, room: Room) {
         let mut candidates = core::mem::take(&mut self.candidates);
         candidates.clear();
         self.rejected = 0;
@@ -49,12 +49,12 @@ impl BroadPhase {
                 break;
             }
         }
-        for tree in still.trees().filter(|tree| !tree.is_empty()) {
+        for tree in resting.trees().filter(|tree| !tree.is_empty()) {
             for i in 0..self.movers.len() {
                 if candidates.len() > room.candidates || self.rejected > room.rejected {
                     break;
                 }
-                self.search_still(tree, self.movers[i], room, &mut candidates);
+                self.search_resting(tree, self.movers[i], room, &mut candidates);
             }
         }
         self.is_complete = candidates.len() <= room.candidates && self.rejected <= room.rejected;
@@ -64,12 +64,12 @@ impl BroadPhase {
         self.candidates = candidates;
     }
 
-    /// Adds the candidates of a moving collider with the colliders that stand still.
-    fn search_still(&mut self, still: &Statics, collider: u32, room: Room, candidates: &mut Vec<u64>) {
+    /// Adds the candidates of a moving collider with the colliders at rest.
+    fn search_resting(&mut self, resting: &Statics, collider: u32, room: Room, candidates: &mut Vec<u64>) {
         let Entry { filter, .. } = self.entries[collider as usize];
         let extent = self.entries[collider as usize].extent();
         let mut rejected = 0;
-        still.search(
+        resting.search(
             |node| node.touches(&extent),
             |proxy| {
                 if filter.agrees(proxy.filter) {
@@ -91,7 +91,7 @@ impl BroadPhase {
     }
 
     /// Searches the candidates of the stale colliders.
-    pub(super) fn search_stale(&mut self, still: &Standing<'_>, room: Room) {
+    pub(super) fn search_stale(&mut self, resting: &RestingTrees<'_>, room: Room) {
         if self.stale.is_empty() && self.gone.is_empty() {
             return;
         }
@@ -124,8 +124,8 @@ impl BroadPhase {
                 },
             );
             self.reject(collider, rejected);
-            for tree in still.trees() {
-                self.search_still(tree, collider, room, &mut new_candidates);
+            for tree in resting.trees() {
+                self.search_resting(tree, collider, room, &mut new_candidates);
             }
             if new_candidates.len() > room.candidates || self.rejected > room.rejected {
                 break;
@@ -140,14 +140,14 @@ impl BroadPhase {
 
     /// Lists as candidates the pairs themselves. Returns false if there are more pairs or overlaps than there may be.
     #[cold]
-    pub(super) fn search_exactly(&mut self, still: &Standing<'_>, limits: &PairLimits) -> bool {
+    pub(super) fn search_exactly(&mut self, resting: &RestingTrees<'_>, limits: &PairLimits) -> bool {
         for &collider in &self.movers {
             let entry = &mut self.entries[collider as usize];
             entry.fit(self.boxes[collider as usize]);
             self.tree.set(entry.leaf, entry.extent());
         }
         self.build();
-        self.join(still, Room { candidates: limits.pairs, rejected: limits.overlaps });
+        self.join(resting, Room { candidates: limits.pairs, rejected: limits.overlaps });
         self.is_complete && self.is_within(limits)
     }
 

@@ -1,4 +1,4 @@
-//! Colliders that stand still.
+//! Colliders at rest.
 //!
 //! The set of colliders remembers its last changes, and the step the bodies that calls changed. The changed colliders stand in a second small
 //! tree, beside a list of the colliders that are gone, until [`CHANGES`] are together and one tree is built of all.
@@ -20,7 +20,7 @@ const CHANGES: usize = 512;
 /// The filter that meets all others.
 const EVERYTHING: Filter = Filter { category: !0, mask: !0, group: 0 };
 
-/// Colliders that stand still, of static bodies or of sleeping ones: a tree, which copies of a world share, and the few changes
+/// Colliders at rest, of static bodies or of sleeping ones: a tree, which copies of a world share, and the few changes
 /// since it was built.
 ///
 /// A search finds the same colliders whenever the tree was built.

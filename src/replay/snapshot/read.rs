@@ -13,7 +13,7 @@ use crate::body::{
 };
 use crate::codec::{Malformed, Read, Reader, StateHasher};
 use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId, PairEntry};
-use crate::contact::{ContactRecord, ContactSet, EndedPair, ExcludedPair, Overlap, PassRecord, is_asleep};
+use crate::contact::{ContactRecord, ContactSet, EndedPair, ExcludedPair, OneWayAnswer, Overlap, is_asleep};
 use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::fx::Fx;
@@ -171,9 +171,9 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
         return Err(Error::Inconsistent.into());
     }
     let malformed = reader.malformed("outlines of one-way colliders and bodies without them, sorted, each once");
-    let passes: Vec<PassRecord> = read_list(reader, 11, PassRecord::read)?;
+    let passes: Vec<OneWayAnswer> = read_list(reader, 11, OneWayAnswer::read)?;
     let is_there = |slot| world.bodies.index_in(slot).is_some();
-    let is_one_way = |record: &PassRecord| {
+    let is_one_way = |record: &OneWayAnswer| {
         let (outline, other) = record.place();
         let side = world.colliders.at(outline.slot).is_some_and(|collider| collider.side.is_some());
         side && is_there(other) && body(outline).is_some_and(|own| own.slot != other)

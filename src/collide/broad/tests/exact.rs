@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_pairs, bounds, filter, updated_pairs};
 use crate::cases::run_seed;
-use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
+use crate::collide::broad::{BroadPhase, Proxy, RestingTrees, Statics};
 use crate::fx::Fx;
 use crate::math::Random;
 use crate::shape::Aabb;
@@ -233,9 +233,9 @@ fn boxes_that_share_a_point_are_a_pair_and_those_an_ulp_apart_are_not() {
         (METRE, METRE + 1, false),
     ] {
         let mut broad = BroadPhase::default();
-        broad.update(&Standing::of(&Arc::default()), &[at(7, 0, 0), at(3, x, y)], &NO_LIMITS);
+        broad.update(&RestingTrees::of(&Arc::default()), &[at(7, 0, 0), at(3, x, y)], &NO_LIMITS);
         assert_eq!(broad.pairs(), if is_pair { &[[3, 7]][..] } else { &[] });
-        broad.update(&Standing::of(&Arc::new(Statics::new([at(3, x, y)].to_vec()))), &[at(7, 0, 0)], &NO_LIMITS);
+        broad.update(&RestingTrees::of(&Arc::new(Statics::new([at(3, x, y)].to_vec()))), &[at(7, 0, 0)], &NO_LIMITS);
         assert_eq!(broad.pairs(), if is_pair { &[[3, 7]][..] } else { &[] });
     }
 }

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::scene::{KINDS, Kind, METRE, NO_LIMITS, all_overlaps, all_pairs, filter, proxy, updated_pairs};
 use crate::cases::run_seed;
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees, Statics};
 use crate::collider::Filter;
 use crate::math::Random;
 
@@ -61,10 +61,10 @@ fn colliders_above_the_cap_are_those_of_the_definition_after_any_history() {
                 let (above, rest) = expected(&fixed, &movers, &limits);
                 capped += usize::from(!above.is_empty());
                 capped_by_overlaps += usize::from(!above.is_empty() && count <= pairs);
-                broad.update(&Standing::of(&statics), &movers, &limits);
+                broad.update(&RestingTrees::of(&statics), &movers, &limits);
                 assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
                 let mut fresh = BroadPhase::default();
-                fresh.update(&Standing::of(&statics), &movers, &limits);
+                fresh.update(&RestingTrees::of(&statics), &movers, &limits);
                 assert_eq!((fresh.above_cap(), fresh.pairs()), (&above[..], &rest[..]), "{kind:?} {limits:?}");
             }
             // Pairs that the limits left out are found again without limits.
@@ -100,7 +100,7 @@ fn overlaps_that_come_and_go_a_few_at_a_time_are_counted_as_they_are() {
         let overlaps = all_overlaps(&fixed, &movers).len();
         let limits = PairLimits { pairs: all_pairs(&fixed, &movers).len(), per_collider: 15, overlaps: max_overlaps };
         let (above, rest) = expected(&fixed, &movers, &limits);
-        broad.update(&Standing::of(&statics), &movers, &limits);
+        broad.update(&RestingTrees::of(&statics), &movers, &limits);
         assert_eq!((broad.above_cap(), broad.pairs()), (&above[..], &rest[..]), "{overlaps} of {max_overlaps}");
         outcomes[usize::from(above.is_empty())] += 1;
         max_overlaps = (overlaps + 3).saturating_sub(random.below(6) as usize);
@@ -124,7 +124,7 @@ fn ten_thousand_that_filters_keep_apart_stay_within_the_limits() {
         let movers: Vec<Proxy> = (0..10_000).map(at).collect();
         let mut broad = BroadPhase::default();
         for _ in 0..3 {
-            broad.update(&Standing::of(&Arc::default()), &movers, &limits);
+            broad.update(&RestingTrees::of(&Arc::default()), &movers, &limits);
             assert_eq!(broad.above_cap().len(), 10_000);
             assert!(broad.rejected <= 2 * limits.overlaps, "{}", broad.rejected);
         }
@@ -134,7 +134,7 @@ fn ten_thousand_that_filters_keep_apart_stay_within_the_limits() {
     let movers: Vec<Proxy> =
         (0..10_000).map(|i| Proxy { filter: apart(i), ..proxy(i, [0, 0], [METRE, METRE]) }).collect();
     let mut broad = BroadPhase::default();
-    broad.update(&Standing::of(&Arc::default()), &movers, &limits);
+    broad.update(&RestingTrees::of(&Arc::default()), &movers, &limits);
     assert_eq!((broad.above_cap().len(), broad.pairs().len(), broad.rejected), (0, 0, 0));
 }
 
@@ -149,7 +149,7 @@ fn ten_thousand_in_one_place_stay_within_the_limits() {
     let limits = PairLimits { pairs: 20_000, per_collider: 100, ..NO_LIMITS };
     let mut broad = BroadPhase::default();
     for _ in 0..3 {
-        broad.update(&Standing::of(&Arc::default()), &movers, &limits);
+        broad.update(&RestingTrees::of(&Arc::default()), &movers, &limits);
         assert_eq!(broad.above_cap(), (0..10_000).collect::<Vec<_>>());
         let bystanders: Vec<_> = (5_000..5_050).map(|i| [2 * i, 2 * i + 1]).collect();
         assert_eq!(broad.pairs(), bystanders);
@@ -164,14 +164,14 @@ fn a_floor_is_never_above_the_cap() {
         (1..=500).map(|i| proxy(i, [i64::from(i) * 3 * METRE, 0], [(i64::from(i) * 3 + 1) * METRE, METRE])).collect();
     let mut broad = BroadPhase::default();
     broad.update(
-        &Standing::of(&Arc::new(Statics::new(vec![floor]))),
+        &RestingTrees::of(&Arc::new(Statics::new(vec![floor]))),
         &movers,
         &PairLimits { pairs: 499, per_collider: 9, ..NO_LIMITS },
     );
     // Each box has one pair, so that no cap above zero leaves few enough.
     assert_eq!((broad.above_cap().len(), broad.pairs().len()), (500, 0));
     broad.update(
-        &Standing::of(&Arc::new(Statics::new(vec![floor]))),
+        &RestingTrees::of(&Arc::new(Statics::new(vec![floor]))),
         &movers,
         &PairLimits { pairs: 500, per_collider: 0, ..NO_LIMITS },
     );

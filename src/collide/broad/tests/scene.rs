@@ -3,7 +3,7 @@
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use crate::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
+use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees, Statics};
 use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
@@ -56,7 +56,7 @@ fn all_where(statics: &[Proxy], movers: &[Proxy], counts: impl Fn(&Proxy, &Proxy
 
 /// The pairs that a broad phase finds.
 pub(super) fn updated_pairs(broad: &mut BroadPhase, statics: &Arc<Statics>, movers: &[Proxy]) -> Vec<[u32; 2]> {
-    broad.update(&Standing::of(statics), movers, &NO_LIMITS);
+    broad.update(&RestingTrees::of(statics), movers, &NO_LIMITS);
     assert!(broad.above_cap().is_empty());
     broad.pairs().to_vec()
 }

@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use super::scene::{METRE, NO_LIMITS, all_pairs, proxy, updated_pairs};
 use crate::cases::run_seed;
-use crate::collide::broad::{BroadPhase, Proxy, Standing, Statics};
+use crate::collide::broad::{BroadPhase, Proxy, RestingTrees, Statics};
 use crate::math::Random;
 
 /// Boxes in a square, shifted by this.
@@ -66,11 +66,11 @@ fn a_copy_shares_the_static_tree() {
 #[test]
 fn without_colliders_there_is_nothing() {
     let mut broad = BroadPhase::default();
-    broad.update(&Standing::of(&Arc::default()), &[], &NO_LIMITS);
+    broad.update(&RestingTrees::of(&Arc::default()), &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
     let statics = Arc::new(Statics::new(square(1000, [0; 2])));
-    broad.update(&Standing::of(&statics), &[], &NO_LIMITS);
+    broad.update(&RestingTrees::of(&statics), &[], &NO_LIMITS);
     assert!(broad.pairs().is_empty());
     assert_eq!(broad.capacities(), [0; 9]);
 }

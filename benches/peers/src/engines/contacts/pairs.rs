@@ -2,7 +2,7 @@
 
 use super::bodies::Body;
 use std::sync::Arc;
-use umbra_physics::collide::broad::{BroadPhase, PairLimits, Proxy, Standing, Statics};
+use umbra_physics::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees, Statics};
 use umbra_physics::collide::{Cores, Filter, Manifold, Margin, Pose};
 use umbra_physics::solve::{Contact, Flight, Impulses, Point};
 use umbra_physics::{Aabb, Fx, Outline, Vec2, fx, vec2};
@@ -120,7 +120,7 @@ impl Pairs {
         self.movers.clear();
         self.movers.extend(proxies(true));
         let limits = PairLimits { pairs: usize::MAX, per_collider: usize::MAX, overlaps: usize::MAX };
-        self.broad.update(&Standing::of(statics), &self.movers, &limits);
+        self.broad.update(&RestingTrees::of(statics), &self.movers, &limits);
     }
 
     /// The record of a pair: impulses of points with features of the step before, others zero; that of friction if there is such a

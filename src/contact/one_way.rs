@@ -9,7 +9,7 @@ use alloc::vec::Vec;
 use super::flights::{FlightKind, Flights, PairSide};
 use super::narrow::Narrow;
 use super::resting::Resting;
-use super::{ContactSet, Disturbed, MARGIN, Scene};
+use super::{ChangedResting, ContactSet, MARGIN, Scene};
 use crate::body::{Activity, BodyKind};
 use crate::codec::{self, Encoder, Malformed, Read, Reader, Write};
 use crate::collider::OutlineId;
@@ -18,7 +18,7 @@ use crate::slots::BodyId;
 
 /// The answer of a one-way collider for a body near it. *Domain* the part is below 2^16.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PassRecord {
+pub(crate) struct OneWayAnswer {
     /// The slot of the collider.
     pub(crate) collider: u32,
     /// The slot of the body.
@@ -29,12 +29,12 @@ pub(crate) struct PassRecord {
 }
 
 // The state is copied with every snapshot.
-const _: () = assert!(size_of::<PassRecord>() == 12 && crate::limits::CHAIN <= 1 << 16);
+const _: () = assert!(size_of::<OneWayAnswer>() == 12 && crate::limits::CHAIN <= 1 << 16);
 
 /// An outline of a one-way collider, and the slot of a body.
 type Place = (OutlineId, u32);
 
-impl PassRecord {
+impl OneWayAnswer {
     pub(crate) fn new((outline, body): Place, passes: bool) -> Self {
         Self { collider: outline.slot, body, part: outline.part as u16, passes }
     }
@@ -45,7 +45,7 @@ impl PassRecord {
     }
 }
 
-impl Write for PassRecord {
+impl Write for OneWayAnswer {
     fn write(&self, out: &mut impl Encoder) {
         codec::field(out, "collider", &self.collider);
         codec::field(out, "part", &self.part);
@@ -54,7 +54,7 @@ impl Write for PassRecord {
     }
 }
 
-impl Read for PassRecord {
+impl Read for OneWayAnswer {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let (collider, part, body) = (u32::read(reader)?, u16::read(reader)?, u32::read(reader)?);
         Ok(Self { collider, body, part, passes: bool::read(reader)? })
@@ -85,7 +85,7 @@ fn passes(before: Option<bool>, separation: Fx, is_facing: bool) -> bool {
 /// The answers of one-way colliders in a step.
 #[derive(Debug, Default)]
 pub(super) struct OneWay {
-    pub(super) answers: Vec<PassRecord>,
+    pub(super) answers: Vec<OneWayAnswer>,
     nearby_manifolds: Vec<NearbyManifold>,
 }
 
@@ -97,7 +97,7 @@ impl OneWay {
         flights: &mut Flights,
         resting: &Resting,
         narrow: &mut Narrow,
-        disturbed: &Disturbed,
+        changed_resting: &ChangedResting,
         pairs: &mut Vec<[u32; 2]>,
     ) {
         self.answers.clear();
@@ -122,11 +122,11 @@ impl OneWay {
             let is_facing = nearest.all(|manifold| manifold.is_facing);
             let place = group[0].place;
             let passes = passes(scene.contacts.passes_at(place), separation, is_facing);
-            self.answers.push(PassRecord::new(place, passes));
+            self.answers.push(OneWayAnswer::new(place, passes));
         }
-        let unchanged = scene.contacts.passes.iter().filter(|record| is_still(scene, record, disturbed));
+        let unchanged = scene.contacts.passes.iter().filter(|record| is_at_rest(scene, record, changed_resting));
         self.answers.extend(unchanged);
-        self.answers.sort_unstable_by_key(PassRecord::place);
+        self.answers.sort_unstable_by_key(OneWayAnswer::place);
         pairs.retain(|&numbers| {
             let [a, b] = numbers.map(|number| resting.numbers.outline(number));
             let body = |outline: OutlineId| scene.colliders.at(outline.slot).map(|collider| collider.body.slot);
@@ -158,7 +158,7 @@ impl OneWay {
         if !any_sleeps && !kinds.contains(&FlightKind::Dynamic) {
             return;
         }
-        // Pairs that stand still keep their answers: see `is_still`.
+        // Pairs that stand still keep their answers: see `is_at_rest`.
         let both_sleep = kinds == [FlightKind::Asleep; 2];
         if !any_moves && (both_sleep || !scene.may_have_moved_statics) {
             return;
@@ -180,14 +180,14 @@ impl OneWay {
 }
 
 /// The answer in a sorted list.
-fn answer(passes: &[PassRecord], place: Place) -> Option<bool> {
-    let index = passes.binary_search_by_key(&place, PassRecord::place);
+fn answer(passes: &[OneWayAnswer], place: Place) -> Option<bool> {
+    let index = passes.binary_search_by_key(&place, OneWayAnswer::place);
     index.ok().map(|index| passes[index].passes)
 }
 
-/// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing has disturbed them. Disturbed
-/// pairs are tested again ([`pair_disturbed`](super::resting::Resting::pair_disturbed)).
-fn is_still(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
+/// Returns true if a record stays as it is: both bodies sleep, or one does and the other is static, and nothing near them has changed. Changed
+/// pairs are tested again ([`pair_changed`](super::resting::Resting::pair_changed)).
+fn is_at_rest(scene: &Scene<'_>, record: &OneWayAnswer, changed_resting: &ChangedResting) -> bool {
     let state = |body: Option<u32>| {
         let dense = scene.bodies.index_in(body?)?;
         Some((scene.bodies.activity(dense), scene.bodies.contact_info(dense).kind))
@@ -196,18 +196,18 @@ fn is_still(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bo
     let sleeps = |(activity, _)| activity == Activity::Asleep;
     let is_static = |(activity, kind)| activity == Activity::Awake && kind == BodyKind::Static;
     let one_sleeps = sleeps(a) && is_static(b) || is_static(a) && sleeps(b);
-    sleeps(a) && sleeps(b) || one_sleeps && !is_disturbed(scene, record, disturbed)
+    sleeps(a) && sleeps(b) || one_sleeps && !has_changed(scene, record, changed_resting)
 }
 
 /// The slot of the body of the one-way collider of a record.
-fn platform(scene: &Scene<'_>, record: &PassRecord) -> Option<u32> {
+fn platform(scene: &Scene<'_>, record: &OneWayAnswer) -> Option<u32> {
     scene.colliders.at(record.collider).map(|collider| collider.body.slot)
 }
 
 /// Returns true if one of the bodies of a record, or a collider of one, may have changed while both stood still.
-pub(super) fn is_disturbed(scene: &Scene<'_>, record: &PassRecord, disturbed: &Disturbed) -> bool {
+pub(super) fn has_changed(scene: &Scene<'_>, record: &OneWayAnswer, changed_resting: &ChangedResting) -> bool {
     let mut bodies = platform(scene, record).into_iter().chain([record.body]);
-    scene.may_have_moved_statics && bodies.any(|body| disturbed.has(body))
+    scene.may_have_moved_statics && bodies.any(|body| changed_resting.has(body))
 }
 
 impl ContactSet {

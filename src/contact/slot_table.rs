@@ -6,12 +6,12 @@ use crate::slots::NONE;
 
 /// A map from slots to numbers. A slot without a number has [`NONE`]; [`clear`](Self::clear) takes constant time.
 #[derive(Debug, Default)]
-pub(super) struct Stamped {
+pub(super) struct SlotTable {
     stamp: u32,
     entries: Vec<(u32, u32)>,
 }
 
-impl Stamped {
+impl SlotTable {
     pub(super) fn clear(&mut self) {
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
