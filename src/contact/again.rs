@@ -1,4 +1,7 @@
 //! Contacts that are added within a step: the solver takes their islands again, from the start of the step.
+//!
+//! Reads: the flights, the contacts and the impulses that they start from. Writes: impulses and corrections of the islands with added
+//! contacts.
 
 use alloc::vec::Vec;
 

@@ -1,5 +1,7 @@
 //! Bodies that impulses send elsewhere within a step, and the contacts that they meet on their new ways.
 //!
+//! Reads: flights, corrections. Writes: the flights that are deflected; [`pipeline`](super::pipeline) finds the contacts on their ways.
+//!
 //! Contacts are found on free flights. A body that an impact turns aside or sets in motion may meet another one that its free flight
 //! does not: so after the solver has run, the paths of these bodies are tested for the moments at which they meet bodies
 //! without a contact, these contacts are added, and their islands are solved again from the start of the step, up to [`ROUNDS`] times. The

@@ -1,23 +1,24 @@
 //! Contacts of the bodies of a world: from the free flight of a step to impulses.
 //!
-//! - `records`: a contact of the state, with the impulses that the next step starts from; `set` has all contacts of a world, `asleep` the
-//!   contacts of sleeping bodies.
-//! - `view`: contacts as the interface shows them.
-//! - `deflected`: contacts that bodies meet on the ways that impulses send them.
-//! - `events`: contacts that begin and end, and hits; `sensors`: colliders that overlap sensors.
-//! - `bodies`: the border: the bodies of a world of any scalar, in fixed point.
-//! - `pipeline`: the order of a step, from pairs to impulses. Its parts, each with a memory, are arguments of each other:
-//!   `flights`, the bodies of a step; `resting`, the trees of colliders at rest; `pairs`, outlines whose boxes overlap; `rules`, which of them
-//!   do not touch (`excluded`, `one_way`); `narrow`, manifolds; `list`, the contacts of a step, in order; `again`, islands to which contacts were
-//!   added within a step; `sweep`, the paths of fast bodies.
-//! - `moment`: the moment of the step that a manifold is of.
-//! - `numbers`: outlines as numbers, for the broad phase.
-//! - `reach`: how far outlines come in a step.
-//! - `surfaces`: contacts as the solver takes them.
-//! - `approach`: how fast points approach each other.
-//! - `seams`: impulses of points that go from one segment of a chain to the next.
-//! - `tiles`: static polygons beside each other, as one surface; `body_tiles`: polygons of one body.
-//! - `split`: islands under heavy loads, in finer sub-steps.
+//! The path of the data in a step, each arrow a function that [`pipeline`] calls, in this order:
+//!
+//! | function | from | to |
+//! |---|---|---|
+//! | `Flights::begin` | columns, `Start` | a [`Flight`](crate::solve::Flight) for each moving body with colliders |
+//! | `Resting::update` | changes of bodies and colliders | trees of colliders at rest |
+//! | `Pairs::find` | flights, trees | pairs of outline numbers, sorted |
+//! | `Rules::filter` | pairs, answers of the step before | pairs that may touch (`excluded`, `one_way`) |
+//! | `Narrow::meet` | a pair | `Meeting`: a manifold, and the ways of both bodies to its [`moment`] |
+//! | `ContactList::push` | a meeting, the record of the step before | a contact of the solver (`surfaces`, `approach`, `seams`) |
+//! | `Solvers::solve` | flights, contacts | impulses and a correction for each flight, islands apart (`split`) |
+//! | `list_deflected`, `Again::solve` | corrections | contacts on the new ways, solved again with their islands |
+//! | `ContactList::records` | impulses | [`ContactRecord`]s, the state that the next step starts from (`set`, `asleep`) |
+//! | `Sweeps::end_fast_paths` | columns after the corrections | `Stop`s: the ends of fast paths |
+//!
+//! A body has three forms: columns, flight, and the row of the solver. A contact has four: a pair, a meeting, a contact in a group of the
+//! solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
+//! `numbers` gives outlines the numbers that the broad phase knows; `reach` says how far outlines come in a step; `tiles` and `body_tiles`
+//! are polygons beside each other as one surface.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
 //! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.

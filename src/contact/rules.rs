@@ -1,4 +1,6 @@
 //! The rules by which outlines whose boxes overlap do not touch: excluded pairs of bodies, and one-way colliders.
+//!
+//! Reads: pairs, the answers and the excluded pairs of the step before. Writes: the pairs that may touch, the answers of this step.
 
 use alloc::vec::Vec;
 

@@ -1,5 +1,8 @@
 //! Continuous collision: the paths of fast bodies end where they would cross something.
 //!
+//! Reads: bodies as impulses left them, the trees of colliders at rest, the rules of the step. Writes: a [`Stop`] for each path that ends
+//! early.
+//!
 //! The *path* of a body over a tick is the straight way of its centre of mass from where it was to where impulses left it, and a constant
 //! rotation, whole turns included. A body is *fast* if it moved more than a quarter of its least width in the tick, after impulses; other
 //! bodies are not swept. Fast bodies are swept against static and kinematic ones, fast kinematic bodies against all, and bullets against
