@@ -43,8 +43,9 @@ const CASES: &str = "cases";
 
 /// The packages beside the library, each with those among ours that it depends on. The compiler holds that they name public items
 /// alone; the tests below hold that there is no way round that.
-const PACKAGES: [(&str, &[&str]); 4] = [
+const PACKAGES: [(&str, &[&str]); 5] = [
     ("umbra-cli", &["umbra-physics", "umbra-scene", "umbra-selftest"]),
+    ("umbra-lab", &["umbra-cli", "umbra-physics", "umbra-scene"]),
     ("umbra-oracles", &["umbra-physics"]),
     ("umbra-scene", &["umbra-physics"]),
     ("umbra-selftest", &["umbra-physics"]),

@@ -119,8 +119,10 @@ fn report(
             }
         }
     }
-    let files = || [&options.a, &options.b].map(PathBuf::clone);
-    finding.map_or(Ok(()), |_| Err(Failure::Differ { files: files() }))
+    finding.map_or(Ok(()), |_| {
+        let what = format!("{} and {} are not the same", text::path(&options.a), text::path(&options.b));
+        Err(Failure::Check { what })
+    })
 }
 
 fn said(found: &Difference, exact: bool) -> String {

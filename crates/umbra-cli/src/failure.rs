@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use umbra_physics::ReplayError;
 use umbra_scene::SceneErrors;
@@ -18,7 +19,7 @@ pub(crate) fn tag(code: u16) -> String {
 }
 
 #[derive(Debug)]
-pub(crate) enum Failure {
+pub enum Failure {
     /// A scene is wrong, or goes wrong on the way.
     Scene { file: PathBuf, errors: SceneErrors },
     /// A file is no replay that can be played.
@@ -27,30 +28,24 @@ pub(crate) enum Failure {
     File { file: PathBuf, doing: &'static str, error: io::Error },
     /// An option does not go with the scene.
     Option { what: String },
-    /// The picture cannot be drawn.
-    Picture { file: PathBuf, what: String },
     /// `bad` files of `of` are not as recorded.
     Verify { bad: usize, of: usize, status: u8 },
-    /// Two recordings are not the same.
-    Differ { files: [PathBuf; 2] },
     /// A file is nothing that can be compared.
     Foreign { file: PathBuf, is_scene: bool },
     /// An output would go over an input or another output, which `with` says.
     Clash { file: PathBuf, with: &'static str },
     /// The arguments are wrong.
     Usage { what: String },
-    /// This machine does not give the golden digests.
-    Selftest,
-    /// Promises about contacts that are broken, of so many; each as a line of text.
-    Quality { broken: Vec<String>, promised: usize },
+    /// A check failed.
+    Check { what: String },
 }
 
 impl Failure {
-    pub(crate) fn scene<E: Into<SceneErrors>>(file: &Path) -> impl Fn(E) -> Self + '_ {
+    pub fn scene<E: Into<SceneErrors>>(file: &Path) -> impl Fn(E) -> Self + '_ {
         |errors| Self::Scene { file: file.into(), errors: errors.into() }
     }
 
-    pub(crate) fn file<'a>(file: &'a Path, doing: &'static str) -> impl Fn(io::Error) -> Self + 'a {
+    pub fn file<'a>(file: &'a Path, doing: &'static str) -> impl Fn(io::Error) -> Self + 'a {
         move |error| Self::File { file: file.into(), doing, error }
     }
 
@@ -61,22 +56,16 @@ impl Failure {
             Self::Replay { error, .. } => error.code(),
             Self::File { .. } => UNREADABLE,
             Self::Option { .. } => 802,
-            Self::Picture { .. } => 803,
             Self::Foreign { .. } => 804,
             Self::Clash { .. } => 805,
-            Self::Scene { .. }
-            | Self::Usage { .. }
-            | Self::Verify { .. }
-            | Self::Differ { .. }
-            | Self::Selftest
-            | Self::Quality { .. } => return None,
+            Self::Scene { .. } | Self::Usage { .. } | Self::Verify { .. } | Self::Check { .. } => return None,
         })
     }
 
     /// 1 for a check that failed, 2 for bad usage, bad input, and what cannot be written.
-    pub(crate) const fn status(&self) -> u8 {
+    const fn status(&self) -> u8 {
         match self {
-            Self::Selftest | Self::Differ { .. } | Self::Quality { .. } => 1,
+            Self::Check { .. } => 1,
             Self::Verify { status, .. } => *status,
             Self::Scene { .. }
             | Self::Replay { .. }
@@ -84,8 +73,18 @@ impl Failure {
             | Self::Option { .. }
             | Self::Foreign { .. }
             | Self::Clash { .. }
-            | Self::Usage { .. }
-            | Self::Picture { .. } => 2,
+            | Self::Usage { .. } => 2,
+        }
+    }
+}
+
+/// The exit status of a task. The error of a task that failed is printed.
+pub fn exit_code(result: Result<(), Failure>) -> ExitCode {
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            text::warn(&failure);
+            ExitCode::from(failure.status())
         }
     }
 }
@@ -112,9 +111,8 @@ impl Failure {
             }
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
-            Self::Option { what } | Self::Usage { what } => f.write_str(what),
+            Self::Option { what } | Self::Usage { what } | Self::Check { what } => f.write_str(what),
             Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
-            Self::Differ { files: [a, b] } => write!(f, "{} and {} are not the same", text::path(a), text::path(b)),
             Self::Foreign { file, is_scene } => {
                 let file = text::path(file);
                 write!(f, "{file}: expected a replay or a desync dump of umbra-physics")?;
@@ -129,13 +127,6 @@ impl Failure {
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
             }
-            Self::Selftest => {
-                f.write_str("the self-test does not give the golden digests, which every machine must give")
-            }
-            Self::Quality { broken, promised } => {
-                write!(f, "{} of {promised} promises are not kept:\n{}", broken.len(), broken.join("\n"))
-            }
-            Self::Picture { file, what } => write!(f, "{}: cannot draw: {what}", text::path(file)),
         }
     }
 }

@@ -41,7 +41,7 @@ pub(crate) fn dump(bytes: &[u8], file: &Path) -> Result<Dump, Failure> {
 }
 
 /// The scene in a file.
-pub(crate) fn scene(file: &Path) -> Result<Scene, Failure> {
+pub fn scene(file: &Path) -> Result<Scene, Failure> {
     parse(fs::read(file).map_err(Failure::file(file, "read"))?, file)
 }
 

@@ -12,7 +12,7 @@ use crate::text;
 use umbra_selftest::Stream;
 
 /// Checks the destinations of a task before any work is done. It holds files open: drop it before they are replaced.
-pub(crate) struct Destinations<'a> {
+pub struct Destinations<'a> {
     inputs: Vec<&'a Path>,
     taken: Vec<Identity>,
 }
@@ -27,7 +27,7 @@ enum Identity {
 
 impl<'a> Destinations<'a> {
     /// Takes the inputs, and the standard output: where that goes to a file, it is a destination like others.
-    pub(crate) fn beside(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
+    pub fn beside(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
         let inputs: Vec<&Path> = inputs.into_iter().map(PathBuf::as_path).collect();
         let stdout = Handle::stdout().ok().filter(|it| it.as_file().metadata().is_ok_and(|it| it.is_file()));
         let mut all = Self { inputs, taken: Vec::new() };
@@ -38,7 +38,7 @@ impl<'a> Destinations<'a> {
     }
 
     /// Adds a destination. It can be written to, and is neither an input nor one of those before.
-    pub(crate) fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
+    pub fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
         let failed = Failure::file(file, "write");
         let (target, identity) = Target::find(file).map_err(&failed)?;
         self.take(file, identity)?;
@@ -49,7 +49,7 @@ impl<'a> Destinations<'a> {
         Ok(Destination { file: file.into(), target })
     }
 
-    pub(crate) fn add_any(&mut self, file: Option<&PathBuf>) -> Result<Option<Destination>, Failure> {
+    pub fn add_any(&mut self, file: Option<&PathBuf>) -> Result<Option<Destination>, Failure> {
         file.map(|file| self.add(file)).transpose()
     }
 
@@ -75,7 +75,7 @@ impl<'a> Destinations<'a> {
 }
 
 /// The destination of an output.
-pub(crate) struct Destination {
+pub struct Destination {
     file: PathBuf,
     target: Target,
 }
@@ -171,7 +171,7 @@ impl Destination {
     }
 
     /// Writes an output at once.
-    pub(crate) fn write(&self, text: &str) -> Result<(), Failure> {
+    pub fn write(&self, text: &str) -> Result<(), Failure> {
         let mut output = self.create()?;
         output.put(|out| out.write_all(text.as_bytes()))?;
         output.finish()

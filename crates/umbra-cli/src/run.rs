@@ -195,7 +195,7 @@ where
     }
     let summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
     if let (Some(recorder), Some(to)) = (&recorder, &outputs.plot) {
-        to.write(&recorder.draw(run).map_err(|what| Failure::Picture { file: to.file().into(), what })?)?;
+        to.write(&recorder.draw(run))?;
     }
     Ok(summary)
 }

@@ -14,18 +14,18 @@ use crate::failure::Failure;
 pub(crate) const STDOUT: &str = "standard output";
 
 /// Prints text to the standard output, with an end of line.
-pub(crate) fn print(text: impl Display) -> Result<(), Failure> {
+pub fn print(text: impl Display) -> Result<(), Failure> {
     let text = text.to_string();
     written(|out| writeln!(out, "{}", escaped(text.trim_end(), &['\n'])))
 }
 
 /// Prints a result for a person, or as a JSON object.
-pub(crate) fn print_result<T: Display + Serialize>(result: &T, json: bool) -> Result<(), Failure> {
+pub fn print_result<T: Display + Serialize>(result: &T, json: bool) -> Result<(), Failure> {
     if json { print(serde_json::to_string_pretty(result).unwrap_or_default()) } else { print(result) }
 }
 
 /// Prints the help or the version, or says what is wrong with the arguments.
-pub(crate) fn print_usage(mut message: clap::Error) -> Result<(), Failure> {
+pub fn print_usage(mut message: clap::Error) -> Result<(), Failure> {
     use clap::error::{ContextKind, ContextValue};
     if !message.use_stderr() {
         return written(|_| message.print());
@@ -57,8 +57,13 @@ pub(crate) fn warn(text: impl Display) {
 }
 
 /// A path for a message, on one line.
-pub(crate) fn path(path: &Path) -> String {
+pub fn path(path: &Path) -> String {
     quoted(&path.display().to_string())
+}
+
+/// A text as the content of an element or an attribute of HTML and SVG.
+pub fn markup(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// A text to quote in a message, on one line.

@@ -4,7 +4,7 @@ use clap::ValueEnum;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{DebugDraw, DrawOptions, Pose, Role, Scalar, World};
 
-use super::Point;
+use super::{Point, length};
 
 /// A part of a contact that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -55,7 +55,7 @@ impl Contacts {
     /// The length of an arrow of an impulse, m for each N·s, if the longest one is to be this long, m.
     pub(super) fn scale(&self, longest: f64) -> f64 {
         self.impulse_scale.unwrap_or_else(|| {
-            let most = self.impulses.iter().map(|[_, (x, y)]| x.hypot(*y)).fold(0.0, f64::max);
+            let most = self.impulses.iter().map(|[_, impulse]| length(*impulse)).fold(0.0, f64::max);
             if most > 0.0 { longest / most } else { 1.0 }
         })
     }

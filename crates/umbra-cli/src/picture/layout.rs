@@ -3,8 +3,6 @@
 use super::clip::Window;
 use super::{Picture, Point};
 
-/// Units of the drawing to a pixel: plotters rounds to whole units.
-pub(super) const FINE: i32 = 8;
 /// The longer and the shorter side of the plot, px.
 const LONG: f64 = 760.0;
 const SHORT: f64 = 300.0;
@@ -16,8 +14,8 @@ const SHORTEST: f64 = 160.0;
 pub(super) struct Layout {
     pub(super) least: Point,
     pub(super) most: Point,
-    pub(super) width: i32,
-    pub(super) height: i32,
+    pub(super) width: f64,
+    pub(super) height: f64,
 }
 
 impl Layout {
@@ -36,17 +34,17 @@ impl Layout {
         };
         widen(&mut size.0, &mut least.0, &mut most.0);
         widen(&mut size.1, &mut least.1, &mut most.1);
-        Self { least, most, width: size.0.round() as i32, height: size.1.round() as i32 }
+        Self { least, most, width: size.0.round(), height: size.1.round() }
     }
 
     /// px per m.
     pub(super) fn scale(&self) -> f64 {
-        f64::from(self.width) / (self.most.0 - self.least.0)
+        self.width / (self.most.0 - self.least.0)
     }
 
     /// The length of the longest arrow of an impulse, m, where the caller gives no scale.
     pub(super) fn longest_impulse(&self) -> f64 {
-        f64::from(self.width.max(self.height)) / 10.0 / self.scale()
+        self.width.max(self.height) / 10.0 / self.scale()
     }
 
     pub(super) fn window(&self) -> Window {

@@ -1,11 +1,13 @@
 //! Pictures of a run: the ways of the bodies, and their outlines at its end.
 
+mod axis;
 mod clip;
 mod contacts;
 mod draw;
 mod layout;
 mod outline;
 mod simplify;
+mod svg;
 
 use std::collections::BTreeMap;
 
@@ -13,12 +15,18 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{BodyClass, BodyKind, Scalar, World};
 use umbra_scene::{Scene, SceneRun, Trails};
 
+pub use axis::ticks;
 use contacts::Contacts;
 pub(crate) use contacts::{ContactMark, ContactOptions};
 use outline::{Outline, Scenery, place};
 
 /// A point of a picture, m.
 type Point = (f64, f64);
+
+/// The length of a vector: rounded alike on every machine, which `hypot` is not.
+fn length((x, y): Point) -> f64 {
+    (x * x + y * y).sqrt()
+}
 
 /// Ways with more points than this in all are recorded each few ticks.
 const POINTS: u64 = 2_000_000;
@@ -93,7 +101,7 @@ impl<'a> Recorder<'a> {
     }
 
     /// The picture as SVG.
-    pub(crate) fn draw<S: Scalar + ToF64>(&self, run: &SceneRun<'_, S>) -> Result<String, String> {
+    pub(crate) fn draw<S: Scalar + ToF64>(&self, run: &SceneRun<'_, S>) -> String {
         let world = run.world();
         let bodies = world.bodies().zip(Outline::all(world)).map(|(body, outline)| {
             let way = run.index(body.id()).filter(|index| self.ways.contains_key(index));
@@ -119,7 +127,7 @@ impl<'a> Recorder<'a> {
 }
 
 /// Draws the bodies of a world as they are now, in a part of the plane or in all of it, m.
-pub(crate) fn still(world: &World, title: &str, view: Option<[Point; 2]>) -> Result<String, String> {
+pub fn still(world: &World, title: &str, view: Option<[Point; 2]>) -> String {
     let bodies = world.bodies().zip(Outline::all(world));
     let picture = Picture {
         title,

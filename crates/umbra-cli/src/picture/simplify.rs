@@ -2,7 +2,7 @@
 //!
 //! *Source* Douglas, Peucker, Cartographica 10, 112 (1973).
 
-use super::Point;
+use super::{Point, length};
 
 /// The points of a line without those that are within `tolerance` of it anyway.
 pub(super) fn simplify(points: &[Point], tolerance: f64) -> Vec<Point> {
@@ -29,7 +29,7 @@ fn distance(p: Point, a: Point, b: Point) -> f64 {
     let (x, y) = (p.0 - a.0, p.1 - a.1);
     let square = dx * dx + dy * dy;
     let along = if square > 0.0 { ((x * dx + y * dy) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (x - along * dx).hypot(y - along * dy)
+    length((x - along * dx, y - along * dy))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use umbra_physics::{Activity, BodyKind, PHYSICS_VERSION, Vec2};
 
 use super::events::{Event, What};
 use super::recording::{Life, Look, Placed, Recording, Span};
-use crate::chart::escaped;
+use crate::text::markup;
 
 /// The heading above a run.
 pub(crate) struct Heading {
@@ -33,11 +33,11 @@ const POLICY: &str =
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'";
 
 pub(super) fn page(recording: Recording, heading: &Heading) -> String {
-    let title = escaped(&heading.title);
+    let title = markup(&heading.title);
     let about = if heading.about.is_empty() {
         String::new()
     } else {
-        format!("<details><summary>About</summary><p>{}</p></details>", escaped(&heading.about))
+        format!("<details><summary>About</summary><p>{}</p></details>", markup(&heading.about))
     };
     let body = BODY.replace("{{about}}", &about).replace("{{title}}", &title);
     let thinned = recording.thinned();

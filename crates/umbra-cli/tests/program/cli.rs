@@ -466,6 +466,37 @@ fn contacts_are_drawn_if_asked_for() {
 }
 
 #[test]
+fn texts_stay_inside_a_narrow_picture() {
+    let scene = r#"{"title": "A title that is longer than the picture is wide, as nobody would expect", "ticks": 1,
+        "bodies": [{"name": "a", "position": [0, 123456789.5]}], "plot": {"view": [[-1, 123456780], [1, 123456800]]}}"#;
+    let (scene, picture) = (Scratch::new("narrow.json", scene), Scratch::new("narrow.svg", ""));
+    let output = umbra(&["run", scene.path(), "--plot", picture.path()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let svg = fs::read_to_string(&picture.0).expect("the picture is there");
+    let value = |tag: &str, name: &str| -> f64 {
+        let (_, rest) = tag.split_once(&format!(" {name}=\"")).unwrap_or_else(|| panic!("{tag} has no {name}"));
+        rest.split('"').next().expect("an end").parse().expect("a number")
+    };
+    let (width, mut labels) = (value(&svg, "width"), 0);
+    for line in svg.lines().filter(|line| line.starts_with("<text x=")) {
+        let (tag, rest) = line.split_once('>').expect("a tag");
+        let letters = rest.strip_suffix("</text>").expect("a text").chars().count() as f64;
+        let long = 0.6 * letters * value(tag, "font-size");
+        let share = if tag.contains("\"end\"") {
+            1.0
+        } else if tag.contains("\"middle\"") {
+            0.5
+        } else {
+            0.0
+        };
+        let start = value(tag, "x") - share * long;
+        assert!(start >= 20.0 && start + long <= width, "{line}");
+        labels += usize::from(rest.starts_with("1.234567"));
+    }
+    assert!(labels >= 9 && svg.contains("A title that") && svg.contains('…'), "{svg}");
+}
+
+#[test]
 fn json_has_the_same_in_exact_decimals() {
     let run = |scalar: &str| {
         let output = umbra(&["run", "scenes/too-stiff.json", "--json", "--scalar", scalar]);

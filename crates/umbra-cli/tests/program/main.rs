@@ -1,12 +1,8 @@
 //! The tests of the program `umbra`, a file a task, as one program.
 
 mod cli;
-mod compare;
-mod contacts;
 mod outputs;
-mod quality;
 mod replays;
-mod report;
 mod view;
 
 use std::path::Path;

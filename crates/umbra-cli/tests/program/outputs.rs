@@ -122,7 +122,6 @@ fn an_output_never_goes_over_an_input() {
         for (task, option) in [("view", "--out"), ("run", "--csv"), ("run", "--plot"), ("run", "--record")] {
             folder.refuses(&[task, "a.json", option, name], &said);
         }
-        folder.refuses(&["compare", "a.json", "--out", name], &said);
         // And the other way round.
         folder.refuses(&["run", name, "--record", "a.json"], "a.json: cannot write: this is an input");
     }
@@ -156,9 +155,6 @@ fn two_outputs_never_go_to_one_file() {
         // They are taken in the order of the help.
         folder.refuses(&["run", "s.json", "--csv", a, "--plot", b], &said(b));
         folder.refuses(&["run", "s.json", "--record", a, "--csv", b], &said(a));
-        // Before the work of a minute.
-        folder.refuses(&["report", "--out", a, "--json", b], &said(b));
-        folder.refuses(&["report", "--out", "page", "--json", a, "--diagram", b], &said(b));
     }
     // The standard output is one as well.
     let out = fs::File::create(folder.path("out")).expect("a file");
@@ -180,7 +176,6 @@ fn unwritable_outputs_are_reported_before_the_work() {
             folder.refuses(&["run", "s.json", "--ticks", "4000000000", option, name], &said);
         }
         folder.refuses(&["view", "s.json", "--ticks", "4000000000", "--out", name], &said);
-        folder.refuses(&["report", "--out", name], &said);
     }
 }
 
@@ -419,11 +414,9 @@ fn a_file_that_cannot_be_moved_into_place_is_left_beside_it() {
 
 /// Every way to print something on the standard output, and the status where there is room for it.
 fn printing() -> Vec<(Vec<&'static str>, i32)> {
-    let lines: [(&str, i32); 18] = [
+    let lines: [(&str, i32); 16] = [
         ("run s.json", 0),
         ("run s.json --json", 0),
-        ("compare s.json", 0),
-        ("compare s.json --json", 0),
         ("verify r.umbrarep", 0),
         ("verify r.umbrarep --json", 0),
         ("verify r.umbrarep s.json r.umbrarep", 2),
@@ -468,7 +461,7 @@ fn a_full_disk_is_an_error() {
         assert!(error.starts_with("standard output: cannot write: "), "{arguments:?}: {error}");
         assert_eq!(error.lines().count(), 1, "{arguments:?}: {error}");
     }
-    for arguments in ["run s.json --plot", "view s.json --out", "compare s.json --out"] {
+    for arguments in ["run s.json --plot", "view s.json --out"] {
         let arguments: Vec<&str> = arguments.split(' ').chain(["/dev/full"]).collect();
         folder.refuses(&arguments, "/dev/full: cannot write: ");
     }
@@ -587,10 +580,6 @@ fn nothing_from_outside_reaches_a_terminal_raw() {
         vec!["run", &bodies],
         vec!["run", &whole],
         vec!["run", &none],
-        vec!["compare", &json],
-        vec!["compare", &json, "--json"],
-        vec!["compare", &json, "--ticks", "0"],
-        vec!["compare", &json, "--finer", "4000000"],
         vec!["view", &cut, "--out", "page"],
         vec!["view", &changed, "--out", "page"],
         vec!["verify", &whole, &cut, &changed, &none, &json],
@@ -599,12 +588,11 @@ fn nothing_from_outside_reaches_a_terminal_raw() {
         vec!["diff", &cut, "other.umbrarep", "--all"],
         vec!["diff", &cut, "other.umbrarep", "--json"],
         vec!["diff", &json, &none],
-        vec!["report", "--problem", HOSTILE],
         vec![HOSTILE],
         vec!["--\u{1b}[31m\u{9b}\n"],
         vec!["run", "--\u{1b}[31m\u{9b}\n"],
         vec!["run", &json, HOSTILE],
-        vec!["report", "--quick=\u{1b}\n"],
+        vec!["run", "--json=\u{1b}\n"],
     ];
     for arguments in lists {
         let output = folder.umbra(&arguments);

@@ -14,6 +14,8 @@ const SCENE: &str = r#"{"sleep_after": null, "bodies": [
         {"name": "c", "position": [8, -8], "velocity": [-6, -8]}],
     "fields": [{"attractor": {"at": "a", "mu": 24000, "softening": 6}},
         {"attractor": {"at": "b", "mu": 32000, "softening": 6}}, {"attractor": {"at": "c", "mu": 40000, "softening": 6}}]}"#;
+/// Steps a second of all runs.
+const RATE: u32 = 1000;
 /// Moments a second at which distances are taken.
 const SAMPLES: u32 = 4;
 /// Steps of the coarser of the two solutions from moment to moment.
@@ -49,28 +51,28 @@ pub(crate) struct Pair {
 type Way = Vec<Vec<f64>>;
 
 impl Parting {
-    pub(crate) fn measure(rate: u32, seconds: u32) -> Result<Option<Self>, SceneErrors> {
+    pub(crate) fn measure(seconds: u32) -> Result<Option<Self>, SceneErrors> {
         let scene = Scene::parse(SCENE)?;
         let start = scene.build()?;
         let Some(equations) = Equations::of(&start) else { return Ok(None) };
         let phases = seconds * SAMPLES;
         let truth = |steps| solution(&equations, &start, steps, phases);
         let (rough, truth) = (truth(STEPS), truth(2 * STEPS));
-        let run = |integrator| WorldDef { integrator, time_step: TimeStep::hz(rate), ..scene.world };
+        let run = |integrator| WorldDef { integrator, time_step: TimeStep::hz(RATE), ..scene.world };
         let (verlet, yoshida) = (run(Integrator::VelocityVerlet), run(Integrator::Yoshida4));
         let ways = [
-            ("fx", way::<umbra_physics::Fx>(&scene, verlet, rate, phases)?),
-            ("f64", way::<f64>(&scene, verlet, rate, phases)?),
-            ("f32", way::<f32>(&scene, verlet, rate, phases)?),
+            ("fx", way::<umbra_physics::Fx>(&scene, verlet, phases)?),
+            ("f64", way::<f64>(&scene, verlet, phases)?),
+            ("f32", way::<f32>(&scene, verlet, phases)?),
             ("truth", truth),
-            ("fx, yoshida4", way::<umbra_physics::Fx>(&scene, yoshida, rate, phases)?),
+            ("fx, yoshida4", way::<umbra_physics::Fx>(&scene, yoshida, phases)?),
         ];
         let times: Vec<f64> = (0..=phases).map(|phase| f64::from(phase) / f64::from(SAMPLES)).collect();
         let pair = |[a, b]: [usize; 2]| Pair::new([&ways[a], &ways[b]], &times);
         let pairs = [[0, 1], [0, 2], [1, 2], [0, 3], [1, 3], [2, 3], [4, 3]].map(pair).into();
         let reference_error = distances(&rough, &ways[3].1).into_iter().fold(0.0, f64::max);
         let scene = serde_json::from_str(SCENE).unwrap_or_default();
-        Ok(Some(Self { scene, rate, times, pairs, reference_error }))
+        Ok(Some(Self { scene, rate: RATE, times, pairs, reference_error }))
     }
 }
 
@@ -89,12 +91,7 @@ fn distances(a: &Way, b: &Way) -> Vec<f64> {
     a.iter().zip(b).map(largest).collect()
 }
 
-fn way<S: Scalar<Accumulator: ToF64>>(
-    scene: &Scene,
-    world: WorldDef,
-    rate: u32,
-    phases: u32,
-) -> Result<Way, SceneError> {
+fn way<S: Scalar<Accumulator: ToF64>>(scene: &Scene, world: WorldDef, phases: u32) -> Result<Way, SceneError> {
     let mut world: World<S> = Scene { world, ..scene.clone() }.build()?;
     let now = |world: &World<S>| {
         let at = world.bodies().map(|body| body.position_exact().map(ToF64::to_f64));
@@ -102,7 +99,7 @@ fn way<S: Scalar<Accumulator: ToF64>>(
     };
     let mut way = vec![now(&world)];
     for _ in 0..phases {
-        for _ in 0..rate / SAMPLES {
+        for _ in 0..RATE / SAMPLES {
             world.step();
         }
         way.push(now(&world));

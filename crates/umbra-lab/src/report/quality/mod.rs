@@ -1,4 +1,4 @@
-//! `umbra report --contacts`: measures of stacks, slopes, bounces, shots and impacts, beside their promises and the figures of other engines.
+//! `umbra-lab report --contacts`: measures of stacks, slopes, bounces, shots and impacts, beside their promises and the figures of other engines.
 
 mod impacts;
 mod page;
@@ -9,13 +9,14 @@ mod scenes;
 mod shots;
 
 use serde::Serialize;
+use umbra_cli::failure::Failure;
+use umbra_cli::output::{Destination, Destinations};
+use umbra_cli::picture::still;
+use umbra_cli::progress::progress;
+use umbra_cli::text;
 
 use super::Options;
-use crate::failure::Failure;
-use crate::output::{Destination, Destinations};
-use crate::picture::still;
-use crate::progress::progress;
-use crate::text;
+use crate::threads::at_once;
 use peers::{BOX2D, PEERS, Peer, figure};
 pub(crate) use rows::Row;
 use rows::{Length, Measure, Promise, rows};
@@ -198,11 +199,12 @@ pub(super) fn report(options: &Options) -> Result<(), Failure> {
     let chosen: Vec<&'static Row> = if options.scene.is_empty() { rows().collect() } else { options.scene.clone() };
     let length = Length { substeps: options.substeps, quick: options.quick };
     let progress = progress(chosen.len() as u64, "scene");
-    let mut scenes = Vec::new();
-    for row in chosen {
-        scenes.push(play(row, length, options)?);
+    let scenes = at_once(&chosen, |row| {
+        let results = play(row, length);
         progress.inc(1);
-    }
+        results
+    });
+    let scenes = scenes.into_iter().collect::<Result<Vec<_>, _>>()?;
     progress.finish_and_clear();
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
@@ -224,14 +226,17 @@ pub(super) fn report(options: &Options) -> Result<(), Failure> {
         .filter(|(_, measure)| measure.verdict == Verdict::Failed)
         .map(|(scene, measure)| measure.line(scene))
         .collect();
-    if broken.is_empty() { Ok(()) } else { Err(Failure::Quality { broken, promised }) }
+    if broken.is_empty() {
+        return Ok(());
+    }
+    let what = format!("{} of {promised} promises are not kept:\n{}", broken.len(), broken.join("\n"));
+    Err(Failure::Check { what })
 }
 
-fn play(row: &'static Row, length: Length, options: &Options) -> Result<Results, Failure> {
+fn play(row: &'static Row, length: Length) -> Result<Results, Failure> {
     let refused = |error| Failure::Option { what: format!("a built-in scene is refused: {error}") };
     let played = (row.play)(length).map_err(refused)?;
-    let drawn = still(&played.world, row.title, played.view.or(row.view));
-    let picture = drawn.map_err(|what| Failure::Picture { file: options.out.clone(), what })?;
+    let picture = still(&played.world, row.title, played.view.or(row.view));
     let measures = played.measures.iter().map(|measure| Judged::new(row.name, measure)).collect();
     let picture = picture.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1) + &played.charts;
     Ok(Results { name: row.name, row, length: played.length, picture, measures })

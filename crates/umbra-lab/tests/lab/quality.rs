@@ -1,14 +1,12 @@
-//! `umbra report --contacts`: its measures, its files, and its exit status for a broken promise.
+//! `umbra-lab report --contacts`: its measures, its files, and its exit status for a broken promise.
 
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Output;
 use std::sync::LazyLock;
 
 use serde_json::Value;
 
 use crate::report::list;
-use crate::umbra;
+use crate::{refused, scratch, taken, umbra_lab};
 
 /// Scenes of the page, with the number of measures of each.
 const SCENES: [(&str, usize); 25] = [
@@ -41,10 +39,6 @@ const SCENES: [(&str, usize); 25] = [
 /// Unoptimised builds leave out the scenes that take minutes there.
 const SLOW: [&str; 9] = ["pyramid40", "tower20", "cards", "arch", "thin_arch", "belt", "mixed", "gas", "time_error"];
 
-fn scratch(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-quality-{name}", std::process::id()))
-}
-
 struct Page {
     html: String,
     data: Value,
@@ -53,15 +47,8 @@ struct Page {
 
 /// Runs the report with these further options, and returns its output and its files, which are deleted.
 fn page(name: &str, options: &[&str]) -> Page {
-    let [html, json] = ["html", "json"].map(|end| scratch(&format!("{name}.{end}")));
-    let path = |path: &Path| path.to_str().expect("UTF-8").to_owned();
-    let (out, data) = (path(&html), path(&json));
-    let output = umbra(&[&["report", "--contacts", "--quick", "--out", &out, "--json", &data], options].concat());
-    let taken = |file: &Path| {
-        let text = fs::read_to_string(file).expect("the file is there");
-        fs::remove_file(file).expect("it can go");
-        text
-    };
+    let [html, json] = ["html", "json"].map(|end| scratch(&format!("quality-{name}.{end}")));
+    let output = umbra_lab(&[&["report", "--contacts", "--quick", "--out", &html, "--json", &json], options].concat());
     Page { html: taken(&html), data: serde_json::from_str(&taken(&json)).expect("JSON"), output }
 }
 
@@ -152,7 +139,7 @@ fn the_page_needs_nothing_else_and_is_the_same_each_time() {
     let html = &PAGE.html;
     assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
     // But for the names of its files.
-    let inside = html.replace(PAGE.data["command"].as_str().expect("text"), "umbra report");
+    let inside = html.replace(PAGE.data["command"].as_str().expect("text"), "umbra-lab report");
     for outside in ["http:", "https:", "//", "<script", "src=", "@import", "<link", "<img", "NaN"] {
         assert!(!inside.contains(outside), "{outside}");
     }
@@ -195,12 +182,6 @@ fn bad_usage_is_status_two() {
         &["report", "--contacts", "--problem", "spin"],
         &["report", "--contacts", "--diagram", "x.svg"],
     ] {
-        let output = umbra(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(!output.stderr.is_empty(), "{arguments:?}");
+        refused(arguments);
     }
-    let output = umbra(&["report", "--contacts", "--scene", "arch", "--out", "no/such/folder/x.html"]);
-    assert_eq!(output.status.code(), Some(2));
-    let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(error.starts_with("no/such/folder/x.html: cannot write: "), "{error}");
 }

@@ -1,9 +1,11 @@
 //! The page: a table of all measures, and a section with a picture for each scene.
 
+use umbra_cli::text::markup;
+
 use super::peers::{PEERS, Peer, figure, origin};
 use super::rows::{PARTS, Part};
 use super::{Judged, Report, Results, Verdict, number};
-use crate::chart::{self, escaped};
+use crate::chart;
 use crate::report::page::{STYLE, table};
 
 const OWN_STYLE: &str = include_str!("page.css");
@@ -18,7 +20,7 @@ pub(super) fn page(report: &Report) -> String {
         chart::STYLE,
         head(report),
         overview(report),
-        escaped(&origin()),
+        markup(&origin()),
     )
 }
 
@@ -40,7 +42,7 @@ fn head(report: &Report) -> String {
          in brackets how long they ran, where that was another time</dd></dl>\n",
         report.version,
         report.substeps,
-        escaped(&report.command),
+        markup(&report.command),
     )
 }
 

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use umbra_cli::text::markup;
 use umbra_physics::Integrator;
 
 use super::SCALARS;
@@ -9,7 +10,7 @@ use super::conclude::conclusions;
 use super::contacts;
 use super::data::{Machine, Measured, Report, Results};
 use super::parting::{Pair, Parting};
-use crate::chart::{self, Axis, Chart, Line, Look, Scale, escaped, power_of_ten, sample};
+use crate::chart::{self, Axis, Chart, Line, Look, Scale, power_of_ten, sample};
 
 pub(super) const STYLE: &str = include_str!("page.css");
 /// Errors beyond this are off the charts: m or rad.
@@ -72,9 +73,9 @@ with the fractions below 2⁻³² m that fx carries from step to step</dd>
 <dt>Truth</dt><dd>a formula where there is one, else a solution of order 18, in {} bits or more; no number of a scene is rounded in
 any of the scalars</dd></dl>
 "##,
-        escaped(processor),
+        markup(processor),
         report.version,
-        escaped(&report.command),
+        markup(&report.command),
         crate::truth::BITS,
     )
 }

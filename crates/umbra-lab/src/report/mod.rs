@@ -1,4 +1,4 @@
-//! `umbra report`: time against error, for every integrator, scalar and time step; the quality of contacts.
+//! `umbra-lab report`: time against error, for every integrator, scalar and time step; the quality of contacts.
 
 mod analysis;
 mod conclude;
@@ -14,12 +14,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use indicatif::ProgressBar;
+use umbra_cli::failure::Failure;
+use umbra_cli::output::{Destination, Destinations};
+use umbra_cli::progress::progress;
 use umbra_physics::{Fx, Integrator, Scalar};
 use umbra_scene::{Scene, SceneError, SceneErrors};
 
-use crate::failure::Failure;
-use crate::output::{Destination, Destinations};
-use crate::progress::progress;
+use crate::threads::at_once;
 use crate::truth::Exact;
 use data::{Line, Machine, Measured, Report, Results};
 use measure::Run;
@@ -44,7 +45,7 @@ pub(crate) struct Options {
     /// A few time steps, measured once: seconds instead of minutes. With `--contacts`: shorter runs and fewer shots.
     #[arg(long)]
     quick: bool,
-    /// These problems alone.
+    /// These problems alone, and not the chaotic scene.
     #[arg(long, value_name = "NAME", num_args = 1.., value_parser = problem)]
     problem: Vec<&'static Problem>,
     /// Measures the quality of contacts instead: stacks, slopes, bounces, shots and impacts, beside what is promised. A broken promise is
@@ -70,18 +71,18 @@ struct Effort {
     rates: &'static [u32],
     /// Batches that each run is timed in. The fastest counts: what slows one down is somebody else.
     batches: u32,
-    /// The chaotic scene: steps a second, and seconds.
-    parting: (u32, u32),
+    /// The length of the chaotic scene, s.
+    parting: u32,
 }
 
 const FULL: Effort =
-    Effort { rates: &[10, 20, 30, 60, 120, 240, 500, 1000, 2000, 5000, 10_000], batches: 5, parting: (1000, 40) };
-const QUICK: Effort = Effort { rates: &[10, 60, 240, 1000], batches: 1, parting: (1000, 5) };
+    Effort { rates: &[10, 20, 30, 60, 120, 240, 500, 1000, 2000, 5000, 10_000], batches: 5, parting: 40 };
+const QUICK: Effort = Effort { rates: &[10, 60, 240, 1000], batches: 1, parting: 2 };
 
 impl Options {
     /// The command that makes the same report again.
     fn command(&self) -> String {
-        let mut command = String::from("cargo run --release -- report");
+        let mut command = String::from("cargo run --release -p umbra-lab -- report");
         let mut file = |option: &str, path: &Path| command += &format!(" {option} {}", path.display());
         file("--out", &self.out);
         self.json.iter().for_each(|path| file("--json", path));
@@ -127,18 +128,16 @@ pub(crate) fn report(options: &Options) -> Result<(), Failure> {
     let built_in = |error: SceneErrors| Failure::Option { what: format!("a built-in scene is refused: {error}") };
     let runs = Integrator::ALL.len() * SCALARS.len() * effort.rates.len();
     let progress = progress((chosen.len() * runs) as u64 * u64::from(1 + effort.batches), "run");
-    let mut all = Vec::new();
-    for problem in chosen {
-        all.push(Experiment::new(problem, &effort, &progress).map_err(built_in)?);
-    }
-    let parting = Parting::measure(effort.parting.0, effort.parting.1).map_err(built_in)?;
-    // Batches of the same run lie apart in time: what disturbs one will have passed.
+    let experiments = at_once(&chosen, |problem| Experiment::new(problem, &effort, &progress));
+    let mut experiments = experiments.into_iter().collect::<Result<Vec<_>, _>>().map_err(built_in)?;
+    let parting = if options.problem.is_empty() { Parting::measure(effort.parting).map_err(built_in)? } else { None };
+    // One after the other: each has a processor to itself. Batches of the same run lie apart in time: what disturbs one will have passed.
     for _ in 0..effort.batches {
-        all.iter_mut().for_each(|experiment| experiment.time(&progress));
+        experiments.iter_mut().for_each(|experiment| experiment.time(&progress));
     }
     progress.finish_and_clear();
     let (contacts, problems) =
-        all.into_iter().map(|experiment| experiment.results).partition(|results| results.has_contacts);
+        experiments.into_iter().map(|experiment| experiment.results).partition(|results| results.has_contacts);
     let report = Report {
         version: env!("CARGO_PKG_VERSION"),
         command: options.command(),
@@ -170,7 +169,7 @@ impl<S: Scalar> Costs for Run<S> {
 
 /// A problem's runs, in the order of its lines, and what is known of them so far.
 struct Experiment {
-    runs: Vec<Box<dyn Costs>>,
+    runs: Vec<Box<dyn Costs + Send>>,
     results: Results,
 }
 

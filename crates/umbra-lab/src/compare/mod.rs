@@ -1,4 +1,4 @@
-//! `umbra compare`: a scene in every scalar with every integrator, against a converged reference.
+//! `umbra-lab compare`: a scene in every scalar with every integrator, against a converged reference.
 
 mod outcome;
 mod way;
@@ -7,16 +7,16 @@ use std::path::PathBuf;
 
 use clap::Args;
 use indicatif::ProgressBar;
+use umbra_cli::failure::Failure;
+use umbra_cli::load;
+use umbra_cli::output::Destinations;
+use umbra_cli::progress::progress;
+use umbra_cli::text;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, Command, Fx, Integrator, Scalar, TimeStep, WorldDef, limits};
 use umbra_scene::{Scene, SceneAction, SceneError};
 
 use crate::cost::cpu_seconds;
-use crate::failure::Failure;
-use crate::load;
-use crate::output::Destinations;
-use crate::progress::progress;
-use crate::text;
 use outcome::{Comparison, Numbers, Outcome, Reference};
 use way::{Gap, Stride, Way};
 

@@ -1,4 +1,4 @@
-//! `umbra report`: problems with contacts, against what theory says of their errors.
+//! `umbra-lab report`: problems with contacts, against what theory says of their errors.
 
 use serde_json::Value;
 use umbra_physics::Integrator;

@@ -2,6 +2,9 @@
 
 use std::fmt::Write as _;
 
+use umbra_cli::picture::ticks;
+use umbra_cli::text::markup;
+
 /// The look of charts, for a page or for a file of one.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 /// The number of colours and of strokes in the style sheet.
@@ -80,12 +83,7 @@ impl Scale {
     /// Values to mark, about so many, with their labels.
     fn ticks(self, about: f64) -> Vec<(f64, String)> {
         match self {
-            Self::Linear(from, to) => {
-                let step = round_step((to - from) / about);
-                let count = |value: f64| (value / step).floor() as i64;
-                let ticks = (count(from)..=count(to)).map(|n| n as f64 * step).filter(|value| *value >= from);
-                ticks.map(|value| (value, value.to_string())).collect()
-            }
+            Self::Linear(from, to) => ticks(from, to, (to - from) / about),
             Self::Log(from, to) => {
                 let each = ((to - from) / about).ceil() as i32;
                 let decades = from.ceil() as i32..=to.floor() as i32;
@@ -96,23 +94,12 @@ impl Scale {
     }
 }
 
-/// 1, 2 or 5 times a power of ten that is at least this.
-fn round_step(least: f64) -> f64 {
-    let power = 10f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0].map(|n| n * power).into_iter().find(|step| *step >= least).unwrap_or(10.0 * power)
-}
-
 /// Writes a power of ten: 10⁻³.
 pub(crate) fn power_of_ten(exponent: i32) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     let raised = exponent.to_string();
     let raised = raised.chars().map(|c| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]));
     core::iter::once("10".to_owned()).chain(raised.map(String::from)).collect()
-}
-
-/// Text for a page.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 /// The marks of all looks: once in a document.
@@ -153,7 +140,7 @@ impl Chart<'_> {
         let label = format!("{} against {}", self.y.label, self.x.label);
         format!(
             r#"<svg class="chart" viewBox="0 0 {width} {height}" role="img" aria-label="{}">{}</svg>"#,
-            escaped(&label),
+            markup(&label),
             self.body(LEFT, TOP)
         )
     }
@@ -165,7 +152,7 @@ impl Chart<'_> {
         let mut svg = format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" class="chart" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><style>{STYLE}</style>{}<rect class="paper" width="{width}" height="{height}"/><text class="title" x="{LEFT}" y="26">{}</text>"#,
             marks(),
-            escaped(title)
+            markup(title)
         );
         for (line, (look, text)) in legend.iter().enumerate() {
             let y = top + 12.0 + 20.0 * line as f64;
@@ -175,7 +162,7 @@ impl Chart<'_> {
                 swatch(*look, right + 16.0, y),
                 right + 64.0,
                 y + 4.0,
-                escaped(text)
+                markup(text)
             );
         }
         svg + &self.body(LEFT, top) + "</svg>\n"
@@ -197,7 +184,7 @@ impl Chart<'_> {
                 svg,
                 r#"<polyline {} points="{points}"><title>{}</title></polyline>"#,
                 attributes(line.look),
-                escaped(&line.name)
+                markup(&line.name)
             );
         }
         svg + "</svg>"
@@ -222,8 +209,8 @@ impl Chart<'_> {
             svg,
             r#"<rect class="frame" x="{left}" y="{top}" width="{width}" height="{height}"/><text class="axis middle" x="{middle}" y="{}">{}</text><text class="axis middle" transform="translate(16 {centre}) rotate(-90)">{}</text>"#,
             bottom + 38.0,
-            escaped(self.x.label),
-            escaped(self.y.label)
+            markup(self.x.label),
+            markup(self.y.label)
         );
         svg
     }

@@ -1,18 +1,13 @@
-//! `umbra compare`: errors against a converged reference.
+//! `umbra-lab compare`: errors against a converged reference.
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use crate::umbra;
-
-fn scratch(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-compare-{name}", std::process::id()))
-}
+use crate::{refused, scratch, taken, umbra_lab};
 
 fn compared(scene: &str, more: &[&str]) -> Value {
-    let output = umbra(&[&["compare", scene, "--json"], more].concat());
+    let output = umbra_lab(&[&["compare", scene, "--json"], more].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     assert!(output.stderr.is_empty(), "no progress but on a terminal");
     serde_json::from_slice(&output.stdout).expect("one JSON value")
@@ -65,7 +60,7 @@ fn inputs_act_alike_in_finer_steps() {
 
 #[test]
 fn refusals_of_a_scene_are_reported() {
-    let output = umbra(&["compare", "scenes/damping.json", "--ticks", "20"]);
+    let output = umbra_lab(&["compare", "scenes/damping.json", "--ticks", "20"]);
     assert_eq!(output.status.code(), Some(0));
     let table = String::from_utf8(output.stdout).expect("UTF-8");
     assert!(table.contains("the reference is velocity_verlet in f64"), "{table}");
@@ -80,11 +75,11 @@ fn refusals_of_a_scene_are_reported() {
 
 #[test]
 fn an_integrator_that_a_scene_changes_to_is_left_out() {
-    let file = scratch("changing.json");
+    let file = scratch("compare-changing.json");
     let scene = r#"{"time_step": "1/50", "gravity": [0, -10], "bodies": [{"name": "a"}], "ticks": 50,
         "inputs": [{"at": 10, "set": {"integrator": "explicit_euler"}}]}"#;
     fs::write(&file, scene).expect("it can be written");
-    let result = compared(file.to_str().expect("UTF-8"), &[]);
+    let result = compared(&file, &[]);
     fs::remove_file(&file).expect("it can go");
     // Explicit Euler would lag by ½·g·dt·t: 8 cm.
     assert!(number(&run(&result, "velocity_verlet", "fx")["position_at_end"]) < 1e-9);
@@ -93,10 +88,9 @@ fn an_integrator_that_a_scene_changes_to_is_left_out() {
 
 #[test]
 fn errors_over_time_are_drawn() {
-    let file = scratch("kepler.svg");
-    compared("scenes/kepler.json", &["--ticks", "100", "--out", file.to_str().expect("UTF-8")]);
-    let svg = fs::read_to_string(&file).expect("it is there");
-    fs::remove_file(&file).expect("it can go");
+    let file = scratch("compare-kepler.svg");
+    compared("scenes/kepler.json", &["--ticks", "100", "--out", &file]);
+    let svg = taken(&file);
     assert!(svg.starts_with("<svg ") && svg.ends_with("</svg>\n"));
     assert_eq!(svg.matches("http").count(), 1, "the name of SVG alone");
     assert!(svg.contains("Kepler ellipse, e = 0.6") && svg.contains("error in m"));
@@ -105,9 +99,8 @@ fn errors_over_time_are_drawn() {
 
 #[test]
 fn bad_usage_is_status_two() {
-    let fine = scratch("fine.json");
+    let fine = scratch("compare-fine.json");
     fs::write(&fine, r#"{"time_step": "1/6000", "bodies": [{"name": "a"}]}"#).expect("it can be written");
-    let fine = fine.to_str().expect("UTF-8");
     for arguments in [
         &["compare"][..],
         &["compare", "scenes/no-such-scene.json"],
@@ -115,11 +108,9 @@ fn bad_usage_is_status_two() {
         &["compare", "scenes/kepler.json", "--finer", "1"],
         &["compare", "scenes/kepler.json", "--finer", "167"],
         &["compare", "scenes/kepler.json", "--ticks", "2", "--out", "no/such/folder/x.svg"],
-        &["compare", fine],
+        &["compare", &fine],
     ] {
-        let output = umbra(arguments);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
+        refused(arguments);
     }
     fs::remove_file(fine).expect("it can go");
 }

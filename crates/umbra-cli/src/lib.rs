@@ -1,0 +1,76 @@
+//! The program `umbra`: runs scenes of `umbra-physics` from files, records and checks replays. The public modules serve
+//! `umbra-lab` as well, the program of the repository that measures the engine; they are no interface to build on.
+//!
+//! Exit status 0: done; 1: a check failed; 2: bad usage, bad input, or an output that cannot be written.
+#![forbid(unsafe_code)]
+
+mod csv;
+mod diff;
+pub mod failure;
+mod finding;
+pub mod load;
+pub mod output;
+pub mod picture;
+pub mod progress;
+mod record;
+mod run;
+mod selftest;
+mod summary;
+pub mod text;
+mod verify;
+mod view;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use failure::Failure;
+
+const HELP: &str = "\
+An output file is written under a temporary name, umbra-XXXXXX.part, in the folder of its destination, and is renamed when
+it is complete. Until then a file that was there before is unchanged. A program that is killed leaves the temporary file
+behind; `verify`, `view` and `diff` read as much of a replay as is whole. Links are followed, and the permissions of an
+existing file are kept. An output over an input is refused, and so are two outputs to one file. Pipes, devices and
+/dev/stdout are written to directly.
+
+Exit status: 0 for success; 1 if a check failed; 2 for bad usage, for bad input, and for an output that cannot be written.
+A reader that stops early, as `head` does, is no error: the task goes on to its end, and the status is that of its result.";
+
+/// Deterministic 2D physics in fixed point: scenes in, exact results and pictures out.
+#[derive(Parser)]
+#[command(version, about, bin_name = "umbra", after_help = HELP)]
+struct Arguments {
+    #[command(subcommand)]
+    task: Task,
+}
+
+#[derive(Subcommand)]
+enum Task {
+    /// Runs a scene and prints what came out.
+    Run(run::Options),
+    /// Writes a page that plays a run.
+    View(view::Options),
+    /// Runs replays again and compares every hash with the one recorded.
+    Verify(verify::Options),
+    /// Finds the first value in which two recordings part.
+    Diff(diff::Options),
+    /// Runs the built-in scenes and compares their digests with those that every machine gives.
+    Selftest(selftest::Options),
+}
+
+impl Task {
+    fn run(&self) -> Result<(), Failure> {
+        match self {
+            Self::Run(options) => run::run(options),
+            Self::View(options) => view::view(options),
+            Self::Verify(options) => verify::verify(options),
+            Self::Diff(options) => diff::diff(options),
+            Self::Selftest(options) => selftest::selftest(options),
+        }
+    }
+}
+
+/// Does what the arguments of the process say.
+pub fn main() -> ExitCode {
+    failure::exit_code(Arguments::try_parse().map_or_else(text::print_usage, |arguments| arguments.task.run()))
+}
