@@ -1,5 +1,7 @@
 //! Exact impulses, applied once a step.
 //!
+//! Reads: the lanes of contacts, rolling rows, strikes, paths and totals by joints. Writes: the impulses of contacts, corrections.
+//!
 //! A body flies freely from x0 to x1, at velocities v0 to v1, and impulses add h·Q/m to the displacement, with Q the impulses weighted
 //! by the sub-steps that they moved it in. The solver took the free flight for sub-steps of semi-implicit Euler, whose displacement
 //! differs from x1 − x0 by o: for velocity Verlet, by (v1 − v0)·h/2. So a body at rest would rise by as much in each step. The
@@ -16,10 +18,14 @@
 
 use alloc::vec::Vec;
 
+use super::bodies::BodyRows;
 use super::contact::Group;
+use super::groups::ContactGroups;
+use super::impact::Strike;
 use super::number::{shifted, shifted_word};
+use super::rolling::Rolls;
 use super::unit::Clock;
-use super::{Contact, ContactImpact, Correction, Flight, Impulses, Joint, Solver};
+use super::{Contact, Correction, Flight, Impulses};
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 use crate::kernel::wide::mul_shift_64;
@@ -132,10 +138,17 @@ fn on_bodies_far(group: &Group, lane: usize, bits: i32, rows: [i64; 3], lengths:
     [[-x, -y, -turn(0)], [x, y, turn(1)]]
 }
 
-/// Exact impulses and corrections of all bodies. No lanes: but instructions for shifts and products that the CPU has beside them.
+/// Exact impulses and corrections of all bodies, once the impulses of joints are in the totals. No lanes: but instructions for shifts and
+/// products that the CPU has beside them.
 pub(super) struct Apply<'a> {
-    pub(super) solver: &'a mut Solver,
     pub(super) clock: &'a Clock,
+    pub(super) bodies: &'a BodyRows,
+    pub(super) groups: &'a ContactGroups,
+    pub(super) rolls: &'a Rolls,
+    pub(super) strikes: &'a [Strike],
+    /// Paths by body; empty without joints.
+    pub(super) paths: &'a [Path],
+    pub(super) totals: &'a mut [Total],
     pub(super) flights: &'a [Flight],
     pub(super) contacts: &'a mut [Contact],
     pub(super) corrections: &'a mut Vec<Correction>,
@@ -146,101 +159,44 @@ impl Job for Apply<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, _: L) {
-        let Self { solver, clock, flights, contacts, corrections } = self;
-        solver.apply(clock, flights, contacts, corrections);
-    }
-}
-
-impl Solver {
-    /// Writes impulses and corrections, once the impulses of joints are in the totals.
-    #[inline(always)]
-    fn apply(
-        &mut self,
-        clock: &Clock,
-        flights: &[Flight],
-        contacts: &mut [Contact],
-        corrections: &mut Vec<Correction>,
-    ) {
-        if self.places.len() < contacts.len() {
+        let Self { clock, bodies, groups, rolls, strikes, paths, totals, flights, contacts, corrections } = self;
+        let ContactGroups { groups, places, .. } = groups;
+        let BodyRows { bodies, .. } = bodies;
+        if places.len() < contacts.len() {
             contacts.iter_mut().for_each(|contact| contact.impulses = Impulses::default());
         }
-        for place in &self.places {
+        for place in places {
             let contact = &mut contacts[place.contact as usize];
-            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+            let (group, lane) = (&groups[place.group as usize], place.lane as usize);
             let lane_of = |values: &[[i64; GROUP]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
             contact.impulses = Impulses { values: lane_of(&group.impulses), exponent: place.exponent };
             let [a, b] = [contact.bodies[0] as usize, contact.bodies[1] as usize];
-            let lengths = [self.bodies[a].length, self.bodies[b].length];
+            let lengths = [bodies[a].length, bodies[b].length];
             let [applied_a, applied_b] = on_bodies(group, lane, place.exponent, lane_of(&group.applied), lengths);
-            self.totals[a].add(false, applied_a);
-            self.totals[b].add(false, applied_b);
+            totals[a].add(false, applied_a);
+            totals[b].add(false, applied_b);
             let [weighted_a, weighted_b] = on_bodies(group, lane, place.exponent, lane_of(&group.weighted), lengths);
-            self.totals[a].add(true, weighted_a);
-            self.totals[b].add(true, weighted_b);
+            totals[a].add(true, weighted_a);
+            totals[b].add(true, weighted_b);
         }
-        for strike in &self.impacts.strikes {
-            let place = &self.places[strike.place as usize];
-            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-            let bodies = contacts[place.contact as usize].bodies.map(|body| body as usize);
-            let lengths = bodies.map(|body| self.bodies[body].length);
+        for strike in strikes {
+            let place = &places[strike.place as usize];
+            let (group, lane) = (&groups[place.group as usize], place.lane as usize);
+            let ends = contacts[place.contact as usize].bodies.map(|body| body as usize);
+            let lengths = ends.map(|body| bodies[body].length);
             let changes = on_bodies(group, lane, place.exponent, strike.impulses, lengths);
-            for (body, change) in bodies.into_iter().zip(changes) {
-                self.totals[body].add_struck(change);
+            for (body, change) in ends.into_iter().zip(changes) {
+                totals[body].add_struck(change);
             }
         }
-        self.rolls.apply(&self.groups, contacts, &mut self.totals);
+        rolls.apply(groups, contacts, totals);
         corrections.clear();
         corrections.reserve(flights.len());
         // A loop: a closure would not be compiled for the instructions of the job.
-        for (body, (flight, total)) in flights.iter().zip(&self.totals).enumerate() {
-            let path = *self.paths.get(body).unwrap_or(&Path::Contacts);
+        for (body, (flight, total)) in flights.iter().zip(&*totals).enumerate() {
+            let path = *paths.get(body).unwrap_or(&Path::Contacts);
             let is_pushed = !total.is_zero();
             corrections.push(if is_pushed { flight.correction(total, path, clock) } else { Correction::default() });
-        }
-    }
-
-    /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
-    pub(crate) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        self.places.iter().map(|place| {
-            let applied = &self.groups[place.group as usize].applied;
-            let lane = place.lane as usize;
-            (place.contact, [applied[0][lane], applied[1][lane]], place.exponent)
-        })
-    }
-
-    /// The impacts in the step of these contacts, which are the contacts that were solved.
-    pub(crate) fn impacts_of<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
-        self.impacts.strikes.iter().filter_map(|strike| {
-            let place = &self.places[strike.place as usize];
-            let mover = self.graph.mover(contacts[place.contact as usize].bodies)?;
-            // Units are from 2^-22 to 2^13 m/s, and speeds below 2^31 units.
-            let up = 32 + self.unit_of[mover as usize];
-            let metres = |speed: i64| Fx::from_bits((i128::from(speed) << up).min(i64::MAX.into()) as i64);
-            let ([first, second, _], speeds) = (strike.impulses, strike.speeds.map(metres));
-            Some(ContactImpact { contact: place.contact, impulses: [first, second], exponent: place.exponent, speeds })
-        })
-    }
-
-    /// Writes the impulses of joints and begins the totals with their sums.
-    pub(super) fn add_joints(&mut self, flights: &[Flight], joints: &mut [Joint]) {
-        self.totals.clear();
-        self.totals.resize(flights.len(), Total::default());
-        for joint in joints.iter_mut() {
-            joint.impulses = Impulses::default();
-        }
-        for block in &self.joints.blocks {
-            let joint = &mut joints[block.joint as usize];
-            let [first, second] = block.impulses;
-            joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
-            // From 2^(exponent − 30) to 2^-64 N·s.
-            let bits = -64 + 30 - block.exponent;
-            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
-                let [x, y] = [x, y].map(|value| shifted_within(value, bits));
-                for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
-                    let turn = shifted_within(turn, bits - flights[body as usize].length());
-                    self.totals[body as usize].add(is_weighted, [x, y, turn].map(|value| sign * value));
-                }
-            }
         }
     }
 }

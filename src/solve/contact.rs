@@ -1,14 +1,14 @@
-//! Groups of contacts side by side in lanes, and the values with which each contact begins a step.
+//! A group of contacts side by side in lanes, and the values with which each contact begins a step.
 
 use core::ops::Range;
 
 use super::batch::Batch;
+use super::bodies::{MASS_BITS, STILL, SolverBody, largest_exponent};
 use super::motion::Vector;
 use super::number::{bits_of, clamped_word, shifted_word};
 use super::unit::Scale;
-use super::{Contact, Flight, Impulses, STILL};
+use super::{Contact, Impulses};
 use crate::kernel::simd::{GROUP, Pairs};
-use crate::scalar::FxFactor;
 
 /// The largest separation, positive or negative, 2^29.5 units: more than bodies approach in a step.
 pub(super) const SEPARATION: i64 = 759_250_124;
@@ -18,10 +18,8 @@ pub(super) const IMPULSE: i64 = 1 << 44;
 pub(super) const GAIN: i64 = 1 << 61;
 /// The largest velocity of a surface: as large as a velocity of a body.
 const SURFACE: i64 = 1 << 27;
-/// Factors of masses have this many bits relative to the largest of a contact.
-const MASS_BITS: i32 = 31;
 
-/// Contacts side by side, one in each lane. Pairs are of two quantities of the same contact.
+/// Contacts side by side: through the sub-steps a lane is in place of a [`Contact`]. Pairs are of two quantities of the same contact.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Group {
@@ -109,62 +107,6 @@ impl Group {
     }
 }
 
-/// A body as contacts and joints see it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SolverBody {
-    pub(super) row: u32,
-    /// log2 of the length in metres by which arms are divided and angular velocities multiplied.
-    pub(super) length: i32,
-    /// [`Flight::inverse_exponent`]
-    exponent: i32,
-    /// True if its centre cannot be moved.
-    is_held: bool,
-    /// True for a fixed body that moves.
-    pub(super) is_carrier: bool,
-    /// Its radius over the length, in 2^-30.
-    pub(super) rim: i64,
-    /// 1/m along x and y, 1/kg.
-    pub(super) inverse_mass: [FxFactor; 2],
-    /// 1/I, 1/(kg·m²).
-    pub(super) inverse_inertia: FxFactor,
-    /// [`masses`](Self::masses) by its own exponent.
-    own_masses: [i64; 3],
-}
-
-impl SolverBody {
-    pub(super) fn new(flight: &Flight, exponent: i32, row: u32) -> Self {
-        let length = flight.length();
-        let inverse_mass = [flight.inverse_mass.x, flight.inverse_mass.y];
-        let inverse_inertia = flight.inverse_inertia;
-        Self {
-            row,
-            length,
-            exponent,
-            is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
-            // A body at rest has a speed of 1: angular ones are rounded up.
-            is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
-            rim: shifted_word(flight.radius.to_bits(), 2 + length),
-            inverse_mass,
-            inverse_inertia,
-            own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
-        }
-    }
-
-    /// Inverse masses along x and y and the inverse inertia over the square of the length, with [`MASS_BITS`] below 2^exponent.
-    #[inline(always)]
-    fn masses(&self, exponent: i32) -> [i64; 3] {
-        if exponent == self.exponent {
-            return self.own_masses;
-        }
-        masses(self.inverse_mass, self.inverse_inertia, exponent, self.length)
-    }
-}
-
-/// The exponent above all inverse masses, and inverse inertias times the square of the length; `None` if all are zero.
-pub(super) fn largest_exponent([a, b]: [&SolverBody; 2]) -> Option<i32> {
-    Some(a.exponent.max(b.exponent)).filter(|&exponent| exponent > i32::MIN / 4)
-}
-
 /// A contact with its bodies.
 #[derive(Clone, Copy)]
 pub(super) struct ContactInput<'a> {
@@ -173,21 +115,6 @@ pub(super) struct ContactInput<'a> {
     pub(super) rows: [u32; 2],
     /// The number of contacts of the phase, by body: each moves its share.
     pub(super) shares: [u32; 2],
-}
-
-/// factor · 2^bits to nearest, ties upwards. *Domain* the result is at most 2^31.
-#[inline(always)]
-fn mass(factor: FxFactor, bits: i32) -> i64 {
-    let (mantissa, shift) = factor.parts();
-    let down = shift - bits;
-    if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1) as i64 }
-}
-
-/// [`SolverBody::masses`]
-fn masses([x, y]: [FxFactor; 2], inertia: FxFactor, exponent: i32, length: i32) -> [i64; 3] {
-    // Factors that are zero have no exponent.
-    let unit = MASS_BITS - exponent.max(i32::MIN / 4);
-    [mass(x, unit), mass(y, unit), mass(inertia, unit + 2 * length)]
 }
 
 impl Batch {

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::fmt::Debug;
 
-use super::{Contact, Correction, Flight, Solver, SolverOptions};
+use super::{Contact, Correction, Flight, SolverOptions};
 use crate::fx::Fx;
 use crate::math::TimeStep;
 
@@ -37,25 +37,4 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
 
     /// The impacts in the step of these contacts, which are the contacts that were solved.
     fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a;
-}
-
-impl ContactSolver for Solver {
-    fn solve(
-        &mut self,
-        time_step: TimeStep,
-        options: &SolverOptions,
-        flights: &[Flight],
-        contacts: &mut [Contact],
-        corrections: &mut Vec<Correction>,
-    ) {
-        self.solve(time_step, options, flights, &mut [], contacts, corrections);
-    }
-
-    fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
-        self.totals()
-    }
-
-    fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
-        self.impacts_of(contacts)
-    }
 }

@@ -1,5 +1,7 @@
 //! The graph of touching bodies: islands, levels and the order of contacts.
 //!
+//! Reads: the pairs of bodies of joints and contacts, masses. Writes: [`Graph`].
+//!
 //! The level of a body is its distance, in contacts, from the nearest body that cannot be moved. Contacts between bodies of unlike
 //! level form two phases, by the lower level being even or odd; contacts between bodies of the same level form the third. An
 //! island without such a body starts from its heaviest bodies, among these from the nearest to its centre of mass, all that tie.
@@ -9,6 +11,8 @@
 //! Gauss-Seidel step, by which impulses cross it in fewer passes. A colouring would do that too, but depends on the order of bodies.
 
 use alloc::vec::Vec;
+
+use super::Flight;
 
 /// The number of phases of contacts.
 pub(crate) const PHASES: usize = 3;
@@ -188,4 +192,39 @@ impl Graph {
     pub(crate) fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
         self.neighbours_of(body).map(|i| self.neighbours[i])
     }
+}
+
+/// The bodies at which the levels of an island begin that touches no fixed body: the heaviest ones; among these the nearest to
+/// the island's centre of mass.
+pub(super) fn graph_start(flights: &[Flight], members: &[u32], queue: &mut Vec<u32>) {
+    let mass = |body: u32| flights[body as usize].mass.to_bits();
+    let total: i128 = members.iter().map(|&body| i128::from(mass(body))).sum();
+    let Some(heaviest) = members.iter().map(|&body| mass(body)).max() else { return };
+    // All masses together have 60 bits.
+    let down = (68 - total.leading_zeros() as i32).max(0);
+    let weight = |body: u32| i128::from(mass(body) >> down);
+    let weights: i128 = members.iter().map(|&body| weight(body)).sum();
+    // Offsets from any member: positions differ by less than 2^31.4 m, 2^63.4 units.
+    let origin = flights[members[0] as usize].position;
+    let offset = |body: u32| {
+        let position = flights[body as usize].position;
+        [(position.x, origin.x), (position.y, origin.y)].map(|(x, o)| i128::from(x.to_bits()) - i128::from(o.to_bits()))
+    };
+    let mut sums = [0; 2];
+    for &body in members {
+        let offset = offset(body);
+        (0..2).for_each(|i| sums[i] += weight(body) * offset[i]);
+    }
+    // From the centre of mass, times the sum of masses: exact, so that ties are ties. Below 2^124.4.
+    let centre_offset = |body: u32| {
+        let offset = offset(body);
+        [0, 1].map(|i| (weights * offset[i] - sums[i]).unsigned_abs())
+    };
+    let heavy = || members.iter().copied().filter(|&body| mass(body) == heaviest);
+    let Some(farthest) = heavy().flat_map(centre_offset).max() else { return };
+    // Down to 62 bits, so that the squares fit.
+    let down = (66 - farthest.leading_zeros() as i32).max(0);
+    let distance = |body: u32| centre_offset(body).map(|d| (d >> down).pow(2)).into_iter().sum::<u128>();
+    let Some(nearest) = heavy().map(distance).min() else { return };
+    queue.extend(heavy().filter(|&body| distance(body) == nearest));
 }

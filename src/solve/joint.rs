@@ -33,18 +33,19 @@
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
-mod pass;
 mod phases;
 #[cfg(test)]
 mod tests;
 mod turn;
 
 use self::turn::Side;
-use super::contact::{SolverBody, largest_exponent};
+use super::bodies::{SolverBody, largest_exponent};
+use super::motion::Rows;
 use super::number::{bits_of, clamped, fixed, shifted};
-use super::unit::{Clock, SoftRow, Softness};
-use super::{Flight, Impulses};
+use super::unit::{Clock, SoftRow};
+use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
+use crate::kernel::simd::GAIN_BITS;
 use crate::kernel::sqrt::direction;
 use crate::math::Vec2;
 use crate::scalar::FxFactor;
@@ -103,7 +104,7 @@ impl Joint {
     }
 
     /// A speed at which its error is taken away, in 2^-32 m/s: at most half of the error in a sub-step.
-    fn repair_speed(&self, clock: &Clock, flights: &[Flight]) -> u128 {
+    pub(super) fn repair_speed(&self, clock: &Clock, flights: &[Flight]) -> u128 {
         let [x, y] = self.offset(flights).map(|c| c.clamp(-FAR, FAR) as i64);
         let error = match self.kind {
             JointKind::Revolute => x.abs().max(y.abs()),
@@ -118,7 +119,18 @@ fn length_of(x: i64, y: i64) -> i64 {
     if (x, y) == (0, 0) { 0 } else { direction(x, y).1 as i64 }
 }
 
-/// A joint as the passes see it.
+/// The velocities that a pass over joints aims at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum JointPass {
+    /// The impulses of the sub-step before, at the present arms.
+    WarmStart,
+    /// Soft joints take errors away.
+    Solve,
+    /// Rigid joints; errors stay as they are.
+    Relax,
+}
+
+/// A joint as the passes see it: through the sub-steps in place of a [`Joint`].
 #[derive(Clone, Debug)]
 pub(super) struct Block {
     /// Index of the joint.
@@ -163,25 +175,18 @@ pub(super) struct Block {
     pub(super) weighted: [i128; 4],
 }
 
-/// The values that all blocks are made from.
-pub(super) struct Common<'a> {
-    pub(super) clock: &'a Clock,
-    pub(super) softness: &'a Softness,
-    pub(super) flights: &'a [Flight],
-}
-
 impl Block {
     /// Prepares a joint in the unit of its island; `None` if it can move neither body.
     fn new(
         index: usize,
-        joint: &Joint,
+        input: &StepInput<'_>,
         bodies: [&SolverBody; 2],
         rows: [u32; 2],
         shares: [i64; 2],
         unit: i32,
-        common: &Common<'_>,
     ) -> Option<Self> {
-        let Common { clock, softness, flights } = common;
+        let StepInput { clock, softness, flights, joints, .. } = *input;
+        let joint = &joints[index];
         let scale = MASS_BITS - largest_exponent(bodies)?;
         let sides = [0, 1].map(|k| Side::new(bodies[k], rows[k], shares[k], joint.anchors[k], scale, unit, clock));
         let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
@@ -225,6 +230,98 @@ impl Block {
             applied: [0; 4],
             weighted: [0; 4],
         })
+    }
+
+    /// One pass. Returns the number of values that were cut off.
+    fn run(&mut self, pass: JointPass, rows: &mut Rows) -> u64 {
+        let cut = match pass {
+            JointPass::WarmStart => {
+                self.change = [0; 4];
+                self.push(self.impulses);
+                0
+            }
+            JointPass::Solve => self.solve(rows, true),
+            JointPass::Relax => self.solve(rows, false),
+        };
+        let cut = cut + self.give_gains(rows);
+        if pass == JointPass::Relax {
+            (0..4).for_each(|i| self.applied[i] += self.change[i]);
+        }
+        cut
+    }
+
+    /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
+    fn advance(&mut self, rows: &Rows) -> u64 {
+        (0..4).for_each(|i| self.weighted[i] += self.applied[i] + self.change[i]);
+        self.moves += 1;
+        self.turn(rows)
+    }
+
+    fn solve(&mut self, rows: &Rows, is_biased: bool) -> u64 {
+        let velocities = [0, 1].map(|k| rows.velocity(self.sides[k].row));
+        let mut errors = [0; 2];
+        for (row, error) in errors.iter_mut().enumerate().take(self.count) {
+            *error = self.velocity(row, velocities);
+            if is_biased {
+                let push = i64::from(self.soft.rate) * self.errors[row];
+                *error += push + self.second_order(row, velocities);
+            }
+        }
+        let [e11, e12, e22] = self.inverse.map(i128::from);
+        let [v1, v2] = errors.map(i128::from);
+        let solution = [e11 * v1 + e12 * v2, e12 * v1 + e22 * v2];
+        let mut cut = 0;
+        let mut changes = [0; 2];
+        for row in 0..self.count {
+            let before = self.impulses[row];
+            // Within 2^95, and 2^125 with the rigid share: the shift is as large as the inverse needs it.
+            let wanted = if is_biased {
+                let gives_way = i128::from((1 << 30) - self.rigid) * i128::from(before);
+                let push = shifted(i128::from(self.rigid) * solution[row], self.inverse_shift + 30);
+                i128::from(before) - push - shifted(gives_way, 30)
+            } else {
+                i128::from(before) - shifted(solution[row], self.inverse_shift)
+            };
+            let after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
+            cut += u64::from(i128::from(after) != wanted);
+            (self.impulses[row], changes[row]) = (after, after - before);
+        }
+        self.push(changes);
+        cut
+    }
+
+    /// Adds impulses of the rows to the change of the sub-step.
+    fn push(&mut self, impulses: [i64; 2]) {
+        for (row, impulse) in impulses.into_iter().enumerate().take(self.count) {
+            let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+            for (sum, factor) in self.change.iter_mut().zip([ux, uy, ka, kb]) {
+                *sum += i128::from(impulse) * i128::from(factor);
+            }
+        }
+    }
+
+    /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
+    /// Returns the number of changes that were cut off.
+    fn give_gains(&mut self, rows: &mut Rows) -> u64 {
+        let bits = self.mass_bits + FINER + 30 - GAIN_BITS;
+        let [x, y, turn_a, turn_b] = self.change;
+        let mut cut = 0;
+        for (side, turn, sign) in [(0, turn_a, -1), (1, turn_b, 1)] {
+            let side = &mut self.sides[side];
+            if !side.is_movable() {
+                continue;
+            }
+            let limit = GAIN.min((1 << 61) / side.share);
+            let gains = &mut rows.rows[side.row as usize].gain;
+            for (k, impulse) in [x, y, turn].into_iter().enumerate() {
+                let wanted = shifted(i128::from(side.masses[k]) * impulse, bits);
+                let applied_gain = wanted.clamp(-i128::from(limit), i128::from(limit)) as i64;
+                cut += u64::from(i128::from(applied_gain) != wanted);
+                gains[k] += sign * (applied_gain - side.applied_gain[k]);
+                side.applied_gain[k] = applied_gain;
+            }
+        }
+        cut
     }
 }
 

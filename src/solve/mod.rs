@@ -12,28 +12,28 @@
 //! - The unit of the impulses of a contact is a power of two of its own, such that no sum of a phase overflows: `pass` has the proofs. Changes
 //!   beyond the range of a pass are cut off, oddly, and counted.
 //!
-//! The modules:
+//! A body has four forms, each in place of the one before: its columns in the world, a [`Flight`], a row of [`BodyRows`] through the
+//! sub-steps, and a [`Correction`]. A contact has three: a [`Contact`], a lane of [`ContactGroups`] and [`Impulses`].
+//!
+//! The modules, in the order of a step:
 //!
 //! - `graph`: islands, levels and phases.
-//! - `follow`: bodies that contacts are not to move.
-//! - `unit`: the unit of velocity of an island, and the constants of soft contacts.
-//! - `motion`: velocities and displacements through the sub-steps.
-//! - `contact`: contacts side by side, in groups.
-//! - `contact_solver`: the interface of a solver; `float`: a solver in floats.
-//! - `batch`: rows and factors of a group.
+//! - `bodies`: units, and rows and masses of bodies; `unit`: the constants that follow from a unit.
 //! - `joint`: joints, which are solved before the contacts.
-//! - `pass`: the loops over contacts.
-//! - `cut`: contacts with values that are too large for these loops.
-//! - `prepare`: units, rows of bodies and groups of contacts.
-//! - `rolling`: rolling resistance, after the friction of a phase.
+//! - `groups`: the contacts in groups of lanes; `contact`: one group; `batch`, `matrix`: its rows, factors and inverse matrices.
+//! - `wedge`: bodies that several contacts push out.
+//! - `follow`: bodies that contacts are not to move.
+//! - `motion`: velocities and displacements through the sub-steps.
 //! - `impact`: impacts at their moments, before the passes of a sub-step.
+//! - `pass`: the loops over contacts; `cut`: contacts with values that are too large for these loops.
+//! - `rolling`: rolling resistance, after the friction of a phase.
 //! - `apply`: exact impulses, applied once.
-//! - `matrix`: inverse matrices of groups.
-//! - `number`: rounding and shifts of integers.
-//! - `vectors`: rounding and shifts of lanes.
+//! - `contact_solver`: the interface of a solver; `float`: a solver in floats.
+//! - `number`, `vectors`: rounding and shifts of integers and of lanes.
 
 mod apply;
 mod batch;
+mod bodies;
 mod contact;
 mod contact_solver;
 mod cut;
@@ -41,13 +41,13 @@ mod cut;
 mod float;
 mod follow;
 mod graph;
+mod groups;
 mod impact;
 mod joint;
 mod matrix;
 mod motion;
 mod number;
 mod pass;
-mod prepare;
 mod rolling;
 #[cfg(test)]
 mod tests;
@@ -58,23 +58,23 @@ mod wedge;
 use alloc::vec::Vec;
 
 use self::apply::{Apply, Path, Total};
-use self::batch::Batch;
-use self::contact::{Group, SolverBody};
+use self::bodies::BodyRows;
 pub use self::contact_solver::{ContactImpact, ContactSolver};
 #[cfg(feature = "float")]
 pub use self::float::FloatSolver;
-use self::follow::{Follower, follow};
+use self::follow::{follow, set_followers};
+use self::graph::graph_start;
 pub(crate) use self::graph::{Graph, PHASES};
+use self::groups::ContactGroups;
 use self::impact::{Impacts, SubStep};
-use self::joint::{Common, Joints};
+use self::joint::Joints;
 pub use self::joint::{Joint, JointKind};
-use self::matrix::Matrices;
-use self::motion::{Advance, Begin, FlightRow, Rows};
+use self::motion::{Advance, Begin, FlightRow};
 use self::number::{exponent, log2_above, shifted_word};
 use self::pass::{Pass, PassOver};
-use self::prepare::{Load, SetGroups, StepInput, graph_start};
 use self::rolling::Rolls;
-use self::unit::{Clock, FINEST, Scale, Softness, rim_speed};
+use self::unit::{Clock, Softness, rim_speed};
+use self::wedge::Wedges;
 use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::simd::{self, Job, Lanes};
@@ -127,7 +127,7 @@ pub struct Velocity {
     pub angular: Fx,
 }
 
-/// A body and its free flight over the step.
+/// A body and its free flight over the step, in place of its columns in the world.
 #[derive(Clone, Copy, Debug)]
 pub struct Flight {
     /// The centre of mass at the start, m.
@@ -202,7 +202,8 @@ pub struct Point {
     pub separation: Fx,
 }
 
-/// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step.
+/// Impulses of a contact or of a joint: multiples of 2^exponent N·s, over the last sub-step. They are left of the lane of a contact when the
+/// sub-steps are done.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Impulses {
     /// Impulses along the normal by point, which are not negative; then the one along the tangent (n.y, −n.x). With one point the
@@ -231,7 +232,7 @@ impl Impulses {
     }
 }
 
-/// A contact of two bodies, at the start of the step.
+/// A contact of two bodies at the start of the step, in place of the manifold of a pair.
 #[derive(Clone, Copy, Debug)]
 pub struct Contact {
     /// Indices of flights.
@@ -257,7 +258,7 @@ pub struct Contact {
     pub impulses: Impulses,
 }
 
-/// The change of a body by all impulses of a step.
+/// The change of a body by all impulses of a step, in place of its row: in metres and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Correction {
     /// m/s
@@ -277,71 +278,30 @@ pub struct SolverCounts {
     pub cut: u64,
 }
 
-/// The place of a contact in the groups.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Place {
-    contact: u32,
-    group: u32,
-    lane: u32,
-    /// log2 of the unit of its impulses, N·s.
-    exponent: i32,
+/// The step that is solved, as all parts are prepared from it.
+struct StepInput<'a> {
+    clock: &'a Clock,
+    softness: &'a Softness,
+    flights: &'a [Flight],
+    joints: &'a [Joint],
+    contacts: &'a [Contact],
 }
 
-/// A row of a fixed body that moves, in a unit of its contacts and joints.
-#[derive(Clone, Copy, Debug)]
-struct Carrier {
-    unit: i32,
-    row: u32,
-    /// The next carrier of the same body.
-    next: Option<u32>,
-}
-
-/// The buffers of the solver. It has no state: results do not depend on earlier steps.
+/// The solver. It has no state: results do not depend on earlier steps, and each part has the memory of its own work.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
     graph: Graph,
-    rows: Rows,
-    /// Row by body.
-    row_of: Vec<u32>,
-    /// log2 of the unit of velocity by body.
-    unit_of: Vec<i32>,
-    bodies: Vec<SolverBody>,
-    /// The largest speed by island, in 2^-32 m/s.
-    fastest: Vec<u128>,
-    /// The load of the initial impulses, by body.
-    loads: Vec<Load>,
-    groups: Vec<Group>,
-    /// The part of `groups` of each phase.
-    phases: [core::ops::Range<usize>; PHASES],
-    /// Rows with contacts, by phase.
-    touched: [Vec<u32>; PHASES],
+    bodies: BodyRows,
+    groups: ContactGroups,
     joints: Joints,
     /// Paths by body; empty without joints.
     paths: Vec<Path>,
-    /// The number of contacts, or of joints, of each phase by body.
-    shares: Vec<[u32; PHASES]>,
-    /// Phase by contact, [`PHASES`] for contacts of bodies that cannot be moved; contacts sorted by phase, without these.
-    phase_of: Vec<u8>,
-    order: Vec<u32>,
-    batch: Batch,
-    matrices: Matrices,
-    places: Vec<Place>,
-    /// Rows of fixed bodies that move, and the first one by body.
-    carriers: Vec<Carrier>,
-    carrier_of: Vec<Option<u32>>,
-    followers: Vec<Follower>,
     rolls: Rolls,
-    /// True if a contact resists rolling.
-    has_rolls: bool,
     impacts: Impacts,
-    /// Contacts that push bodies out of bodies that do not give way.
-    pushes: Vec<wedge::Push>,
+    wedges: Wedges,
     /// Impulses by body.
     totals: Vec<Total>,
 }
-
-/// The row of bodies that neither move nor can be moved.
-const STILL: u32 = 0;
 
 impl Solver {
     /// Solves a step: writes impulses to joints and contacts and the corrections of bodies to `corrections`, one for each flight.
@@ -369,28 +329,42 @@ impl Solver {
         joints: &[Joint],
         contacts: &[Contact],
     ) {
+        let Self { graph, bodies, groups, joints: blocks, paths, rolls, impacts, wedges, .. } = self;
         let clock = Clock::new(time_step, options.substeps);
+        let softness = Softness::new(options);
+        let input = StepInput { clock: &clock, softness: &softness, flights, joints, contacts };
         let links = joints.iter().map(|joint| joint.bodies).chain(contacts.iter().map(|contact| contact.bodies));
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
-        self.graph.build(is_fixed, flights.len(), links, |members, queue| {
-            graph_start(flights, members, queue);
-        });
-        let softness = Softness::new(options);
-        self.set_rows(&clock, &softness, flights, joints, contacts);
-        self.places.clear();
-        self.carriers.clear();
-        self.carrier_of.clear();
-        self.carrier_of.resize(flights.len(), None);
-        let common = Common { clock: &clock, softness: &softness, flights };
-        self.set_joints(joints, &common);
-        self.sort_contacts(contacts);
-        let scale = Scale::new(&clock, &softness, FINEST);
-        simd::run(SetGroups { solver: self, step_input: StepInput { softness: &softness, flights, contacts, scale } });
-        self.limit_wedges();
-        self.set_followers(flights);
-        self.set_rolls(flights, contacts);
-        self.set_paths(joints, contacts, &common);
-        self.impacts.clear();
+        graph.build(is_fixed, flights.len(), links, |members, queue| graph_start(flights, members, queue));
+        bodies.set(&input, graph);
+        blocks.set(&input, graph, bodies);
+        groups.set(&input, graph, bodies);
+        wedges.limit(groups);
+        set_followers(bodies, flights);
+        rolls.set(&input, graph, bodies, groups);
+        blocks.set_paths(&input, graph, bodies, paths);
+        impacts.clear();
+    }
+
+    /// The sub-steps, after [`prepare`](Self::prepare). Returns the number of values that were cut off.
+    pub fn run_passes(&mut self, time_step: TimeStep, options: &SolverOptions, contacts: &[Contact]) -> u64 {
+        let clock = Clock::new(time_step, options.substeps);
+        simd::run(SubSteps { solver: self, clock: &clock, relax_passes: options.relax_passes, contacts })
+    }
+
+    /// A pass over the contacts of all phases.
+    #[inline(always)]
+    fn pass<L: Lanes>(&mut self, pass: Pass, lanes: L) -> u64 {
+        let Self { bodies, groups: ContactGroups { groups, phases, shares, .. }, rolls, .. } = self;
+        let mut cut = 0;
+        for phase in 0..PHASES {
+            let phase_groups = &mut groups[phases[phase].clone()];
+            cut += PassOver { pass, groups: phase_groups, rows: &mut bodies.rows, touched: &shares.touched[phase] }
+                .run(lanes);
+            cut += rolls.run(phase, pass, groups, &mut bodies.rows, lanes);
+            follow(bodies);
+        }
+        cut
     }
 
     /// The last part of [`solve`](Self::solve), after [`run_passes`](Self::run_passes): impulses and corrections.
@@ -404,45 +378,24 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
-        self.impacts.sum_strikes();
-        self.add_joints(flights, joints);
-        simd::run(Apply { solver: self, clock: &clock, flights, contacts, corrections });
-    }
-
-    /// The row of a fixed body that moves: it has one for each unit of its contacts and joints.
-    fn carrier(&mut self, body: u32, unit: i32, flight: &Flight, softness: &Softness) -> u32 {
-        let first = self.carrier_of[body as usize];
-        let mut next = first;
-        while let Some(index) = next {
-            let carrier = &self.carriers[index as usize];
-            if carrier.unit == unit {
-                return carrier.row;
-            }
-            next = carrier.next;
-        }
-        let row = self.rows.push(flight.row(unit), softness.impact_speed(unit));
-        self.carrier_of[body as usize] = Some(self.carriers.len() as u32);
-        self.carriers.push(Carrier { unit, row, next: first });
-        row
-    }
-
-    /// Runs all sub-steps. Returns the number of values that were cut off.
-    pub fn run_passes(&mut self, time_step: TimeStep, options: &SolverOptions, contacts: &[Contact]) -> u64 {
-        let clock = Clock::new(time_step, options.substeps);
-        simd::run(SubSteps { solver: self, clock: &clock, relax_passes: options.relax_passes, contacts })
-    }
-
-    /// A pass over the contacts of all phases.
-    #[inline(always)]
-    fn pass<L: Lanes>(&mut self, pass: Pass, lanes: L) -> u64 {
-        let mut cut = 0;
-        for phase in 0..PHASES {
-            let groups = &mut self.groups[self.phases[phase].clone()];
-            cut += PassOver { pass, groups, rows: &mut self.rows, touched: &self.touched[phase] }.run(lanes);
-            cut += self.rolls.run(phase, pass, &self.groups, &mut self.rows, lanes);
-            follow(&self.followers, &mut self.rows);
-        }
-        cut
+        let Self { bodies, groups, joints: blocks, paths, rolls, impacts, totals, .. } = self;
+        impacts.sum_strikes();
+        totals.clear();
+        totals.resize(flights.len(), Total::default());
+        blocks.apply(flights, joints, totals);
+        let strikes = &impacts.strikes;
+        simd::run(Apply {
+            clock: &clock,
+            bodies,
+            groups,
+            rolls,
+            strikes,
+            paths,
+            totals,
+            flights,
+            contacts,
+            corrections,
+        });
     }
 }
 
@@ -463,24 +416,46 @@ impl Job for SubSteps<'_> {
         let n = clock.substeps;
         let mut cut = 0;
         for k in 1..=n {
-            Begin { rows: &mut solver.rows, k, n }.run(lanes);
-            follow(&solver.followers, &mut solver.rows);
-            solver.solve_impacts(SubStep { k, n, clock, contacts }, lanes);
-            follow(&solver.followers, &mut solver.rows);
+            Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
+            follow(&mut solver.bodies);
+            let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };
+            solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, lanes);
+            follow(&mut solver.bodies);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
             }
-            cut += solver.joints.solve(&mut solver.rows, lanes);
-            follow(&solver.followers, &mut solver.rows);
+            cut += solver.joints.solve(&mut solver.bodies.rows, lanes);
+            follow(&mut solver.bodies);
             cut += solver.pass(Pass::Solve, lanes);
-            Advance { rows: &mut solver.rows }.run(lanes);
-            cut += solver.joints.relax(&mut solver.rows, lanes);
-            follow(&solver.followers, &mut solver.rows);
+            Advance { rows: &mut solver.bodies.rows }.run(lanes);
+            cut += solver.joints.relax(&mut solver.bodies.rows, lanes);
+            follow(&mut solver.bodies);
             cut += solver.pass(Pass::Relax, lanes);
             for _ in 1..relax_passes {
                 cut += solver.pass(Pass::RelaxAgain, lanes);
             }
         }
         cut
+    }
+}
+
+impl ContactSolver for Solver {
+    fn solve(
+        &mut self,
+        time_step: TimeStep,
+        options: &SolverOptions,
+        flights: &[Flight],
+        contacts: &mut [Contact],
+        corrections: &mut Vec<Correction>,
+    ) {
+        self.solve(time_step, options, flights, &mut [], contacts, corrections);
+    }
+
+    fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
+        self.groups.totals()
+    }
+
+    fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
+        self.impacts.list(&self.graph, &self.bodies, &self.groups, contacts)
     }
 }

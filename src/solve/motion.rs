@@ -1,5 +1,7 @@
 //! Motion of bodies through the sub-steps: the velocities of the free flight, which are given, and the corrections to them.
 //!
+//! Reads: the free flight of each body, gains. Writes: velocities, displacements.
+//!
 //! The free flight of a step enters by its velocities at both ends, v0 and v1. In sub-step k of n the velocity is
 //! w = v0 + (k/n)(v1 − v0), rounded once, oddly, and a body moves at that velocity and the corrections so far. So contacts see
 //! sub-steps of semi-implicit Euler: a body at rest has the same impulses in each of them, and none of its passes undoes
@@ -46,7 +48,7 @@ struct Progress {
     fast: i32,
 }
 
-/// All bodies of the solver.
+/// All bodies of the solver: through the sub-steps a row is in place of a [`Flight`](super::Flight), in the unit of its island.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Rows {
     pub(super) rows: Vec<Row>,

@@ -5,6 +5,8 @@
 //! applied. So no contact of a phase sees another one, and as integers add up to the same sum in any order, neither the
 //! order of contacts nor the number of lanes or threads changes a bit.
 //!
+//! Reads: velocities and displacements of bodies. Writes: impulses and separations of contacts, gains and with them velocities of bodies.
+//!
 //! # Ranges
 //! Bounds on the values, in units of the island ([`super::unit`]):
 //! - *Velocities* are within ±[`VELOCITY`](super::motion::VELOCITY) = 2^27, displacements within

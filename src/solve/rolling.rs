@@ -12,6 +12,8 @@
 //! There are no lanes: each row is computed in 64 and 128 bits, so all vector sets have the same bits. A scene without rolling resistance
 //! has neither rows nor memory for them.
 //!
+//! Reads: normal impulses, angular velocities. Writes: gains of bodies; in the end impulses of contacts and totals of bodies.
+//!
 //! # Ranges
 //! Arms are at most 2^54 and angular velocities below 2^27: the sum of both products is below 2^82, and times the reciprocal below
 //! 2^113. Factors of gains are at most 2^40, shares below 2^22: the sum for the reciprocal is below 2^117.
@@ -19,15 +21,16 @@
 use alloc::vec::Vec;
 
 use super::apply::{Total, shifted_within};
+use super::bodies::BodyRows;
 use super::contact::{GAIN, Group, scaled_impulse};
 use super::cut::CHANGE;
-use super::graph::PHASES;
+use super::graph::{Graph, PHASES};
+use super::groups::{ContactGroups, Place, Shares};
 use super::motion::Rows;
 use super::number::{shifted, shifted_word};
 use super::pass::Pass;
-use super::prepare::{clear_shares, count_share};
 use super::unit::FINEST;
-use super::{Contact, Flight, Place, Solver};
+use super::{Contact, Flight, StepInput};
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
 
@@ -65,10 +68,7 @@ struct Roll {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rolls {
     phases: [Vec<Roll>; PHASES],
-    /// The rows of bodies that they turn, by phase.
-    touched: [Vec<u32>; PHASES],
-    /// The number of rows of each phase by body.
-    shares: Vec<[u32; PHASES]>,
+    shares: Shares,
 }
 
 /// Returns true for a contact that resists rolling.
@@ -109,6 +109,61 @@ impl Roll {
 }
 
 impl Rolls {
+    /// Makes the rows of contacts that resist rolling.
+    pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &BodyRows, groups: &ContactGroups) {
+        let Self { phases, shares } = self;
+        let StepInput { flights, contacts, .. } = *input;
+        let ContactGroups { places, phase_of, .. } = groups;
+        phases.iter_mut().for_each(Vec::clear);
+        if !groups.has_rolls {
+            return;
+        }
+        shares.clear(flights.len());
+        let resisting = || places.iter().filter(|place| resists(&contacts[place.contact as usize]));
+        for &Place { contact, .. } in resisting() {
+            let phase = usize::from(phase_of[contact as usize]);
+            shares.count(&bodies.row_of, phase, contacts[contact as usize].bodies);
+        }
+        for place in resisting() {
+            let contact = &contacts[place.contact as usize];
+            let phase = phase_of[place.contact as usize];
+            let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
+            let unit = graph.mover(contact.bodies).map_or(FINEST, |mover| bodies.unit_of[mover as usize]);
+            let radius = contact.rolling_radius.to_bits().min(1 << 46);
+            let ends = contact.bodies.map(|body| &flights[body as usize]);
+            let arms = ends.map(|flight| match 2 + flight.length() {
+                up @ ..=-8 if radius >> (54 + up).max(0) != 0 => ARM,
+                down => shifted_word(radius, down).min(ARM),
+            });
+            let factors = ends.map(|flight| factor(flight, radius, place.exponent, unit));
+            let shares = contact.bodies.map(|body| i64::from(shares.counts[body as usize][usize::from(phase)]));
+            let element = |side: usize| i128::from(shares[side]) * i128::from(arms[side]) * i128::from(factors[side]);
+            let sum = shifted(element(0) + element(1), 30);
+            let bits = 128 - sum.leading_zeros() as i32;
+            // A quotient of 2^(bits + 30): at most 2^31. Where no body can be turned there is a row as well: gains are rounded each time
+            // that they are applied, so all bodies of such contacts get theirs as often, whoever else has a row.
+            let reciprocal = match bits {
+                0 => 0,
+                ..97 => (1 << (bits + 30)) / sum,
+                _ => (1 << 126) / (sum >> (bits - 96)),
+            };
+            phases[usize::from(phase)].push(Roll {
+                place: *place,
+                bodies: contact.bodies,
+                rows: [group.a[lane], group.b[lane]],
+                radius,
+                arms,
+                factors,
+                gain_limits: shares.map(|share| GAIN / share),
+                inverse: (reciprocal as i64, bits + 30),
+                coefficient: shifted_word(contact.rolling_resistance.to_bits(), 2).min(1 << 30),
+                impulse: scaled_impulse(&contact.impulses, 1, place.exponent),
+                applied: 0,
+                weighted: 0,
+            });
+        }
+    }
+
     /// One pass over the rows of a phase. The result is the number of values that were cut off.
     #[inline(always)]
     pub(super) fn run<L: Lanes>(
@@ -122,7 +177,7 @@ impl Rolls {
         if self.phases[phase].is_empty() || pass == Pass::Solve {
             return 0;
         }
-        self.change(phase, pass, groups, rows) + rows.apply_gains(lanes, &self.touched[phase])
+        self.change(phase, pass, groups, rows) + rows.apply_gains(lanes, &self.shares.touched[phase])
     }
 
     /// Changes the impulses, and adds to the gains of bodies. Returns the number of impulses that were cut off.
@@ -172,59 +227,4 @@ fn factor(flight: &Flight, radius: i64, exponent: i32, unit: i32) -> i64 {
     let down = shift + 32 - flight.length() - exponent + unit - 30;
     let bits = 128 - product.leading_zeros() as i32 - down;
     if bits > FACTOR_BITS { 1 << FACTOR_BITS } else { shifted(product, down) as i64 }
-}
-
-impl Solver {
-    /// Makes the rows of contacts that resist rolling.
-    pub(super) fn set_rolls(&mut self, flights: &[Flight], contacts: &[Contact]) {
-        let Self { rolls: Rolls { phases, touched, shares }, places, phase_of, row_of, .. } = self;
-        phases.iter_mut().for_each(Vec::clear);
-        if !self.has_rolls {
-            return;
-        }
-        clear_shares(shares, touched, flights.len());
-        let resisting = || places.iter().filter(|place| resists(&contacts[place.contact as usize]));
-        for &Place { contact, .. } in resisting() {
-            let phase = usize::from(phase_of[contact as usize]);
-            count_share(shares, touched, row_of, phase, contacts[contact as usize].bodies);
-        }
-        for place in resisting() {
-            let contact = &contacts[place.contact as usize];
-            let phase = phase_of[place.contact as usize];
-            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-            let unit = self.graph.mover(contact.bodies).map_or(FINEST, |mover| self.unit_of[mover as usize]);
-            let radius = contact.rolling_radius.to_bits().min(1 << 46);
-            let ends = contact.bodies.map(|body| &flights[body as usize]);
-            let arms = ends.map(|flight| match 2 + flight.length() {
-                up @ ..=-8 if radius >> (54 + up).max(0) != 0 => ARM,
-                down => shifted_word(radius, down).min(ARM),
-            });
-            let factors = ends.map(|flight| factor(flight, radius, place.exponent, unit));
-            let shares = contact.bodies.map(|body| i64::from(shares[body as usize][usize::from(phase)]));
-            let element = |side: usize| i128::from(shares[side]) * i128::from(arms[side]) * i128::from(factors[side]);
-            let sum = shifted(element(0) + element(1), 30);
-            let bits = 128 - sum.leading_zeros() as i32;
-            // A quotient of 2^(bits + 30): at most 2^31. Where no body can be turned there is a row as well: gains are rounded each time
-            // that they are applied, so all bodies of such contacts get theirs as often, whoever else has a row.
-            let reciprocal = match bits {
-                0 => 0,
-                ..97 => (1 << (bits + 30)) / sum,
-                _ => (1 << 126) / (sum >> (bits - 96)),
-            };
-            phases[usize::from(phase)].push(Roll {
-                place: *place,
-                bodies: contact.bodies,
-                rows: [group.a[lane], group.b[lane]],
-                radius,
-                arms,
-                factors,
-                gain_limits: shares.map(|share| GAIN / share),
-                inverse: (reciprocal as i64, bits + 30),
-                coefficient: shifted_word(contact.rolling_resistance.to_bits(), 2).min(1 << 30),
-                impulse: scaled_impulse(&contact.impulses, 1, place.exponent),
-                applied: 0,
-                weighted: 0,
-            });
-        }
-    }
 }

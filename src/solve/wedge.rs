@@ -7,15 +7,19 @@
 //! The limit holds for the fastest of a body's points, by each point of a contact and by both together: pushed across the way that locks
 //! leave it, or at a small lever, a body would be thrown. Where bodies give way, further relax passes take the push back
 //! (`contact::split`).
+//!
+//! Reads: normals and separations of contacts. Writes: the deepest overlaps that they push out.
 
-use super::Solver;
+use alloc::vec::Vec;
+
+use super::groups::ContactGroups;
 
 /// One, for components of normals and cosines.
 const ONE: i64 = 1 << 30;
 
 /// A contact that pushes a body out of one that does not give way.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Push {
+struct Push {
     row: u32,
     /// The index of the contact's place.
     place: u32,
@@ -23,13 +27,19 @@ pub(super) struct Push {
     normal: [i64; 2],
 }
 
-impl Solver {
+/// The contacts of a step that push bodies out of bodies that do not give way.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wedges {
+    pushes: Vec<Push>,
+}
+
+impl Wedges {
     /// Limits the depths that count as overlaps, by which contacts push out, for bodies in wedges.
-    pub(super) fn limit_wedges(&mut self) {
-        let mut pushes = core::mem::take(&mut self.pushes);
+    pub(super) fn limit(&mut self, groups: &mut ContactGroups) {
+        let Self { pushes } = self;
         pushes.clear();
-        for (index, place) in self.places.iter().enumerate() {
-            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
+        for (index, place) in groups.places.iter().enumerate() {
+            let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
             let [first, second] = group.separation[lane];
             if first.min(second) >= 0 {
                 continue;
@@ -46,23 +56,24 @@ impl Solver {
         pushes.sort_unstable_by_key(|push| push.row);
         for body in pushes.chunk_by(|a, b| a.row == b.row) {
             for push in body {
-                self.limit_wedge(push, body);
+                push.limit(body, groups);
             }
         }
-        self.pushes = pushes;
     }
+}
 
-    /// Limits the push of a contact by the normal that is most against it.
+impl Push {
+    /// Limits the push of a contact by the normal that is most against it, among all pushes of the body.
     ///
     /// # Ranges
     /// Components of normals are within 2^30: a sum of two products is below 2^62.
-    fn limit_wedge(&mut self, push: &Push, body: &[Push]) {
-        let cosine = |second: &Push| (push.normal[0] * second.normal[0] + push.normal[1] * second.normal[1]) >> 30;
+    fn limit(&self, body: &[Self], groups: &mut ContactGroups) {
+        let cosine = |second: &Self| (self.normal[0] * second.normal[0] + self.normal[1] * second.normal[1]) >> 30;
         let smallest_cosine = body.iter().map(cosine).min().unwrap_or(ONE).clamp(-ONE, ONE);
         // cos(θ/2) = √((1 + cos θ)/2), in 2^-30.
         let half = (((((ONE + smallest_cosine) / 2) << 30) as u64).isqrt() as i64).max(ONE >> 7);
-        let place = &self.places[push.place as usize];
-        let deepest = &mut self.groups[place.group as usize].push_out[place.lane as usize][1];
+        let place = &groups.places[self.place as usize];
+        let deepest = &mut groups.groups[place.group as usize].push_out[place.lane as usize][1];
         *deepest = ((i64::from(*deepest) * half) >> 30) as i32;
     }
 }

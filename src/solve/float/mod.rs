@@ -19,7 +19,7 @@ use self::body::Body;
 use self::bounce::Bounces;
 use self::rounding::Rounding;
 use self::rows::Rows;
-use super::prepare::graph_start;
+use super::graph::graph_start;
 use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
 use crate::math::TimeStep;
 use crate::scalar::ToF64 as _;

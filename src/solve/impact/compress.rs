@@ -5,11 +5,15 @@
 //! points are one block), with the mass of a body split among the shocks that share it, and accelerated by Nesterov's momentum, begun anew
 //! where it leads uphill. The limits of friction stand still for some iterations, as the problem is convex then. All shocks of an
 //! iteration see the same velocities and sums of integers commute, so no order matters.
+//!
+//! Reads: the shocks of a set; contacts of their bodies. Writes: the impulses of the shocks and the velocities of their bodies, and the
+//! contacts that join the set.
 
-use super::super::Solver;
+use super::super::bodies::BodyRows;
+use super::super::groups::ContactGroups;
 use super::super::number::shifted;
 use super::jacobian::product;
-use super::shock::Shock;
+use super::shock::{Shock, closes, rows_before};
 use super::{FRACTION, Impacts, SubStep};
 
 /// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
@@ -111,153 +115,160 @@ impl Shock {
     }
 }
 
-impl Impacts {
-    /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
-    fn run_ahead(&mut self, momentum: i128) {
-        let mut shocks = core::mem::take(&mut self.shocks);
-        // In 2^-20.
-        let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
-        for shock in &mut shocks {
-            shock.from = shock.impulses;
-            if share > 0 {
-                for row in 0..3 {
-                    let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
-                    shock.from[row] += shifted(last * share, 20) as i64;
-                }
-                (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.lower_bounds[point]));
-            }
-            (shock.last, shock.impulses) = (shock.impulses, shock.from);
-            let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
-            if change != [0; 3] {
-                self.push(shock, change);
-            }
-        }
-        self.shocks = shocks;
-    }
-
-    /// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
-    /// led uphill along the normals.
-    fn correct(&mut self, renews: bool) -> (i64, i128) {
-        let mut shocks = core::mem::take(&mut self.shocks);
-        let mut largest = 0;
-        let mut uphill = 0;
-        // All changes follow from the same velocities.
-        for shock in &mut shocks {
-            let velocities = self.velocities(shock);
-            if renews {
-                shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
-            }
-            shock.set_shares(shock.bodies.map(|body| self.bodies[body as usize].share));
-            largest = largest.max(shock.residual(velocities));
-            let change = shock.change(velocities);
-            let mut work = 0;
+/// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
+fn run_ahead(impacts: &mut Impacts, momentum: i128) {
+    let Impacts { shocks, struck, coarse, .. } = impacts;
+    // In 2^-20.
+    let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
+    for shock in shocks {
+        shock.from = shock.impulses;
+        if share > 0 {
             for row in 0..3 {
-                shock.impulses[row] = shock.from[row] + change[row];
-                if row < 2 {
-                    work +=
-                        i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
-                }
+                let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
+                shock.from[row] += shifted(last * share, 20) as i64;
             }
-            // Coarse velocities are larger.
-            uphill += work >> (self.exponent - shock.exponent + self.coarse).clamp(0, 126);
+            (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.lower_bounds[point]));
         }
-        for shock in &shocks {
-            let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
-            if change != [0; 3] {
-                self.push(shock, change);
-            }
+        (shock.last, shock.impulses) = (shock.impulses, shock.from);
+        let change = [0, 1, 2].map(|row| shock.from[row] - shock.last[row]);
+        if change != [0; 3] {
+            shock.push(struck, *coarse, change);
         }
-        for &body in &self.set {
-            let velocity = &mut self.bodies[body as usize].velocity;
-            // Sums of all shocks of a body are below 2^60.
-            *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
-        }
-        self.shocks = shocks;
-        (largest, uphill)
     }
 }
 
-impl Solver {
-    /// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
-    /// Returns true if it has converged.
-    pub(super) fn compress(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> bool {
-        impacts.shocks.iter_mut().for_each(Shock::begin);
-        for &body in &impacts.set {
-            let struck = &mut impacts.bodies[body as usize];
-            struck.begun = struck.velocity;
+/// One iteration, which may renew the limits of friction. Returns the largest residual before it, and a positive number if the momentum
+/// led uphill along the normals.
+fn correct(impacts: &mut Impacts, renews: bool) -> (i64, i128) {
+    let Impacts { shocks, struck, set, exponent, coarse, .. } = impacts;
+    let mut largest = 0;
+    let mut uphill = 0;
+    // All changes follow from the same velocities.
+    for shock in shocks.iter_mut() {
+        let velocities = shock.velocities(struck, *coarse);
+        if renews {
+            shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
         }
-        match self.iterate(impacts, substep, grows) {
-            None => return false,
-            Some(residual) if residual <= impacts.fastest >> 4 => return residual <= impacts.tolerance,
-            Some(_) => impacts.is_clamped = true,
+        shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
+        largest = largest.max(shock.residual(velocities));
+        let change = shock.change(velocities);
+        let mut work = 0;
+        for row in 0..3 {
+            shock.impulses[row] = shock.from[row] + change[row];
+            if row < 2 {
+                work += i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+            }
         }
-        for shock in &mut impacts.shocks {
-            (shock.impulses, shock.last) = (shock.begun, shock.begun);
-        }
-        for &body in &impacts.set {
-            let struck = &mut impacts.bodies[body as usize];
-            struck.velocity = struck.begun;
-        }
-        for _ in 0..MIN_ITERATIONS {
-            impacts.count_work();
-            impacts.run_ahead(0);
-            impacts.correct(true);
-        }
-        false
+        // Coarse velocities are larger.
+        uphill += work >> (*exponent - shock.exponent + *coarse).clamp(0, 126);
     }
+    for shock in shocks.iter() {
+        let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
+        if change != [0; 3] {
+            shock.push(struck, *coarse, change);
+        }
+    }
+    for &body in set.iter() {
+        let velocity = &mut struck[body as usize].velocity;
+        // Sums of all shocks of a body are below 2^60.
+        *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
+    }
+    (largest, uphill)
+}
 
-    /// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
-    fn iterate(&self, impacts: &mut Impacts, substep: SubStep<'_>, grows: bool) -> Option<i64> {
-        let (mut momentum, mut work, mut largest) = (0, 0, 0);
-        let mut has_grown = false;
-        for iteration in 1..=ITERATIONS {
-            work += impacts.shocks.len();
-            impacts.count_work();
-            if iteration > MIN_ITERATIONS && (work > WORK || impacts.is_busy()) {
-                return None;
-            }
-            impacts.run_ahead(momentum);
-            let (residual, uphill) = impacts.correct(iteration <= 4 || iteration % 8 == 0 || has_grown);
-            largest = residual;
-            momentum = if uphill > 0 { 0 } else { momentum + 1 };
-            // Large sets are less exact.
-            let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
-            let is_done = residual >> loose <= impacts.tolerance;
-            if is_done || has_grown || iteration.is_power_of_two() {
-                has_grown = grows && iteration <= GROWING && self.join_closing(impacts, substep);
-                if is_done && !has_grown {
-                    break;
-                }
-            }
-        }
-        Some(largest)
+/// Iterates until no shock closes. Where it `grows`, contacts that touch join as soon as they close.
+/// Returns true if it has converged.
+pub(super) fn compress(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    grows: bool,
+) -> bool {
+    impacts.shocks.iter_mut().for_each(Shock::begin);
+    for &body in &impacts.set {
+        let struck = &mut impacts.struck[body as usize];
+        struck.begun = struck.velocity;
     }
+    match iterate(impacts, substep, bodies, groups, grows) {
+        None => return false,
+        Some(residual) if residual <= impacts.fastest >> 4 => return residual <= impacts.tolerance,
+        Some(_) => impacts.is_clamped = true,
+    }
+    for shock in &mut impacts.shocks {
+        (shock.impulses, shock.last) = (shock.begun, shock.begun);
+    }
+    for &body in &impacts.set {
+        let struck = &mut impacts.struck[body as usize];
+        struck.velocity = struck.begun;
+    }
+    for _ in 0..MIN_ITERATIONS {
+        impacts.count_work();
+        run_ahead(impacts, 0);
+        correct(impacts, true);
+    }
+    false
+}
 
-    /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
-    fn join_closing(&self, impacts: &mut Impacts, substep: SubStep<'_>) -> bool {
-        let before = impacts.shocks.len();
-        let slowest = impacts.slowest();
-        let mut index = 0;
-        // Bodies that join meanwhile have not changed.
-        let bodies = impacts.set.len();
-        while index < bodies {
-            let struck = impacts.bodies[impacts.set[index] as usize];
-            index += 1;
-            if !struck.has_changed() {
-                continue;
-            }
-            for at in impacts.places_of(struck.row) {
-                let place = impacts.places[at];
-                if !impacts.is_joined[place as usize] && self.closes(impacts, place, slowest, substep) {
-                    let before = self.rows_before(place, substep);
-                    self.join(impacts, self.shock(place, before, substep, impacts.moment), substep);
-                }
+/// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
+fn iterate(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    grows: bool,
+) -> Option<i64> {
+    let (mut momentum, mut work, mut largest) = (0, 0, 0);
+    let mut has_grown = false;
+    for iteration in 1..=ITERATIONS {
+        work += impacts.shocks.len();
+        impacts.count_work();
+        if iteration > MIN_ITERATIONS && (work > WORK || impacts.is_busy()) {
+            return None;
+        }
+        run_ahead(impacts, momentum);
+        let (residual, uphill) = correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
+        largest = residual;
+        momentum = if uphill > 0 { 0 } else { momentum + 1 };
+        // Large sets are less exact.
+        let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
+        let is_done = residual >> loose <= impacts.tolerance;
+        if is_done || has_grown || iteration.is_power_of_two() {
+            has_grown = grows && iteration <= GROWING && join_closing(impacts, substep, bodies, groups);
+            if is_done && !has_grown {
+                break;
             }
         }
-        for shock in &mut impacts.shocks[before..] {
-            shock.begin();
-            impacts.exponent = impacts.exponent.max(shock.exponent);
-        }
-        impacts.shocks.len() > before
     }
+    Some(largest)
+}
+
+/// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
+fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) -> bool {
+    let before = impacts.shocks.len();
+    let slowest = impacts.slowest();
+    let mut index = 0;
+    // Bodies that join meanwhile have not changed.
+    let count = impacts.set.len();
+    while index < count {
+        let struck = impacts.struck[impacts.set[index] as usize];
+        index += 1;
+        if !struck.has_changed() {
+            continue;
+        }
+        for at in impacts.places_of(struck.row) {
+            let place = impacts.places[at];
+            if !impacts.is_joined[place as usize] && closes(impacts, substep, bodies, groups, place, slowest) {
+                let (_, group, lane) = groups.lane_of(place);
+                let before = rows_before(&bodies.rows, group, lane, substep);
+                let shock = Shock::new(substep, bodies, groups, place, before, impacts.moment);
+                impacts.join(shock, substep, &bodies.rows);
+            }
+        }
+    }
+    for shock in &mut impacts.shocks[before..] {
+        shock.begin();
+        impacts.exponent = impacts.exponent.max(shock.exponent);
+    }
+    impacts.shocks.len() > before
 }

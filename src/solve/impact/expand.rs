@@ -1,7 +1,13 @@
 //! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
+//!
+//! Reads: the shocks of a set, compressed. Writes: their impulses; then strikes, the impulses and separations of their contacts, and the
+//! rows of their bodies.
 
+use super::super::bodies::{BodyRows, STILL};
+use super::super::groups::ContactGroups;
+use super::super::motion::Rows;
 use super::super::number::shifted;
-use super::super::{STILL, Solver};
+use super::compress::compress;
 use super::jacobian::{Jacobian, coarsened};
 use super::shock::{Shock, wide};
 use super::{COARSER, FINE, FRACTION, Impacts, ONE, Strike, Struck, SubStep};
@@ -66,243 +72,204 @@ fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-impl Impacts {
-    /// Takes back a share of the impulses beyond the ones that surely do no work, if all of them do work: friction and a compression that
-    /// ended early may.
-    fn take_back_gain(&mut self) {
-        let mut shocks = core::mem::take(&mut self.shocks);
-        for shock in &mut shocks {
-            shock.extra = difference(shock.impulses, shock.workless);
-            self.push(shock, shock.extra.map(|impulse| -impulse));
-            shock.impulses = shock.workless;
+/// Solves the shocks of a set, by coarser velocities where velocities of bodies do not hold the changes by impulses. Where coarser ones do
+/// not either, there is no impact, and the passes stop the bodies.
+pub(super) fn solve_shocks(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) {
+    solve_set(impacts, substep, bodies, groups);
+    if is_cut_off(impacts) {
+        impacts.coarse = COARSER;
+        for &body in &impacts.set {
+            let struck = &mut impacts.struck[body as usize];
+            struck.start = coarsened(struck.start, COARSER);
         }
-        self.shocks = shocks;
-        self.add_within_energy();
-    }
-
-    /// Adds a share of `extra` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
-    fn add_within_energy(&mut self) {
-        let mut shocks = core::mem::take(&mut self.shocks);
-        let mut total = Work::default();
-        for shock in &mut shocks {
-            shock.after = self.velocities(shock);
-            let down = self.exponent - shock.exponent;
-            let velocities = sum(shock.relative_before(), shock.after);
-            total.constant += work(shock.impulses, velocities, down, self.coarse);
-            total.linear += work(shock.extra, velocities, down, self.coarse);
-        }
-        for shock in &shocks {
-            self.push(shock, shock.extra);
-        }
-        for shock in &shocks {
-            let down = self.exponent - shock.exponent;
-            let change = difference(self.velocities(shock), shock.after);
-            total.linear += work(shock.impulses, change, down, self.coarse);
-            total.square += work(shock.extra, change, down, self.coarse);
-            // Rounding of velocities, by up to four units, is no gain.
-            let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.extra[row].abs()) * 4);
-            total.constant -= rounding.sum::<i128>() >> down.clamp(0, 126);
-        }
-        let share = total.largest_share();
-        for shock in &mut shocks {
-            let added = shock.extra.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
-            if share < 1 << SHARE {
-                self.push(shock, difference(added, shock.extra));
-            }
-            shock.impulses = sum(shock.impulses, added);
-        }
-        self.shocks = shocks;
-    }
-}
-
-impl Solver {
-    /// Solves the shocks of a set, by coarser velocities where velocities of bodies do not hold the changes by impulses. Where coarser ones do
-    /// not either, there is no impact, and the passes stop the bodies.
-    pub(super) fn solve_shocks(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
-        self.solve_set(impacts, substep);
-        if impacts.is_cut_off() {
-            impacts.coarse = COARSER;
-            for &body in &impacts.set {
-                let struck = &mut impacts.bodies[body as usize];
-                struck.start = coarsened(struck.start, COARSER);
-            }
-            impacts.take_all_back();
-            self.solve_set(impacts, substep);
-            if impacts.is_cut_off() {
-                impacts.take_all_back();
-            }
-        }
-    }
-
-    /// Compression, expansion, and compression of the contacts that the expansion closes.
-    fn solve_set(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
-        let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
-        impacts.is_clamped = false;
-        impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
-        impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
-        impacts.fastest = fastest;
-        impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
-        if !self.compress(impacts, substep, true) {
-            impacts.take_back_gain();
-        }
-        for shock in &mut impacts.shocks {
-            shock.workless = shock.impulses;
-            shock.extra = shock.returned();
-        }
-        if impacts.shocks.iter().all(|shock| shock.extra == [0; 3]) {
-            return;
-        }
-        impacts.add_within_energy();
-        for shock in &mut impacts.shocks {
-            shock.lower_bounds = [shock.impulses[0], shock.impulses[1]];
-        }
-        self.compress(impacts, substep, false);
-        // Normal impulses can only take energy away here; friction may not.
-        impacts.take_back_gain();
-    }
-
-    /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
-    pub(super) fn strike<L: Lanes>(&mut self, impacts: &mut Impacts, lanes: L) {
-        let mean = impacts.mean_moment();
-        let Impacts { shocks, bodies, set, strikes, is_joined, coarse, .. } = impacts;
-        for shock in shocks {
-            is_joined[shock.place as usize] = false;
-            if shock.impulses == [0; 3] {
-                continue;
-            }
-            let place = &self.places[shock.place as usize];
-            let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
-            let late = shock.late(mean);
-            for (row, late) in late.iter().enumerate() {
-                group.applied[row][lane] += shock.impulses[row];
-                group.weighted[row][lane] -= late;
-            }
-            let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
-            for (side, &body) in shock.bodies.iter().enumerate() {
-                let back = shock.jacobian.gain(side, late, 1, *coarse);
-                let struck = &mut bodies[body as usize];
-                (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]) << *coarse);
-                // Impacts of other bodies at one that cannot be moved are none of its own.
-                if shock.is_movable(side) {
-                    struck.moment = struck.moment.max(moment);
-                }
-            }
-            let speeds = shock.speeds.map(|speed| speed >> FRACTION);
-            strikes.push(Strike { place: shock.place, impulses: shock.impulses, speeds });
-        }
-        for body in set.iter() {
-            let struck = &mut bodies[*body as usize];
-            let back = core::mem::take(&mut struck.back);
-            struck.is_in_set = false;
-            if struck.has_changed() && struck.row != STILL {
-                let limit = (1 << 60) >> *coarse;
-                let change = [0, 1, 2].map(|axis| struck.velocity[axis] - struck.start[axis]);
-                let change = change.map(|part| part.clamp(-limit, limit) << *coarse);
-                self.rows.strike(lanes, struck.row, change, back.map(|way| shifted(way, FINE)));
-            }
-        }
-        for index in 0..impacts.set.len() {
-            let struck = impacts.bodies[impacts.set[index] as usize];
-            if struck.has_changed() && struck.row != STILL {
-                for at in impacts.places_of(struck.row) {
-                    let place = impacts.places[at];
-                    self.renew_separation(place);
-                    // More rounds would not help bodies that have no way to go.
-                    if !impacts.is_clamped {
-                        impacts.pending.push(place);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Finds the separations of a contact where its bodies are.
-    pub(super) fn renew_separation(&mut self, place: u32) {
-        let place = &self.places[place as usize];
-        let (group, lane) = (&mut self.groups[place.group as usize], place.lane as usize);
-        let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(self.rows.displacement(row)));
-        let [first, second, _] = Jacobian::of(group, lane).along(a, b, 0);
-        for (point, moved) in [first, second].into_iter().enumerate() {
-            group.separation_now[lane][point] = group.separation[lane][point] + moved as i32;
+        take_all_back(impacts);
+        solve_set(impacts, substep, bodies, groups);
+        if is_cut_off(impacts) {
+            take_all_back(impacts);
         }
     }
 }
 
-impl super::shock::Shock {
-    /// The velocities before the impact, as [`Solver::velocities`] has them.
-    fn relative_before(&self) -> [i64; 3] {
-        [self.before[0] + self.gained[0], self.before[1] + self.gained[1], self.before[2] - self.surface]
+/// Compression, expansion, and compression of the contacts that the expansion closes.
+fn solve_set(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) {
+    let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
+    impacts.is_clamped = false;
+    impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
+    impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
+    impacts.fastest = fastest;
+    impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
+    if !compress(impacts, substep, bodies, groups, true) {
+        take_back_gain(impacts);
     }
-
-    /// The impulses that its points return, also points that were at rest: every point that an impact passes through returns its share.
-    fn returned(&self) -> [i64; 3] {
-        let [first, second] = [0, 1].map(|point| {
-            // Rounded down: below 2^60 · 2^32.
-            let share = (i128::from(self.impulses[point]) * i128::from(self.restitution)) >> 32;
-            if self.bounces[point] { share as i64 } else { 0 }
-        });
-        [first, second, 0]
+    for shock in &mut impacts.shocks {
+        shock.workless = shock.impulses;
+        shock.extra = shock.returned();
     }
+    if impacts.shocks.iter().all(|shock| shock.extra == [0; 3]) {
+        return;
+    }
+    add_within_energy(impacts);
+    for shock in &mut impacts.shocks {
+        shock.lower_bounds = [shock.impulses[0], shock.impulses[1]];
+    }
+    compress(impacts, substep, bodies, groups, false);
+    // Normal impulses can only take energy away here; friction may not.
+    take_back_gain(impacts);
+}
 
-    /// Impulses times their moments. Points that only touched are pushed at the mean moment.
-    fn late(&self, mean: i64) -> [i64; 3] {
-        let moments = self.moments.map(|moment| i128::from(moment.unwrap_or(mean)));
-        let [first, second, tangent] = self.impulses.map(i128::from);
-        let sum = first + second;
-        let weighted = first * moments[0] + second * moments[1];
-        let moment = if sum > 0 { weighted / sum } else { 0 };
-        [
-            shifted(first * moments[0], 30) as i64,
-            shifted(second * moments[1], 30) as i64,
-            shifted(tangent * moment, 30) as i64,
-        ]
+/// Takes back a share of the impulses beyond the ones that surely do no work, if all of them do work: friction and a compression that
+/// ended early may.
+fn take_back_gain(impacts: &mut Impacts) {
+    let Impacts { shocks, struck, coarse, .. } = impacts;
+    for shock in shocks {
+        shock.extra = difference(shock.impulses, shock.workless);
+        shock.push(struck, *coarse, shock.extra.map(|impulse| -impulse));
+        shock.impulses = shock.workless;
+    }
+    add_within_energy(impacts);
+}
+
+/// Adds a share of `extra` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
+fn add_within_energy(impacts: &mut Impacts) {
+    let Impacts { shocks, struck, exponent, coarse, .. } = impacts;
+    let mut total = Work::default();
+    for shock in shocks.iter_mut() {
+        shock.after = shock.velocities(struck, *coarse);
+        let down = *exponent - shock.exponent;
+        let velocities = sum(shock.relative_before(), shock.after);
+        total.constant += work(shock.impulses, velocities, down, *coarse);
+        total.linear += work(shock.extra, velocities, down, *coarse);
+    }
+    for shock in shocks.iter() {
+        shock.push(struck, *coarse, shock.extra);
+    }
+    for shock in shocks.iter() {
+        let down = *exponent - shock.exponent;
+        let change = difference(shock.velocities(struck, *coarse), shock.after);
+        total.linear += work(shock.impulses, change, down, *coarse);
+        total.square += work(shock.extra, change, down, *coarse);
+        // Rounding of velocities, by up to four units, is no gain.
+        let rounding = (0..3).map(|row| i128::from(shock.impulses[row].abs() + shock.extra[row].abs()) * 4);
+        total.constant -= rounding.sum::<i128>() >> down.clamp(0, 126);
+    }
+    let share = total.largest_share();
+    for shock in shocks.iter_mut() {
+        let added = shock.extra.map(|impulse| shifted(i128::from(impulse) * share, SHARE as i32) as i64);
+        if share < 1 << SHARE {
+            shock.push(struck, *coarse, difference(added, shock.extra));
+        }
+        shock.impulses = sum(shock.impulses, added);
     }
 }
 
-impl Impacts {
-    /// Returns true if the velocity of a body is not the one that the impulses of the shocks give it. Without limits it is, but for the
-    /// rounding of coarse ones.
-    fn is_cut_off(&mut self) -> bool {
-        for &body in &self.set {
-            let struck = &mut self.bodies[body as usize];
-            struck.begun = struck.start;
+/// Returns true if the velocity of a body is not the one that the impulses of the shocks give it. Without limits it is, but for the
+/// rounding of coarse ones.
+fn is_cut_off(impacts: &mut Impacts) -> bool {
+    for &body in &impacts.set {
+        let struck = &mut impacts.struck[body as usize];
+        struck.begun = struck.start;
+    }
+    for shock in &impacts.shocks {
+        for (side, &body) in shock.bodies.iter().enumerate() {
+            let change = shock.jacobian.gain(side, shock.impulses, 1, impacts.coarse);
+            let begun = &mut impacts.struck[body as usize].begun;
+            (0..3).for_each(|axis| begun[axis] = begun[axis].wrapping_add(change[axis]));
         }
-        for shock in &self.shocks {
-            for (side, &body) in shock.bodies.iter().enumerate() {
-                let change = shock.jacobian.gain(side, shock.impulses, 1, self.coarse);
-                let begun = &mut self.bodies[body as usize].begun;
-                (0..3).for_each(|axis| begun[axis] = begun[axis].wrapping_add(change[axis]));
+    }
+    impacts.set.iter().any(|&body| {
+        let Struck { begun, velocity, .. } = &impacts.struck[body as usize];
+        (0..3).any(|axis| begun[axis].abs_diff(velocity[axis]) > ROUNDING)
+    })
+}
+
+/// Takes all impulses of the shocks back.
+fn take_all_back(impacts: &mut Impacts) {
+    for shock in &mut impacts.shocks {
+        (shock.impulses, shock.lower_bounds) = ([0; 3], [0; 2]);
+    }
+    for &body in &impacts.set {
+        let struck = &mut impacts.struck[body as usize];
+        struck.velocity = struck.start;
+    }
+}
+
+/// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
+pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, groups: &mut ContactGroups, lanes: L) {
+    let mean = mean_moment(impacts);
+    let Impacts { shocks, struck, set, strikes, is_joined, coarse, .. } = impacts;
+    for shock in shocks {
+        is_joined[shock.place as usize] = false;
+        if shock.impulses == [0; 3] {
+            continue;
+        }
+        let place = &groups.places[shock.place as usize];
+        let (group, lane) = (&mut groups.groups[place.group as usize], place.lane as usize);
+        let late = shock.late(mean);
+        for (row, late) in late.iter().enumerate() {
+            group.applied[row][lane] += shock.impulses[row];
+            group.weighted[row][lane] -= late;
+        }
+        let moment = shock.moments.into_iter().flatten().max().unwrap_or(mean);
+        for (side, &body) in shock.bodies.iter().enumerate() {
+            let back = shock.jacobian.gain(side, late, 1, *coarse);
+            let struck = &mut struck[body as usize];
+            (0..3).for_each(|axis| struck.back[axis] += i128::from(back[axis]) << *coarse);
+            // Impacts of other bodies at one that cannot be moved are none of its own.
+            if shock.is_movable(side) {
+                struck.moment = struck.moment.max(moment);
             }
         }
-        self.set.iter().any(|&body| {
-            let Struck { begun, velocity, .. } = &self.bodies[body as usize];
-            (0..3).any(|axis| begun[axis].abs_diff(velocity[axis]) > ROUNDING)
-        })
+        let speeds = shock.speeds.map(|speed| speed >> FRACTION);
+        strikes.push(Strike { place: shock.place, impulses: shock.impulses, speeds });
     }
-
-    /// Takes all impulses of the shocks back.
-    fn take_all_back(&mut self) {
-        for shock in &mut self.shocks {
-            (shock.impulses, shock.lower_bounds) = ([0; 3], [0; 2]);
-        }
-        for &body in &self.set {
-            let struck = &mut self.bodies[body as usize];
-            struck.velocity = struck.start;
+    for body in set.iter() {
+        let struck = &mut struck[*body as usize];
+        let back = core::mem::take(&mut struck.back);
+        struck.is_in_set = false;
+        if struck.has_changed() && struck.row != STILL {
+            let limit = (1 << 60) >> *coarse;
+            let change = [0, 1, 2].map(|axis| struck.velocity[axis] - struck.start[axis]);
+            let change = change.map(|part| part.clamp(-limit, limit) << *coarse);
+            bodies.rows.strike(lanes, struck.row, change, back.map(|way| shifted(way, FINE)));
         }
     }
-
-    /// The mean of the moments of the shocks, by their impulses.
-    fn mean_moment(&self) -> i64 {
-        let (mut sum, mut total) = (0_i128, 0_i128);
-        for shock in &self.shocks {
-            let down = (self.exponent - shock.exponent).clamp(0, 126);
-            for point in 0..2 {
-                if let Some(moment) = shock.moments[point] {
-                    sum += (i128::from(shock.impulses[point]) * i128::from(moment)) >> down;
-                    total += i128::from(shock.impulses[point]) >> down;
+    for index in 0..impacts.set.len() {
+        let struck = impacts.struck[impacts.set[index] as usize];
+        if struck.has_changed() && struck.row != STILL {
+            for at in impacts.places_of(struck.row) {
+                let place = impacts.places[at];
+                renew_separation(&bodies.rows, groups, place);
+                // More rounds would not help bodies that have no way to go.
+                if !impacts.is_clamped {
+                    impacts.pending.push(place);
                 }
             }
         }
-        if total > 0 { (sum / total).clamp(0, ONE.into()) as i64 } else { 0 }
     }
+}
+
+/// Finds the separations of a contact where its bodies are.
+pub(super) fn renew_separation(rows: &Rows, groups: &mut ContactGroups, place: u32) {
+    let place = &groups.places[place as usize];
+    let (group, lane) = (&mut groups.groups[place.group as usize], place.lane as usize);
+    let [a, b] = [group.a[lane], group.b[lane]].map(|row| wide(rows.displacement(row)));
+    let [first, second, _] = Jacobian::of(group, lane).along(a, b, 0);
+    for (point, moved) in [first, second].into_iter().enumerate() {
+        group.separation_now[lane][point] = group.separation[lane][point] + moved as i32;
+    }
+}
+
+/// The mean of the moments of the shocks, by their impulses.
+fn mean_moment(impacts: &Impacts) -> i64 {
+    let (mut sum, mut total) = (0_i128, 0_i128);
+    for shock in &impacts.shocks {
+        let down = (impacts.exponent - shock.exponent).clamp(0, 126);
+        for point in 0..2 {
+            if let Some(moment) = shock.moments[point] {
+                sum += (i128::from(shock.impulses[point]) * i128::from(moment)) >> down;
+                total += i128::from(shock.impulses[point]) >> down;
+            }
+        }
+    }
+    if total > 0 { (sum / total).clamp(0, ONE.into()) as i64 } else { 0 }
 }

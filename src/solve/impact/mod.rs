@@ -1,5 +1,8 @@
 //! Impacts: points that meet at speed within a sub-step, solved at their moments, before the passes of the sub-step.
 //!
+//! Reads: flights, velocities and displacements of bodies, separations of contacts. Writes: velocities and displacements of the bodies that
+//! impacts change, the impulses and separations of their contacts, [`Strike`]s.
+//!
 //! A point has an *impact* in a sub-step if the flights of its bodies, with all corrections so far, bring it to the surface faster than
 //! [`SolverOptions::restitution_speed`](super::SolverOptions): at the moment τ with u² = u0² − 2·a·g, for the velocity u0 and the gap g at
 //! the beginning of the sub-step, and the acceleration a of the flight. The impacts of a sub-step are solved in *rounds*, in the order of
@@ -33,13 +36,19 @@ mod shock;
 
 use alloc::vec::Vec;
 
+use self::expand::{renew_separation, solve_shocks, strike};
+use self::jacobian::coarsened;
+use self::shock::{Shock, velocity_before};
+use super::bodies::{BodyRows, STILL};
 use super::follow::Follower;
+use super::graph::Graph;
+use super::groups::{ContactGroups, Place};
+use super::motion::Rows;
 use super::unit::Clock;
-use super::{Contact, STILL, Solver};
+use super::{Contact, ContactImpact};
 use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
-use shock::Shock;
 
 /// Bits after the point of velocities along rows.
 const FRACTION: i32 = 16;
@@ -67,7 +76,7 @@ const COARSER: i32 = 8;
 /// No index.
 const NONE: u32 = u32::MAX;
 
-/// A body in the impacts of a sub-step.
+/// A body in the impacts of a sub-step, in place of its row.
 #[derive(Clone, Copy, Debug)]
 struct Struck {
     row: u32,
@@ -100,6 +109,16 @@ pub(super) struct Strike {
     pub(super) speeds: [i64; 2],
 }
 
+/// A sub-step: its number `k` of `n`, and the contacts.
+#[derive(Clone, Copy)]
+pub(super) struct SubStep<'a> {
+    pub(super) k: u32,
+    pub(super) n: u32,
+    pub(super) clock: &'a Clock,
+    pub(super) graph: &'a Graph,
+    pub(super) contacts: &'a [Contact],
+}
+
 /// The buffers of impacts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Impacts {
@@ -114,11 +133,12 @@ pub(super) struct Impacts {
     pending: Vec<u32>,
     /// By contact: true while it is among the shocks.
     is_joined: Vec<bool>,
-    bodies: Vec<Struck>,
+    /// The bodies of the impacts of a sub-step.
+    struck: Vec<Struck>,
     /// By row: true for a body that may have an impact in the sub-step.
     fast: Vec<bool>,
-    /// By row: the index in `bodies`, or [`NONE`].
-    body_of: Vec<u32>,
+    /// By row: the index in `struck`, or [`NONE`].
+    struck_of: Vec<u32>,
     /// The bodies of the shocks.
     set: Vec<u32>,
     /// The moment of the first impact in the sub-step, by row.
@@ -152,6 +172,195 @@ impl Impacts {
         self.work.clear();
     }
 
+    /// Solves the impacts of a sub-step, after [`Begin`](super::motion::Begin).
+    pub(super) fn solve<L: Lanes>(
+        &mut self,
+        substep: SubStep<'_>,
+        bodies: &mut BodyRows,
+        groups: &mut ContactGroups,
+        lanes: L,
+    ) {
+        self.list_fast(&bodies.rows, groups);
+        if self.pending.is_empty() {
+            return;
+        }
+        self.index_contacts(&bodies.rows, groups);
+        let islands = substep.graph.islands();
+        self.work.resize(islands, 0);
+        self.is_finished.clear();
+        self.is_finished.resize(islands, false);
+        for round in 1..=ROUNDS {
+            self.find_candidates(substep, bodies, groups);
+            if self.candidates.is_empty() {
+                break;
+            }
+            self.solve_round(substep, bodies, groups, round == ROUNDS, lanes);
+        }
+        self.leave_bodies();
+    }
+
+    /// Lists the contacts of fast bodies. Where a quarter of all bodies is fast, all contacts are looked through in their order, and the list
+    /// needs no sort.
+    fn list_fast(&mut self, rows: &Rows, groups: &ContactGroups) {
+        let Self { pending, fast, .. } = self;
+        pending.clear();
+        fast.clear();
+        fast.extend((0..rows.len()).map(|row| rows.is_fast(row)));
+        let count = fast.iter().filter(|&&is_fast| is_fast).count();
+        if count > fast.len() / 4 {
+            for (index, place) in groups.places.iter().enumerate() {
+                let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
+                if fast[group.a[lane] as usize] || fast[group.b[lane] as usize] {
+                    pending.push(index as u32);
+                }
+            }
+        } else if count > 0 {
+            self.index_contacts(rows, groups);
+            for row in 0..rows.len() {
+                if self.fast[row as usize] {
+                    let places = self.places_of(row);
+                    self.pending.extend_from_slice(&self.places[places]);
+                }
+            }
+        }
+    }
+
+    /// Lists the contacts of each row, once a step. A body that cannot be moved has rows, and contacts here, only if it moves.
+    fn index_contacts(&mut self, rows: &Rows, groups: &ContactGroups) {
+        if !self.first.is_empty() {
+            return;
+        }
+        let rows_of = |place: &Place| {
+            let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
+            [group.a[lane], group.b[lane]].into_iter().filter(|&row| row != STILL)
+        };
+        let Self { first, places, is_joined, struck_of, first_moment, .. } = self;
+        first.resize(rows.len() as usize + 1, 0);
+        for row in groups.places.iter().flat_map(rows_of) {
+            first[row as usize] += 1;
+        }
+        let mut sum = 0;
+        for end in first.iter_mut() {
+            sum += *end;
+            *end = sum;
+        }
+        places.clear();
+        places.resize(sum as usize, 0);
+        for (index, place) in groups.places.iter().enumerate() {
+            for row in rows_of(place) {
+                first[row as usize] -= 1;
+                places[first[row as usize] as usize] = index as u32;
+            }
+        }
+        is_joined.clear();
+        is_joined.resize(groups.places.len(), false);
+        struck_of.clear();
+        struck_of.resize(rows.len() as usize, NONE);
+        first_moment.clear();
+        first_moment.resize(rows.len() as usize, ONE);
+    }
+
+    /// Looks for impacts at the pending contacts, sorted by island and contact.
+    fn find_candidates(&mut self, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) {
+        let mut pending = core::mem::take(&mut self.pending);
+        pending.sort_unstable();
+        pending.dedup();
+        self.candidates.clear();
+        for place in pending.drain(..) {
+            if let Some(shock) = Shock::find(self, substep, bodies, groups, place) {
+                self.candidates.push(shock);
+            }
+        }
+        self.pending = pending;
+        let Self { order, candidates, .. } = self;
+        order.clear();
+        order.extend(0..candidates.len() as u32);
+        // They are sorted by contact.
+        order.sort_unstable_by_key(|&number| (candidates[number as usize].island, number));
+    }
+
+    /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once, as does
+    /// an island that is busy.
+    fn solve_round<L: Lanes>(
+        &mut self,
+        substep: SubStep<'_>,
+        bodies: &mut BodyRows,
+        groups: &mut ContactGroups,
+        is_last: bool,
+        lanes: L,
+    ) {
+        let candidates = core::mem::take(&mut self.candidates);
+        let order = core::mem::take(&mut self.order);
+        self.find_first_moments(&candidates);
+        let shock = |number: u32| &candidates[number as usize];
+        for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
+            self.shocks.clear();
+            self.set.clear();
+            self.coarse = 0;
+            self.island = shock(island[0]).island as usize;
+            if self.is_finished[self.island] {
+                continue;
+            }
+            let is_last = is_last || self.is_busy();
+            for shock in island.iter().map(|&number| shock(number)) {
+                if self.is_first(shock) || is_last && shock.moment() <= ONE {
+                    self.join(shock.clone(), substep, &bodies.rows);
+                } else if shock.moment() <= ONE {
+                    self.pending.push(shock.place);
+                }
+            }
+            if !self.shocks.is_empty() {
+                self.is_finished[self.island] = is_last;
+                solve_shocks(self, substep, bodies, groups);
+                strike(self, bodies, groups, lanes);
+            }
+        }
+        (self.candidates, self.order) = (candidates, order);
+        self.follow(bodies, groups);
+    }
+
+    /// Takes the impacts of leaders over to their followers, after all islands of a round.
+    fn follow(&mut self, bodies: &mut BodyRows, groups: &mut ContactGroups) {
+        let BodyRows { rows, followers, .. } = bodies;
+        for &Follower { row, leader, down } in followers.iter() {
+            let is_struck = self.struck_of[leader as usize] != NONE;
+            let moment = self.moment_of(leader);
+            if is_struck && rows.follow_impact(row, leader, down) {
+                let follower = self.struck_of(row);
+                self.struck[follower as usize].moment = moment;
+                for at in self.places_of(row) {
+                    let place = self.places[at];
+                    renew_separation(rows, groups, place);
+                    self.pending.push(place);
+                }
+            }
+        }
+    }
+
+    /// Adds a contact to the shocks, with its bodies.
+    fn join(&mut self, mut shock: Shock, substep: SubStep<'_>, rows: &Rows) {
+        for side in 0..2 {
+            shock.bodies[side] = self.join_body(shock.rows[side], substep, rows);
+            self.struck[shock.bodies[side] as usize].share += 1;
+        }
+        self.is_joined[shock.place as usize] = true;
+        self.shocks.push(shock);
+    }
+
+    /// The index of a body among the bodies of the impacts, as one of the set of the shocks.
+    fn join_body(&mut self, row: u32, substep: SubStep<'_>, rows: &Rows) -> u32 {
+        let body = self.struck_of(row);
+        if !self.struck[body as usize].is_in_set {
+            let start = coarsened(velocity_before(rows, row, substep), self.coarse);
+            let struck = &mut self.struck[body as usize];
+            (struck.is_in_set, struck.share) = (true, 0);
+            struck.start = start;
+            (struck.velocity, struck.begun) = (struck.start, struck.start);
+            self.set.push(body);
+        }
+        body
+    }
+
     /// Returns true if the island of the shocks has done much work in the step.
     fn is_busy(&self) -> bool {
         self.work[self.island] > BUSY
@@ -169,8 +378,8 @@ impl Impacts {
 
     /// The moment of the last impact of a row in the sub-step.
     fn moment_of(&self, row: u32) -> i64 {
-        match self.body_of.get(row as usize) {
-            Some(&body) if body != NONE => self.bodies[body as usize].moment,
+        match self.struck_of.get(row as usize) {
+            Some(&body) if body != NONE => self.struck[body as usize].moment,
             _ => 0,
         }
     }
@@ -187,8 +396,8 @@ impl Impacts {
 
     /// Forgets the bodies of a sub-step.
     fn leave_bodies(&mut self) {
-        for body in self.bodies.drain(..) {
-            self.body_of[body.row as usize] = NONE;
+        for body in self.struck.drain(..) {
+            self.struck_of[body.row as usize] = NONE;
         }
     }
 
@@ -204,177 +413,31 @@ impl Impacts {
             is_same
         });
     }
-}
 
-/// A sub-step: its number `k` of `n`, and the contacts.
-#[derive(Clone, Copy)]
-pub(super) struct SubStep<'a> {
-    pub(super) k: u32,
-    pub(super) n: u32,
-    pub(super) clock: &'a Clock,
-    pub(super) contacts: &'a [Contact],
-}
-
-impl Solver {
-    /// Solves the impacts of a sub-step, after [`Begin`](super::motion::Begin).
-    pub(super) fn solve_impacts<L: Lanes>(&mut self, substep: SubStep<'_>, lanes: L) {
-        let mut impacts = core::mem::take(&mut self.impacts);
-        self.list_fast(&mut impacts);
-        if !impacts.pending.is_empty() {
-            self.index_contacts(&mut impacts);
-            impacts.work.resize(self.graph.islands(), 0);
-            impacts.is_finished.clear();
-            impacts.is_finished.resize(self.graph.islands(), false);
-            for round in 1..=ROUNDS {
-                self.find_candidates(&mut impacts, substep);
-                if impacts.candidates.is_empty() {
-                    break;
-                }
-                self.solve_round(&mut impacts, substep, round == ROUNDS, lanes);
-            }
-            impacts.leave_bodies();
-        }
-        self.impacts = impacts;
+    /// The impacts in the step of these contacts, which are the contacts that were solved.
+    pub(super) fn list<'a>(
+        &'a self,
+        graph: &'a Graph,
+        bodies: &'a BodyRows,
+        groups: &'a ContactGroups,
+        contacts: &'a [Contact],
+    ) -> impl Iterator<Item = ContactImpact> + 'a {
+        self.strikes.iter().filter_map(|strike| {
+            let place = &groups.places[strike.place as usize];
+            let mover = graph.mover(contacts[place.contact as usize].bodies)?;
+            // Units are from 2^-22 to 2^13 m/s, and speeds below 2^31 units.
+            let up = 32 + bodies.unit_of[mover as usize];
+            let metres = |speed: i64| Fx::from_bits((i128::from(speed) << up).min(i64::MAX.into()) as i64);
+            let ([first, second, _], speeds) = (strike.impulses, strike.speeds.map(metres));
+            Some(ContactImpact { contact: place.contact, impulses: [first, second], exponent: place.exponent, speeds })
+        })
     }
 
-    /// Lists the contacts of fast bodies. Where a quarter of all bodies is fast, all contacts are looked through in their order, and the list
-    /// needs no sort.
-    fn list_fast(&self, impacts: &mut Impacts) {
-        let Impacts { pending, fast, .. } = impacts;
-        pending.clear();
-        fast.clear();
-        fast.extend((0..self.rows.len()).map(|row| self.rows.is_fast(row)));
-        let count = fast.iter().filter(|&&is_fast| is_fast).count();
-        if count > fast.len() / 4 {
-            for (index, place) in self.places.iter().enumerate() {
-                let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-                if fast[group.a[lane] as usize] || fast[group.b[lane] as usize] {
-                    pending.push(index as u32);
-                }
-            }
-        } else if count > 0 {
-            self.index_contacts(impacts);
-            for row in 0..self.rows.len() {
-                if impacts.fast[row as usize] {
-                    let places = impacts.places_of(row);
-                    impacts.pending.extend_from_slice(&impacts.places[places]);
-                }
-            }
-        }
-    }
-
-    /// Lists the contacts of each row, once a step. A body that cannot be moved has rows, and contacts here, only if it moves.
-    fn index_contacts(&self, impacts: &mut Impacts) {
-        if !impacts.first.is_empty() {
-            return;
-        }
-        let rows_of = |place: &super::Place| {
-            let (group, lane) = (&self.groups[place.group as usize], place.lane as usize);
-            [group.a[lane], group.b[lane]].into_iter().filter(|&row| row != STILL)
-        };
-        let Impacts { first, places, is_joined, body_of, first_moment, .. } = impacts;
-        first.resize(self.rows.len() as usize + 1, 0);
-        for row in self.places.iter().flat_map(rows_of) {
-            first[row as usize] += 1;
-        }
-        let mut sum = 0;
-        for end in first.iter_mut() {
-            sum += *end;
-            *end = sum;
-        }
-        places.clear();
-        places.resize(sum as usize, 0);
-        for (index, place) in self.places.iter().enumerate() {
-            for row in rows_of(place) {
-                first[row as usize] -= 1;
-                places[first[row as usize] as usize] = index as u32;
-            }
-        }
-        is_joined.clear();
-        is_joined.resize(self.places.len(), false);
-        body_of.clear();
-        body_of.resize(self.rows.len() as usize, NONE);
-        first_moment.clear();
-        first_moment.resize(self.rows.len() as usize, ONE);
-    }
-
-    /// Looks for impacts at the pending contacts, sorted by island and contact.
-    fn find_candidates(&self, impacts: &mut Impacts, substep: SubStep<'_>) {
-        let mut pending = core::mem::take(&mut impacts.pending);
-        pending.sort_unstable();
-        pending.dedup();
-        impacts.candidates.clear();
-        for place in pending.drain(..) {
-            if let Some(shock) = self.look(impacts, place, substep) {
-                impacts.candidates.push(shock);
-            }
-        }
-        impacts.pending = pending;
-        let Impacts { order, candidates, .. } = impacts;
-        order.clear();
-        order.extend(0..candidates.len() as u32);
-        // They are sorted by contact.
-        order.sort_unstable_by_key(|&number| (candidates[number as usize].island, number));
-    }
-
-    /// Solves the impacts of a round, island by island, and lists the contacts to look at again. `is_last` takes all of them at once, as does
-    /// an island that is busy.
-    fn solve_round<L: Lanes>(&mut self, impacts: &mut Impacts, substep: SubStep<'_>, is_last: bool, lanes: L) {
-        let candidates = core::mem::take(&mut impacts.candidates);
-        let order = core::mem::take(&mut impacts.order);
-        impacts.find_first_moments(&candidates);
-        let shock = |number: u32| &candidates[number as usize];
-        for island in order.chunk_by(|&a, &b| shock(a).island == shock(b).island) {
-            impacts.shocks.clear();
-            impacts.set.clear();
-            impacts.coarse = 0;
-            impacts.island = shock(island[0]).island as usize;
-            if impacts.is_finished[impacts.island] {
-                continue;
-            }
-            let is_last = is_last || impacts.is_busy();
-            for shock in island.iter().map(|&number| shock(number)) {
-                if impacts.is_first(shock) || is_last && shock.moment() <= ONE {
-                    self.join(impacts, shock.clone(), substep);
-                } else if shock.moment() <= ONE {
-                    impacts.pending.push(shock.place);
-                }
-            }
-            if !impacts.shocks.is_empty() {
-                impacts.is_finished[impacts.island] = is_last;
-                self.solve_shocks(impacts, substep);
-                self.strike(impacts, lanes);
-            }
-        }
-        (impacts.candidates, impacts.order) = (candidates, order);
-        self.follow_impacts(impacts);
-    }
-
-    /// Takes the impacts of leaders over to their followers, after all islands of a round.
-    fn follow_impacts(&mut self, impacts: &mut Impacts) {
-        for index in 0..self.followers.len() {
-            let Follower { row, leader, down } = self.followers[index];
-            let is_struck = impacts.body_of[leader as usize] != NONE;
-            let moment = impacts.moment_of(leader);
-            if is_struck && self.rows.follow_impact(row, leader, down) {
-                let follower = impacts.body(row);
-                impacts.bodies[follower as usize].moment = moment;
-                for at in impacts.places_of(row) {
-                    let place = impacts.places[at];
-                    self.renew_separation(place);
-                    impacts.pending.push(place);
-                }
-            }
-        }
-    }
-}
-
-impl Impacts {
     /// The index of the body of a row.
-    fn body(&mut self, row: u32) -> u32 {
-        if self.body_of[row as usize] == NONE {
-            self.body_of[row as usize] = self.bodies.len() as u32;
-            self.bodies.push(Struck {
+    fn struck_of(&mut self, row: u32) -> u32 {
+        if self.struck_of[row as usize] == NONE {
+            self.struck_of[row as usize] = self.struck.len() as u32;
+            self.struck.push(Struck {
                 row,
                 is_in_set: false,
                 share: 0,
@@ -385,7 +448,7 @@ impl Impacts {
                 moment: 0,
             });
         }
-        self.body_of[row as usize]
+        self.struck_of[row as usize]
     }
 
     /// Finds the moment of the first impact of each row in the sub-step.

@@ -1,11 +1,13 @@
 //! A contact in an impact: its points, its matrix, and the velocities along its rows.
 
+use super::super::Contact;
+use super::super::bodies::{BodyRows, STILL};
 use super::super::contact::Group;
-use super::super::motion::Vector;
+use super::super::groups::{ContactGroups, Place};
+use super::super::motion::{Rows, Vector};
 use super::super::number::shifted;
-use super::super::{Place, STILL, Solver};
 use super::jacobian::{Elements, Jacobian, coarsened};
-use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, SubStep, TOUCH};
+use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, Struck, SubStep, TOUCH};
 
 /// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -17,7 +19,7 @@ pub(super) struct Inverse {
     pub(super) shift: i32,
 }
 
-/// A contact in an impact.
+/// A contact in an impact: in the rounds of a sub-step in place of its lane.
 #[derive(Clone, Debug)]
 pub(super) struct Shock {
     pub(super) place: u32,
@@ -68,6 +70,111 @@ pub(super) struct Shock {
 }
 
 impl Shock {
+    /// The impact of a contact in a sub-step, if it has one.
+    pub(super) fn find(
+        impacts: &Impacts,
+        substep: SubStep<'_>,
+        bodies: &BodyRows,
+        groups: &ContactGroups,
+        place: u32,
+    ) -> Option<Self> {
+        let (&Place { contact, .. }, group, lane) = groups.lane_of(place);
+        let rows = [group.a[lane], group.b[lane]];
+        if is_slow(&bodies.rows, group, lane, substep) {
+            return None;
+        }
+        let jacobian = Jacobian::of(group, lane);
+        let [a, b] = rows.map(|row| velocity_before(&bodies.rows, row, substep));
+        let before = jacobian.along(a, b, FINE - FRACTION);
+        let threshold = i64::from(group.surface[lane][1]) << FRACTION;
+        let [change_a, change_b] = rows.map(|row| wide(bodies.rows.flight(row).change).map(|part| part << FRACTION));
+        let change = jacobian.along(change_a, change_b, 0);
+        // Nothing is so fast within the step.
+        if (0..2).all(|i| before[i] - change[i].abs() >= -threshold) {
+            return None;
+        }
+        let earliest = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
+        let contact = &substep.contacts[contact as usize];
+        let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
+        let point_impacts = [0, 1].map(|i: usize| {
+            let gap = gap(group.separation_now[lane][i], accelerations[i], substep);
+            let impact =
+                if i < contact.count { impact(before[i].into(), accelerations[i], gap, earliest) } else { None };
+            impact.filter(|(_, speed)| *speed > threshold)
+        });
+        let first = point_impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
+        let mut shock = Self::new(substep, bodies, groups, place, before, first);
+        for i in 0..contact.count {
+            match point_impacts[i] {
+                Some((moment, speed)) => {
+                    (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
+                    shock.gained[i] = -speed - before[i];
+                }
+                None => shock.gained[i] = ((accelerations[i] * i128::from(first)) >> 30) as i64,
+            }
+        }
+        let fastest = i128::from(shock.speeds[0].max(shock.speeds[1]));
+        let way = (NEAR * i128::from(touch(substep, bodies, contact))) << (30 + FRACTION);
+        shock.window = (way / fastest).min(AT_ONCE.into()) as i64;
+        Some(shock)
+    }
+
+    /// A contact with these velocities along its rows. The points that touch at this moment take part.
+    pub(super) fn new(
+        substep: SubStep<'_>,
+        bodies: &BodyRows,
+        groups: &ContactGroups,
+        place: u32,
+        before: [i64; 3],
+        moment: i64,
+    ) -> Self {
+        let (&Place { contact, exponent, .. }, group, lane) = groups.lane_of(place);
+        let contact = &substep.contacts[contact as usize];
+        let mover = substep.graph.mover(contact.bodies).unwrap_or_default();
+        let touch = touch(substep, bodies, contact);
+        let rows = [group.a[lane], group.b[lane]];
+        let [start_a, start_b] = rows.map(|row| wide(bodies.rows.flight(row).start));
+        let jacobian = Jacobian::of(group, lane);
+        let closing = jacobian.along(start_a, start_b, 0);
+        let threshold = i64::from(group.surface[lane][1]);
+        let touches = |i: usize| {
+            let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
+            i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
+        };
+        let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
+        Self {
+            place,
+            island: substep.graph.island_of(mover).unwrap_or_default(),
+            rows,
+            bodies: [NONE; 2],
+            joined: [touches(0), touches(1)],
+            moments: [None; 2],
+            speeds: [0; 2],
+            window: 0,
+            gained: [0; 2],
+            bounces: [bounces(0), bounces(1)],
+            restitution: contact.restitution.to_bits(),
+            friction: group.friction[lane][1].into(),
+            surface: i64::from(group.surface[lane][0]) << FRACTION,
+            exponent,
+            jacobian,
+            elements: [0, 1].map(|side| jacobian.elements(side)),
+            matrix: [0; 6],
+            inverse: Inverse::default(),
+            shares: [0; 2],
+            before,
+            lower_bounds: [0; 2],
+            impulses: [0; 3],
+            begun: [0; 3],
+            limit: 0,
+            last: [0; 3],
+            from: [0; 3],
+            workless: [0; 3],
+            extra: [0; 3],
+            after: [0; 3],
+        }
+    }
+
     /// The moment of its first impact.
     pub(super) fn moment(&self) -> i64 {
         self.moments.into_iter().flatten().min().unwrap_or(ONE)
@@ -110,6 +217,51 @@ impl Shock {
             shift: down,
         };
     }
+
+    /// The velocities along the rows, with the part that the flight adds up to the moments, less the velocity of the surfaces.
+    pub(super) fn velocities(&self, struck: &[Struck], coarse: i32) -> [i64; 3] {
+        let [a, b] = self.bodies.map(|body| struck[body as usize].velocity);
+        let [first, second, slip] = self.jacobian.velocities(a, b, coarse);
+        [first + self.gained[0], second + self.gained[1], slip - self.surface]
+    }
+
+    /// Applies changes of its impulses to its bodies.
+    pub(super) fn push(&self, struck: &mut [Struck], coarse: i32, impulses: [i64; 3]) {
+        for (side, &body) in self.bodies.iter().enumerate() {
+            let struck = &mut struck[body as usize];
+            let change = self.jacobian.gain(side, impulses, struck.share, coarse);
+            (0..3).for_each(|i| struck.velocity[i] += change[i]);
+        }
+    }
+
+    /// The velocities before the impact, as [`velocities`](Self::velocities) has them.
+    pub(super) fn relative_before(&self) -> [i64; 3] {
+        [self.before[0] + self.gained[0], self.before[1] + self.gained[1], self.before[2] - self.surface]
+    }
+
+    /// The impulses that its points return, also points that were at rest: every point that an impact passes through returns its share.
+    pub(super) fn returned(&self) -> [i64; 3] {
+        let [first, second] = [0, 1].map(|point| {
+            // Rounded down: below 2^60 · 2^32.
+            let share = (i128::from(self.impulses[point]) * i128::from(self.restitution)) >> 32;
+            if self.bounces[point] { share as i64 } else { 0 }
+        });
+        [first, second, 0]
+    }
+
+    /// Impulses times their moments. Points that only touched are pushed at the mean moment.
+    pub(super) fn late(&self, mean: i64) -> [i64; 3] {
+        let moments = self.moments.map(|moment| i128::from(moment.unwrap_or(mean)));
+        let [first, second, tangent] = self.impulses.map(i128::from);
+        let sum = first + second;
+        let weighted = first * moments[0] + second * moments[1];
+        let moment = if sum > 0 { weighted / sum } else { 0 };
+        [
+            shifted(first * moments[0], 30) as i64,
+            shifted(second * moments[1], 30) as i64,
+            shifted(tangent * moment, 30) as i64,
+        ]
+    }
 }
 
 /// num/den to nearest, halves away from zero. *Domain* den is positive.
@@ -123,235 +275,100 @@ pub(super) fn wide(vector: Vector) -> [i64; 3] {
     [vector[0].into(), vector[1].into(), vector[2].into()]
 }
 
-impl Solver {
-    fn lane_of(&self, place: u32) -> (&Place, &Group, usize) {
-        let place = &self.places[place as usize];
-        (place, &self.groups[place.group as usize], place.lane as usize)
+/// The velocity of a body at the beginning of a sub-step, before its contacts, or at its end; in 2^-[`FINE`].
+pub(super) fn velocity_before(rows: &Rows, row: u32, substep: SubStep<'_>) -> [i64; 3] {
+    if row == STILL {
+        return [0; 3];
     }
-
-    /// The velocity of a body at the beginning of a sub-step, before its contacts, or at its end; in 2^-[`FINE`].
-    pub(super) fn velocity_before(&self, row: u32, substep: SubStep<'_>) -> [i64; 3] {
-        if row == STILL {
-            return [0; 3];
-        }
-        let flight = self.rows.flight(row);
-        let (before, rest) = self.rows.before(row);
-        [0, 1, 2].map(|i| {
-            // Changes are below 2^28 and there are at most 16 sub-steps. To nearest, halves away from zero.
-            let whole = (i64::from(flight.change[i]) * i64::from(substep.k - 1)) << FINE;
-            let flown = (whole + i64::from(substep.n / 2) * whole.signum()) / i64::from(substep.n);
-            ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown + rest[i]
-        })
-    }
-
-    /// The impact of a contact in a sub-step, if it has one.
-    pub(super) fn look(&self, impacts: &Impacts, place: u32, substep: SubStep<'_>) -> Option<Shock> {
-        let (_, group, lane) = self.lane_of(place);
-        let rows = [group.a[lane], group.b[lane]];
-        if self.is_slow(group, lane, substep) {
-            return None;
-        }
-        let jacobian = Jacobian::of(group, lane);
-        let [a, b] = rows.map(|row| self.velocity_before(row, substep));
-        let before = jacobian.along(a, b, FINE - FRACTION);
-        let threshold = i64::from(group.surface[lane][1]) << FRACTION;
-        let [change_a, change_b] = rows.map(|row| wide(self.rows.flight(row).change).map(|part| part << FRACTION));
-        let change = jacobian.along(change_a, change_b, 0);
-        // Nothing is so fast within the step.
-        if (0..2).all(|i| before[i] - change[i].abs() >= -threshold) {
-            return None;
-        }
-        let earliest = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
-        let count = substep.contacts[self.places[place as usize].contact as usize].count;
-        let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
-        let point_impacts = [0, 1].map(|i: usize| {
-            let gap = self.gap(place, i, accelerations[i], substep);
-            let impact = if i < count { impact(before[i].into(), accelerations[i], gap, earliest) } else { None };
-            impact.filter(|(_, speed)| *speed > threshold)
-        });
-        let first = point_impacts.iter().flatten().map(|(moment, _)| *moment).min()?;
-        let mut shock = self.shock(place, before, substep, first);
-        for i in 0..count {
-            match point_impacts[i] {
-                Some((moment, speed)) => {
-                    (shock.joined[i], shock.moments[i], shock.speeds[i]) = (true, Some(moment), speed);
-                    shock.gained[i] = -speed - before[i];
-                }
-                None => shock.gained[i] = ((accelerations[i] * i128::from(first)) >> 30) as i64,
-            }
-        }
-        let fastest = i128::from(shock.speeds[0].max(shock.speeds[1]));
-        let way = (NEAR * i128::from(self.touch(place, substep))) << (30 + FRACTION);
-        shock.window = (way / fastest).min(AT_ONCE.into()) as i64;
-        Some(shock)
-    }
-
-    /// Returns true if no point of a contact can be faster than the threshold of impacts in a step: in words, with room for rounding.
-    ///
-    /// # Ranges
-    /// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
-    fn is_slow(&self, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
-        let n = i64::from(substep.n);
-        let passed = i64::from(substep.k - 1);
-        let [row_a, row_b] = [group.a[lane], group.b[lane]];
-        let ([start_a, change_a], [start_b, change_b]) = (self.motion(row_a, n, passed), self.motion(row_b, n, passed));
-        let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
-        let threshold = i64::from(group.surface[lane][1]) * n;
-        // Truncated factors are off by up to 2^-22 each.
-        let rounding = ((size(start_a) + size(change_a) + size(start_b) + size(change_b)) >> 21) + 4 * n;
-        let straight = nx * (start_b[0] - start_a[0]) + ny * (start_b[1] - start_a[1]);
-        let straight_change = nx * (change_b[0] - change_a[0]) + ny * (change_b[1] - change_a[1]);
-        for point in 0..2 {
-            let [arm_a, arm_b] = group.arms[point][lane].map(|arm| i64::from(arm) >> 8);
-            let start = (straight + arm_b * start_b[2] - arm_a * start_a[2]) >> 22;
-            let change = (straight_change + arm_b * change_b[2] - arm_a * change_a[2]) >> 22;
-            if start - change.abs() - rounding < -threshold {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// The velocity of a body at the beginning of a sub-step, after `passed` others, and its change in the step: both times `n`.
-    #[inline(always)]
-    fn motion(&self, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
-        let flight = self.rows.flight(row);
-        let (before, _) = self.rows.before(row);
-        let (mut start, mut change) = ([0; 3], [0; 3]);
-        for i in 0..3 {
-            let whole = i64::from(flight.change[i]);
-            start[i] = (i64::from(flight.start[i]) + i64::from(before[i])) * n + whole * passed;
-            change[i] = whole * n;
-        }
-        [start, change]
-    }
-
-    /// The velocities along the rows of a contact at the beginning of a sub-step.
-    pub(super) fn rows_before(&self, place: u32, substep: SubStep<'_>) -> [i64; 3] {
-        let (_, group, lane) = self.lane_of(place);
-        let [a, b] = [group.a[lane], group.b[lane]].map(|row| self.velocity_before(row, substep));
-        Jacobian::of(group, lane).along(a, b, FINE - FRACTION)
-    }
-
-    /// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
-    /// joins them.
-    pub(super) fn closes(&self, impacts: &Impacts, place: u32, slowest: i64, substep: SubStep<'_>) -> bool {
-        let (_, group, lane) = self.lane_of(place);
-        let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.body_of[row as usize] {
-            body if body != NONE && impacts.bodies[body as usize].is_in_set => impacts.bodies[body as usize].velocity,
-            _ => coarsened(self.velocity_before(row, substep), impacts.coarse),
-        });
-        let velocities = Jacobian::of(group, lane).velocities(a, b, impacts.coarse);
-        if velocities[0].min(velocities[1]) >= -slowest {
-            return false;
-        }
-        let shock = self.shock(place, self.rows_before(place, substep), substep, impacts.moment);
-        (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
-    }
-
-    /// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.
-    fn gap(&self, place: u32, point: usize, acceleration: i128, substep: SubStep<'_>) -> i128 {
-        let (_, group, lane) = self.lane_of(place);
-        (i128::from(group.separation_now[lane][point]) << FRACTION) - acceleration * i128::from(substep.k - 1) / 2
-    }
-
-    /// [`TOUCH`] in units of displacements.
-    fn touch(&self, place: u32, substep: SubStep<'_>) -> i32 {
-        let bodies = substep.contacts[self.places[place as usize].contact as usize].bodies;
-        let mover = self.graph.mover(bodies).unwrap_or_default();
-        substep.clock.length_within(TOUCH, self.unit_of[mover as usize], 1 << 29)
-    }
-
-    /// A contact with these velocities along its rows. The points that touch at this moment take part.
-    pub(super) fn shock(&self, place: u32, before: [i64; 3], substep: SubStep<'_>, moment: i64) -> Shock {
-        let (&Place { contact, exponent, .. }, group, lane) = self.lane_of(place);
-        let contact = &substep.contacts[contact as usize];
-        let mover = self.graph.mover(contact.bodies).unwrap_or_default();
-        let touch = self.touch(place, substep);
-        let rows = [group.a[lane], group.b[lane]];
-        let [start_a, start_b] = rows.map(|row| wide(self.rows.flight(row).start));
-        let jacobian = Jacobian::of(group, lane);
-        let closing = jacobian.along(start_a, start_b, 0);
-        let threshold = i64::from(group.surface[lane][1]);
-        let touches = |i: usize| {
-            let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
-            i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
-        };
-        let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
-        Shock {
-            place,
-            island: self.graph.island_of(mover).unwrap_or_default(),
-            rows,
-            bodies: [NONE; 2],
-            joined: [touches(0), touches(1)],
-            moments: [None; 2],
-            speeds: [0; 2],
-            window: 0,
-            gained: [0; 2],
-            bounces: [bounces(0), bounces(1)],
-            restitution: contact.restitution.to_bits(),
-            friction: group.friction[lane][1].into(),
-            surface: i64::from(group.surface[lane][0]) << FRACTION,
-            exponent,
-            jacobian,
-            elements: [0, 1].map(|side| jacobian.elements(side)),
-            matrix: [0; 6],
-            inverse: Inverse::default(),
-            shares: [0; 2],
-            before,
-            lower_bounds: [0; 2],
-            impulses: [0; 3],
-            begun: [0; 3],
-            limit: 0,
-            last: [0; 3],
-            from: [0; 3],
-            workless: [0; 3],
-            extra: [0; 3],
-            after: [0; 3],
-        }
-    }
-
-    /// Adds a contact to the shocks, with its bodies.
-    pub(super) fn join(&self, impacts: &mut Impacts, mut shock: Shock, substep: SubStep<'_>) {
-        for side in 0..2 {
-            shock.bodies[side] = self.join_body(impacts, shock.rows[side], substep);
-            impacts.bodies[shock.bodies[side] as usize].share += 1;
-        }
-        impacts.is_joined[shock.place as usize] = true;
-        impacts.shocks.push(shock);
-    }
-
-    /// The index of a body among the bodies of the impacts, as one of the set of the shocks.
-    fn join_body(&self, impacts: &mut Impacts, row: u32, substep: SubStep<'_>) -> u32 {
-        let body = impacts.body(row);
-        if !impacts.bodies[body as usize].is_in_set {
-            let start = coarsened(self.velocity_before(row, substep), impacts.coarse);
-            let struck = &mut impacts.bodies[body as usize];
-            (struck.is_in_set, struck.share) = (true, 0);
-            struck.start = start;
-            (struck.velocity, struck.begun) = (struck.start, struck.start);
-            impacts.set.push(body);
-        }
-        body
-    }
+    let flight = rows.flight(row);
+    let (before, rest) = rows.before(row);
+    [0, 1, 2].map(|i| {
+        // Changes are below 2^28 and there are at most 16 sub-steps. To nearest, halves away from zero.
+        let whole = (i64::from(flight.change[i]) * i64::from(substep.k - 1)) << FINE;
+        let flown = (whole + i64::from(substep.n / 2) * whole.signum()) / i64::from(substep.n);
+        ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown + rest[i]
+    })
 }
 
-impl Impacts {
-    /// The velocities along the rows of a shock, with the part that the flight adds up to its moments, less the velocity of its surfaces.
-    pub(super) fn velocities(&self, shock: &Shock) -> [i64; 3] {
-        let [a, b] = shock.bodies.map(|body| self.bodies[body as usize].velocity);
-        let [first, second, slip] = shock.jacobian.velocities(a, b, self.coarse);
-        [first + shock.gained[0], second + shock.gained[1], slip - shock.surface]
-    }
-
-    /// Applies changes of impulses of a shock to its bodies.
-    pub(super) fn push(&mut self, shock: &Shock, impulses: [i64; 3]) {
-        for (side, &body) in shock.bodies.iter().enumerate() {
-            let struck = &mut self.bodies[body as usize];
-            let change = shock.jacobian.gain(side, impulses, struck.share, self.coarse);
-            (0..3).for_each(|i| struck.velocity[i] += change[i]);
+/// Returns true if no point of a contact can be faster than the threshold of impacts in a step: in words, with room for rounding.
+///
+/// # Ranges
+/// Velocities times sub-steps are below 2^36, and factors are taken with 22 bits: sums of four products are below 2^60.
+fn is_slow(rows: &Rows, group: &Group, lane: usize, substep: SubStep<'_>) -> bool {
+    let n = i64::from(substep.n);
+    let passed = i64::from(substep.k - 1);
+    let [row_a, row_b] = [group.a[lane], group.b[lane]];
+    let ([start_a, change_a], [start_b, change_b]) = (motion(rows, row_a, n, passed), motion(rows, row_b, n, passed));
+    let [nx, ny] = group.normal[lane].map(|part| i64::from(part) >> 8);
+    let threshold = i64::from(group.surface[lane][1]) * n;
+    // Truncated factors are off by up to 2^-22 each.
+    let rounding = ((size(start_a) + size(change_a) + size(start_b) + size(change_b)) >> 21) + 4 * n;
+    let straight = nx * (start_b[0] - start_a[0]) + ny * (start_b[1] - start_a[1]);
+    let straight_change = nx * (change_b[0] - change_a[0]) + ny * (change_b[1] - change_a[1]);
+    for point in 0..2 {
+        let [arm_a, arm_b] = group.arms[point][lane].map(|arm| i64::from(arm) >> 8);
+        let start = (straight + arm_b * start_b[2] - arm_a * start_a[2]) >> 22;
+        let change = (straight_change + arm_b * change_b[2] - arm_a * change_a[2]) >> 22;
+        if start - change.abs() - rounding < -threshold {
+            return false;
         }
     }
+    true
+}
+
+/// The velocity of a body at the beginning of a sub-step, after `passed` others, and its change in the step: both times `n`.
+#[inline(always)]
+fn motion(rows: &Rows, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
+    let flight = rows.flight(row);
+    let (before, _) = rows.before(row);
+    let (mut start, mut change) = ([0; 3], [0; 3]);
+    for i in 0..3 {
+        let whole = i64::from(flight.change[i]);
+        start[i] = (i64::from(flight.start[i]) + i64::from(before[i])) * n + whole * passed;
+        change[i] = whole * n;
+    }
+    [start, change]
+}
+
+/// The velocities along the rows of a contact at the beginning of a sub-step.
+pub(super) fn rows_before(rows: &Rows, group: &Group, lane: usize, substep: SubStep<'_>) -> [i64; 3] {
+    let [a, b] = [group.a[lane], group.b[lane]].map(|row| velocity_before(rows, row, substep));
+    Jacobian::of(group, lane).along(a, b, FINE - FRACTION)
+}
+
+/// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
+/// joins them.
+pub(super) fn closes(
+    impacts: &Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    place: u32,
+    slowest: i64,
+) -> bool {
+    let (_, group, lane) = groups.lane_of(place);
+    let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.struck_of[row as usize] {
+        body if body != NONE && impacts.struck[body as usize].is_in_set => impacts.struck[body as usize].velocity,
+        _ => coarsened(velocity_before(&bodies.rows, row, substep), impacts.coarse),
+    });
+    let velocities = Jacobian::of(group, lane).velocities(a, b, impacts.coarse);
+    if velocities[0].min(velocities[1]) >= -slowest {
+        return false;
+    }
+    let before = rows_before(&bodies.rows, group, lane, substep);
+    let shock = Shock::new(substep, bodies, groups, place, before, impacts.moment);
+    (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
+}
+
+/// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.
+fn gap(separation: i32, acceleration: i128, substep: SubStep<'_>) -> i128 {
+    (i128::from(separation) << FRACTION) - acceleration * i128::from(substep.k - 1) / 2
+}
+
+/// [`TOUCH`] in the units of displacements of a contact.
+fn touch(substep: SubStep<'_>, bodies: &BodyRows, contact: &Contact) -> i32 {
+    let mover = substep.graph.mover(contact.bodies).unwrap_or_default();
+    substep.clock.length_within(TOUCH, bodies.unit_of[mover as usize], 1 << 29)
 }
 
 /// The sum of the magnitudes of the components.

@@ -1,18 +1,19 @@
 //! Joints in phases of their own, before the phases of contacts.
+//!
+//! Reads: joints, [`BodyRows`]. Writes: gains of bodies; in the end impulses of joints, totals and paths of bodies.
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::pass::JointPass;
-use super::{Block, Common, Joint};
+use super::{Block, Joint, JointPass};
 use crate::kernel::simd::Lanes;
-use crate::solve::apply::Path;
-use crate::solve::graph::PHASES;
+use crate::solve::apply::{Path, Total, shifted_within};
+use crate::solve::bodies::BodyRows;
+use crate::solve::graph::{Graph, PHASES};
+use crate::solve::groups::Shares;
 use crate::solve::motion::{DISPLACEMENT, Rows};
 use crate::solve::number::clamped;
-use crate::solve::prepare::{clear_shares, count_share};
-use crate::solve::unit::Clock;
-use crate::solve::{Contact, Flight, Solver};
+use crate::solve::{Flight, Impulses, StepInput};
 
 /// All joints of the solver.
 #[derive(Clone, Debug, Default)]
@@ -20,8 +21,7 @@ pub(in crate::solve) struct Joints {
     pub(in crate::solve) blocks: Vec<Block>,
     /// The part of `blocks` of each phase.
     phases: [Range<usize>; PHASES],
-    /// Rows with joints, by phase.
-    touched: [Vec<u32>; PHASES],
+    shares: Shares,
     /// True for islands that a fixed body holds.
     held: Vec<bool>,
 }
@@ -29,7 +29,86 @@ pub(in crate::solve) struct Joints {
 impl Joints {
     #[cfg(test)]
     pub(in crate::solve) fn capacity(&self) -> usize {
-        self.blocks.capacity() + self.touched.iter().map(Vec::capacity).sum::<usize>() + self.held.capacity()
+        let Self { blocks, shares, held, .. } = self;
+        let touched: usize = shares.touched.iter().map(Vec::capacity).sum();
+        blocks.capacity() + shares.counts.capacity() + touched + held.capacity()
+    }
+
+    /// Prepares the joints, phase by phase.
+    pub(in crate::solve) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
+        let Self { blocks, phases, shares, .. } = self;
+        let StepInput { flights, joints, .. } = *input;
+        blocks.clear();
+        if joints.is_empty() {
+            return;
+        }
+        shares.clear(flights.len());
+        for joint in joints {
+            shares.count(&bodies.row_of, graph.phase(joint.bodies), joint.bodies);
+        }
+        for phase in 0..PHASES {
+            let begin = blocks.len();
+            for (index, joint) in joints.iter().enumerate() {
+                if graph.phase(joint.bodies) != phase {
+                    continue;
+                }
+                let Some(mover) = graph.mover(joint.bodies) else { continue };
+                let unit = bodies.unit_of[mover as usize];
+                let rows = joint.bodies.map(|body| bodies.row(input, body, unit));
+                let ends = joint.bodies.map(|body| &bodies.bodies[body as usize]);
+                let shares = joint.bodies.map(|body| shares.counts[body as usize][phase].into());
+                blocks.extend(Block::new(index, input, ends, rows, shares, unit));
+            }
+            phases[phase] = begin..blocks.len();
+        }
+        // An error that is cut off now is so after the first move, and counted there.
+        blocks.iter_mut().for_each(|block| {
+            block.turn(&bodies.rows);
+        });
+    }
+
+    /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
+    pub(in crate::solve) fn set_paths(
+        &mut self,
+        input: &StepInput<'_>,
+        graph: &Graph,
+        bodies: &BodyRows,
+        paths: &mut Vec<Path>,
+    ) {
+        let Self { blocks, held, .. } = self;
+        let StepInput { clock, flights, joints, contacts, .. } = *input;
+        paths.clear();
+        if joints.is_empty() {
+            return;
+        }
+        held.clear();
+        held.resize(graph.islands(), false);
+        let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
+        for ends in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
+            let mover = graph.mover(ends).and_then(|body| graph.island_of(body));
+            if let (Some(island), true) = (mover, ends.iter().any(|&body| flights[body as usize].is_fixed())) {
+                held[island as usize] = true;
+            }
+        }
+        paths.resize(flights.len(), Path::Contacts);
+        for body in joints.iter().flat_map(|joint| joint.bodies) {
+            let island = graph.island_of(body);
+            let is_held = island.is_some_and(|island| held[island as usize]);
+            paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
+        }
+        for block in blocks {
+            let ends = joints[block.joint as usize].bodies;
+            let Some(mover) = graph.mover(ends) else { continue };
+            let unit = bodies.unit_of[mover as usize];
+            for (side, body) in block.sides.iter_mut().zip(ends) {
+                let flight = &flights[body as usize];
+                if paths[body as usize] == Path::Flight {
+                    let [x, y, turn] = flight.offsets(clock);
+                    let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
+                    side.shift = [shift(x, unit), shift(y, unit), shift(turn, unit - flight.length())];
+                }
+            }
+        }
     }
 
     #[inline(always)]
@@ -44,7 +123,7 @@ impl Joints {
                 continue;
             }
             cut += blocks.iter_mut().map(|block| block.run(pass, rows)).sum::<u64>();
-            cut += rows.apply_gains(lanes, &self.touched[phase]);
+            cut += rows.apply_gains(lanes, &self.shares.touched[phase]);
         }
         cut
     }
@@ -61,88 +140,24 @@ impl Joints {
         let cut = self.blocks.iter_mut().map(|block| block.advance(rows)).sum::<u64>();
         cut + self.pass(JointPass::Relax, rows, lanes)
     }
-}
 
-impl Solver {
-    /// Prepares the joints, phase by phase.
-    pub(in crate::solve) fn set_joints(&mut self, joints: &[Joint], common: &Common<'_>) {
-        let flights = common.flights;
-        self.joints.blocks.clear();
-        if joints.is_empty() {
-            return;
+    /// Writes the impulses of joints, and adds the impulses of this step to the totals of bodies.
+    pub(in crate::solve) fn apply(&self, flights: &[Flight], joints: &mut [Joint], totals: &mut [Total]) {
+        for joint in joints.iter_mut() {
+            joint.impulses = Impulses::default();
         }
-        clear_shares(&mut self.shares, &mut self.joints.touched, flights.len());
-        for bodies in joints.iter().map(|joint| joint.bodies) {
-            let phase = self.graph.phase(bodies);
-            count_share(&mut self.shares, &mut self.joints.touched, &self.row_of, phase, bodies);
-        }
-        for phase in 0..PHASES {
-            let begin = self.joints.blocks.len();
-            for (index, joint) in joints.iter().enumerate() {
-                if self.graph.phase(joint.bodies) != phase {
-                    continue;
+        for block in &self.blocks {
+            let joint = &mut joints[block.joint as usize];
+            let [first, second] = block.impulses;
+            joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
+            // From 2^(exponent − 30) to 2^-64 N·s.
+            let bits = -64 + 30 - block.exponent;
+            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
+                let [x, y] = [x, y].map(|value| shifted_within(value, bits));
+                for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
+                    let turn = shifted_within(turn, bits - flights[body as usize].length());
+                    totals[body as usize].add(is_weighted, [x, y, turn].map(|value| sign * value));
                 }
-                let Some(mover) = self.graph.mover(joint.bodies) else { continue };
-                let unit = self.unit_of[mover as usize];
-                let rows = joint.bodies.map(|body| self.row(body, unit, flights, common.softness));
-                let bodies = joint.bodies.map(|body| &self.bodies[body as usize]);
-                let shares = joint.bodies.map(|body| self.shares[body as usize][phase].into());
-                self.joints.blocks.extend(Block::new(index, joint, bodies, rows, shares, unit, common));
-            }
-            self.joints.phases[phase] = begin..self.joints.blocks.len();
-        }
-        let rows = &self.rows;
-        // An error that is cut off now is so after the first move, and counted there.
-        self.joints.blocks.iter_mut().for_each(|block| {
-            block.turn(rows);
-        });
-    }
-
-    /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
-    pub(in crate::solve) fn set_paths(&mut self, joints: &[Joint], contacts: &[Contact], common: &Common<'_>) {
-        let Common { clock, flights, .. } = common;
-        self.paths.clear();
-        if joints.is_empty() {
-            return;
-        }
-        let held = &mut self.joints.held;
-        held.clear();
-        held.resize(self.graph.islands(), false);
-        let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
-        for bodies in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
-            let mover = self.graph.mover(bodies).and_then(|body| self.graph.island_of(body));
-            if let (Some(island), true) = (mover, bodies.iter().any(|&body| flights[body as usize].is_fixed())) {
-                held[island as usize] = true;
-            }
-        }
-        self.paths.resize(flights.len(), Path::Contacts);
-        for body in joints.iter().flat_map(|joint| joint.bodies) {
-            let island = self.graph.island_of(body);
-            let is_held = island.is_some_and(|island| held[island as usize]);
-            self.paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
-        }
-        for block in &mut self.joints.blocks {
-            let bodies = joints[block.joint as usize].bodies;
-            let Some(mover) = self.graph.mover(bodies) else { continue };
-            let unit = self.unit_of[mover as usize];
-            for (side, body) in block.sides.iter_mut().zip(bodies) {
-                let flight = &flights[body as usize];
-                if self.paths[body as usize] == Path::Flight {
-                    let [x, y, turn] = flight.offsets(clock);
-                    let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
-                    side.shift = [shift(x, unit), shift(y, unit), shift(turn, unit - flight.length())];
-                }
-            }
-        }
-    }
-
-    /// Joints count with the speed that takes their errors away.
-    pub(in crate::solve) fn add_joint_speeds(&mut self, clock: &Clock, flights: &[Flight], joints: &[Joint]) {
-        for joint in joints {
-            let mover = self.graph.mover(joint.bodies);
-            if let Some(island) = mover.and_then(|body| self.graph.island_of(body)) {
-                let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max(joint.repair_speed(clock, flights));
             }
         }
     }

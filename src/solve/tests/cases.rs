@@ -69,7 +69,7 @@ fn still_bodies_have_no_row_of_their_own() {
     );
     let mut solver = Solver::default();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
-    assert!(solver.carriers.is_empty());
+    assert!(solver.bodies.carriers.is_empty());
 }
 
 /// Two heaviest bodies an odd number of 2^-32 m apart: their middle is between two multiples.
@@ -173,9 +173,9 @@ fn a_large_impulse_turns_the_way_it_points() {
         scene.options.substeps = 1;
         let mut solver = Solver::default();
         solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
-        Begin { rows: &mut solver.rows, k: 1, n: 1 }.run(Portable);
+        Begin { rows: &mut solver.bodies.rows, k: 1, n: 1 }.run(Portable);
         solver.pass(Pass::WarmStart, Portable);
-        assert!(solver.rows.velocity(1)[2] > 0, "{impulse}: {:?}", solver.rows.velocity(1));
+        assert!(solver.bodies.rows.velocity(1)[2] > 0, "{impulse}: {:?}", solver.bodies.rows.velocity(1));
     }
 }
 

@@ -26,7 +26,7 @@ type Vector = [f64; 3];
 fn rounding(scene: &Scene) -> Rounding {
     let mut solver = Solver::default();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
-    let bodies = scene.flights.iter().zip(&solver.unit_of).map(|(flight, &unit)| {
+    let bodies = scene.flights.iter().zip(&solver.bodies.unit_of).map(|(flight, &unit)| {
         // Bodies that are fixed or touch nothing have no unit.
         let unit = 2f64.powi(if unit == 0 { FINEST } else { unit });
         let length = 2f64.powi(flight.length());
@@ -35,9 +35,9 @@ fn rounding(scene: &Scene) -> Rounding {
     let bodies: Vec<_> = bodies.collect();
     let contacts = scene.contacts.iter().enumerate().map(|(index, contact)| {
         assert!(solver.graph.phase(contact.bodies) < PHASES, "one body of each contact can be moved");
-        let place = solver.places.iter().find(|place| place.contact as usize == index).expect("all have places");
+        let place = solver.groups.places.iter().find(|place| place.contact as usize == index).expect("all have places");
         let mover = solver.graph.mover(contact.bodies).expect("one can be moved");
-        let group = &solver.groups[place.group as usize];
+        let group = &solver.groups.groups[place.group as usize];
         let lane = place.lane as usize;
         let unit = bodies[mover as usize].velocity[0];
         let [rate, deepest] = group.push_out[lane].map(f64::from);

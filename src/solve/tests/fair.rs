@@ -177,9 +177,9 @@ fn bystanders_change_no_bit() {
 fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
     let mut cut = 0;
     for phase in 0..PHASES {
-        let groups = &mut solver.groups[solver.phases[phase].clone()];
+        let groups = &mut solver.groups.groups[solver.groups.phases[phase].clone()];
         let size = groups.len().div_ceil(threads).max(1);
-        let rows = &solver.rows;
+        let rows = &solver.bodies.rows;
         let parts: Vec<_> = thread::scope(|scope| {
             let handles: Vec<_> = groups
                 .chunks_mut(size)
@@ -196,13 +196,13 @@ fn pass_in_parts(solver: &mut Solver, pass: Pass, threads: usize) -> u64 {
         });
         for (part_cut, part_rows) in parts {
             cut += part_cut;
-            for (row, part_row) in solver.rows.rows.iter_mut().zip(part_rows) {
+            for (row, part_row) in solver.bodies.rows.rows.iter_mut().zip(part_rows) {
                 (0..3).for_each(|i| row.gain[i] += part_row.gain[i]);
             }
         }
-        let touched = &solver.touched[phase][..];
-        cut += PassOver { pass, groups: &mut [], rows: &mut solver.rows, touched }.run(Portable);
-        cut += solver.rolls.run(phase, pass, &solver.groups, &mut solver.rows, Portable);
+        let touched = &solver.groups.shares.touched[phase][..];
+        cut += PassOver { pass, groups: &mut [], rows: &mut solver.bodies.rows, touched }.run(Portable);
+        cut += solver.rolls.run(phase, pass, &solver.groups.groups, &mut solver.bodies.rows, Portable);
     }
     cut
 }
@@ -216,13 +216,14 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     let n = scene.options.substeps;
     let mut cut = 0;
     for k in 1..=n {
-        Begin { rows: &mut solver.rows, k, n }.run(Portable);
-        solver.solve_impacts(SubStep { k, n, clock: &clock, contacts: &contacts }, Portable);
+        Begin { rows: &mut solver.bodies.rows, k, n }.run(Portable);
+        let substep = SubStep { k, n, clock: &clock, graph: &solver.graph, contacts: &contacts };
+        solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, Portable);
         if k == 1 {
             cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
         }
         cut += pass_in_parts(&mut solver, Pass::Solve, threads);
-        Advance { rows: &mut solver.rows }.run(Portable);
+        Advance { rows: &mut solver.bodies.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
         for _ in 1..scene.options.relax_passes {
             cut += pass_in_parts(&mut solver, Pass::RelaxAgain, threads);

@@ -6,8 +6,8 @@ use alloc::vec::Vec;
 use super::scene::{body, fx};
 use crate::cases::run_seed;
 use crate::math::{Random, Vec2};
-use crate::solve::graph::Graph;
-use crate::solve::{Flight, graph_start};
+use crate::solve::Flight;
+use crate::solve::graph::{Graph, graph_start};
 
 /// Labels of islands by relabelling until nothing changes; the body itself where it is fixed or touches nothing.
 fn labels(fixed: &[bool], links: &[[u32; 2]]) -> Vec<usize> {

@@ -136,30 +136,31 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
     let mut solver = Solver::default();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
     let size = (24.0 * unit(random)).exp2();
-    for (index, row) in solver.rows.rows.iter_mut().enumerate().skip(1) {
+    for (index, row) in solver.bodies.rows.rows.iter_mut().enumerate().skip(1) {
         assert!(index < 3, "two bodies at most");
         let [vx, vy, turn, x, y, angle] = [0; 6].map(|_| (size * signed(random)) as i32);
         *row = Row { velocity: [vx, vy, turn, angle], displacement: [x, y, angle, 0], ..Row::default() };
     }
-    let first_group = solver.phases.iter().find(|phase| !phase.is_empty()).expect("one contact").start;
+    let first_group = solver.groups.phases.iter().find(|phase| !phase.is_empty()).expect("one contact").start;
     for k in 0..2 {
         if k < scene.contacts[0].count {
-            solver.groups[first_group].impulses[k][0] = (size * unit(random)) as i64 * i64::from(random.below(3) != 0);
+            solver.groups.groups[first_group].impulses[k][0] =
+                (size * unit(random)) as i64 * i64::from(random.below(3) != 0);
         }
         // Pressed, open, or at the surface.
-        solver.groups[first_group].separation[0][k] = match random.below(4) {
+        solver.groups.groups[first_group].separation[0][k] = match random.below(4) {
             0 => 0,
             1 => (size * unit(random)) as i32,
             _ => (size * signed(random)) as i32,
         };
     }
     if scene.contacts[0].count == 1 {
-        solver.groups[first_group].separation[0][1] = solver.groups[first_group].separation[0][0];
+        solver.groups.groups[first_group].separation[0][1] = solver.groups.groups[first_group].separation[0][0];
     }
-    let group = &mut solver.groups[first_group];
+    let group = &mut solver.groups.groups[first_group];
     // No point is left to the impacts of the next sub-step.
     group.surface[0][1] = 1 << 28;
-    let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
+    let rows = [group.a[0], group.b[0]].map(|row| solver.bodies.rows.rows[row as usize]);
     group.separation_now[0] = [0, 1].map(|k| separation_now(group, k, rows));
     let group = group.clone();
     Case { solver, group, rows }
@@ -169,11 +170,12 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
 fn run(case: &mut Case, pass: Pass) -> (u64, Group, [Row; 2]) {
     let mut results = [false, true].map(|is_portable| {
         let mut solver = case.solver.clone();
-        let touched: Vec<u32> = (1..solver.rows.rows.len() as u32).collect();
-        let job = PassOver { pass, groups: &mut solver.groups, rows: &mut solver.rows, touched: &touched };
+        let touched: Vec<u32> = (1..solver.bodies.rows.rows.len() as u32).collect();
+        let job =
+            PassOver { pass, groups: &mut solver.groups.groups, rows: &mut solver.bodies.rows, touched: &touched };
         let cut = if is_portable { job.run(Portable) } else { simd::run(job) };
-        let group = solver.groups.into_iter().find(|group| group.count > 0).expect("one contact");
-        let rows = [group.a[0], group.b[0]].map(|row| solver.rows.rows[row as usize]);
+        let group = solver.groups.groups.into_iter().find(|group| group.count > 0).expect("one contact");
+        let rows = [group.a[0], group.b[0]].map(|row| solver.bodies.rows.rows[row as usize]);
         (cut, group, rows)
     });
     let [vectorised, portable] = &results;

@@ -1,0 +1,202 @@
+//! The contacts of a step in groups of lanes, by phase, and the order in which they are put there.
+//!
+//! Reads: contacts, the graph, [`BodyRows`]. Writes: [`ContactGroups`], and rows of fixed bodies that move.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::batch::Batch;
+use super::bodies::{BodyRows, STILL};
+use super::contact::{ContactInput, Group};
+use super::graph::{Graph, PHASES};
+use super::matrix::Matrices;
+use super::unit::{FINEST, Scale};
+use super::{Contact, StepInput};
+use crate::fx::Fx;
+use crate::kernel::simd::{self, GROUP, Job, Lanes};
+
+/// The place of a contact in the groups.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub(super) contact: u32,
+    pub(super) group: u32,
+    pub(super) lane: u32,
+    /// log2 of the unit of its impulses, N·s.
+    pub(super) exponent: i32,
+}
+
+/// The contacts, joints or rows of a phase at each body: a body that has several moves its share by each of them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shares {
+    /// The number by body, for each phase.
+    pub(super) counts: Vec<[u32; PHASES]>,
+    /// Rows of the bodies that they can move, by phase.
+    pub(super) touched: [Vec<u32>; PHASES],
+}
+
+impl Shares {
+    /// Begins to count, for this number of bodies.
+    pub(super) fn clear(&mut self, bodies: usize) {
+        self.counts.clear();
+        self.counts.resize(bodies, [0; PHASES]);
+        self.touched.iter_mut().for_each(Vec::clear);
+    }
+
+    /// Counts a contact or joint of a phase at its bodies.
+    #[inline(always)]
+    pub(super) fn count(&mut self, row_of: &[u32], phase: usize, bodies: [u32; 2]) {
+        for body in bodies {
+            let count = &mut self.counts[body as usize][phase];
+            let row = row_of[body as usize];
+            *count += 1;
+            if *count == 1 && row != STILL {
+                self.touched[phase].push(row);
+            }
+        }
+    }
+}
+
+/// The contacts of a step, in groups.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ContactGroups {
+    pub(super) groups: Vec<Group>,
+    /// The part of `groups` of each phase.
+    pub(super) phases: [Range<usize>; PHASES],
+    pub(super) shares: Shares,
+    /// Phase by contact, [`PHASES`] for contacts of bodies that cannot be moved; contacts sorted by phase, without these.
+    pub(super) phase_of: Vec<u8>,
+    order: Vec<u32>,
+    pub(super) places: Vec<Place>,
+    /// True if a contact resists rolling.
+    pub(super) has_rolls: bool,
+    batch: Batch,
+    matrices: Matrices,
+}
+
+impl ContactGroups {
+    /// Puts the contacts into groups, phase by phase.
+    pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
+        self.places.clear();
+        self.sort(input.contacts, graph, bodies);
+        let scale = Scale::new(input.clock, input.softness, FINEST);
+        simd::run(SetGroups { groups: self, input, graph, bodies, scale });
+    }
+
+    /// The place of a contact by its index, with its group and lane.
+    pub(super) fn lane_of(&self, place: u32) -> (&Place, &Group, usize) {
+        let place = &self.places[place as usize];
+        (place, &self.groups[place.group as usize], place.lane as usize)
+    }
+
+    /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
+    pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
+        self.places.iter().map(|place| {
+            let applied = &self.groups[place.group as usize].applied;
+            let lane = place.lane as usize;
+            (place.contact, [applied[0][lane], applied[1][lane]], place.exponent)
+        })
+    }
+
+    /// Sorts the contacts by phase, and counts them by body and phase.
+    fn sort(&mut self, contacts: &[Contact], graph: &Graph, bodies: &BodyRows) {
+        let Self { shares, order, phases, phase_of, has_rolls, .. } = self;
+        shares.clear(bodies.row_of.len());
+        phase_of.clear();
+        let mut counts = [0; PHASES];
+        *has_rolls = false;
+        for contact in contacts {
+            let phase = graph.phase(contact.bodies);
+            *has_rolls |= contact.rolling_resistance != Fx::ZERO;
+            shares.count(&bodies.row_of, phase, contact.bodies);
+            let can_move = graph.mover(contact.bodies).is_some();
+            counts[phase] += usize::from(can_move);
+            phase_of.push(if can_move { phase as u8 } else { PHASES as u8 });
+        }
+        let mut ends = [0, counts[0], counts[0] + counts[1]];
+        order.clear();
+        order.resize(counts.iter().sum(), 0);
+        for (index, &phase) in phase_of.iter().enumerate() {
+            if let Some(end) = ends.get_mut(usize::from(phase)) {
+                order[*end] = index as u32;
+                *end += 1;
+            }
+        }
+        // Ranges of contacts, which `SetGroups` turns into ranges of groups.
+        (0..PHASES).for_each(|phase| phases[phase] = ends[phase] - counts[phase]..ends[phase]);
+    }
+}
+
+/// Puts the contacts of all phases into groups.
+struct SetGroups<'a> {
+    groups: &'a mut ContactGroups,
+    input: &'a StepInput<'a>,
+    graph: &'a Graph,
+    bodies: &'a mut BodyRows,
+    /// The scale of the contact before.
+    scale: Scale<'a>,
+}
+
+impl Job for SetGroups<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(mut self, lanes: L) {
+        let order = core::mem::take(&mut self.groups.order);
+        let mut at = 0;
+        for phase in 0..PHASES {
+            let begin = at;
+            for indices in order[self.groups.phases[phase].clone()].chunks(GROUP) {
+                self.set_group(lanes, at, indices, phase);
+                at += 1;
+            }
+            self.groups.phases[phase] = begin..at;
+        }
+        self.groups.groups.truncate(at);
+        self.groups.order = order;
+    }
+}
+
+impl SetGroups<'_> {
+    /// Writes a group of contacts.
+    #[inline(always)]
+    fn set_group<L: Lanes>(&mut self, lanes: L, at: usize, indices: &[u32], phase: usize) {
+        let Self { groups: ContactGroups { groups, shares, batch, matrices, places, .. }, input, graph, bodies, scale } =
+            self;
+        if groups.len() == at {
+            groups.push(Group::empty(STILL));
+        }
+        let group = &mut groups[at];
+        let mut exponents = [0; GROUP];
+        for (lane, &index) in indices.iter().enumerate() {
+            let contact = &input.contacts[index as usize];
+            let [a, b] = contact.bodies;
+            let unit = graph.mover([a, b]).map_or(FINEST, |mover| bodies.unit_of[mover as usize]);
+            let rows = [a, b].map(|body| bodies.row(input, body, unit));
+            let shares = [shares.counts[a as usize][phase], shares.counts[b as usize][phase]];
+            let ends = [&bodies.bodies[a as usize], &bodies.bodies[b as usize]];
+            let contact_input = ContactInput { contact, bodies: ends, rows, shares };
+            exponents[lane] = unit + batch.load(lane, &contact_input);
+            if scale.unit != unit {
+                *scale = Scale::new(input.clock, input.softness, unit);
+            }
+            let compliance = group.load(lane, &contact_input, scale);
+            batch.compliance[lane] = compliance.into();
+            group.raise_impact_speed(lane, rows.map(|row| bodies.rows.flight(row).change));
+        }
+        group.count = indices.len();
+        (group.applied, group.weighted) = ([[0; GROUP]; 3], [[0; GROUP]; 3]);
+        batch.clear(indices.len()..GROUP);
+        batch.fill(lanes, group);
+        matrices.set(lanes, batch, group);
+        group.clear(indices.len()..GROUP);
+        for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
+            // The unit of masses · 2^-exponent is 2^-(bits + 2).
+            let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
+            let contact = &input.contacts[index as usize];
+            group.set_impulses(lane, contact, exponent);
+            let [a, b] = contact.bodies;
+            batch.limit_push(lane, group, [bodies.bodies[a as usize].rim, bodies.bodies[b as usize].rim]);
+            places.push(Place { contact: index, group: at as u32, lane: lane as u32, exponent });
+        }
+    }
+}
