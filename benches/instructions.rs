@@ -28,8 +28,8 @@ const VALUES: usize = 1_000;
 const INSTRUCTIONS: [&str; 1] = ["--cache-sim=no"];
 /// Indirect jumps and calls: what goes through a table of functions.
 const BRANCHES: [&str; 2] = ["--cache-sim=no", "--branch-sim=yes"];
-/// The caches of no machine in particular. The last one holds 2,000 bodies and not 100,000.
-const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=1048576,16,64"];
+/// The caches of no machine in particular. The last one holds 2,000 bodies and not 20,000.
+const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=524288,16,64"];
 
 /// Parts of a step that are counted.
 #[inline(never)]
@@ -75,17 +75,15 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 }
 
 #[library_benchmark(config = stepping(&INSTRUCTIONS), setup = warm)]
-#[bench::free_10(scenes::free(10))]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
-#[bench::free_10k(scenes::free(10_000))]
-#[bench::free_100k(scenes::free(100_000))]
-#[bench::free_100k_one_spring(scenes::one_spring(100_000))]
+#[bench::free_20k(scenes::free(20_000))]
+#[bench::free_20k_one_spring(scenes::one_spring(20_000))]
 #[bench::free_1k_zone_on_nobody(scenes::zone(1_000, 2))]
 #[bench::free_1k_zone(scenes::zone(1_000, 1))]
-#[bench::free_1k_beside_100k_static(scenes::beside_static(1_000, 100_000))]
+#[bench::free_1k_beside_20k_static(scenes::beside_static(1_000, 20_000))]
 #[bench::tiles_1k(scenes::over_tiles(100, 1_000))]
-#[bench::tiles_100k(scenes::over_tiles(100, 100_000))]
+#[bench::tiles_20k(scenes::over_tiles(100, 20_000))]
 #[bench::tiles_1k_twice_as_many_balls(scenes::over_tiles(200, 1_000))]
 #[bench::asleep_10k(scenes::beside_sleepers(0, 10_000))]
 #[bench::towers_asleep_10k(scenes::towers_asleep(0, 10_000))]
@@ -113,7 +111,7 @@ fn fx(scene: Scene<Fx>) -> Scene<Fx> {
 #[bench::tower_woken_1k(scenes::tower_woken(1_000))]
 #[bench::tower_woken_10k(scenes::tower_woken(10_000))]
 #[bench::edited_1k(scenes::edited_tiles(100, 1_000))]
-#[bench::edited_100k(scenes::edited_tiles(100, 100_000))]
+#[bench::edited_20k(scenes::edited_tiles(100, 20_000))]
 fn after(mut scene: Scene<Fx>) -> Scene<Fx> {
     one_step(&mut scene.world);
     scene
@@ -193,7 +191,7 @@ fn branches(scene: Scene<Fx>) -> Scene<Fx> {
 #[library_benchmark(config = stepping(&CACHES), setup = warm)]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
-#[bench::free_100k(scenes::free(100_000))]
+#[bench::free_20k(scenes::free(20_000))]
 fn caches(mut scene: Scene<Fx>) -> Scene<Fx> {
     let mut others = vec![0u8; 4 << 20];
     for _ in 0..STEPS {

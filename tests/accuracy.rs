@@ -1,12 +1,12 @@
 //! The accuracy contract, as code: a table of functions, the error each may have, the worst seen, and where.
 //!
-//! Truth is the arbitrary-precision reference. In debug builds there are fewer inputs.
+//! Truth is the arbitrary-precision reference.
 
 #[path = "support/mod.rs"]
 mod support;
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{LazyLock, Mutex};
 
 use support::cordic::Cordic;
 use support::hard;
@@ -14,17 +14,22 @@ use support::inputs::{Random, edges};
 use support::reference::{Reference, error, real};
 use umbra_physics::{Damping, Fx, MathError, WorldDef};
 
-/// Random inputs of each distribution, a function: as many as `UMBRA_INPUTS` says, a million at leisure.
-static RANDOM: LazyLock<usize> = LazyLock::new(|| {
-    let asked = std::env::var("UMBRA_INPUTS").ok().map(|count| count.parse().expect("a number"));
-    asked.unwrap_or(20_000)
-});
+/// Random inputs of each distribution, a function.
+fn random_count() -> usize {
+    crate::seeds::times(2_000)
+}
 /// Neighbours in the dense intervals.
-const DENSE: i64 = if cfg!(debug_assertions) { 1_000 } else { 20_000 };
+fn dense() -> i64 {
+    crate::seeds::times(2_000)
+}
 /// Ties from which hard inputs are made.
-const TIES: usize = if cfg!(debug_assertions) { 300 } else { 10_000 };
+fn ties() -> usize {
+    crate::seeds::times(1_000)
+}
 /// Inputs that a search looks through, and how many it keeps.
-const SEARCHED: usize = if cfg!(debug_assertions) { 20_000 } else { 5_000_000 };
+fn searched() -> usize {
+    crate::seeds::times(500_000)
+}
 const KEPT: usize = 200;
 
 /// The arguments' bits; the second is 0 for functions of one.
@@ -70,7 +75,7 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5,
         inputs: |_| {
             let mut random = Random::seeded(3);
-            let from_ties: Vec<_> = (0..TIES).flat_map(|_| hard::sqrt_from_ties(&mut random)).collect();
+            let from_ties: Vec<_> = (0..ties()).flat_map(|_| hard::sqrt_from_ties(&mut random)).collect();
             singles(from_ties.into_iter().chain(common()))
         },
         error: |_, (raw, _)| {
@@ -85,7 +90,7 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5,
         inputs: |_| {
             let mut random = Random::seeded(4);
-            pairs((0..TIES).flat_map(|_| hard::hypot_from_ties(&mut random)).collect())
+            pairs((0..ties()).flat_map(|_| hard::hypot_from_ties(&mut random)).collect())
         },
         error: |_, (x, y)| {
             let square = |raw: i64| u128::from(raw.unsigned_abs()).pow(2);
@@ -102,7 +107,7 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5,
         inputs: |_| {
             let mut random = Random::seeded(5);
-            pairs((0..TIES).flat_map(|_| hard::div_from_ties(&mut random)).collect())
+            pairs((0..ties()).flat_map(|_| hard::div_from_ties(&mut random)).collect())
         },
         error: |_, (n, d)| {
             let quotient = Fx::from_bits(n).checked_div(Fx::from_bits(d));
@@ -139,7 +144,7 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5001,
         inputs: |reference| {
             let mut random = Random::seeded(6);
-            pairs((0..TIES).flat_map(|_| hard::atan2_from_ties(reference, &mut random)).collect())
+            pairs((0..ties()).flat_map(|_| hard::atan2_from_ties(reference, &mut random)).collect())
         },
         error: |reference, (y, x)| {
             let angle = Fx::from_bits(y).atan2(Fx::from_bits(x));
@@ -156,8 +161,8 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5001,
         inputs: |reference| {
             let mut random = Random::seeded(7);
-            let in_range: Vec<_> = (0..*RANDOM).map(|_| random.within(-33 << 32, 31 << 32)).collect();
-            let searched = hard::search_exp2(reference, &mut random, SEARCHED, KEPT);
+            let in_range: Vec<_> = (0..random_count()).map(|_| random.within(-33 << 32, 31 << 32)).collect();
+            let searched = hard::search_exp2(reference, &mut random, searched(), KEPT);
             singles(in_range.into_iter().chain(searched).chain(hard::EXP2).chain(common()))
         },
         error: |reference, (raw, _)| {
@@ -175,8 +180,8 @@ const FUNCTIONS: [Function; 11] = [
             let mut random = Random::seeded(17);
             // The share is 0 from 33·ln 2 on; what is next to the tie of 2^-33 there, and next to none.
             let last = 98_242_467_570;
-            let rates = (0..*RANDOM).map(|_| random.within(0, 23 << 32)).collect::<Vec<_>>();
-            let ends = (-DENSE..=DENSE).flat_map(|d| [d.abs(), last + d]);
+            let rates = (0..random_count()).map(|_| random.within(0, 23 << 32)).collect::<Vec<_>>();
+            let ends = (-dense()..=dense()).flat_map(|d| [d.abs(), last + d]);
             singles(rates.into_iter().chain(ends).chain(common()))
         },
         error: |reference, (raw, _)| {
@@ -197,8 +202,8 @@ const FUNCTIONS: [Function; 11] = [
         allowed: 0.5001,
         inputs: |reference| {
             let mut random = Random::seeded(8);
-            let from_ties: Vec<_> = (0..TIES).flat_map(|_| hard::log2_from_ties(reference, &mut random)).collect();
-            let near_one = (-DENSE..=DENSE).map(|d| (1 << 32) + d);
+            let from_ties: Vec<_> = (0..ties()).flat_map(|_| hard::log2_from_ties(reference, &mut random)).collect();
+            let near_one = (-dense()..=dense()).map(|d| (1 << 32) + d);
             singles(from_ties.into_iter().chain(near_one).chain(common()))
         },
         error: |reference, (raw, _)| {
@@ -240,21 +245,24 @@ fn singles(inputs: impl Iterator<Item = i64>) -> Vec<Input> {
 /// For any function of one argument: the edges, a dense interval, random ones uniform and uniform in exponent.
 fn common() -> impl Iterator<Item = i64> {
     let (mut uniform, mut by_exponent) = (Random::seeded(1), Random::seeded(2));
-    let dense = (0..2 * DENSE).map(|d| (3 << 31) + d);
-    let uniform = (0..*RANDOM).map(move |_| uniform.next());
-    edges().into_iter().chain(dense).chain(uniform).chain((0..*RANDOM).map(move |_| by_exponent.next_by_exponent()))
+    let dense = (0..2 * dense()).map(|d| (3 << 31) + d);
+    let uniform = (0..random_count()).map(move |_| uniform.next());
+    edges()
+        .into_iter()
+        .chain(dense)
+        .chain(uniform)
+        .chain((0..random_count()).map(move |_| by_exponent.next_by_exponent()))
 }
 
 /// For any function of two: the edges with each other, a dense square, random ones uniform and uniform in exponent.
 fn pairs(hard: Vec<Input>) -> Vec<Input> {
-    // All of the edges' pairs are too many for a debug build.
-    let edges: Vec<i64> = edges().into_iter().step_by(if cfg!(debug_assertions) { 7 } else { 1 }).collect();
+    let edges: Vec<i64> = edges().into_iter().step_by(if crate::seeds::is_short() { 3 } else { 1 }).collect();
     let corners = edges.iter().flat_map(|&a| edges.iter().map(move |&b| (a, b)));
-    let side = DENSE.isqrt();
+    let side = dense().isqrt();
     let dense = (0..side).flat_map(|a| (0..side).map(move |b| ((1 << 32) + a, (3 << 31) + b)));
     let (mut uniform, mut by_exponent) = (Random::seeded(1), Random::seeded(2));
-    let uniform = (0..*RANDOM).map(|_| (uniform.next(), uniform.next()));
-    let by_exponent = (0..*RANDOM).map(|_| (by_exponent.next_by_exponent(), by_exponent.next_by_exponent()));
+    let uniform = (0..random_count()).map(|_| (uniform.next(), uniform.next()));
+    let by_exponent = (0..random_count()).map(|_| (by_exponent.next_by_exponent(), by_exponent.next_by_exponent()));
     hard.into_iter().chain(corners).chain(dense).chain(uniform).chain(by_exponent).collect()
 }
 
@@ -264,22 +272,22 @@ fn angles(reference: &Reference) -> Vec<Input> {
     let mut random = Random::seeded(9);
     // 2^31 rad are 1367130551.2 quadrants.
     let last = 1_367_130_551;
-    let far: Vec<i64> = (0..TIES).map(|_| random.within(0, last)).collect();
+    let far: Vec<i64> = (0..ties()).map(|_| random.within(0, last)).collect();
     let boundaries = (0..200).chain(last - 200..=last).chain(far).flat_map(|quadrants| {
         let raw = ((&reference.half_pi * real(quadrants, 32)).round()).to_int().value();
         let raw = i64::try_from(raw).expect("below 2^63");
         (-2..=2).flat_map(move |d| [raw.saturating_add(d), -raw.saturating_add(d)])
     });
-    let ends = (0..DENSE).flat_map(|d| [i64::MAX - d, i64::MIN + d, d, -d]);
-    let searched = hard::search_sin_cos(&mut random, SEARCHED, KEPT);
+    let ends = (0..dense()).flat_map(|d| [i64::MAX - d, i64::MIN + d, d, -d]);
+    let searched = hard::search_sin_cos(&mut random, searched(), KEPT);
     singles(boundaries.chain(ends).chain(searched).chain(hard::SIN_COS).chain(common()))
 }
 
 /// For pow: beside the common pairs, bases next to 1 with exponents up to 2^31, results anywhere up to 2^31, and exact ties.
 fn powers(reference: &Reference) -> Vec<Input> {
     let mut random = Random::seeded(10);
-    let mut inputs: Vec<Input> = (0..TIES).flat_map(|_| hard::pow_from_ties(reference, &mut random)).collect();
-    for i in 0..*RANDOM {
+    let mut inputs: Vec<Input> = (0..ties()).flat_map(|_| hard::pow_from_ties(reference, &mut random)).collect();
+    for i in 0..random_count() {
         // Half of the bases next to 1, the others of all sizes; the exponent leads to a result of a random size.
         let off = random.next() % 1000;
         let base =
@@ -349,7 +357,7 @@ fn every_function_is_as_accurate_as_promised() {
     }
     for (_, function, worst) in &results {
         assert!(worst.error <= function.allowed, "{}: {} ulp at {:?}", function.name, worst.error, worst.at);
-        assert!(worst.tried > *RANDOM, "{}: only {} inputs have a result", function.name, worst.tried);
+        assert!(worst.tried > random_count(), "{}: only {} inputs have a result", function.name, worst.tried);
         // A table whose inputs never come near a tie would show nothing.
         assert!(worst.error > 0.49, "{}: no hard inputs, {} ulp at worst", function.name, worst.error);
     }

@@ -93,7 +93,7 @@ fn power(exponent: i32) -> FxFactor {
 fn attraction_is_within_half_an_ulp_at_random() {
     let mut random = SplitMix::seeded(1);
     let (mut worst, mut looked) = (Worst::default(), 0);
-    let cases = if cfg!(debug_assertions) { 10_000 } else { 300_000 };
+    let cases = crate::seeds::times(30_000);
     for _ in 0..cases {
         let d = (Fx::from_bits(random.of_bits(62)), Fx::from_bits(random.of_bits(62)));
         let softening = if random.next() & 1 == 0 { Fx::ZERO } else { Fx::from_bits(random.of_bits(44).abs()) };
@@ -159,7 +159,7 @@ fn tension(d: (Fx, Fx), v: (Fx, Fx), spring: &SpringConstants<Fx>) -> [Real; 2] 
 fn a_springs_force_is_exact_however_short_it_is() {
     let mut random = SplitMix::seeded(2);
     let (mut worst, mut looked) = (0.0f64, 0);
-    let cases = if cfg!(debug_assertions) { 10_000 } else { 300_000 };
+    let cases = crate::seeds::times(30_000);
     for _ in 0..cases {
         let mut number = |bits| Fx::from_bits(random.of_bits(bits));
         let (d, v) = ((number(62), number(62)), (number(50), number(50)));

@@ -35,7 +35,7 @@ fn is_within(v: Vec2, most: Fx) -> bool {
 #[test]
 fn a_public_speed_is_at_most_the_cap_and_three_quarters_of_an_ulp() {
     let mut random = SplitMix::seeded(0x0ca9_0000_0000_0001);
-    let cases = if cfg!(debug_assertions) { 300 } else { 20_000 };
+    let cases = crate::seeds::times(2_000);
     let (mut over, mut slowed) = (0, 0);
     for case in 0..cases {
         let mut world = world(Integrator::VelocityVerlet, Vec2::ZERO);

@@ -153,7 +153,9 @@ fn in_order(count: usize) -> Vec<usize> {
     (0..count).collect()
 }
 
-const TICKS: u32 = if cfg!(debug_assertions) { 150 } else { 1_000 };
+fn ticks() -> u32 {
+    crate::seeds::times(100)
+}
 
 #[test]
 fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
@@ -163,7 +165,7 @@ fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
         // Another history of handles as well.
         let gone = shuffled.add_body(BodyDef::fixed()).expect("a body");
         shuffled.remove_body(gone).expect("it is there");
-        for tick in 0..TICKS / 4 {
+        for tick in 0..ticks() / 4 {
             assert_eq!(straight.physics_hash(), shuffled.physics_hash(), "{integrator:?}, tick {tick}");
             push_all(&mut straight, &ids, tick, in_order);
             push_all(&mut shuffled, &others, tick, |count| Dice(7).shuffled(count));
@@ -216,7 +218,7 @@ fn the_order_of_adding_bodies_and_of_calling_changes_no_bit_of_a_body() {
                 stage(integrator, &dice.shuffled(9))
             })
             .collect();
-        for tick in 0..TICKS {
+        for tick in 0..ticks() {
             push_all(&mut straight, &ids, tick, in_order);
             straight.step();
             for (seed, (world, other)) in others.iter_mut().enumerate() {
@@ -252,7 +254,7 @@ fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
         }
         // Free slots are taken from the last one freed on: their order is not that of the drags.
         assert!(handles.is_sorted_by(|a, b| a.parts().0 > b.parts().0));
-        for tick in 0..TICKS {
+        for tick in 0..ticks() {
             push_all(&mut straight, &ids, tick, in_order);
             push_all(&mut other, &same, tick, in_order);
             straight.step();
@@ -304,7 +306,7 @@ fn strangers_in_any_number_change_no_bit_of_a_body() {
     for integrator in Integrator::ALL {
         let (mut alone, ids) = stage(integrator, &in_order(9));
         let mut history = Vec::new();
-        for tick in 0..TICKS / 2 {
+        for tick in 0..ticks() / 2 {
             push_all(&mut alone, &ids, tick, in_order);
             alone.step();
             history.push(ids.iter().map(|&id| bits(&alone, id)).collect::<Vec<_>>());
@@ -355,7 +357,7 @@ fn the_cache_of_fields_is_no_state() {
     for integrator in Integrator::ALL {
         let (mut world, ids) = stage(integrator, &in_order(9));
         let mut dropping = world.clone();
-        for tick in 0..TICKS {
+        for tick in 0..ticks() {
             push_all(&mut world, &ids, tick, in_order);
             push_all(&mut dropping, &ids, tick, in_order);
             // It changes nothing, but whatever is cached has to go.
@@ -476,7 +478,7 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
 
 #[test]
 fn sleeping_off_equals_sleeping_on_bit_for_bit_in_motion() {
-    let runs = if cfg!(debug_assertions) { 6 } else { 60 };
+    let runs = crate::seeds::times(6);
     let (mut slept, mut woken) = (0, 0);
     for seed in 1..=runs {
         let integrator = Integrator::ALL[seed as usize % 5];
@@ -516,7 +518,7 @@ fn sleeping_off_equals_sleeping_on_bit_for_bit_in_motion() {
 
 #[test]
 fn no_cache_outlives_a_change() {
-    let runs = if cfg!(debug_assertions) { 5 } else { 40 };
+    let runs = crate::seeds::times(5);
     for seed in 1..=runs {
         let (mut keeping, bodies) = pool(Integrator::ALL[seed as usize % 5], None);
         let mut dropping = keeping.clone();

@@ -31,7 +31,7 @@ from_source="riscv64gc-unknown-linux-gnu mips-unknown-linux-gnu wasm32-wasip1 wa
 # stable: rustup's; nightly: if it is there; msrv: Debian's.
 x86="x86_64/stable-o3 x86_64/stable-checked x86_64/stable-native x86_64/stable-parallel x86_64/nightly-o3 x86_64/msrv-o3"
 quick="x86_64/stable-o3 x86_64/stable-checked i686-unknown-linux-gnu s390x-unknown-linux-gnu"
-ci="s390x-unknown-linux-gnu/checked"
+ci="mips-unknown-linux-gnu"
 
 say() { echo "$*" >&2; }
 usage() {

@@ -3,6 +3,7 @@
 #[path = "support/real.rs"]
 mod real;
 
+use crate::seeds::is_short;
 use real::{Real, TAU, exact, ratio, real, to_f64, units};
 use umbra_physics::{
     BodyDef, BodyId, Damping, Elapsed, Fx, FxAccumulator, Integrator, TimeStep, Vec2, World, WorldDef, fx, vec2,
@@ -10,13 +11,15 @@ use umbra_physics::{
 
 const RATES: [TimeStep; 5] =
     [TimeStep::hz(60), TimeStep::hz(100), TimeStep::hz(144), TimeStep::ratio(1001, 60_000), TimeStep::hz(64)];
-/// Unoptimised builds run a part.
-const QUICK: bool = cfg!(debug_assertions);
 const ULP: f64 = 1.0 / 4_294_967_296.0;
 
 fn seconds(step: TimeStep, ticks: u64) -> Real {
     let (num, den) = step.seconds();
     ratio(i64::from(num) * ticks as i64, i64::from(den))
+}
+
+fn rates() -> &'static [TimeStep] {
+    if is_short() { &RATES[3..] } else { &RATES }
 }
 
 /// The ticks of an hour, or the last one before it.
@@ -80,17 +83,17 @@ fn an_hour_of_free_fall_is_exact(integrator: Integrator, rates: &[TimeStep]) {
 
 #[test]
 fn an_hour_of_free_fall_is_exact_in_velocity_verlet() {
-    an_hour_of_free_fall_is_exact(Integrator::VelocityVerlet, &RATES);
+    an_hour_of_free_fall_is_exact(Integrator::VelocityVerlet, rates());
 }
 
 #[test]
 fn an_hour_of_free_fall_is_exact_in_yoshida4() {
-    an_hour_of_free_fall_is_exact(Integrator::Yoshida4, if QUICK { &RATES[3..] } else { &RATES });
+    an_hour_of_free_fall_is_exact(Integrator::Yoshida4, rates());
 }
 
 #[test]
 fn elapsed_time_is_the_exact_ratio() {
-    for step in RATES {
+    for &step in rates() {
         let mut world = World::new(WorldDef { time_step: step, ..WorldDef::default() }).expect("a fair rate");
         for _ in 0..an_hour(step) {
             world.step();
@@ -103,7 +106,7 @@ fn elapsed_time_is_the_exact_ratio() {
 
 #[test]
 fn a_spin_of_ten_radians_a_second_is_exact_after_a_thousand_seconds() {
-    for step in RATES {
+    for &step in rates() {
         for integrator in [Integrator::VelocityVerlet, Integrator::Yoshida4] {
             let (mut world, body) = one_body(
                 WorldDef { time_step: step, integrator, ..WorldDef::default() },
@@ -160,7 +163,7 @@ fn a_million_damped_steps_stay_on_the_exponential() {
         (TimeStep::hz(10_000), fx!(0.999999), fx!(1000000)),
         (TimeStep::ratio(1001, 60_000), fx!(0.9995), fx!(123456.789)),
     ];
-    for (step, kept, start) in cases.into_iter().skip(if QUICK { 4 } else { 0 }) {
+    for (step, kept, start) in cases.into_iter().skip(if is_short() { 4 } else { 0 }) {
         let (left, allowed) = decayed(step, 1_000_000, kept, start);
         let (velocity, spin) = damped(step, 1_000_000, kept, start, Integrator::VelocityVerlet);
         let off = |v: Fx| to_f64(&(exact(v) - &left)).abs();
@@ -174,7 +177,7 @@ fn a_million_damped_steps_stay_on_the_exponential() {
 fn a_hundred_and_fifty_steps_a_second_damp_alike() {
     for kept in [fx!(0.5), fx!(0.1), fx!(0.0009765625), fx!(0.98)] {
         for integrator in Integrator::ALL {
-            for (fine, coarse) in [(100, 50), (144, 60), (10_000, 1)] {
+            for &(fine, coarse) in &[(100, 50), (144, 60), (10_000, 1)][..if is_short() { 2 } else { 3 }] {
                 let fine = damped(TimeStep::hz(fine), u64::from(fine) * 10, kept, fx!(1000), integrator);
                 let coarse = damped(TimeStep::hz(coarse), u64::from(coarse) * 10, kept, fx!(1000), integrator);
                 // Each is within half an ulp, and a little, of the exact value: the same, or neighbours.

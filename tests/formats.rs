@@ -1,15 +1,15 @@
 //! `docs/formats.md` is right: a reader that knows nothing but its tables reads files and commands, and what it finds is what
 //! the library says. The files of every format and physics version so far are in `tests/files`.
 //!
-//! `UMBRA_BLESS=1 cargo test --release --test formats` adds those of a new format or physics version. It never writes over one: those of
+//! `UMBRA_BLESS=1 cargo test --release --all-features --test repository formats` adds those of a new format or physics version. It never writes over one: those of
 //! older versions are to be refused, with both numbers.
 
 #[path = "support/everything.rs"]
 mod everything;
-#[path = "support/formats.rs"]
-mod formats;
 #[path = "support/found.rs"]
 mod found;
+#[path = "support/layouts.rs"]
+mod layouts;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -17,11 +17,11 @@ use std::sync::Once;
 use std::{env, fs};
 
 use everything::{commands, custom_forces, recording, world};
-use formats::{Content, Layouts, Value};
 use found::{
     activity, command, contact_settings, damping, field, integrator, kind, locks, mass, number, random, shape,
     time_step, vector,
 };
+use layouts::{Content, Layouts, Value};
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, ColliderId, Command, FieldId, ForceField, Fx, Inputs, Mass, PHYSICS_VERSION,
     RecordOptions, Recorder, Replay, ReplayError, Snapshot, SnapshotError, Turn, World, WorldDef,
@@ -543,6 +543,6 @@ fn the_tables_read_every_command_and_say_how_long_it_is() {
     }
     let most = lengths.values().flatten().max().expect("one");
     assert_eq!(*most, Command::<Fx>::BYTES);
-    let text = fs::read_to_string(formats::PATH).expect("the document");
+    let text = fs::read_to_string(layouts::PATH).expect("the document");
     assert!(text.contains(&format!("none has more than {} bytes\n(`Command::BYTES`)", Command::<Fx>::BYTES)));
 }

@@ -1,7 +1,7 @@
 //! The corpus gives the digests that are written down, in debug and release, on any number of threads, with wide vectors
 //! and without: `src/selftest/golden.txt` holds them, a line a scene.
 //!
-//! `UMBRA_BLESS=1 cargo test --release --features selftest --test golden` writes the file. It takes new scenes as they
+//! `UMBRA_BLESS=1 cargo test --release --all-features --test engine golden` writes the file. It takes new scenes as they
 //! are; a digest that changes needs another `PHYSICS_VERSION`, and a line in the changelog. (To change a scene, take its line out.)
 
 use std::path::Path;

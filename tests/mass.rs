@@ -48,7 +48,9 @@ impl Drop for Worst {
     }
 }
 
-const CASES: usize = if cfg!(debug_assertions) { 1_000 } else { 20_000 };
+fn cases() -> usize {
+    crate::seeds::times(2_000)
+}
 
 fn pi() -> Real {
     &*TAU / real(2)
@@ -63,7 +65,7 @@ fn size(random: &mut SplitMix) -> Fx {
 #[test]
 fn a_circle_has_half_its_squared_radius() {
     let (mut random, mut worst) = (SplitMix::seeded(1), Worst::new("circle"));
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let radius = size(&mut random);
         let square = exact(radius) * exact(radius);
         worst.look(&Shape::circle(radius).expect("a fair size"), &(pi() * &square), &(square / real(2)));
@@ -73,7 +75,7 @@ fn a_circle_has_half_its_squared_radius() {
 #[test]
 fn a_rectangle_has_a_twelfth_of_its_squared_diagonal() {
     let (mut random, mut worst) = (SplitMix::seeded(2), Worst::new("rectangle"));
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (width, height) = (size(&mut random), size(&mut random));
         let (w, h) = (exact(width), exact(height));
         let shape = Shape::rectangle(width, height).expect("fair sizes");
@@ -84,7 +86,7 @@ fn a_rectangle_has_a_twelfth_of_its_squared_diagonal() {
 #[test]
 fn a_capsule_is_a_rectangle_and_two_half_discs() {
     let (mut random, mut worst) = (SplitMix::seeded(3), Worst::new("capsule"));
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (length, radius) = (size(&mut random), size(&mut random));
         let (l, r) = (exact(length), exact(radius));
         let (bar, disc) = (real(2) * &l * &r, pi() * &r * &r);
@@ -103,7 +105,7 @@ fn a_capsule_is_a_rectangle_and_two_half_discs() {
 #[test]
 fn a_segment_has_a_twelfth_of_its_squared_length() {
     let (mut random, mut worst) = (SplitMix::seeded(4), Worst::new("segment"));
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let mut coordinate = || Fx::from_bits(random.of_bits(44));
         let (a, b) = (Vec2::new(coordinate(), coordinate()), Vec2::new(coordinate(), coordinate()));
         let Ok(shape) = Shape::segment(a, b) else { continue };
@@ -156,7 +158,7 @@ fn random_polygon(random: &mut SplitMix, most: i64) -> Vec<Vec2> {
 fn a_polygon_has_the_moments_of_its_triangles() {
     let (mut random, mut worst) = (SplitMix::seeded(5), Worst::new("polygon"));
     let (mut made, mut shifted) = (0, 0.0f64);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let corners = random_polygon(&mut random, 12);
         let Ok(shape) = Shape::polygon(&corners) else { continue };
         made += 1;
@@ -168,7 +170,7 @@ fn a_polygon_has_the_moments_of_its_triangles() {
         }
         worst.look(&shape, &area, &gyration);
     }
-    assert!(made > CASES / 2, "{made} were convex");
+    assert!(made > cases() / 2, "{made} were convex");
     println!("{made} polygons, the centroid within {shifted:.3} ulps");
 }
 
@@ -228,7 +230,7 @@ fn rounded(corners: &[Vec2], radius: Fx) -> (Real, [Real; 2], Real) {
 fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
     let mut random = SplitMix::seeded(8);
     let (mut made, mut shifted, mut area_off, mut inertia_off) = (0, 0.0f64, f64::NEG_INFINITY, f64::NEG_INFINITY);
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let (corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
         let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
         made += 1;
@@ -241,7 +243,7 @@ fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
         let off = to_f64(&(factor(shape.gyration()) - &gyration)).abs() - 2f64.powi(-63);
         inertia_off = inertia_off.max((off.max(0.0) / to_f64(&gyration)).log2());
     }
-    assert!(made > CASES / 20, "{made} were convex");
+    assert!(made > cases() / 20, "{made} were convex");
     println!("{made} rounded: centre within {shifted:.3} ulps, area 2^{area_off:.1}, inertia 2^{inertia_off:.1}");
     assert!(shifted <= 1.1 && area_off <= AREA && inertia_off <= GYRATION);
 }
@@ -250,7 +252,7 @@ fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
 fn a_rounded_polygon_does_not_depend_on_its_first_corner_or_winding_or_image() {
     let mut random = SplitMix::seeded(9);
     let mut made = 0;
-    for _ in 0..CASES / 20 {
+    for _ in 0..cases() / 20 {
         let (mut corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
         let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
         made += 1;
@@ -270,7 +272,7 @@ fn a_rounded_polygon_does_not_depend_on_its_first_corner_or_winding_or_image() {
             assert_eq!((other.shift(), of(&other)), (image(shape.shift()), of(&shape)), "{corners:?}");
         }
     }
-    assert!(made > CASES / 40, "{made} were convex");
+    assert!(made > cases() / 40, "{made} were convex");
 }
 
 #[test]
@@ -297,7 +299,7 @@ fn from_the_least(shape: &Shape) -> Vec<(i64, i64)> {
 fn a_polygon_does_not_depend_on_its_first_corner_or_winding() {
     let mut random = SplitMix::seeded(6);
     let mut made = 0;
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let mut corners = random_polygon(&mut random, 9);
         let Ok(shape) = Shape::polygon(&corners) else { continue };
         made += 1;
@@ -313,13 +315,13 @@ fn a_polygon_does_not_depend_on_its_first_corner_or_winding() {
             corners.reverse();
         }
     }
-    assert!(made > CASES / 20, "{made} were convex");
+    assert!(made > cases() / 20, "{made} were convex");
 }
 
 #[test]
 fn a_compound_follows_the_parallel_axis_theorem() {
     let (mut random, mut worst) = (SplitMix::seeded(7), Worst::new("compound"));
-    for _ in 0..CASES / 4 {
+    for _ in 0..cases() / 4 {
         let parts: Vec<Part> = (0..random.between(1, 6))
             .map(|_| {
                 let shape = match random.between(0, 3) {
@@ -369,7 +371,7 @@ fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut random = SplitMix::seeded(8);
     let mut made = 0;
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let shape = Shape::capsule(size(&mut random), size(&mut random)).expect("fair sizes");
         let density = Fx::from_bits(random.of_bits(40).abs() + 1);
         let def = BodyDef { shape: Some(shape.clone()), mass: Mass::Density(density), ..BodyDef::dynamic() };
@@ -386,7 +388,7 @@ fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
         assert!(bits_off(&factor(body.inverse_inertia()), &(real(1) / inertia)) <= GYRATION);
         assert!(bits_off(&factor(body.inverse_mass()), &(real(1) / mass)) <= -64.0);
     }
-    assert!(made > CASES / 40, "{made} had a mass within the limits");
+    assert!(made > cases() / 40, "{made} had a mass within the limits");
 }
 
 #[test]
@@ -406,7 +408,7 @@ fn a_disc_of_a_centimetre_and_one_of_a_kilometre_keep_their_inertia() {
 #[test]
 fn a_length_has_all_its_bits_however_short_it_is() {
     let mut random = SplitMix::seeded(9);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let v = vec2(Fx::from_bits(random.of_bits(63)), Fx::from_bits(random.of_bits(63)));
         let (x, y) = (exact(v.x), exact(v.y));
         let right = (&x * &x + &y * &y).sqrt();

@@ -10,7 +10,9 @@ use random::SplitMix;
 use real::{Real, exact, real, to_f64};
 use umbra_physics::{Aabb, Fx, Geometry, Outline, Part, Shape, Vec2, fx, vec2};
 
-const CASES: usize = if cfg!(debug_assertions) { 200 } else { 4_000 };
+fn cases() -> usize {
+    crate::seeds::times(400)
+}
 
 /// A length between 2^-7 and 2^12 m, uniform in its exponent.
 fn size(random: &mut SplitMix) -> Fx {
@@ -88,7 +90,7 @@ fn are_halves(low: Fx, high: Fx, size: Fx) -> bool {
 #[test]
 fn discs_are_points_and_capsules_lines_with_a_radius() {
     let mut random = SplitMix::seeded(1);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (length, radius) = (size(&mut random), size(&mut random));
         let shape = Shape::circle(radius).expect("a fair size");
         let disc = only(&shape);
@@ -104,7 +106,7 @@ fn discs_are_points_and_capsules_lines_with_a_radius() {
 #[test]
 fn rectangles_have_their_corners_and_the_axes_as_normals() {
     let mut random = SplitMix::seeded(2);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (width, height) = (size(&mut random), size(&mut random));
         let shape = Shape::rectangle(width, height).expect("fair sizes");
         let outline = only(&shape);
@@ -119,7 +121,7 @@ fn rectangles_have_their_corners_and_the_axes_as_normals() {
 #[test]
 fn polygons_and_segments_keep_their_corners_and_have_exact_normals() {
     let mut random = SplitMix::seeded(3);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let shape = polygon(&mut random);
         let Geometry::Polygon { corners } = shape.geometry() else { panic!("a polygon") };
         let outline = only(&shape);
@@ -167,7 +169,7 @@ fn turned_to_the_least(outline: &Outline) -> Vec<(Vec2, Vec2)> {
 fn images_of_a_polygon_have_the_images_of_its_outline() {
     let mirror = |v: Vec2| vec2(-v.x, v.y);
     let mut random = SplitMix::seeded(4);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let shape = polygon(&mut random);
         let Geometry::Polygon { corners } = shape.geometry() else { panic!("a polygon") };
         let image = |map: fn(Vec2) -> Vec2| Shape::polygon(&corners.iter().map(|&c| map(c)).collect::<Vec<_>>());
@@ -191,7 +193,7 @@ fn images_of_a_polygon_have_the_images_of_its_outline() {
 fn parts_of_a_compound_are_turned_and_moved_to_their_places() {
     let mut random = SplitMix::seeded(5);
     let bound = real(51) / real(100) / real(1 << 32);
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let given: Vec<Part> = (0..random.between(1, 6))
             .map(|i| {
                 let shape = match i % 3 {

@@ -14,7 +14,9 @@ use umbra_physics::{
     Turn, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
-const CASES: usize = if cfg!(debug_assertions) { 300 } else { 6_000 };
+fn cases() -> usize {
+    crate::seeds::times(600)
+}
 
 fn number(random: &mut SplitMix, log2: i64) -> Fx {
     let most = 1 << (32 + random.between(-8, log2));
@@ -64,7 +66,7 @@ fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
     let body = world.add_body(BodyDef { velocity: vec2(1, -2), angular_velocity: fx!(3), ..BodyDef::dynamic() });
     let body = body.expect("a body");
     let mut refused = 0;
-    for case in 0..CASES {
+    for case in 0..cases() {
         let far = if case % 16 == 0 { 30 } else { 20 };
         world.set_position(body, vector(&mut random, far.min(29))).expect("inside");
         world.set_angle(body, number(&mut random, 30)).expect("an angle");
@@ -100,7 +102,7 @@ fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
             _ => assert_eq!(at.local_point(p), None),
         }
     }
-    assert!(refused > CASES / 50 && refused < CASES / 2, "{refused} of {CASES} velocities did not fit");
+    assert!(refused > cases() / 50 && refused < cases() / 2, "{refused} of {} velocities did not fit", cases());
 }
 
 fn within(found: Real, right: &Real, bound: &Real, what: &str) {
@@ -119,7 +121,7 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
     let mut random = SplitMix::seeded(0x0b0d_1e50_0000_0004);
     let wide = |value: FxWide| units(value.to_bits(), 64);
     let mut struck = 0;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let mass = Mass::Explicit {
             mass: Fx::from_bits(random.between(1 << 24, 1 << 50)),
             inertia: Fx::from_bits(random.between(1 << 24, 1 << 50)),
@@ -174,13 +176,13 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
             within(units(found.to_bits(), 96), &right, &((size >> relative) + units(1, 96)), "a change by an impulse");
         }
     }
-    assert!(struck > CASES / 2, "{struck} of {CASES} were struck");
+    assert!(struck > cases() / 2, "{struck} of {} were struck", cases());
 }
 
 #[test]
 fn a_rotation_in_public_numbers_is_within_its_bound() {
     let mut random = SplitMix::seeded(0x0b0d_1e50_0000_0005);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (angle, v) = (number(&mut random, 10), vector(&mut random, 20));
         let [x, y] = [v.x, v.y].map(exact);
         let (sin, cos) = exact(angle).sin_cos();
@@ -293,7 +295,7 @@ fn masses_are_read_as_they_were_given() {
 #[test]
 fn totals_print_exactly() {
     let mut random = SplitMix::seeded(0x0b0d_1e50_0000_0003);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let bits = (i128::from(random.next() as i64) << 64 | i128::from(random.next())) >> random.between(0, 127);
         let text = FxWide::from_bits(bits).to_string();
         let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));

@@ -252,39 +252,41 @@ fn there_and_back(name: &str, make: fn(Integrator) -> (World, Vec<BodyId>), tick
     }
 }
 
-const TICKS: usize = if cfg!(debug_assertions) { 60 } else { 600 };
+fn ticks() -> usize {
+    crate::seeds::times(60)
+}
 
 #[test]
 fn an_orbit_goes_back_to_the_bit() {
-    there_and_back("kepler", kepler, 10 * TICKS);
+    there_and_back("kepler", kepler, 10 * ticks());
 }
 
 #[test]
 fn a_net_of_springs_goes_back_to_the_bit() {
-    there_and_back("net", net, TICKS);
+    there_and_back("net", net, ticks());
 }
 
 #[test]
 fn every_force_that_has_a_way_back_goes_back_to_the_bit() {
-    there_and_back("everything", everything, TICKS);
+    there_and_back("everything", everything, ticks());
 }
 
 #[test]
 fn free_bodies_beside_bound_ones_go_back_to_the_bit() {
-    there_and_back("few", few, TICKS);
+    there_and_back("few", few, ticks());
 }
 
 #[test]
 fn free_bodies_near_the_envelope_go_back_to_the_bit() {
-    there_and_back("near the envelope", near_the_envelope, TICKS.min(200));
+    there_and_back("near the envelope", near_the_envelope, ticks().min(200));
 }
 
 #[test]
-fn a_million_steps_go_back_to_the_bit() {
-    const STEPS: u64 = if cfg!(debug_assertions) { 10_000 } else { 1_000_000 };
+fn many_steps_go_back_to_the_bit() {
+    let steps = crate::seeds::times(100_000);
     const PUSHED: u64 = 64;
     for integrator in REVERSIBLE {
-        let steps = if integrator == Integrator::VelocityVerlet { STEPS } else { STEPS / 4 };
+        let steps = if integrator == Integrator::VelocityVerlet { steps } else { steps / 4 };
         // A planet with spin, a pair that a spring joins around it, and one that no field reaches.
         let planet = BodyDef { position: vec2(10, 0), velocity: vec2(0, fx!(2.5)), ..BodyDef::dynamic() };
         let one = BodyDef { position: vec2(-20, 1), velocity: vec2(0, fx!(-2)), ..BodyDef::dynamic() };

@@ -8,6 +8,8 @@
 //! bodies with short numbers, whose public values fall between two ulps again and again: without such ties a wrong rounding
 //! of ties would pass unseen. The last tests put wrong roundings in.
 
+#[path = "support/seeds.rs"]
+mod seeds;
 #[path = "twins/mod.rs"]
 mod twins;
 
@@ -20,7 +22,9 @@ use umbra_physics::{
 };
 
 /// Steps of the scenes: 14 minutes at 1/60.
-const STEPS: u32 = if cfg!(debug_assertions) { 2_000 } else { 50_000 };
+fn steps() -> u32 {
+    crate::seeds::times(5_000)
+}
 
 /// p' = A·p + t, with the axes of the bodies going along by `quarters`.
 #[derive(Clone, Copy, Debug)]
@@ -423,11 +427,11 @@ fn first_difference<S: Scalar>(
 
 fn assert_fair(integrator: Integrator) {
     for rate in [60, 64] {
-        let (found, ties) = first_difference::<Fx>(&symmetries(rate), integrator, rate, STEPS);
+        let (found, ties) = first_difference::<Fx>(&symmetries(rate), integrator, rate, steps());
         if let Some((tick, what)) = found.into_iter().flatten().next() {
             panic!("{integrator:?} at 1/{rate}, tick {tick}: {what}");
         }
-        println!("{integrator:?} at 1/{rate}: {STEPS} steps, {ties} ties");
+        println!("{integrator:?} at 1/{rate}: {} steps, {ties} ties", steps());
         // The weights of Yoshida's sub-steps are irrational, and so is 1/60 in binary: no ties there.
         let has_ties = rate == 64 && integrator != Integrator::Yoshida4;
         assert!(!has_ties || ties > 100, "{ties} ties only: this scene tests no tie");
@@ -466,7 +470,7 @@ fn images_that_move_the_origin_by_an_odd_number_of_ulps_do_not_stay_images() {
     let even_shift = Symmetry::shift([2, 0]);
     let even_turn = Symmetry { name: "even turn", shift: [2, 0], ..odd_turn };
     let images = [odd_shift, odd_turn, even_shift, even_turn];
-    let (found, _) = first_difference::<Fx>(&images, Integrator::VelocityVerlet, 64, STEPS / 10);
+    let (found, _) = first_difference::<Fx>(&images, Integrator::VelocityVerlet, 64, steps() / 10);
     let breaks: Vec<bool> = found.iter().map(Option::is_some).collect();
     assert_eq!(breaks, [true, true, false, false], "{found:?}");
 }
@@ -474,7 +478,7 @@ fn images_that_move_the_origin_by_an_odd_number_of_ulps_do_not_stay_images() {
 /// The images that a rounding breaks within these steps, by name.
 fn broken_by(rounding: Rounding, rate: u32) -> Vec<&'static str> {
     rounding.set();
-    let (found, _) = first_difference::<Twin>(&symmetries(rate), Integrator::VelocityVerlet, rate, STEPS / 10);
+    let (found, _) = first_difference::<Twin>(&symmetries(rate), Integrator::VelocityVerlet, rate, steps() / 10);
     for (tick, what) in found.iter().flatten() {
         println!("1/{rate}: tick {tick}, {what}");
     }
@@ -550,7 +554,7 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
         world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).unwrap();
         let region = Region::Disc { centre: vec2(0, 0), radius: fx!(20) };
         world.add_field(FieldKind::Zone { region, acceleration: vec2(fx!(0.77), fx!(0.1)) }).unwrap();
-        for tick in 0..STEPS / 10 {
+        for tick in 0..steps() / 10 {
             world.step();
             let first = Bits::of(&world.body(bodies[0]).unwrap());
             for (body, mass) in bodies.into_iter().zip(masses) {

@@ -10,7 +10,9 @@ use random::SplitMix;
 use real::{TAU, exact, ratio, real, to_f64, units};
 use umbra_physics::{Fx, FxFactor, FxWide, MathError, Rot, Turn, Vec2, fx};
 
-const CASES: u32 = if cfg!(debug_assertions) { 20_000 } else { 500_000 };
+fn cases() -> u32 {
+    crate::seeds::times(50_000)
+}
 
 /// num / den to nearest, ties to even. *Domain* den > 0.
 fn nearest(num: &IBig, den: &IBig) -> IBig {
@@ -65,7 +67,7 @@ fn big(value: Fx) -> IBig {
 fn products_of_vectors_are_the_nearest() {
     let mut numbers = Numbers(SplitMix::seeded(1));
     let (mut fits, mut beyond) = (0, 0);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (a, b) = (numbers.vector(), numbers.vector());
         let dot = big(a.x) * big(b.x) + big(a.y) * big(b.y);
         let cross = big(a.x) * big(b.y) - big(a.y) * big(b.x);
@@ -91,7 +93,7 @@ fn products_of_vectors_are_the_nearest() {
             assert_eq!(rot * a, turned, "{a} turned by {b}");
         }
     }
-    assert!(fits > CASES / 4 && beyond > CASES / 20, "{fits} fit, {beyond} do not");
+    assert!(fits > cases() / 4 && beyond > cases() / 20, "{fits} fit, {beyond} do not");
 }
 
 /// Returns true if `value` is the integer nearest to √squares: (2·value ± 1)² against 4·squares.
@@ -107,7 +109,7 @@ fn lengths_and_distances_are_the_nearest() {
     let square = |c: IBig| UBig::try_from(&c * &c).expect("a square");
     // Half an ulp above the greatest number, squared and times four: lengths from there on do not fit.
     let most = (UBig::from(u64::MAX)).pow(2);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (a, b) = (numbers.vector(), numbers.vector());
         for (found, x, y) in [
             (a.checked_length(), big(a.x), big(a.y)),
@@ -128,7 +130,7 @@ fn lengths_and_distances_are_the_nearest() {
 fn unit_vectors_and_shortened_ones_have_the_nearest_components() {
     let mut numbers = Numbers(SplitMix::seeded(3));
     let (mut shortened, mut kept) = (0, 0);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let (v, most) = (numbers.vector(), numbers.number().saturating_abs());
         if v == Vec2::ZERO {
             continue;
@@ -155,14 +157,14 @@ fn unit_vectors_and_shortened_ones_have_the_nearest_components() {
             shortened += 1;
         }
     }
-    assert!(shortened > CASES / 10 && kept > CASES / 10, "{shortened} shortened, {kept} kept");
+    assert!(shortened > cases() / 10 && kept > cases() / 10, "{shortened} shortened, {kept} kept");
     assert_eq!((Vec2::ZERO.normalize(), Vec2::<Fx>::ZERO.clamp_length(Fx::ZERO)), (None, Vec2::ZERO));
 }
 
 #[test]
 fn points_between_are_the_nearest() {
     let mut numbers = Numbers(SplitMix::seeded(4));
-    for i in 0..CASES {
+    for i in 0..cases() {
         let (a, b, t) = (numbers.vector(), numbers.vector(), numbers.number());
         let t = if i % 2 == 0 { t } else { Fx::from_bits(t.to_bits() & 0xffff_ffff) };
         let component =
@@ -177,7 +179,7 @@ fn points_between_are_the_nearest() {
 fn operators_of_vectors_are_those_of_their_components() {
     let mut numbers = Numbers(SplitMix::seeded(5));
     let mut tried = 0;
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let (a, b, s) = (numbers.vector(), numbers.vector(), numbers.number());
         let both = |f: &dyn Fn(Fx, Fx) -> Option<Fx>| f(a.x, b.x).zip(f(a.y, b.y)).map(Vec2::from);
         assert_eq!(a.checked_add(b), both(&Fx::checked_add));
@@ -269,7 +271,7 @@ fn operators_panic_where_a_result_does_not_fit() {
 #[test]
 fn integers_and_remainders_are_exact() {
     let mut numbers = Numbers(SplitMix::seeded(6));
-    for i in 0..CASES {
+    for i in 0..cases() {
         let (a, b) = (numbers.number(), numbers.number());
         let n = match i % 8 {
             0 => i32::MIN,
@@ -313,7 +315,7 @@ fn integers_and_remainders_are_exact() {
 fn degrees_are_the_nearest() {
     let mut numbers = Numbers(SplitMix::seeded(7));
     let mut worst = [0.0f64; 2];
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let a = numbers.number();
         let radians = exact(a) * &*TAU / real(360);
         let off = to_f64(&((exact(a.to_radians()) - radians) << 32)).abs();

@@ -5,8 +5,8 @@ use std::net::SocketAddr;
 use ggrs::{Config, InputStatus, PlayerType, PredictRepeatLast, SessionBuilder};
 use umbra_physics::World;
 
-use crate::adapter::{GgrsWorld, Saved};
-use crate::game::{Controls, bot};
+use super::adapter::{GgrsWorld, Saved};
+use super::game::{Controls, bot};
 
 /// The game as GGRS sees it.
 pub(crate) struct Match;

@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::game::Controls;
+use super::game::Controls;
 
 /// Length of the longest frame. A longer one is not from a peer, and no memory is allocated for it.
 const LONGEST: usize = 64;

@@ -9,7 +9,7 @@ use umbra_physics::{
     ForceField, ForceOrImpulse, Fx, Mass, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
-use crate::random::SplitMix;
+use super::random::SplitMix;
 
 /// The bits of [`BodyDef::force_groups`].
 const SHIP: u32 = 1;

@@ -15,8 +15,8 @@
 //! | `ContactList::records` | impulses | [`ContactRecord`]s, the state that the next step starts from (`set`, `asleep`) |
 //! | `Sweeps::end_fast_paths` | columns after the corrections | `Stop`s: the ends of fast paths |
 //!
-//! A body has three forms: columns, flight, and the row of the solver. A contact has four: a pair, a meeting, a contact in a group of the
-//! solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
+//! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a
+//! group of the solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
 //! `numbers` gives outlines the numbers that the broad phase knows; `reach` says how far outlines come in a step; `tiles` and `body_tiles`
 //! are polygons beside each other as one surface.
 //!

@@ -158,14 +158,15 @@ pub(crate) const fn sqrt_fx(raw: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cases::times;
     use alloc::vec::Vec;
     use dashu_int::UBig;
 
-    /// Every power of two and square with their neighbours, and a million from a generator, all sizes alike.
+    /// Every power of two and square with their neighbours, and others from a generator, all sizes alike.
     fn inputs() -> impl Iterator<Item = u128> {
         let powers = (0..128).flat_map(|k| (0..5).map(move |d| (1u128 << k).wrapping_add(d).wrapping_sub(2)));
         let mut state = 1u64;
-        let random = (0..if cfg!(debug_assertions) { 50_000 } else { 1_000_000 }).flat_map(move |i| {
+        let random = (0..times(100_000)).flat_map(move |i| {
             let mut next = || {
                 state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(0x1405_7b7e_f767_814f);
                 (state ^ state >> 29).wrapping_mul(0xbf58_476d_1ce4_e5b9)
@@ -229,7 +230,7 @@ mod tests {
         };
         let ends = [0, 1, -1, 2, 3, (1 << 62) - 1, 1 << 62, -1 << 62];
         let mut vectors: Vec<(i64, i64)> = ends.iter().flat_map(|&x| ends.map(|y| (x, y))).collect();
-        for _ in 0..if cfg!(debug_assertions) { 20_000 } else { 400_000 } {
+        for _ in 0..times(40_000) {
             let (cut, other) = (2 + next() as u64 % 62, 2 + next() as u64 % 62);
             vectors.push((next() >> cut, next() >> other));
         }
@@ -263,7 +264,7 @@ mod tests {
                 ends[..7].iter().for_each(|&whole| triples.push((c, d, whole)));
             }
         }
-        for _ in 0..if cfg!(debug_assertions) { 20_000 } else { 400_000 } {
+        for _ in 0..times(40_000) {
             let (cut, other, short) = (1 + next() % 63, 1 + next() % 63, 1 + next() % 63);
             triples.push((next() >> cut, next() >> other, next() >> short));
             // The sides of a right triangle, times anything: the root is an integer.

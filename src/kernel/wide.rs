@@ -182,7 +182,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        #![proptest_config(cases([256; 2]))]
+        #![proptest_config(cases(256))]
 
         #[test]
         fn a_ratio_of_a_number_is_rounded_down(a: u128, cut in 0u32..128, num: u32, den in 1u32.., few in 0u32..32) {

@@ -266,7 +266,7 @@ mod tests {
     }
 
     proptest! {
-        #![proptest_config(cases([256; 2]))]
+        #![proptest_config(cases(256))]
 
         #[test]
         fn a_decimal_is_rounded_once(digits in "[1-9][0-9]{0,80}", point in 0usize..40, exponent in -20i32..20) {

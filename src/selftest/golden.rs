@@ -92,7 +92,7 @@ impl<'t> Golden<'t> {
             to,
             "# Scene, ticks, digest: src/selftest/mod.rs says what each is. They change with the physics version alone."
         )?;
-        writeln!(to, "# Written by: UMBRA_BLESS=1 cargo test --release --features selftest --test golden")?;
+        writeln!(to, "# Written by: UMBRA_BLESS=1 cargo test --release --all-features --test engine golden")?;
         writeln!(to, "physics_version {physics_version}")?;
         for (name, Outcome { ticks, digest }) in scenes.into_iter().chain([(ALL, all)]) {
             writeln!(to, "{name:<24} {ticks:>6} {digest:016x}")?;

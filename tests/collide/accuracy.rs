@@ -1,8 +1,8 @@
 //! Manifolds against distances and separations in floats: offsets are small, so that doubles err by less than 2^-43 m.
 
-use crate::CASES;
-use crate::pairs::{Case, KINDS, Recipe, random_case};
-use crate::random::SplitMix;
+use super::cases;
+use crate::collide::pairs::{Case, KINDS, Recipe, random_case};
+use crate::collide::random::SplitMix;
 use std::f64::consts::TAU;
 use umbra_physics::collide::{Manifold, ManifoldPoint};
 use umbra_physics::{Fx, Shape, Turn, Vec2, fx};
@@ -193,7 +193,7 @@ fn separations_are_those_of_floats() {
         for second in &KINDS[i..] {
             let mut random = SplitMix::seeded(7 + i as u64);
             let mut seen = Seen::default();
-            for _ in 0..CASES / 5 {
+            for _ in 0..cases() / 5 {
                 let exponents = [30, 33].map(|e| (e + random.between(-3, 2)) as u32);
                 let mut case = random_case(&mut random, [first, second], exponents);
                 // Near the origin, doubles hold the corners.
@@ -201,7 +201,7 @@ fn separations_are_those_of_floats() {
                 check(&case, &mut seen);
             }
             println!("{first}, {second}: {seen:?}");
-            assert!(seen.touching > CASES / 100, "{first}, {second}: {seen:?}");
+            assert!(seen.touching > cases() / 100, "{first}, {second}: {seen:?}");
             assert!(seen.beside * 100 < seen.touching, "{first}, {second}: {seen:?}");
         }
     }
@@ -211,7 +211,7 @@ fn separations_are_those_of_floats() {
 fn boxes_on_long_floors_keep_their_precision() {
     let mut random = SplitMix::seeded(23);
     let mut worst = 0f64;
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let half = random.between(50, 1_000);
         let floor = Recipe::Rectangle(Fx::from_int(2 * half as i32), fx!(2));
         let crate_ = Recipe::Rectangle(fx!(1), fx!(1));

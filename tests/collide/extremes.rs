@@ -1,9 +1,9 @@
 //! The ends of the ranges, and shapes that are hardly any: nothing wraps, and images still have the images of manifolds.
 
-use crate::CASES;
-use crate::fairness;
-use crate::pairs::{Case, KINDS, Recipe, random_case, reach};
-use crate::random::SplitMix;
+use super::cases;
+use crate::collide::fairness;
+use crate::collide::pairs::{Case, KINDS, Recipe, random_case, reach};
+use crate::collide::random::SplitMix;
 use umbra_physics::collide::{Pose, collide, radius_bound};
 use umbra_physics::{Aabb, Fx, Part, Shape, Turn, Vec2, fx, limits, vec2};
 
@@ -15,7 +15,7 @@ fn bits(random: &mut SplitMix, most: u32) -> Fx {
 fn pairs_of_every_size_anywhere_have_fair_manifolds() {
     let mut random = SplitMix::seeded(51);
     let mut counts = [0; 3];
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let kinds = [0, 1].map(|_| KINDS[random.between(0, KINDS.len() as i64) as usize]);
         let exponents = [0, 1].map(|_| random.between(27, 43) as u32);
         let mut case = random_case(&mut random, kinds, exponents);
@@ -27,14 +27,14 @@ fn pairs_of_every_size_anywhere_have_fair_manifolds() {
         case.margin = [bits(&mut random, 62), Fx::MAX, Fx::MIN, Fx::ZERO, fx!(0.02)][random.between(0, 5) as usize];
         counts[fairness::check(&mut random, &case).map_or(0, |m| m.count)] += 1;
     }
-    assert!(counts.iter().all(|&count| count > CASES / 20), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > cases() / 20), "{counts:?}");
 }
 
 #[test]
 fn slivers_and_deep_overlaps_have_fair_manifolds() {
     let mut random = SplitMix::seeded(52);
     let mut counts = [0; 3];
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         // Corners by ulps off a line; any of them may fall together when they are turned.
         let long = 1i64 << random.between(26, 44);
         let sliver = |random: &mut SplitMix| {
@@ -54,7 +54,7 @@ fn slivers_and_deep_overlaps_have_fair_manifolds() {
         let case = Case { recipes, positions: [Vec2::default(), offset], angles: turns, margin: fx!(0.02) };
         counts[fairness::check(&mut random, &case).map_or(0, |m| m.count)] += 1;
     }
-    assert!(counts.iter().all(|&count| count > CASES / 50), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > cases() / 50), "{counts:?}");
 }
 
 #[test]
@@ -88,10 +88,10 @@ fn outlines_of_compounds_turn_about_the_centre_of_the_body() {
 #[test]
 fn the_bound_on_the_radius_is_less_than_two_ulps_above_it() {
     let mut random = SplitMix::seeded(53);
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let kind = KINDS[random.between(0, KINDS.len() as i64) as usize];
         let exponent = random.between(27, 43) as u32;
-        let shape = crate::pairs::recipe(&mut random, kind, exponent).shape().expect("a shape");
+        let shape = crate::collide::pairs::recipe(&mut random, kind, exponent).shape().expect("a shape");
         let outline = &shape.outlines()[0];
         let core = i128::from(reach(&shape) - outline.radius().to_bits());
         let square = |v: &Vec2| i128::from(v.x.to_bits()).pow(2) + i128::from(v.y.to_bits()).pow(2);
@@ -104,7 +104,7 @@ fn the_bound_on_the_radius_is_less_than_two_ulps_above_it() {
 #[test]
 fn the_box_of_a_pose_is_the_least_one_around_its_corners() {
     let mut random = SplitMix::seeded(54);
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let exponent = random.between(20, 47) as u32;
         let [x, y] = [0, 1].map(|_| {
             let ends = [0, 1].map(|_| bits(&mut random, exponent));

@@ -1,8 +1,8 @@
 //! The manifold of an image of a pair is the image of its manifold, to the bit.
 
-use crate::CASES;
-use crate::pairs::{Case, KINDS, random_case, tied_case};
-use crate::random::SplitMix;
+use super::cases;
+use crate::collide::pairs::{Case, KINDS, random_case, tied_case};
+use crate::collide::random::SplitMix;
 use umbra_physics::collide::{Manifold, ManifoldPoint, feature};
 use umbra_physics::{Fx, Shape, Turn, Vec2};
 
@@ -116,23 +116,23 @@ pub(crate) fn check(random: &mut SplitMix, case: &Case) -> Option<Manifold> {
 fn images_of_random_pairs_have_the_images_of_their_manifolds() {
     let mut random = SplitMix::seeded(41);
     let mut counts = [0; 3];
-    for i in 0..CASES {
+    for i in 0..cases() {
         let kinds = [0, 1].map(|_| KINDS[random.between(0, KINDS.len() as i64) as usize]);
         let exponent = random.between(27, 42) as u32;
         let other = if i % 3 == 0 { random.between(27, 42) as u32 } else { exponent };
         let case = random_case(&mut random, kinds, [exponent, other]);
         counts[check(&mut random, &case).map_or(0, |m| m.count)] += 1;
     }
-    assert!(counts.iter().all(|&count| count > CASES / 10), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > cases() / 10), "{counts:?}");
 }
 
 #[test]
 fn images_of_pairs_that_tie_have_the_images_of_their_manifolds() {
     let mut random = SplitMix::seeded(42);
     let mut counts = [0; 3];
-    for _ in 0..CASES {
+    for _ in 0..cases() {
         let case = tied_case(&mut random);
         counts[check(&mut random, &case).map_or(0, |m| m.count)] += 1;
     }
-    assert!(counts.iter().all(|&count| count > CASES / 10), "{counts:?}");
+    assert!(counts.iter().all(|&count| count > cases() / 10), "{counts:?}");
 }

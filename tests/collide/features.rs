@@ -1,8 +1,8 @@
 //! Cases whose manifold is known, and what stays the same while bodies slide.
 
-use crate::CASES;
-use crate::pairs::{Case, Recipe};
-use crate::random::SplitMix;
+use super::cases;
+use crate::collide::pairs::{Case, Recipe};
+use crate::collide::random::SplitMix;
 use umbra_physics::collide::{Manifold, feature};
 use umbra_physics::{Fx, FxWide, Turn, Vec2, fx, vec2};
 
@@ -46,7 +46,7 @@ fn a_box_that_slides_keeps_its_features() {
     for recipes in [[square(), square()], [wide.clone(), square()], [square(), wide]] {
         let reach = if matches!(recipes, [Recipe::Rectangle(a, _), Recipe::Rectangle(b, _)] if a == b) { 1 } else { 2 };
         let expected = [feature([2, 2], [1, 1]), feature([3, 3], [0, 0])];
-        let steps = CASES as i64 / 10;
+        let steps = cases() as i64 / 10;
         // To where the sides overlap less than the faces.
         for step in 1 - steps..steps {
             let x = Fx::from_ratio(step * reach, steps) * fx!(0.998);
@@ -137,7 +137,7 @@ fn a_disc_inside_leaves_by_the_nearest_edge() {
 fn capsules_on_one_line_meet_at_their_ends() {
     let capsule = Recipe::Capsule(fx!(2), fx!(0.5));
     let mut random = SplitMix::seeded(62);
-    for _ in 0..CASES / 10 {
+    for _ in 0..cases() / 10 {
         let angle = Turn::from_bits(random.next());
         let along = Vec2::new(fx!(3.01), Fx::from_bits(random.between(-2, 3)));
         let offset = angle.rotate(along).and_then(|v| v.try_map(FxWide::to_scalar)).expect("small");
@@ -181,7 +181,7 @@ fn surface(sticks_out: i64, x: Fx) -> Fx {
 #[test]
 fn a_corner_that_hardly_is_one_does_not_split_a_floor() {
     let mut random = SplitMix::seeded(63);
-    for i in 0..CASES {
+    for i in 0..cases() {
         // To 60 µm.
         let sticks_out = 1 << random.between(0, 18);
         let (floor, shift) = bent_floor(sticks_out);
@@ -240,7 +240,7 @@ fn stones_of_an_arch_share_two_points_on_each_face() {
                 assert!((end - radius).abs() < Fx::from_bits(32), "{end}");
             }
             assert!(m.points.iter().all(|p| p.separation.abs() < Fx::from_bits(32)), "{m:?}");
-            crate::fairness::check(&mut SplitMix::seeded(64), &case);
+            crate::collide::fairness::check(&mut SplitMix::seeded(64), &case);
         }
     }
 }

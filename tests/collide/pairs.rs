@@ -1,6 +1,6 @@
 //! Pairs of outlines near each other: random ones, and those that tie.
 
-use crate::random::SplitMix;
+use crate::collide::random::SplitMix;
 use umbra_physics::collide::{Manifold, Pose, collide};
 use umbra_physics::{Fx, Shape, Turn, Vec2, fx, vec2};
 

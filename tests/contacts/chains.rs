@@ -281,7 +281,7 @@ fn discs_touch_the_nearest_point_of_a_chain_and_nothing_else() {
     let mut random = Random::seeded(run_seed(77));
     let margin = fx!(0.02);
     let (mut touched, mut corners, mut both) = (0, 0, 0);
-    for _ in 0..if cfg!(debug_assertions) { 2_000 } else { 100_000 } {
+    for _ in 0..crate::seeds::times(10_000) {
         let points: Vec<Vec2> = (0..8).map(|i| Vec2::new(Fx::from(4 - i), random.number(fx!(-1)..=fx!(1)))).collect();
         let shape = chain(&points, false);
         let centre = Vec2::new(random.number(fx!(-2)..=fx!(3)), random.number(fx!(-0.5)..=fx!(2)));
@@ -325,7 +325,7 @@ fn discs_touch_the_nearest_point_of_a_chain_and_nothing_else() {
             assert!(found.is_empty(), "{found:?} at {gap}");
         }
     }
-    assert!(cfg!(debug_assertions) || touched > 10_000 && corners > 1_000 && both > 500, "{touched} {corners} {both}");
+    assert!(touched > 1_000 && corners > 100 && both > 50, "{touched} {corners} {both}");
 }
 
 /// The manifolds that all segments have with an outline.

@@ -2,8 +2,8 @@
 
 use umbra_physics::{BodyDef, BodyId, ColliderDef, Event, Fx, Random, Shape, Vec2, World, WorldDef, fx, vec2};
 
-use crate::flights::{length, random_angle};
-use crate::scenes::{
+use crate::impacts::flights::{length, random_angle};
+use crate::impacts::scenes::{
     allowance, between, build, conclude, disc, dynamic, energy, falling, fixed, float, floating, floor, kinematic,
     motion, number, of_any_size, point, position, random, rectangle, room, seeds, velocity,
 };
@@ -105,7 +105,7 @@ fn a_rod_that_falls_on_a_disc_moves_on() {
 #[test]
 fn random_rods_that_fall_on_bodies_move_on() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(200).chain([273, 643, 854, 1048]) {
+    for seed in seeds(20).chain([273, 643, 854, 1048]) {
         let random = &mut random("rods", seed);
         let support = [
             fixed(disc(fx!(0.5)), vec2(0, 0)),
@@ -148,7 +148,7 @@ fn a_disc_from_behind_a_chain_passes() {
 #[test]
 fn random_bodies_from_behind_a_chain_move_on() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(150) {
+    for seed in seeds(15) {
         let random = &mut random("behind", seed);
         let points: Vec<Vec2> = (0..9).map(|i| point(4.0 - f64::from(i), between(random, -0.7, 0.7))).collect();
         let chain = Shape::chain(&points, false).expect("a chain");
@@ -179,7 +179,7 @@ fn random_bodies_from_behind_a_chain_move_on() {
 #[test]
 fn planks_in_a_bin_with_bullets_move_on() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(20) {
+    for seed in seeds(2) {
         let random = &mut random("planks", seed);
         let mut bodies = vec![
             floor(),
@@ -208,7 +208,7 @@ fn planks_in_a_bin_with_bullets_move_on() {
 #[test]
 fn bullets_among_boxes_move_on() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(40) {
+    for seed in seeds(4) {
         let random = &mut random("bullets", seed);
         let mut bodies = room(8);
         for i in 0..12 {
@@ -281,7 +281,7 @@ fn a_kinematic_wall_does_not_pass_a_row_of_bullets() {
 #[test]
 fn a_kinematic_wall_does_not_pass_a_cloud_of_bodies() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(300).chain([365, 387, 535, 592, 737, 809, 824, 1048]) {
+    for seed in seeds(30).chain([365, 387, 535, 592, 737, 809, 824, 1048]) {
         let random = &mut random("cloud", seed);
         let speed = of_any_size(random, 10.0, 300.0);
         let count = random.integer(2..=10) as i32;
@@ -337,7 +337,7 @@ fn passages(world: &mut World, ticks: u32) -> [u32; 2] {
 #[test]
 fn a_sensor_that_is_crossed_within_a_step_is_entered_and_left() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(300) {
+    for seed in seeds(30) {
         let random = &mut random("sensors", seed);
         let speed = of_any_size(random, 2.0, 300.0);
         let size = between(random, 0.05, 0.3);

@@ -2,7 +2,7 @@
 
 use umbra_physics::{BodyDef, BodyKind, Fx, Random, Shape, Vec2};
 
-use crate::scenes::{between, disc, float, floats, number, of_any_size, point, rectangle};
+use crate::impacts::scenes::{between, disc, float, floats, number, of_any_size, point, rectangle};
 
 /// The corners of a convex outline, and the radius around them, m.
 struct Core {

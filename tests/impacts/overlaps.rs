@@ -2,8 +2,8 @@
 
 use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Locks, Mass, Part, Shape, TimeStep, World, WorldDef, fx, vec2};
 
-use crate::flights::{length, random_angle, random_shape};
-use crate::scenes::{
+use crate::impacts::flights::{length, random_angle, random_shape};
+use crate::impacts::scenes::{
     between, build, conclude, conclude_but, disc, dynamic, energy, falling, fixed, float, floating, floor, number,
     of_any_size, of_material, point, random, rectangle, seeds, spin, steps, velocity,
 };
@@ -71,7 +71,7 @@ fn a_pinned_box_at_rest_in_another_body_gets_no_more_than_the_push_speed() {
 #[test]
 fn a_pinned_bar_near_the_ground_gains_no_energy() {
     let (mut failures, mut tried) = (Vec::new(), 0);
-    for seed in seeds(120) {
+    for seed in seeds(12) {
         let random = &mut random("bar", seed);
         let length = between(random, 0.8, 2.0);
         let height = 0.0005 + between(random, 0.0, 0.006);
@@ -84,7 +84,7 @@ fn a_pinned_bar_near_the_ground_gains_no_energy() {
         }
         let (mut world, _) = build(falling(), bodies);
         let before = energy(&world);
-        let most = before + crate::scenes::allowance(&world);
+        let most = before + crate::impacts::scenes::allowance(&world);
         tried += 1;
         let mut gain = 0.0f64;
         for _ in 0..240 {
@@ -195,7 +195,7 @@ fn a_disc_that_another_one_wedges_out_leaves_about_as_fast_as_it_is_pushed() {
 fn random_bodies_at_rest_in_each_other_are_pushed_apart_gently() {
     let (mut failures, mut tried) = (Vec::new(), 0);
     // Beyond the first 400 are contacts of which one point has hardly a lever, and friction that pulls tighter than its contact can part.
-    for seed in seeds(400).chain([2143, 2384, 3525, 5328]) {
+    for seed in seeds(40).chain([2143, 2384, 3525, 5328]) {
         let random = &mut random("overlaps", seed);
         let restitution = [0.0, 0.5, 1.0][random.below(3) as usize];
         let count = random.integer(2..=4);

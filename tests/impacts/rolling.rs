@@ -2,7 +2,7 @@
 
 use umbra_physics::{BodyDef, ColliderDef, Fx, Material, Shape, TimeStep, Vec2, WorldDef, fx, vec2};
 
-use crate::scenes::{
+use crate::impacts::scenes::{
     allowance, angle, build, conclude, disc, dynamic, energy, falling, fixed, floor, point, position, rectangle,
 };
 
@@ -14,7 +14,7 @@ fn toy(tilt: f64) -> BodyDef {
     let (sin, cos) = tilt.sin_cos();
     BodyDef {
         position: point(0.245455 * sin, 0.5 - 0.245455 * cos),
-        angle: crate::scenes::number(tilt),
+        angle: crate::impacts::scenes::number(tilt),
         colliders: vec![part(fx!(0.5), fx!(0.245455), fx!(0.2)), part(fx!(0.15), fx!(-0.054545), fx!(10))],
         ..BodyDef::dynamic()
     }

@@ -166,11 +166,9 @@ pub(crate) fn first_exchange(def: WorldDef, bodies: &[BodyDef], ticks: u32) -> O
     None
 }
 
-/// The seeds of a search that has this many cases by day. `UMBRA_TIMES=10` tries ten times as many.
+/// The seeds of a search that has this many cases by day.
 pub(crate) fn seeds(cases: u64) -> impl Iterator<Item = u64> {
-    let times = std::env::var("UMBRA_TIMES").ok().and_then(|times| times.parse().ok()).unwrap_or(1u64);
-    let cases = if cfg!(debug_assertions) { cases.div_ceil(10) } else { cases };
-    0..cases * times
+    0..crate::seeds::times(cases)
 }
 
 /// The random numbers of a case of a search.

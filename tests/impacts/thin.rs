@@ -2,7 +2,7 @@
 
 use umbra_physics::{Shape, fx, limits::SIZE_MIN, vec2};
 
-use crate::scenes::{
+use crate::impacts::scenes::{
     build, conclude, dynamic, falling, fixed, float, floating, floor, number, of_material, point, position, rectangle,
     steps, velocity,
 };

@@ -9,14 +9,14 @@ use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
 use umbra_oracles::{self as oracle, Oracle, Script};
 use umbra_scene::Scene;
 
-use crate::plan::Plan;
+use crate::promises::plan::Plan;
 
 /// Description of the violation.
 pub(crate) type Verdict = Result<(), String>;
 
-/// So many cases, a tenth of them in an unoptimised build.
-pub(crate) fn config(cases: u32) -> Config {
-    Config { max_shrink_iters: 20_000, ..crate::cases::cases([cases.div_ceil(10), cases]) }
+/// So many cases by day.
+pub(crate) fn config(by_day: u32) -> Config {
+    Config { max_shrink_iters: 20_000, ..crate::promises::cases::cases(by_day) }
 }
 
 /// Enough to find what is false, however few are asked for, and to make little of it.

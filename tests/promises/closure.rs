@@ -12,8 +12,8 @@ use umbra_physics::{
     Fx, FxAccumulator, FxFactor, Shape, Turn, Vec2, World, limits,
 };
 
-use crate::check::{Verdict, check_of, judge, there_is};
-use crate::plan::{Cast, FAIR, Plan, Taste};
+use crate::promises::check::{Verdict, check_of, judge, there_is};
+use crate::promises::plan::{Cast, FAIR, Plan, Taste};
 
 /// The group that bystanders alone are in, and their fields alone act on.
 const BYSTANDERS: u32 = 1 << 31;
@@ -283,13 +283,13 @@ fn companies() -> impl Strategy<Value = Company> {
 #[test]
 fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_bystanders() {
     let near = Taste { near: 3, ..FAIR };
-    judge("closure", 500, near.plan(), Oracle::Order);
-    judge("closure", 200, near.plan(), Oracle::Bystanders);
+    judge("closure", 50, near.plan(), Oracle::Order);
+    judge("closure", 20, near.plan(), Oracle::Bystanders);
 }
 
 #[test]
 fn bystanders_change_no_bit_of_a_body() {
-    check_of("closure", 1_500, companies(), Company::script, Company::is_closed);
+    check_of("closure", 150, companies(), Company::script, Company::is_closed);
 }
 
 /// Each of this happens in companies that are made up.

@@ -6,9 +6,9 @@ use proptest::prelude::*;
 use umbra_oracles::Script;
 use umbra_physics::{BodyDef, Command, Elapsed, Error, Fx, Integrator, TimeStep, World, WorldDef, limits};
 
-use crate::check::{Verdict, check_of, config, falsified, there_is};
-use crate::plan::FAIR;
-use crate::real::{Real, exact, real, to_f64, units};
+use crate::promises::check::{Verdict, check_of, config, falsified, there_is};
+use crate::promises::plan::FAIR;
+use crate::promises::real::{Real, exact, real, to_f64, units};
 
 /// Steps of one length after steps of another.
 type Steps = Vec<(TimeStep, u64)>;
@@ -77,7 +77,7 @@ fn any_step() -> BoxedStrategy<TimeStep> {
 #[test]
 fn elapsed_time_is_the_sum_of_any_steps() {
     let steps = vec((any_step(), 0u64..20), 0..24);
-    let found = falsified(config(400), steps, is_the_sum);
+    let found = falsified(config(40), steps, is_the_sum);
     assert!(found.is_none(), "{found:?}");
 }
 
@@ -173,7 +173,7 @@ fn free_fall_at_any_rate_is_within_an_ulp_where_no_velocity_ties() {
         let n = fall.steps[0].0.seconds().1;
         fall.strays(|pull, seconds| 0.65 + 0.5 * seconds * share_of_ties(pull, n.into()))
     };
-    check_of("exact-time", 400, falls(), Fall::script, strays);
+    check_of("exact-time", 40, falls(), Fall::script, strays);
     let ties = |fall: &Fall| {
         let n = fall.steps[0].0.seconds().1;
         let share = share_of_ties(i128::from(fall.world.gravity.x.to_bits()), n.into());
@@ -188,10 +188,10 @@ fn free_fall_in_steps_of_any_lengths_is_within_half_an_ulp_a_second() {
     let steps = || vec((any_step(), 1u64..60), 1..6).boxed();
     let scale = || FAIR.signed(2, limits::GRAVITY_SCALE);
     let verlet = fall(&[Integrator::VelocityVerlet], scale(), steps());
-    check_of("exact-steps", 300, verlet, Fall::script, |fall| fall.strays(|_, seconds| 0.51 + 0.5 * seconds));
+    check_of("exact-steps", 30, verlet, Fall::script, |fall| fall.strays(|_, seconds| 0.51 + 0.5 * seconds));
     // 1.36 s, -1.71 s and 1.36 s in each second.
     let yoshida = fall(&[Integrator::Yoshida4], scale(), steps());
-    check_of("exact-steps-yoshida", 300, yoshida, Fall::script, |fall| {
+    check_of("exact-steps-yoshida", 30, yoshida, Fall::script, |fall| {
         fall.strays(|_, seconds| 0.51 + 0.5 * 4.43 * seconds)
     });
 }

@@ -11,8 +11,8 @@ use umbra_physics::{
     SpringConstants, TimeStep, Vec2, World, WorldDef, fx,
 };
 
-use crate::check::{check_of, there_is};
-use crate::plan::between;
+use crate::promises::check::{check_of, there_is};
+use crate::promises::plan::between;
 
 /// Nothing in it turns faster than some 4 rad/s, and nothing has an edge: springs through their anchors, softened
 /// attractors, linear drag, damping.
@@ -137,7 +137,7 @@ fn every_integrator_has_its_order_on_smooth_problems() {
     for integrator in Integrator::ALL {
         let script = |problem: &Problem| problem.script(COARSEST);
         let (tried, sloped) = (Cell::new(0u32), Cell::new(0u32));
-        check_of("order", 150, problem(integrator), script, |problem| {
+        check_of("order", 15, problem(integrator), script, |problem| {
             let has_slope = problem.has_order(integrator.order())?;
             tried.set(tried.get() + 1);
             sloped.set(sloped.get() + u32::from(has_slope));

@@ -7,8 +7,8 @@ use allocation_counter::measure;
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::{Activity, BodyId, BodyKind, End, FieldKind, ForceField, World};
 
-use crate::check::{Verdict, check, judge, there_is};
-use crate::plan::{FAIR, Plan, Taste};
+use crate::promises::check::{Verdict, check, judge, there_is};
+use crate::promises::plan::{FAIR, Plan, Taste};
 
 fn end(script: &Script) -> Result<World, String> {
     script.run().map_err(|error| error.to_string())
@@ -110,22 +110,22 @@ const NEAR: Taste = Taste { near: 3, ..FAIR };
 /// Leaving out parts of a step, or taking several bodies through it at once, changes nothing.
 #[test]
 fn no_short_cut_changes_a_bit() {
-    judge("pays", 400, NEAR.plan(), Oracle::Paths);
+    judge("pays", 40, NEAR.plan(), Oracle::Paths);
 }
 
 #[test]
 fn a_step_goes_through_the_bodies_that_may_move() {
-    check("pays-moving", 500, NEAR.plan(), moves_those_alone_who_may_move);
+    check("pays-moving", 50, NEAR.plan(), moves_those_alone_who_may_move);
 }
 
 #[test]
 fn a_look_ahead_takes_along_what_it_depends_on() {
-    check("pays-preview", 500, NEAR.plan(), looks_ahead_with_few);
+    check("pays-preview", 50, NEAR.plan(), looks_ahead_with_few);
 }
 
 #[test]
 fn ticks_gone_over_again_take_nothing_from_the_heap() {
-    check("pays-heap", 500, NEAR.plan(), takes_nothing_the_second_time);
+    check("pays-heap", 50, NEAR.plan(), takes_nothing_the_second_time);
     // What the first time takes is seen.
     let first = |plan: &Plan| {
         let world = plan.script().run().expect("a fair world");

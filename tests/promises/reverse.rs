@@ -3,8 +3,8 @@
 use umbra_oracles::{Oracle, Script};
 use umbra_physics::{Activity, Error, Irreversible};
 
-use crate::check::{Verdict, check, judge, there_is};
-use crate::plan::{FAIR, Plan, Taste};
+use crate::promises::check::{Verdict, check, judge, there_is};
+use crate::promises::plan::{FAIR, Plan, Taste};
 
 const REVERSIBLE: Taste = Taste { near: 2, reversible: true, changes: false, ticks: 80, ..FAIR };
 
@@ -54,15 +54,15 @@ fn goes_there_and_back(script: &Script) -> Verdict {
 
 #[test]
 fn a_run_is_undone_to_its_first_bit() {
-    check("reverse", 1_000, REVERSIBLE.plan(), goes_there_and_back);
+    check("reverse", 100, REVERSIBLE.plan(), goes_there_and_back);
 }
 
 #[test]
 fn any_step_is_undone_or_nothing_changes() {
-    judge("reverse", 400, REVERSIBLE.plan(), Oracle::Reverse);
+    judge("reverse", 40, REVERSIBLE.plan(), Oracle::Reverse);
     // In few of these there is a step that can be undone, and in many one that cannot.
     let any = Taste { near: 3, ..FAIR }.plan();
-    check("reverse-any", 400, any, |script| script.judge(Oracle::Reverse).map(drop).map_err(|seen| seen.to_string()));
+    check("reverse-any", 40, any, |script| script.judge(Oracle::Reverse).map(drop).map_err(|seen| seen.to_string()));
 }
 
 #[test]

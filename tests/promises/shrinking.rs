@@ -6,8 +6,8 @@ use umbra_oracles::Script;
 use umbra_physics::{Activity, FieldKind, Fx, World, fx};
 use umbra_scene::Scene;
 
-use crate::check::{Verdict, broken, until_found, written};
-use crate::plan::{FAIR, Taste};
+use crate::promises::check::{Verdict, broken, until_found, written};
+use crate::promises::plan::{FAIR, Taste};
 
 /// The world of a script, seen after each tick.
 fn seen(script: &Script, mut see: impl FnMut(&World) -> Verdict) -> Verdict {

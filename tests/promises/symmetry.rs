@@ -12,24 +12,24 @@ use umbra_physics::{
     ForceOrImpulse, Fx, Mass, Random, Rollback, Snapshot, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
-use crate::check::{Verdict, check_of, judge, there_is};
-use crate::plan::{FAIR, Taste};
+use crate::promises::check::{Verdict, check_of, judge, there_is};
+use crate::promises::plan::{FAIR, Taste};
 
 const TASTE: Taste = Taste { near: 1, unfair: 0, ..FAIR };
 
 #[test]
 fn a_mirrored_run_is_the_mirror_image() {
-    judge("fair", 500, TASTE.plan(), Oracle::Mirror);
+    judge("fair", 50, TASTE.plan(), Oracle::Mirror);
 }
 
 #[test]
 fn a_turned_run_is_the_run_turned() {
-    judge("fair", 500, TASTE.plan(), Oracle::Turn);
+    judge("fair", 50, TASTE.plan(), Oracle::Turn);
 }
 
 #[test]
 fn a_run_shifted_by_an_even_number_of_ulps_is_the_run_shifted() {
-    judge("fair", 500, TASTE.plan(), Oracle::Shift);
+    judge("fair", 50, TASTE.plan(), Oracle::Shift);
 }
 
 /// A world, and all that a game keeps beside it to call it by.
@@ -289,7 +289,7 @@ fn calls_of_every_kind_keep_images() {
     let runs = || (TASTE.plan(), any::<u64>());
     check_of(
         "fair-calls",
-        400,
+        40,
         runs(),
         |(plan, _)| plan.script(),
         |(plan, seed)| {
@@ -372,7 +372,7 @@ fn pairs(pulls_alike: bool) -> impl Strategy<Value = Pair> {
 
 #[test]
 fn bodies_of_any_mass_fall_alike() {
-    check_of("fair-masses", 600, pairs(true), Pair::script, Pair::falls_alike);
+    check_of("fair-masses", 60, pairs(true), Pair::script, Pair::falls_alike);
     // Drag does not pull alike.
     assert!(there_is(pairs(false), |pair| pair.falls_alike().is_err()));
 }

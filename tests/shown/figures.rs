@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::guide::{flowing, read, report, runs};
+use crate::shown::guide::{flowing, read, report, runs};
 
 /// With commas between the thousands, as texts have it.
 fn grouped(number: u64) -> String {

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use serde_json::Value;
 
-use crate::packages::packaged;
+use crate::shown::packages::packaged;
 
 /// Reads a file of the repository; some of them are not in the published package.
 pub(crate) fn read(path: &str) -> String {

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 use syn::{FnArg, Pat, PatIdent, Signature};
 
-use crate::openings;
+use super::openings;
 
 /// The folders in which names and comments are counted.
 const FOLDERS: [&str; 6] = ["src/contact", "src/collide", "src/solve", "src/step", "src/character", "src/island"];

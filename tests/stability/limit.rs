@@ -11,8 +11,8 @@
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, BodyRef, Fx, Integrator, fx, limits, vec2};
 
-use crate::QUICK;
-use crate::scene::{Ball, Scene, Seen, Spring, bits, look};
+use crate::seeds::is_short;
+use crate::stability::scene::{Ball, Scene, Seen, Spring, bits, look};
 
 /// The integrators that have a limit.
 pub(crate) const BOUNDED: [Integrator; 4] =
@@ -117,7 +117,7 @@ fn measured_limit(integrator: Integrator, mass: Fx, rate: u32, steps: u32) -> f6
 
 #[test]
 fn the_limit_of_stability_is_where_the_trace_of_the_step_says() {
-    let steps = if QUICK { 500 } else { 20_000 };
+    let steps = if is_short() { 2_000 } else { 20_000 };
     for integrator in BOUNDED {
         let known = if integrator == Integrator::Yoshida4 { 1.573_401_947 } else { 2.0 };
         let limit = crossing(integrator, 1.0);

@@ -3,9 +3,9 @@
 use umbra_physics::limits::{MASS_MAX, MASS_MIN};
 use umbra_physics::{Fx, Integrator, fx};
 
-use crate::QUICK;
-use crate::long::Run;
-use crate::scene::{Gravity, Scene, Spring, bits};
+use crate::seeds::times;
+use crate::stability::long::Run;
+use crate::stability::scene::{Gravity, Scene, Spring, bits};
 
 const RATE: u32 = 240;
 /// The last is 2^40 to 1.
@@ -31,7 +31,7 @@ fn runs() -> impl Iterator<Item = Run> {
 
 #[test]
 fn light_and_heavy_bodies_keep_energy_and_momenta() {
-    runs().for_each(|run| run.assert_keeps(if QUICK { 10_000 } else { 300_000 }));
+    runs().for_each(|run| run.assert_keeps(times(30_000)));
 }
 
 #[test]

@@ -5,10 +5,10 @@ use umbra_physics::{
     Attachment, End, FieldKind, Fx, FxAccumulator, Integrator, Scalar, SpringConstants, Vec2, World, fx, vec2,
 };
 
-use crate::QUICK;
-use crate::random::SplitMix;
-use crate::real::{Real, exact, real, to_f64, units};
-use crate::scene::{Ball, Gravity, Scene, Spring, look};
+use crate::seeds::times;
+use crate::stability::random::SplitMix;
+use crate::stability::real::{Real, exact, real, to_f64, units};
+use crate::stability::scene::{Ball, Gravity, Scene, Spring, look};
 
 /// The velocities of all bodies added up, in units of 2^-96 m/s.
 fn velocities(world: &World) -> [i128; 2] {
@@ -43,7 +43,7 @@ impl Exact for Fx {
 
 impl Exact for f64 {
     fn real(value: f64) -> Real {
-        Real::try_from(value).expect("it is finite").with_precision(crate::real::PRECISION).value()
+        Real::try_from(value).expect("it is finite").with_precision(crate::stability::real::PRECISION).value()
     }
 }
 
@@ -109,7 +109,7 @@ fn attraction<S: Scalar>(bodies: [Attachment<S>; 2]) -> Vec<FieldKind<S>> {
 fn two_equal_bodies_keep_the_sum_of_their_velocities_to_the_bit() {
     for integrator in Integrator::ALL {
         // Explicit Euler spirals out of the envelope.
-        let steps = if QUICK || integrator == Integrator::ExplicitEuler { 2_000 } else { 50_000 };
+        let steps = if integrator == Integrator::ExplicitEuler { 2_000 } else { times(5_000) };
         let joins: [(&str, Join<Fx>); 2] = [("spring", spring), ("attraction", attraction)];
         for (name, join) in joins {
             let mut world = joined(integrator, join);
@@ -136,7 +136,7 @@ fn two_equal_bodies_do_not_keep_it_in_f64() {
 #[test]
 fn a_net_keeps_its_momentum_to_the_bit_where_nothing_has_to_be_rounded() {
     // At 64 Hz and 1 kg, h and 1/m are powers of two: F/m and its kicks have all the bits of F.
-    let (scene, steps) = (Scene::net(5, [fx!(1); 2]), if QUICK { 200 } else { 20_000 });
+    let (scene, steps) = (Scene::net(5, [fx!(1); 2]), times(2_000));
     let spread = |rate| {
         let mut world = scene.world::<Fx>(rate, Integrator::VelocityVerlet);
         let start = velocities(&world);
@@ -180,7 +180,7 @@ fn moved<S: Exact>(scene: &Scene, rate: u32, steps: u32) -> (f64, f64) {
 
 #[test]
 fn the_momentum_of_unequal_bodies_moves_by_no_more_than_rounding() {
-    let (scene, rate, steps) = (crowd(), 60, if QUICK { 1_000 } else { 30_000 });
+    let (scene, rate, steps) = (crowd(), 60, times(3_000));
     let (fixed, allowed) = moved::<Fx>(&scene, rate, steps);
     let (float, _) = moved::<f64>(&scene, rate, steps);
     println!("in {steps} steps {fixed:.1e} kg·m/s of {allowed:.1e} allowed, {float:.1e} in f64");

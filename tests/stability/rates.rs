@@ -3,14 +3,14 @@
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{BodyDef, Elapsed, Fx, Integrator, Scalar, TimeStep, Vec2, World, WorldDef, fx, vec2};
 
-use crate::QUICK;
-use crate::limit::{BOUNDED, half_trace};
-use crate::scene::{Scene, look};
+use crate::seeds::is_short;
+use crate::stability::limit::{BOUNDED, half_trace};
+use crate::stability::scene::{Scene, look};
 
-/// Unoptimised builds leave the fast ones out.
+/// By day without the fast ones.
 fn rates() -> &'static [u32] {
     let all = &[1, 2, 7, 30, 60, 100, 144, 1_000, 10_000];
-    if QUICK { &all[..7] } else { all }
+    if is_short() { &all[..7] } else { all }
 }
 
 /// At 0.25 rad/s some five periods: sin(30) is −0.99, so that an error of the phase shows.

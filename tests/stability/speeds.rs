@@ -6,7 +6,7 @@ use umbra_physics::{
     BodyDef, BodyId, Cause, Fx, FxAccumulator, Mass, Scalar, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
-use crate::QUICK;
+use crate::seeds::is_short;
 
 const ULP: Fx = Fx::DELTA;
 
@@ -53,7 +53,7 @@ fn half_an_ulp_a_second_moves_nothing_and_a_bit_more_moves_an_ulp_a_second() {
 #[test]
 fn an_acceleration_of_an_ulp_adds_up_from_kicks_of_a_ten_thousandth_of_one() {
     // The velocity shows after half a second.
-    let (rate, seconds) = (10_000, if QUICK { 4 } else { 100 });
+    let (rate, seconds) = (10_000, if is_short() { 4 } else { 100 });
     let (mut world, body) = world(rate, ULP, BodyDef::dynamic());
     run(&mut world, rate / 2 - 1);
     assert_eq!(units(place(&world, body)), 0, "less than half an ulp a second");
@@ -98,7 +98,7 @@ fn doubles_and_singles_lose_a_step_of_the_lowest_speeds() {
 #[test]
 fn the_highest_speed_is_exact_from_one_end_of_the_world_to_the_other() {
     // Powers of two: a step that is rounded may end a hair beyond.
-    let rates: &[u32] = if QUICK { &[1, 64] } else { &[1, 64, 512] };
+    let rates: &[u32] = if is_short() { &[1, 64] } else { &[1, 64, 512] };
     for &rate in rates {
         let (position, velocity) = (Vec2::new(-POSITION, POSITION), Vec2::new(SPEED, -SPEED));
         let (mut world, body) = world(rate, fx!(0), BodyDef { position, velocity, ..BodyDef::dynamic() });

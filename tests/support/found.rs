@@ -7,7 +7,7 @@ use umbra_physics::{
     TimeStep, Vec2,
 };
 
-use super::formats::Value;
+use super::layouts::Value;
 
 pub(crate) fn number(value: &Value) -> Fx {
     Fx::from_bits(value.integer() as i64)

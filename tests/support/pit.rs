@@ -6,15 +6,23 @@ use umbra_physics::{
     Part, Random, Shape, TimeStep, Vec2, World, fx, vec2,
 };
 
+use crate::seeds::is_short;
+
 /// The middle of the pit, far from where most of the other bodies are, m.
 const CENTRE: Vec2 = Vec2::new(fx!(300), fx!(0));
 /// The half of the inner width and height, m.
 const HALF: i32 = 10;
 /// The bodies of the pile.
 pub(crate) const PILE: usize = 160;
-/// Ticks of a turn, of which the pit is shaken before the first of these, then stirred, and from the second on at rest.
-const TURN: u64 = 256;
-const PARTS: [u64; 2] = [80, 144];
+/// Ticks of a turn, of which the pit is shaken before the first of its parts, then stirred, and from the second on at rest.
+pub(crate) fn turn() -> u64 {
+    if is_short() { 64 } else { 256 }
+}
+
+fn parts() -> [u64; 2] {
+    [5, 9].map(|share| turn() * share / 16)
+}
+
 /// Ticks between two bullets.
 const BULLETS: u64 = 16;
 
@@ -31,9 +39,10 @@ pub(crate) enum Phase {
 
 impl Phase {
     pub(crate) fn of(tick: u64) -> Self {
-        match tick % TURN {
-            part if part < PARTS[0] => Self::Shaken,
-            part if part < PARTS[1] => Self::Stirred,
+        let [stirred, rest] = parts();
+        match tick % turn() {
+            part if part < stirred => Self::Shaken,
+            part if part < rest => Self::Stirred,
             _ => Self::Rest,
         }
     }
@@ -70,7 +79,7 @@ impl Pit {
         outside: Vec<BodyId>,
         mut execute: impl FnMut(Command) -> Option<Created>,
     ) {
-        let part = tick % TURN;
+        let (part, [stirred, rest]) = (tick % turn(), parts());
         if Self::is_filled(tick) {
             self.walls.drain(..).for_each(|body| _ = execute(Command::RemoveBody(body)));
             let added = walls().into_iter().filter_map(|def| made(execute(Command::AddBody(def))));
@@ -84,11 +93,11 @@ impl Pit {
         }
         let Some(&paddle) = self.walls.last() else { return };
         let spin = |velocity| Command::SetAngularVelocity { body: paddle, velocity };
-        if part == PARTS[0] {
+        if part == stirred {
             self.usual.iter().for_each(|command| _ = execute(command.clone()));
             execute(spin(fx!(3)));
         }
-        if part == PARTS[1] {
+        if part == rest {
             execute(spin(fx!(0)));
         }
         if part % BULLETS == 0 && Phase::of(part) != Phase::Rest {
@@ -108,7 +117,7 @@ impl Pit {
 
     /// Returns true at the ticks at which the pit is built anew, and the pile filled up.
     pub(crate) fn is_filled(tick: u64) -> bool {
-        tick % TURN == 0
+        tick % turn() == 0
     }
 
     /// The bodies of the pile that left the pit, or that are taken out: they are to be replaced by others.

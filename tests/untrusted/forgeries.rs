@@ -1,7 +1,7 @@
 //! The bytes of a file changed in every way that breaks things, with its seals as they were and made new; and every length
 //! and count in it a lie. What is refused is refused with an error; what is not goes on like any other.
 //!
-//! Of snapshots, replays and dumps every fifth byte; of each one with `UMBRA_BYTES=1` in the environment, which takes minutes.
+//! By day it is every 37th byte, by night each one.
 
 use allocation_counter::measure;
 use umbra_physics::{
@@ -10,9 +10,10 @@ use umbra_physics::{
 };
 use umbra_scene::Scene;
 
-use crate::everything::{commands, custom_forces, places, recording, world};
-use crate::memory::{ANY, bounded};
-use crate::seals::{begin, chunk, chunks, reseal};
+use crate::seeds::is_short;
+use crate::untrusted::everything::{commands, custom_forces, places, recording, world};
+use crate::untrusted::memory::{ANY, bounded};
+use crate::untrusted::seals::{begin, chunk, chunks, reseal};
 
 /// Hands on the bytes with one place changed, and puts them back: bits, bytes, and as a length or a count of 32 or 64 bits
 /// none, one more, and far too many.
@@ -72,7 +73,7 @@ fn snapshots() {
             }
         }
     });
-    assert!(accepted > 1_000 && refused > 2_000, "{accepted}, {refused}");
+    assert!(accepted > 150 && refused > 300, "{accepted}, {refused}");
 }
 
 #[test]
@@ -84,7 +85,7 @@ fn every_command() {
             let cut = bounded("a cut command", &whole[..end], |file| Command::<Fx>::from_bytes(file).map(drop));
             assert!(cut.is_err_and(|error| error.at <= end as u64), "{command:?} cut at {end}");
         }
-        let places = 0..whole.len();
+        let places = places(whole.len());
         forge(&mut whole, places, |_, changed| match bounded("a forged command", changed, Command::from_bytes) {
             Ok(command) => {
                 assert_eq!(command.to_bytes(), *changed, "{command:?}");
@@ -104,7 +105,7 @@ fn every_command() {
         whole.push(0);
         assert!(Command::<Fx>::from_bytes(&whole).is_err(), "{command:?} and more");
     }
-    assert!(accepted > 5_000 && refused > 2_000, "{accepted}, {refused}");
+    assert!(accepted > 150 && refused > 60, "{accepted}, {refused}");
 }
 
 #[test]
@@ -116,10 +117,10 @@ fn every_input_of_a_tick() {
     }
     let mut whole = inputs.to_bytes();
     assert_eq!(Inputs::from_bytes(&whole).as_ref(), Ok(&inputs));
-    for end in 0..whole.len() {
+    for end in places(whole.len()) {
         assert!(Inputs::from_bytes(&whole[..end]).is_err(), "cut at {end}");
     }
-    let (mut accepted, mut refused, places) = (0, 0, 0..whole.len());
+    let (mut accepted, mut refused, places) = (0, 0, places(whole.len()));
     forge(&mut whole, places, |_, changed| match bounded("forged inputs", changed, Inputs::from_bytes) {
         Ok(inputs) => {
             assert_eq!(inputs.to_bytes(), *changed);
@@ -131,7 +132,7 @@ fn every_input_of_a_tick() {
             refused += 1;
         }
     });
-    assert!(accepted > 5_000 && refused > 2_000, "{accepted}, {refused}");
+    assert!(accepted > 150 && refused > 60, "{accepted}, {refused}");
     // The shortest inputs take most memory for their bytes.
     let shortest: Vec<u8> =
         (0..100_000u32).flat_map(|player| [&player.to_le_bytes()[..], &[0; 4], &[27]].concat()).collect();
@@ -157,9 +158,11 @@ fn file(magic: &[u8; 8], chunks: &Chunks) -> Vec<u8> {
     file
 }
 
-/// Files of these chunks, with the bytes of one forged, or one left out, twice there or in the place of the next.
-fn forge_chunks(magic: &[u8; 8], whole: &Chunks, skip: [u8; 4], mut see: impl FnMut(&[u8])) {
-    for number in 0..whole.len() {
+/// Files of these chunks, with one in `step_by` bytes of one forged, or one left out, twice there or in the place of the next.
+fn forge_chunks(magic: &[u8; 8], whole: &Chunks, skip: [u8; 4], step_by: usize, mut see: impl FnMut(&[u8])) {
+    // Of a replay by day a quarter of the ticks.
+    let is_taken = |number: &usize| step_by < 37 || whole[*number].0 != *b"TICK" || number % 4 == 0;
+    for number in (0..whole.len()).filter(is_taken) {
         let [mut less, mut more, mut swapped] = [(); 3].map(|()| whole.clone());
         let taken = less.remove(number);
         more.insert(number, taken);
@@ -169,7 +172,7 @@ fn forge_chunks(magic: &[u8; 8], whole: &Chunks, skip: [u8; 4], mut see: impl Fn
         let (tag, contents) = &whole[number];
         let length = if *tag == skip { contents.len().min(24) } else { contents.len() };
         let mut chunks = whole.clone();
-        forge(&mut contents.clone(), places(length), |_, changed| {
+        forge(&mut contents.clone(), (0..length).step_by(step_by), |_, changed| {
             chunks[number].1.clone_from(changed);
             see(&file(magic, &chunks));
         });
@@ -187,25 +190,27 @@ fn replays() {
     let read = |file: &[u8]| Replay::from_bytes(file, &custom_forces());
     assert_eq!(read(&file(b"UMBRAREP", &whole)).expect("it is whole").verify(), Ok(()));
     let (mut as_recorded, mut diverged, mut refused) = (0, 0, 0);
-    forge_chunks(b"UMBRAREP", &whole, *b"SNAP", |file| match bounded("a forged replay", file, read) {
-        Ok(replay) => {
-            assert_eq!(replay.to_bytes(), file);
-            match replay.verify() {
-                Ok(()) => as_recorded += 1,
-                Err(divergence) => {
-                    assert_ne!(divergence.recorded, divergence.computed);
-                    diverged += 1;
+    forge_chunks(b"UMBRAREP", &whole, *b"SNAP", if is_short() { 37 } else { 1 }, |file| {
+        match bounded("a forged replay", file, read) {
+            Ok(replay) => {
+                assert_eq!(replay.to_bytes(), file);
+                match replay.verify() {
+                    Ok(()) => as_recorded += 1,
+                    Err(divergence) => {
+                        assert_ne!(divergence.recorded, divergence.computed);
+                        diverged += 1;
+                    }
                 }
             }
-        }
-        Err(error) => {
-            assert!((401..=407).contains(&error.code()) && !error.to_string().contains('\n'), "{error}");
-            assert!(!matches!(error, ReplayError::Tampered(_)), "the seals are right: {error}");
-            refused += 1;
+            Err(error) => {
+                assert!((401..=407).contains(&error.code()) && !error.to_string().contains('\n'), "{error}");
+                assert!(!matches!(error, ReplayError::Tampered(_)), "the seals are right: {error}");
+                refused += 1;
+            }
         }
     });
     // Those that go as recorded say something else of who sent a command, or of what is overwritten in that tick.
-    assert!(as_recorded > 100 && diverged > 5_000 && refused > 2_000, "{as_recorded}, {diverged}, {refused}");
+    assert!(as_recorded > 20 && diverged > 700 && refused > 300, "{as_recorded}, {diverged}, {refused}");
 }
 
 #[test]
@@ -222,7 +227,7 @@ fn dumps() {
     for end in 0..whole.len() {
         assert!(bounded("a cut dump", &whole[..end], read).is_err(), "cut at {end}");
     }
-    let places = 0..whole.len();
+    let places = places(whole.len());
     forge(&mut whole, places, |at, changed| {
         let error = bounded("a changed dump", changed, read).expect_err("it was changed");
         assert!(matches!(error.code(), 401 | 402 | 404 | 405 | 406), "byte {at}: {error}");
@@ -233,20 +238,22 @@ fn dumps() {
 
     let parts = chunks(&whole);
     let (mut accepted, mut refused) = (0, 0);
-    forge_chunks(b"UMBRADMP", &parts, *b"PHAS", |file| match bounded("a forged dump", file, read) {
-        Ok(forged) => {
-            assert_eq!(forged.to_bytes(), file);
-            // Nothing but what was done can be another without a world that is.
-            let found = forged.first_difference(&dump).map(|finding| finding.phase.to_string());
-            assert!(matches!(found.as_deref(), None | Some("calls" | "inputs")), "{found:?}");
-            accepted += 1;
-        }
-        Err(error) => {
-            assert!((401..=407).contains(&error.code()), "{error}");
-            refused += 1;
+    forge_chunks(b"UMBRADMP", &parts, *b"PHAS", if is_short() { 5 } else { 1 }, |file| {
+        match bounded("a forged dump", file, read) {
+            Ok(forged) => {
+                assert_eq!(forged.to_bytes(), file);
+                // Nothing but what was done can be another without a world that is.
+                let found = forged.first_difference(&dump).map(|finding| finding.phase.to_string());
+                assert!(matches!(found.as_deref(), None | Some("calls" | "inputs")), "{found:?}");
+                accepted += 1;
+            }
+            Err(error) => {
+                assert!((401..=407).contains(&error.code()), "{error}");
+                refused += 1;
+            }
         }
     });
-    assert!(accepted > 20 && refused > 300, "{accepted}, {refused}");
+    assert!(accepted > 4 && refused > 100, "{accepted}, {refused}");
     // Another tick than that of its worlds, and another end.
     for (tag, at) in [(*b"TICK", 0), (*b"DONE", 0), (*b"DONE", 8)] {
         let mut other = parts.clone();
@@ -299,12 +306,12 @@ fn scenes() {
         read.is_ok()
     };
     let (mut accepted, mut refused) = (0, 0);
-    for at in 0..text.len() {
+    for at in places(text.len()) {
         assert!(!parse(&text[..at]) || text[at..].trim().is_empty(), "cut at {at}");
         for put in ["", "0", "9", "-", "e", "\"", "{", "}", "[", "]", ",", "\\", "\n", "\u{1F600}"] {
             let forged = [&text[..at], put, &text[at + 1..]].concat();
             *(if parse(&forged) { &mut accepted } else { &mut refused }) += 1;
         }
     }
-    assert!(accepted > 1_000 && refused > 5_000, "{accepted}, {refused}");
+    assert!(accepted > 30 && refused > 150, "{accepted}, {refused}");
 }

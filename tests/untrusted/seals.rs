@@ -3,7 +3,7 @@
 use umbra_physics::{Snapshot, SnapshotError};
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::everything::custom_forces;
+use crate::untrusted::everything::custom_forces;
 
 /// Start of a file of a kind.
 pub(crate) fn begin(magic: &[u8; 8], format: u32) -> Vec<u8> {

@@ -1,6 +1,6 @@
 //! Each operation of each set beside [`Portable`], lane by lane.
 
-use crate::cases::run_seed;
+use crate::cases::{run_seed, times};
 use alloc::vec;
 use alloc::vec::Vec;
 
@@ -309,8 +309,7 @@ impl Job for Bodies {
 
 /// Compares a job on all sets with the same job on [`Portable`], many times.
 fn same<J: Job<Result: PartialEq + core::fmt::Debug>>(job: impl Fn(&mut Random) -> J) {
-    let times = if cfg!(debug_assertions) { 20_000 } else { 200_000 };
-    for seed in 0..times {
+    for seed in 0..times(20_000) {
         let expected = job(&mut Random(run_seed(seed))).run(Portable);
         for set in VectorSet::available().skip(1) {
             assert_eq!(run_with(set, job(&mut Random(run_seed(seed)))), expected, "{set:?}, seed {seed}");

@@ -6,7 +6,9 @@ use crate::math::Random;
 use crate::query::{Core, Point};
 
 /// Cases of a test.
-pub(super) const CASES: u32 = if cfg!(debug_assertions) { 20_000 } else { 200_000 };
+pub(super) fn cases() -> u32 {
+    crate::cases::times(20_000)
+}
 
 impl Core {
     /// The hull of these points, with a radius.

@@ -6,7 +6,7 @@ use core::cmp::Ordering;
 use crate::cases::run_seed;
 use dashu_int::IBig;
 
-use super::cases::{CASES, case};
+use super::cases::{case, cases};
 use crate::math::Random;
 use crate::query::ray::{FRACTION, FULL, first_hit};
 use crate::query::{Core, Point, RayEnd, Sum, at, contains, distance, nearest, point};
@@ -118,7 +118,7 @@ fn corners_of(core: &Core) -> Vec<Vector> {
 #[test]
 fn containment_and_the_nearest_point_are_those_of_the_definition() {
     let (mut random, mut inside, mut border) = (Random::seeded(run_seed(1)), 0, 0);
-    for i in 0..CASES {
+    for i in 0..cases() {
         let case = case(&mut random);
         let (core, corners) = (&case.core, corners_of(&case.core));
         let square = square_from(&big([0; 2]), &corners);
@@ -153,13 +153,13 @@ fn containment_and_the_nearest_point_are_those_of_the_definition() {
         assert!(whole >= squared(least.max(0)) && whole <= squared(most), "{i}: {core:?} {surface:?}");
         assert!(cross(&big(towards), &p).is_zero() || core.corners().len() > 1 || core.radius > 0);
     }
-    assert!(inside > CASES / 50 && border > CASES / 200, "{inside}, {border}");
+    assert!(inside > cases() / 50 && border > cases() / 200, "{inside}, {border}");
 }
 
 #[test]
 fn rays_enter_sharp_cores_where_clipping_says_to_the_last_bit() {
     let (mut random, mut hits, mut corners_hit, mut ends) = (Random::seeded(run_seed(2)), 0, 0, 0);
-    for i in 0..2 * CASES {
+    for i in 0..2 * cases() {
         let mut case = case(&mut random);
         case.core.radius = 0;
         let expected = entry(&corners_of(&case.core), &big(case.ray)).map(|t| (t.0 << FRACTION as usize) / t.1);
@@ -170,7 +170,7 @@ fn rays_enter_sharp_cores_where_clipping_says_to_the_last_bit() {
         corners_hit +=
             u32::from(actual.is_some_and(|end| matches!(end.feature, crate::query::ray::Feature::Corner(_))));
     }
-    assert!(hits > CASES / 10 && ends > CASES / 200 && corners_hit > CASES / 20, "{hits}, {ends}, {corners_hit}");
+    assert!(hits > cases() / 10 && ends > cases() / 200 && corners_hit > cases() / 20, "{hits}, {ends}, {corners_hit}");
 }
 
 /// The point at a fraction of a ray, and corners, in units of 2^-62 ulp.
@@ -209,7 +209,7 @@ fn compare_least(core: &Core, ray: Point, more: i64) -> Ordering {
 #[test]
 fn rays_enter_rounded_shapes_within_a_fraction_of_an_ulp_of_the_surface() {
     let (mut random, mut hits, mut misses) = (Random::seeded(run_seed(3)), 0, 0);
-    for i in 0..2 * CASES {
+    for i in 0..2 * cases() {
         let case = case(&mut random);
         let (core, ray) = (&case.core, case.ray);
         if core.radius == 0 {
@@ -235,13 +235,13 @@ fn rays_enter_rounded_shapes_within_a_fraction_of_an_ulp_of_the_surface() {
             }
         }
     }
-    assert!(hits > CASES / 10 && misses > CASES / 4, "{hits}, {misses}");
+    assert!(hits > cases() / 10 && misses > cases() / 4, "{hits}, {misses}");
 }
 
 #[test]
 fn a_sum_has_the_hull_of_all_differences() {
     let mut random = Random::seeded(run_seed(4));
-    for i in 0..CASES / 4 {
+    for i in 0..cases() / 4 {
         let case = case(&mut random);
         let (a, b) = (&case.core, &case.other);
         let sum = Sum::new(a, b);
@@ -261,7 +261,7 @@ fn a_sum_has_the_hull_of_all_differences() {
 #[test]
 fn shapes_that_are_cast_touch_where_they_are_said_to() {
     let (mut random, mut hits) = (Random::seeded(run_seed(5)), 0);
-    for i in 0..CASES {
+    for i in 0..cases() {
         let case = case(&mut random);
         let (a, b) = (&case.core, &case.other);
         let sum = Sum::new(a, b);
@@ -292,5 +292,5 @@ fn shapes_that_are_cast_touch_where_they_are_said_to() {
             assert!(square.cmp(&Ratio(least, IBig::ONE)).is_ge(), "{i}: {case:?} {touch:?}");
         }
     }
-    assert!(hits > CASES / 10, "{hits}");
+    assert!(hits > cases() / 10, "{hits}");
 }

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::{chunks, commands, custom_forces, file, recording, reseal, values};
 use crate::body::BodyDef;
-use crate::cases::run_seed;
+use crate::cases::{run_seed, times};
 use crate::math::Random;
 use crate::replay::file::{SNAPSHOT, Tag};
 use crate::replay::{Replay, Snapshot};
@@ -77,18 +77,13 @@ fn disturb(bytes: &mut [u8], random: &mut Random) {
     }
 }
 
-/// Number of tries of a test: more if asked to.
-fn tries(usual: u64) -> u64 {
-    option_env!("UMBRA_TRIES").and_then(|tries| tries.parse().ok()).unwrap_or(usual)
-}
-
 #[test]
 fn forged_snapshots_are_refused_or_go_on_like_any_other() {
     let mut random = Random::seeded(run_seed(5));
     let all: Vec<_> = chunks(&recording()).into_iter().filter(|(chunk, _)| chunk.tag == SNAPSHOT).collect();
     let all: Vec<_> = all.into_iter().map(|(chunk, _)| (values(&chunk), chunk.bytes)).collect();
     let (mut accepted, mut refused) = (0, 0);
-    for _ in 0..tries(300) {
+    for _ in 0..times(30u64) {
         let (values, bytes) = &all[random.below(all.len() as u64) as usize];
         let mut bytes = bytes.clone();
         for _ in 0..=random.below(3) {
@@ -112,7 +107,7 @@ fn forged_snapshots_are_refused_or_go_on_like_any_other() {
             Err(_) => refused += 1,
         }
     }
-    assert!(accepted > tries(300) / 20 && refused > tries(300) / 20, "{accepted}, {refused}");
+    assert!(accepted > times(30u64) / 20 && refused > times(30u64) / 20, "{accepted}, {refused}");
 }
 
 #[test]
@@ -121,7 +116,7 @@ fn forged_replays_are_refused_or_played() {
     let all: Vec<_> =
         chunks(&recording()).into_iter().map(|(chunk, _)| (chunk.tag, values(&chunk), chunk.bytes)).collect();
     let (mut played, mut refused) = (0, 0);
-    for _ in 0..tries(200) {
+    for _ in 0..times(20u64) {
         let mut parts: Vec<(Tag, Vec<u8>)> = all.iter().map(|(tag, _, bytes)| (*tag, bytes.clone())).collect();
         for _ in 0..=random.below(3) {
             let number = random.below(all.len() as u64) as usize;
@@ -148,7 +143,7 @@ fn forged_replays_are_refused_or_played() {
             Err(_) => refused += 1,
         }
     }
-    assert!(played > tries(200) / 20 && refused > tries(200) / 20, "{played}, {refused}");
+    assert!(played > times(20u64) / 20 && refused > times(20u64) / 20, "{played}, {refused}");
 }
 
 #[test]
@@ -158,7 +153,7 @@ fn forged_commands_are_refused_or_carried_out() {
     let all: Vec<Vec<u8>> = commands().iter().map(Command::to_bytes).collect();
     let mut world = replay.start().clone();
     let mut carried_out = 0;
-    for i in 0..tries(4_000) {
+    for i in 0..times(400u64) {
         let mut bytes = all[random.below(all.len() as u64) as usize].clone();
         let at = random.below(bytes.len() as u64) as usize;
         let end = bytes.len().min(at + 1 + random.below(17) as usize);
@@ -182,5 +177,5 @@ fn forged_commands_are_refused_or_carried_out() {
             world = replay.start().clone();
         }
     }
-    assert!(carried_out > tries(4_000) / 20, "{carried_out}");
+    assert!(carried_out > times(400u64) / 20, "{carried_out}");
 }

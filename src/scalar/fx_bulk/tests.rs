@@ -35,7 +35,7 @@ fn alike<T: Copy + PartialEq + core::fmt::Debug>(
 }
 
 proptest! {
-    #![proptest_config(cases([512; 2]))]
+    #![proptest_config(cases(128))]
 
     #[test]
     fn damping_many_is_damping_each(values in accumulators(), mantissa: u64, close in 0u32..64) {

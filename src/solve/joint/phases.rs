@@ -46,7 +46,7 @@ impl Joints {
         for joint in joints {
             shares.count(&bodies.row_of, graph.phase(joint.bodies), joint.bodies);
         }
-        for phase in 0..PHASES {
+        for (phase, range) in phases.iter_mut().enumerate() {
             let begin = blocks.len();
             for (index, joint) in joints.iter().enumerate() {
                 if graph.phase(joint.bodies) != phase {
@@ -59,7 +59,7 @@ impl Joints {
                 let shares = joint.bodies.map(|body| shares.counts[body as usize][phase].into());
                 blocks.extend(Block::new(index, input, ends, rows, shares, unit));
             }
-            phases[phase] = begin..blocks.len();
+            *range = begin..blocks.len();
         }
         // An error that is cut off now is so after the first move, and counted there.
         blocks.iter_mut().for_each(|block| {

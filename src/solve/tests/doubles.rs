@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 
 use super::made::Ranges;
 use super::scene::Scene;
-use crate::cases::run_seed;
+use crate::cases::{run_seed, times};
 use crate::fx;
 use crate::math::Random;
 use crate::scalar::ToF64 as _;
@@ -92,7 +92,7 @@ fn largest_difference(a: &[[Vector; 2]], b: &[[Vector; 2]]) -> f64 {
 #[test]
 fn steps_follow_a_twin_in_doubles() {
     let mut random = Random::seeded(run_seed(1));
-    let cases = if cfg!(debug_assertions) { 200 } else { 3000 };
+    let cases = times(300);
     let (mut close, mut touching, mut cut) = (0, 0, 0);
     for case in 0..cases {
         let separation = [[-0.05, 0.0], [-0.05, 0.05], [0.0, 0.05]][random.below(3) as usize];

@@ -1,6 +1,6 @@
 //! The loops of the solver with each set of vector instructions, on random groups and bodies.
 
-use crate::cases::run_seed;
+use crate::cases::{run_seed, times};
 use alloc::vec::Vec;
 
 use super::super::contact::{Group, IMPULSE, SEPARATION};
@@ -155,8 +155,7 @@ fn mixed(random: &mut Random) -> Sizes {
 
 /// Checks that a run over the cases of many seeds has the same result with each set. Returns the sum of the results without vectors.
 fn check_sets(sizes: impl Fn(&mut Random) -> Sizes + Copy, run: impl Fn(VectorSet, &mut Case, u64) -> u64) -> u64 {
-    let times = if cfg!(debug_assertions) { 1_000 } else { 30_000 };
-    (0..times)
+    (0..times(3_000))
         .map(|seed| {
             let start = case(&mut Random(run_seed(seed)), sizes);
             let mut expected = start.clone();

@@ -8,7 +8,7 @@ use dashu_int::IBig;
 use umbra_physics::Outline;
 
 use super::numbers::{FRACTION, Vector, across, cross, direction, dot, float, sub, sum, sum_over_roots, turned, ulps};
-use crate::pairs::Case;
+use crate::collide::pairs::Case;
 
 /// A core in world axes relative to the centre of A's body.
 pub(crate) struct Core {

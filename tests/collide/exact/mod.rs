@@ -14,9 +14,9 @@ use geometry::Pair;
 use numbers::{FRACTION, ulps};
 use points::Contact;
 
-use crate::fairness;
-use crate::pairs::{Case, KINDS, lattice_case, random_case, resting_case, tied_case};
-use crate::random::SplitMix;
+use crate::collide::fairness;
+use crate::collide::pairs::{Case, KINDS, lattice_case, random_case, resting_case, tied_case};
+use crate::collide::random::SplitMix;
 use dashu_int::IBig;
 use umbra_physics::Fx;
 use umbra_physics::collide::Manifold;
@@ -134,7 +134,7 @@ fn exponents(random: &mut SplitMix) -> [u32; 2] {
 
 #[test]
 fn manifolds_of_random_pairs_are_those_of_exact_numbers() {
-    let share = crate::exact_cases() / 2 / KINDS.len() / KINDS.len();
+    let share = super::exact_cases() / 2 / KINDS.len() / KINDS.len();
     for first in KINDS {
         for second in KINDS {
             let seen = check_cases(&format!("{first}, {second}"), share, false, |random| {
@@ -148,7 +148,7 @@ fn manifolds_of_random_pairs_are_those_of_exact_numbers() {
 
 #[test]
 fn manifolds_of_parallel_and_tied_edges_are_those_of_exact_numbers() {
-    let share = crate::exact_cases() / 8;
+    let share = super::exact_cases() / 8;
     check_cases("resting", share, false, |random| {
         let exponents = exponents(random);
         resting_case(random, exponents)
@@ -158,7 +158,7 @@ fn manifolds_of_parallel_and_tied_edges_are_those_of_exact_numbers() {
 
 #[test]
 fn exact_ties_are_resolved_by_the_rule() {
-    let count = crate::exact_cases() / 4;
+    let count = super::exact_cases() / 4;
     let seen = check_cases("lattice", count, true, lattice_case);
     assert!(seen.unsure == 0 && seen.tied > count / 4 && seen.counts.iter().all(|&n| n > count / 5), "{seen:?}");
 }

@@ -139,10 +139,10 @@ fn coil(a: Point, b: Point, scale: f64) -> Vec<Point> {
 
 impl Drawing {
     /// The place of a point of the plane in the picture, px.
-    fn place(&self, (x, y): Point) -> Point {
+    fn place(&self, position: Point) -> Point {
         let Layout { least, height, .. } = self.layout;
         let scale = self.layout.scale();
-        (self.left + (x - least.0) * scale, ABOVE + height - (y - least.1) * scale)
+        (self.left + (position.0 - least.0) * scale, ABOVE + height - (position.1 - least.1) * scale)
     }
 
     /// A text from its place in px to the right.

@@ -24,8 +24,8 @@ use outline::{Outline, Scenery, place};
 type Point = (f64, f64);
 
 /// The length of a vector: rounded alike on every machine, which `hypot` is not.
-fn length((x, y): Point) -> f64 {
-    (x * x + y * y).sqrt()
+fn length(vector: Point) -> f64 {
+    (vector.0 * vector.0 + vector.1 * vector.1).sqrt()
 }
 
 /// Ways with more points than this in all are recorded each few ticks.

@@ -92,21 +92,22 @@ impl Svg {
         let _ = writeln!(self.0, "<polygon {fill} points=\"{corners}\"/>");
     }
 
-    pub(super) fn circle(&mut self, (x, y): Point, radius: f64, fill: Paint, rim: Option<Stroke>) {
+    pub(super) fn circle(&mut self, centre: Point, radius: f64, fill: Paint, rim: Option<Stroke>) {
         let rim = rim.map_or_else(String::new, |rim| format!(" {}", rim.attributes()));
-        let (x, y, radius, fill) = (number(x), number(y), number(radius), fill.attributes("fill"));
+        let [x, y, radius] = [centre.0, centre.1, radius].map(number);
+        let fill = fill.attributes("fill");
         let _ = writeln!(self.0, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" {fill}{rim}/>");
     }
 
     /// A text about as high above its place as below it.
-    pub(super) fn label(&mut self, (x, y): Point, label: Label<'_>) {
-        let (x, y) = (number(x), number(y + 0.35 * label.size));
+    pub(super) fn label(&mut self, place: Point, label: Label<'_>) {
+        let [x, y] = [place.0, place.1 + 0.35 * label.size].map(number);
         self.text(&format!("x=\"{x}\" y=\"{y}\""), label);
     }
 
     /// A text that is read from below, to the right of its place.
-    pub(super) fn upright_label(&mut self, (x, y): Point, label: Label<'_>) {
-        let (x, y) = (number(x + label.size), number(y));
+    pub(super) fn upright_label(&mut self, place: Point, label: Label<'_>) {
+        let [x, y] = [place.0 + label.size, place.1].map(number);
         self.text(&format!("transform=\"translate({x} {y}) rotate(-90)\""), label);
     }
 

@@ -15,6 +15,3 @@ mod momentum;
 mod rates;
 mod scene;
 mod speeds;
-
-/// Unoptimised builds run a part.
-const QUICK: bool = cfg!(debug_assertions);

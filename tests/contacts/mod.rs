@@ -1,8 +1,5 @@
 //! Bodies that collide: symmetric scenes, order of insertion, closed forms.
 
-#[path = "../support/seeds.rs"]
-mod seeds;
-
 mod buoyancy;
 mod cases;
 mod chains;

@@ -1,7 +1,5 @@
 //! The promises, over runs that are made up: each a module, P1 to P9. What breaks one is shrunk, and left as a scene that
 //! `umbra run` runs.
-//!
-//! `PROPTEST_CASES=10000 cargo test --release --all-features --test promises` tries more of them.
 
 #[path = "../support/real.rs"]
 mod real;

@@ -1,0 +1,12 @@
+//! The tests of bodies that collide, a folder a subject, as one program: the narrow phase, contacts, impacts, and collision on the way.
+#![allow(clippy::duplicate_mod, reason = "each folder takes in what it needs of `support` by itself")]
+
+#[path = "support/seeds.rs"]
+mod seeds;
+
+mod collide;
+mod contacts;
+// Its twins do without continuous collision.
+#[cfg(feature = "selftest")]
+mod continuous;
+mod impacts;
