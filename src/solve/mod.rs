@@ -12,8 +12,8 @@
 //! - The unit of the impulses of a contact is a power of two of its own, such that no sum of a phase overflows: `pass` has the proofs. Changes
 //!   beyond the range of a pass are cut off, oddly, and counted.
 //!
-//! A body has four forms, each in place of the one before: its columns in the world, a [`Flight`], a row of [`BodyRows`] through the
-//! sub-steps, and a [`Correction`]. A contact has three: a [`Contact`], a lane of [`ContactGroups`] and [`Impulses`].
+//! A body has four forms, each in place of the one before: its columns in the world, a [`Flight`], a row of `BodyRows` through the
+//! sub-steps, and a [`Correction`]. A contact has three: a [`Contact`], a lane of `ContactGroups` and [`Impulses`].
 //!
 //! The modules, in the order of a step:
 //!
