@@ -121,9 +121,10 @@ impl Changes {
         !self.have_group_fields_changed(cursor) && self.since(cursor).is_some_and(<[_]>::is_empty)
     }
 
-    /// Forgets the entries before a position. A cursor that the log has left behind keeps none.
-    pub(crate) fn forget_before(&mut self, cursor: ChangeCursor) {
-        let kept = self.since(cursor).map_or(0, <[_]>::len);
+    /// Forgets the entries before all of these positions. A cursor that the log has left behind keeps none.
+    pub(crate) fn forget_read(&mut self, cursors: impl IntoIterator<Item = ChangeCursor>) {
+        let unread = cursors.into_iter().filter_map(|cursor| self.since(cursor));
+        let kept = unread.map(<[_]>::len).max().unwrap_or(0);
         let forgotten = self.entries.len() - kept;
         self.entries.drain(..forgotten);
         self.first += forgotten as u64;
@@ -148,11 +149,13 @@ mod tests {
         changes.note(7, Change::FORCES, 10);
         assert_eq!(changes.since(second), Some(&[(7, Change::FORCES)][..]));
         assert_eq!(changes.since(first).map(<[_]>::len), Some(2));
-        changes.forget_before(second);
+        changes.forget_read([second, first]);
+        assert_eq!(changes.since(first).map(<[_]>::len), Some(2));
+        changes.forget_read([second]);
         assert!(changes.since(first).is_none());
         assert_eq!(changes.since(second), Some(&[(7, Change::FORCES)][..]));
         // A cursor left behind keeps nothing.
-        changes.forget_before(first);
+        changes.forget_read([first]);
         assert!(changes.since(second).is_none());
         let third = changes.read();
         changes.note_group_fields();

@@ -9,7 +9,7 @@
 
 use core::ops::Range;
 
-use super::changes::{Change, Changes};
+use super::changes::{Change, ChangeCursor, Changes};
 use super::columns::Bodies;
 use super::motion::Block;
 use crate::scalar::Scalar;
@@ -52,6 +52,12 @@ impl<S: Scalar> Bodies<S> {
     /// The log of what changed.
     pub(crate) fn changes(&self) -> &Changes {
         &self.changes
+    }
+
+    /// Forgets the changes that the parting and these caches have read.
+    pub(crate) fn forget_changes(&mut self, read: &[ChangeCursor]) {
+        let parted = self.parted;
+        self.changes.forget_read(read.iter().copied().chain([parted]));
     }
 
     pub(crate) fn changes_mut(&mut self) -> &mut Changes {

@@ -135,8 +135,8 @@ impl<S: Scalar> Workspace<S> {
             self.fields.drop_changed(bodies, fields, changed);
             self.flown = bodies.changes_mut().read();
         }
-        let oldest = self.contacts.as_ref().map_or(self.flown, |memory| memory.oldest_cursor());
-        bodies.changes_mut().forget_before(oldest);
+        let [surveyed, detected] = self.contacts.as_ref().map_or([self.flown; 2], |memory| memory.cursors());
+        bodies.forget_changes(&[self.flown, surveyed, detected]);
         #[cfg(feature = "timers")]
         {
             self.timers.steps += 1;

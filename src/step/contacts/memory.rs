@@ -115,9 +115,9 @@ impl<S: Scalar> ContactMemory<S> {
         self.pipeline.set_discrete(speculation);
     }
 
-    /// The position of the changes that are not followed yet.
-    pub(in super::super) fn oldest_cursor(&self) -> ChangeCursor {
-        self.detected_at.bodies
+    /// How far the survey and the detection have followed the changes of bodies.
+    pub(in super::super) fn cursors(&self) -> [ChangeCursor; 2] {
+        [self.surveyed.bodies, self.detected_at.bodies]
     }
 
     /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
