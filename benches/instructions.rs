@@ -111,7 +111,7 @@ fn fx(scene: Scene<Fx>) -> Scene<Fx> {
 #[bench::tower_woken_1k(scenes::tower_woken(1_000))]
 #[bench::tower_woken_10k(scenes::tower_woken(10_000))]
 #[bench::edited_1k(scenes::edited_tiles(100, 1_000))]
-#[bench::edited_20k(scenes::edited_tiles(100, 20_000))]
+#[bench::edited_100k(scenes::edited_tiles(100, 100_000))]
 fn after(mut scene: Scene<Fx>) -> Scene<Fx> {
     one_step(&mut scene.world);
     scene

@@ -123,6 +123,9 @@ impl Changes {
 
     /// Forgets the entries before all of these positions. A cursor that the log has left behind keeps none.
     pub(crate) fn forget_read(&mut self, cursors: impl IntoIterator<Item = ChangeCursor>) {
+        if self.entries.is_empty() {
+            return;
+        }
         let unread = cursors.into_iter().filter_map(|cursor| self.since(cursor));
         let kept = unread.map(<[_]>::len).max().unwrap_or(0);
         let forgotten = self.entries.len() - kept;
