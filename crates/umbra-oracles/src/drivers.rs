@@ -5,6 +5,7 @@ use std::cell::Cell;
 
 use super::Handles;
 use super::handles::all_made;
+use super::nears_sleeper;
 #[cfg(feature = "parallel")]
 use umbra_physics::Integrator;
 use umbra_physics::{Activity, Command, Created, Difference, Error, Fx, Owner, Stepper, World};
@@ -144,9 +145,12 @@ impl Stepper for Detours {
         let mut awake = world.clone();
         // With contacts, bodies that are slow stop when they fall asleep.
         let is_exact = world.collider_count() == 0 || world.def().contacts.sleep_speed == Fx::ZERO;
+        let was_near = nears_sleeper(world);
         let is_awake = awake.set_sleep_after(None).is_ok() && is_exact;
         awake.step();
         world.step();
+        // Only an awake body slows one that is pushed towards it, before they touch.
+        let is_awake = is_awake && !was_near && !nears_sleeper(world);
         let seen = unlike("a step that was traced", world, &traced)
             .or_else(|| moved_unlike("a step with all bodies awake", world, &awake).filter(|_| is_awake));
         self.seen = self.seen.take().or(seen);

@@ -61,6 +61,7 @@ mod game;
 mod handles;
 mod script;
 mod shrink;
+mod sleepers;
 mod trial;
 
 use std::fmt;
@@ -73,6 +74,7 @@ pub use game::{Course, Game};
 pub use handles::{Handles, rename};
 pub use script::Script;
 pub use shrink::{Counterexample, shrink};
+pub use sleepers::nears_sleeper;
 
 use game::Played;
 use trial::Trial;
@@ -113,7 +115,7 @@ pub enum Oracle {
     /// the world as it was.
     Reverse,
     /// A step that is traced, which takes all bodies stage by stage, leads to the same state, and a step with all bodies awake
-    /// moves them in the same way.
+    /// moves them in the same way; the latter is checked of steps that no awake body begins or ends [near a sleeper](nears_sleeper).
     Paths,
     /// On two threads, with as many bystanders as make a step use them, the bodies move as on one: with the feature
     /// `parallel`, and unless all steps are of [`PublishedVerlet`](umbra_physics::Integrator::PublishedVerlet), which uses one
