@@ -1,32 +1,75 @@
 #!/usr/bin/env bash
-# Of the corpus of a target, what is worth committing beside the inputs to begin with: at most so many inputs and bytes, the
-# smallest first, each for what it reaches that those before do not. `fuzz/distil.sh TARGET...`
+# Of the corpus of a target, what is worth committing: beside the inputs with a name, the few that together reach most. `fuzz/distil.sh TARGET...`
+# Each in turn is the input that reaches the most features beyond those so far for the time it takes, three of four of them one with contacts
+# if there are such: inputs that are changed at random take about as long as the committed ones. Slow inputs have to find their way by a name.
 set -euo pipefail
 cd "$(dirname "$0")"
-most_inputs=150 most_bytes=60000
+most_inputs=25 most_size=1024 most_microseconds=${UMBRA_MOST_MICROSECONDS:-1500}
 
 binaries=${CARGO_TARGET_DIR:-target}/$(rustc -vV | sed -n 's/^host: //p')/release
 work=$(mktemp -d)
 trap 'rm -r "$work"' EXIT
+# Touching manifolds, time and path of each file.
+for folder in corpus seeds; do
+  UMBRA_CORPUS=fuzz/$folder cargo test --manifest-path ../Cargo.toml --release --all-features --test corpus -- --nocapture ticks_and_contacts |
+    sed -n 's|^[0-9]* \([0-9]*\) [0-9]* \([0-9]*\) fuzz/|\1 \2 |p' >>"$work/tallies"
+done
 for target in "$@"; do
-  small=$work/$target
-  mkdir "$small"
-  # A merge goes by size and keeps what adds features.
-  if ! "$binaries/$target" -merge=1 "$small" "corpus/$target" >"$work/log" 2>&1; then
+  mkdir "$work/small" "$work/chosen" "$work/named" "$work/fast"
+  find "seeds/$target" -type f -regextype egrep -not -regex '.*/[0-9a-f]{40}' -exec cp -t "$work/named" {} +
+  awk -v target="/$target/" -v most="$most_microseconds" 'index($3, target) && $2 <= most { print $1, $2, $3 }' "$work/tallies" |
+    while read -r contacts microseconds file; do
+      if [ -e "$work/named/${file##*/}" ] || [ "$(stat -c %s "$file")" -gt "$most_size" ]; then continue; fi
+      # What is known of a file goes into its name.
+      cp "$file" "$work/fast/$contacts-$microseconds-$(sha1sum "$file" | cut -d' ' -f1)"
+    done
+  # The control file lists the features of each file.
+  if ! "$binaries/$target" -set_cover_merge=1 "-merge_control_file=$work/control" "$work/small" "$work/named" "$work/fast" >"$work/log" 2>&1; then
     tail -20 "$work/log"
     echo "$target: FAILED"
     exit 1
   fi
-  mkdir -p "seeds/$target"
-  count=0 bytes=0
-  # One for each of 256 classes of size would favour none; every so many of the list in its order of size reach far and wide.
-  mapfile -t files < <(find "$small" -type f -size -3k -printf '%s %p\n' | sort -n | cut -d' ' -f2)
-  step=$(((${#files[@]} + most_inputs - 1) / most_inputs))
-  for ((i = 0; i < ${#files[@]}; i += step)); do
-    size=$(stat -c %s "${files[i]}")
-    if ((bytes + size > most_bytes)); then break; fi
-    cp "${files[i]}" "seeds/$target/"
-    count=$((count + 1)) bytes=$((bytes + size))
+  awk -v most="$most_inputs" '
+    FNR == 1 { files = $1; next }
+    FNR == 2 { next }
+    FNR <= files + 2 { name[FNR - 3] = $0; next }
+    $1 != "FT" { next }
+    name[$2] ~ /\/named\// { count += 1; for (i = 3; i <= NF; i++) is_reached[$i] = 1; next }
+    {
+      split(substr(name[$2], match(name[$2], /[^\/]*$/)), known, "-")
+      if (known[1] >= 2) touches[$2] = any_touches = 1
+      cost[$2] = 200 + known[2]
+      features[$2] = $0
+      gain[$2] = (NF - 2) / cost[$2]
+    }
+    END {
+      while (count < most) {
+        # A gain only falls: the largest one is the largest of all if it is counted anew.
+        do {
+          best = ""
+          for (file in gain) {
+            is_open = !any_touches || count % 4 == 0 || file in touches
+            if (is_open && (best == "" || gain[file] > gain[best])) best = file
+          }
+          if (best == "") exit
+          is_new = counted[best] == count + 1
+          fresh = 0
+          length_of = split(features[best], list)
+          for (i = 3; i <= length_of; i++) if (!(list[i] in is_reached)) fresh += 1
+          gain[best] = fresh / cost[best]
+          counted[best] = count + 1
+          if (fresh == 0) delete gain[best]
+        } while (!is_new)
+        for (i = 3; i <= length_of; i++) is_reached[list[i]] = 1
+        delete gain[best]
+        count += 1
+        print name[best]
+      }
+    }' "$work/control" | while read -r file; do
+    cp "$file" "$work/chosen/${file##*-}"
   done
-  echo "$target: $count inputs, $bytes bytes"
+  find "seeds/$target" -type f -regextype egrep -regex '.*/[0-9a-f]{40}' -delete
+  find "$work/chosen" -type f -exec cp -t "seeds/$target" {} +
+  echo "$target: $(find "seeds/$target" -type f | wc -l) inputs, $(find "seeds/$target" -type f -exec cat {} + | wc -c) bytes"
+  rm -r "$work/small" "$work/chosen" "$work/named" "$work/fast" "$work/control"
 done

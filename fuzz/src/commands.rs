@@ -1,15 +1,15 @@
 //! Any commands on any world, held to one promise an input: a second run that has to go the same way.
 //!
-//! The first byte of an input says which promise, the second which values, whether bodies lie in a [pile](super::pile) at the start and
-//! for how many ticks they fall together before the second run begins. Then come the world's definition, the pile, and commands with the
-//! steps after each. After the last command the world goes on for a while.
+//! The first byte of an input says which promise and how long a run, the second which values, whether bodies lie in a [pile](super::pile)
+//! at the start and for how many ticks they fall together before the second run begins. Then come the world's definition, the pile, and
+//! commands with the steps after each. After the last command the world goes on for a while.
 
 use arbitrary::Result;
-use umbra_oracles::Taste;
+use umbra_oracles::{Taste, nears_sleeper};
 use umbra_physics::scalar::{Accumulator, Angle};
 use umbra_physics::{
-    Aabb, Activity, AppliedForce, BodyRef, Cause, ColliderDef, ColliderId, Command, ContactSettings, FieldKind, Filter,
-    ForceField, Fx, QueryFilter, Snapshot, StepReport, Symmetry, Vec2, World, WorldDef,
+    Activity, AppliedForce, BodyKind, BodyRef, Cause, ColliderDef, Command, ContactSettings, FieldKind, Filter,
+    ForceField, Fx, Snapshot, StepReport, Symmetry, Vec2, World, WorldDef, fx,
 };
 
 use super::author::{self, Author, WILD};
@@ -19,22 +19,31 @@ use super::tally;
 /// The target.
 pub fn run(data: &[u8]) {
     if let [promise, taste, rest @ ..] = data {
-        let fall = (taste / 4 % 4 != 0).then_some(usize::from(taste / 16 % 4) * EVERY);
+        let length = if *promise < 240 { SHORT } else { LONG };
+        let fall = (taste / 4 % 4 != 0).then_some(usize::from(taste / 16 % 4) * length.fall);
         let taste =
             [Taste { custom_forces: 3, ..Taste::FAIR }, Taste { wild: 0, ..WILD }, WILD, WILD][usize::from(taste % 4)];
-        _ = play(*promise, Author::of_taste(rest, taste), fall);
+        _ = play(*promise, &length, Author::of_taste(rest, taste), fall);
     }
 }
 
-/// The most commands and steps of an input, and the least steps: what breaks breaks early, but not at once.
-const COMMANDS: usize = 32;
-const STEPS: usize = 48;
-const FEWEST: usize = 20;
+/// The length of a run: what breaks breaks early, but not at once.
+struct Length {
+    commands: usize,
+    fewest_steps: usize,
+    most_steps: usize,
+    /// A third of the most ticks for which a pile falls together.
+    fall: usize,
+}
+
+/// The length of 15 runs in 16, and of the others.
+const SHORT: Length = Length { commands: 12, fewest_steps: 8, most_steps: 12, fall: 2 };
+const LONG: Length = Length { commands: 32, fewest_steps: 20, most_steps: 48, fall: 4 };
 /// Runs are compared after each so many steps: a comparison costs as much as several steps.
 const EVERY: usize = 4;
 
 /// `fall` is the number of ticks for which a pile falls together first; `None` for a world without one.
-fn play(promise: u8, mut author: Author<'_>, fall: Option<usize>) -> Result<()> {
+fn play(promise: u8, length: &Length, mut author: Author<'_>, fall: Option<usize>) -> Result<()> {
     let promise = Promise::new(promise, &mut author)?;
     let def = author.world();
     let mut world = author::world(def).unwrap_or_else(|| {
@@ -55,14 +64,14 @@ fn play(promise: u8, mut author: Author<'_>, fall: Option<usize>) -> Result<()> 
         tally::count(&world);
     }
     let Some(mut second) = Second::new(promise, &world) else { return Ok(()) };
-    'commands: for _ in 0..COMMANDS {
+    'commands: for _ in 0..length.commands {
         if author.input.is_empty() {
             break;
         }
         let command = author.command();
         second.execute(&mut world, &mut author, &command);
         for _ in 0..author.any::<u8>()? % 4 {
-            if steps == STEPS {
+            if steps == length.most_steps {
                 break 'commands;
             }
             second.step(&mut world, steps);
@@ -70,7 +79,7 @@ fn play(promise: u8, mut author: Author<'_>, fall: Option<usize>) -> Result<()> 
         }
     }
     // The last step is one that is compared.
-    while steps < FEWEST || steps % EVERY != 0 {
+    while steps < length.fewest_steps || steps % EVERY != 0 {
         second.step(&mut world, steps);
         steps += 1;
     }
@@ -122,36 +131,15 @@ impl Promise {
     fn is_kept(self, world: &World, second: &World) -> bool {
         match self {
             Self::Sleepless if world.def().contacts.sleep_speed > Fx::ZERO => return false,
-            Self::Sleepless => assert_moved_alike(world, second),
+            Self::Sleepless => {
+                tally::count_sleepers(world);
+                assert_moved_alike(world, second);
+            }
             Self::Image(symmetry) => return is_image(&symmetry, world, second),
             _ => assert_eq!(second.state_hash(), world.state_hash(), "read from bytes"),
         }
         true
     }
-}
-
-/// Whether contacts push a body that is so near to a sleeper that it may reach it within a step.
-fn nears_sleeper(world: &World) -> bool {
-    let has = |id, activity| world.body(id).is_ok_and(|body| body.activity() == activity);
-    world.contacts().flat_map(|contact| contact.bodies).any(|body| {
-        let colliders = world.colliders_of(body).expect("it has a contact");
-        let radii = colliders.map(|collider| {
-            let collider = world.collider(collider).expect("it is of the body");
-            let bounds = collider.shape.bounds();
-            [collider.position, bounds.min, bounds.max]
-                .map(|point| point.x.abs() + point.y.abs())
-                .into_iter()
-                .sum::<Fx>()
-        });
-        let reach = radii.max().unwrap_or_default() + Fx::ONE;
-        let position = world.body(body).expect("it has a contact").position();
-        let corner = Vec2::new(reach, reach);
-        let bounds = Aabb { min: position - corner, max: position + corner };
-        let colliders = world.queries().overlap_box(bounds, &QueryFilter::default());
-        let is_asleep = |id: &ColliderId| has(world.collider_body(*id).expect("found"), Activity::Asleep);
-        // No query goes beyond the limit of positions.
-        has(body, Activity::Awake) && colliders.map_or(true, |colliders| colliders.iter().any(is_asleep))
-    })
 }
 
 /// An even number of ulps in each coordinate, less than 2^24 m.
@@ -171,6 +159,13 @@ fn reread(world: &World) -> World {
     read
 }
 
+/// A copy of a world in which no body sleeps.
+fn sleepless(world: &World) -> World {
+    let mut world = world.clone();
+    world.set_sleep_after(None).expect("never is a fair answer");
+    world
+}
+
 /// A second run that a promise compares with the first.
 struct Second {
     promise: Promise,
@@ -184,11 +179,7 @@ impl Second {
     fn new(promise: Promise, world: &World) -> Option<Self> {
         let own = match promise {
             Promise::Restored => Some(reread(world)),
-            Promise::Sleepless => {
-                let mut world = world.clone();
-                world.set_sleep_after(None).expect("never is a fair answer");
-                Some(world)
-            }
+            Promise::Sleepless => Some(sleepless(world)),
             Promise::Image(symmetry) => Some(image(&symmetry, world)?),
             Promise::Traced | Promise::Preview | Promise::Reverse => None,
         };
@@ -244,15 +235,18 @@ impl Second {
     fn step(&mut self, world: &mut World, number: usize) {
         let is_compared = number % EVERY == EVERY - 1;
         if let Some(second) = &mut self.world {
+            let is_sleepless = matches!(self.promise, Promise::Sleepless);
+            let was_near = is_sleepless && nears_sleeper(world);
             world.step();
             tally::count(world);
             second.step();
-            let says_nothing = match self.promise {
-                Promise::Image(_) => leaves_alone(world, second),
+            if is_sleepless && (was_near || nears_sleeper(world)) {
                 // A body that is pushed towards a sleeper by less than the gap makes no contact that would slow it.
-                Promise::Sleepless => nears_sleeper(world),
-                _ => false,
-            };
+                assert_touched_awake(world, second);
+                *second = sleepless(world);
+                return;
+            }
+            let says_nothing = matches!(self.promise, Promise::Image(_)) && leaves_alone(world, second);
             if says_nothing || is_compared && !self.promise.is_kept(world, second) {
                 self.world = None;
             }
@@ -385,6 +379,19 @@ impl Motion {
             angle: Angle::<Fx>::to_bits(body.angle_exact()),
             is_quarantined: body.activity() == Activity::Quarantined,
         }
+    }
+}
+
+/// Asserts that no body sleeps that an awake one overlaps, and pushes where none sleeps: touched, it would have woken.
+fn assert_touched_awake(world: &World, sleepless: &World) {
+    let has =
+        |id, activity| world.body(id).is_ok_and(|body| body.kind() == BodyKind::Dynamic && body.activity() == activity);
+    for contact in sleepless.contacts() {
+        let [a, b] = contact.bodies;
+        let one_sleeps =
+            has(a, Activity::Asleep) && has(b, Activity::Awake) || has(a, Activity::Awake) && has(b, Activity::Asleep);
+        let overlaps = contact.points().iter().any(|point| point.separation < fx!(-0.0001));
+        assert!(!(one_sleeps && overlaps), "{a} and {b} touch, and one sleeps: {:?}", contact.points());
     }
 }
 

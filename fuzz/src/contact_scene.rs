@@ -6,6 +6,8 @@ use umbra_physics::solve::{
 };
 use umbra_physics::{Fx, FxAccumulator, FxFactor, TimeStep, Turn, Vec2, fx};
 
+use super::number;
+
 /// Reads the values, one byte after the other; zeros after the end.
 pub struct Values<'a> {
     pub rest: &'a [u8],
@@ -21,6 +23,11 @@ impl Values<'_> {
     /// From 0 to `end` − 1. *Domain* 0 < end ≤ 256.
     pub fn below(&mut self, end: usize) -> usize {
         usize::from(self.byte()) % end
+    }
+
+    /// From 1 to `few`, and in one case of 16 up to `most`.
+    fn number(&mut self, few: u8, most: u8) -> usize {
+        number(self.byte(), few, most)
     }
 
     /// From 2^low to below 2^(high + 1). *Domain* −32 ≤ low ≤ high ≤ 30.
@@ -58,16 +65,17 @@ impl Values<'_> {
                 damping_ratio: self.size(2, 5),
                 push_speed: self.size(-20, 20),
                 restitution_speed: self.size(-20, 20),
-                relax_passes: 1 + self.below(65) as u32,
+                relax_passes: self.number(3, 65) as u32,
                 substeps,
                 ..SolverOptions::default()
             },
             _ => SolverOptions { substeps, ..SolverOptions::default() },
         };
-        let (bodies, contacts, parts) = (2 + self.below(11), 1 + self.below(24), 1 + self.below(3));
+        let (bodies, contacts, parts) = (1 + self.number(4, 11), self.number(6, 24), 1 + self.below(3));
+        let is_wild = self.below(4) == 0;
         let mut scene = Scene { time_step, options, bodies: Vec::new(), contacts: Vec::new() };
         for _ in 0..bodies {
-            scene.bodies.push(self.body());
+            scene.bodies.push(self.body(is_wild));
         }
         for _ in 0..contacts {
             scene.contacts.push(self.contact(&scene.bodies, parts));
@@ -75,17 +83,18 @@ impl Values<'_> {
         scene
     }
 
-    fn body(&mut self) -> Body {
+    /// A body; wild ones are of any mass, inertia and speed.
+    fn body(&mut self, is_wild: bool) -> Body {
         let kind = self.byte();
         let (mass, radius) = match kind % 4 {
-            0 => (self.size(-16, 23), self.size(-8, 12)),
+            0 if is_wild => (self.size(-16, 23), self.size(-8, 12)),
             _ => (self.size(-2, 1), self.size(-2, 0)),
         };
         let inverse = |factor: FxFactor| if factor.is_zero() { factor } else { FxFactor::ONE.over(factor) };
         let (of_mass, length) = (FxFactor::from_scalar(mass), FxFactor::from_scalar(radius));
         let inertia = match kind / 4 % 4 {
             0 => FxFactor::ZERO,
-            1 => FxFactor::from_scalar(self.size(-32, 30)),
+            1 if is_wild => FxFactor::from_scalar(self.size(-32, 30)),
             _ => of_mass.times(length).times(length).over(FxFactor::from_scalar(self.size(0, 4))),
         };
         let (one, none) = (inverse(of_mass), FxFactor::ZERO);
@@ -96,7 +105,7 @@ impl Values<'_> {
             _ => (Vec2::new(one, one), inverse(inertia)),
         };
         let is_still = kind / 16 == 0;
-        let most = if self.below(4) == 0 { 20 } else { 3 };
+        let most = if is_wild && self.below(4) == 0 { 20 } else { 3 };
         let velocity = |values: &mut Self, most: i32| match is_still {
             true => Velocity::default(),
             false => Velocity { linear: values.vector(-32, most), angular: values.signed(-32, most) },

@@ -7,48 +7,79 @@ use umbra_physics::{
 };
 
 use super::author::Author;
+use super::number;
 
-/// Bodies in a row of the pile.
-const ROW: i32 = 5;
-/// The least and the most bodies, without the floor.
-const BODIES: [u8; 2] = [8, 20];
+/// The most bodies of a pile without its floor: of most piles, and of one in 16.
+const BODIES: [u8; 2] = [5, 20];
+/// Bodies in a row of a pile: a heap, a wall, a tower, a floor of discs.
+const ROWS: [i32; 4] = [3, 2, 1, 5];
 
-/// Units of length, speed and mass of the whole pile, most often everyday ones.
+/// Units of length, speed and mass of the whole pile, most often everyday ones. One pile in 16 is fast.
 const UNITS: [Fx; 8] = [fx!(1), fx!(1), fx!(1), fx!(1), fx!(1), fx!(0.0625), fx!(16), fx!(512)];
-const SPEEDS: [Fx; 8] = [fx!(0), fx!(0.125), fx!(1), fx!(1), fx!(1), fx!(8), fx!(256), fx!(65536)];
+const SPEEDS: [Fx; 8] = [fx!(0), fx!(0.125), fx!(1), fx!(1), fx!(1), fx!(1), fx!(2), fx!(8)];
+const FAST: [Fx; 2] = [fx!(256), fx!(65536)];
+/// A load of more than 64 times the mass below it takes several times as long to solve: the last kind has such.
 const MASSES: [[Fx; 4]; 4] = [
     [fx!(1); 4],
     [fx!(1), fx!(3), fx!(1), fx!(3)],
-    [fx!(1), fx!(1000), fx!(0.125), fx!(20)],
+    [fx!(1), fx!(8), fx!(0.25), fx!(16)],
     [fx!(0.0001), fx!(1), fx!(16_777_216), fx!(1000)],
 ];
 
+/// How near the bodies of a pile are to each other at its start.
+#[derive(Clone, Copy, PartialEq)]
+enum Fit {
+    /// They touch, and overlap by 2^-8 m at most: more is a deep overlap, which takes a dozen times as long to solve.
+    Close,
+    /// They are up to a quarter of a cell apart.
+    Loose,
+    /// They overlap by any part of a cell or two. One pile in 16 does.
+    Deep,
+}
+
 /// Adds a pile to a world: a floor or none, and bodies in rows that touch, overlap or are near each other. What the input lacks is
-/// zero: discs in a square.
+/// zero: a disc.
 pub fn pile(author: &mut Author<'_>, world: &mut World) -> Result<()> {
-    let [floor, count, units, place]: [u8; 4] = author.any()?;
+    let [floor, count, units, place, fit]: [u8; 5] = author.any()?;
+    let fit = match fit {
+        240.. => Fit::Deep,
+        _ if fit % 4 == 3 => Fit::Loose,
+        _ => Fit::Close,
+    };
+    let row = ROWS[usize::from(floor / 64)];
     let unit = UNITS[usize::from(units % 8)];
-    let speed = SPEEDS[usize::from(units / 8 % 8)];
+    let is_fast = floor % 64 >= 60;
+    let speed = if is_fast { FAST[usize::from(units / 8 % 2)] } else { SPEEDS[usize::from(units / 8 % 8)] };
     let masses = MASSES[usize::from(units / 64)];
     let corner = if place % 4 == 0 { author.generator().position() } else { Vec2::ZERO };
-    let gap = [fx!(0.9375), fx!(0.9375), fx!(1.0625), fx!(0.75)][usize::from(place / 4 % 4)];
-    // A pile under everyday gravity and at an everyday rate stays one; a quarter of them has what the world came with.
-    if place / 16 % 4 != 3 {
+    // The side of a cell, a share of it by which a body is moved, and the angle of a turned one.
+    let (gap, part, angle) = match fit {
+        Fit::Close => (fx!(0.99951171875), fx!(0.00048828125), fx!(0.001953125)),
+        Fit::Loose => (fx!(1.0625), fx!(0.0625), fx!(0.125)),
+        Fit::Deep => {
+            ([fx!(0.9375), fx!(0.9375), fx!(1.0625), fx!(0.75)][usize::from(place / 4 % 4)], fx!(0.0625), fx!(0.125))
+        }
+    };
+    // A pile under everyday gravity and at an everyday rate stays one; one in 16 has what the world came with.
+    if place / 16 != 15 {
         let gravity = vec2(0, [0, -10, -10, -30][usize::from(place >> 6)]) * unit;
         for command in [Command::SetGravity(gravity), Command::SetTimeStep(TimeStep::hz(60))] {
             _ = world.execute(&command);
         }
     }
-    for def in floors(floor, unit).unwrap_or_default() {
+    // Bodies that do not overlap each other rest on a chain and a plate from the start.
+    let lift = if fit == Fit::Deep { fx!(0) } else { fx!(0.25) };
+    for def in floors(floor, unit, lift).unwrap_or_default() {
         add(author, world, BodyDef { position: corner.checked_add(def.position).unwrap_or(corner), ..def });
     }
-    for i in 0..i32::from(BODIES[0] + count % (BODIES[1] - BODIES[0] + 1)) {
+    for i in 0..number(count, BODIES[0], BODIES[1]) as i32 {
         let [kind, near, motion, look]: [u8; 4] = author.any()?;
-        let sixteenths = |nibble: u8| Fx::from_ratio(nibble.into(), 16);
-        let cell = vec2(i % ROW, 1 + i / ROW) * gap + Vec2::new(sixteenths(near & 3), sixteenths(near >> 2 & 3));
-        let turn = [fx!(0), fx!(0), Fx::PI / 2, fx!(0.125)][usize::from(near >> 4 & 3)];
+        let parts = |number: u8| part * i32::from(number);
+        let cell = vec2(i % row, 1 + i / row) * gap + Vec2::new(parts(near & 3), parts(near >> 2 & 3));
+        let turn = [fx!(0), fx!(0), Fx::PI / 2, angle][usize::from(near >> 4 & 3)];
         let eighth = |bits: u8| Fx::from_ratio(i64::from(bits & 7) - 4, 4);
-        let colliders = if kind == 255 { vec![author.generator().collider_def()] } else { colliders(kind, look, unit) };
+        let colliders =
+            if kind == 255 { vec![author.generator().collider_def()] } else { colliders(kind, look, unit, fit) };
         let is_still = motion >> 6 == 0;
         let def = BodyDef {
             kind: if look >> 4 == 15 { BodyKind::Kinematic } else { BodyKind::Dynamic },
@@ -72,8 +103,8 @@ fn add(author: &mut Author<'_>, world: &mut World, def: BodyDef) {
     world.execute(&Command::AddBody(def)).into_iter().for_each(|made| author.made(world, made));
 }
 
-/// The bodies under a pile: none, a box, a box with walls, a chain, or a plate that moves up.
-fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
+/// The bodies under a pile, of which some are lifted: none, a box, a box with walls, a chain, or a plate that moves up.
+fn floors(kind: u8, unit: Fx, lift: Fx) -> Result<Vec<BodyDef>, Error> {
     let slab = |x: Fx, y: Fx, width: Fx, height: Fx| {
         let shape = Shape::rectangle(width * unit, height * unit)?;
         Ok(BodyDef { position: Vec2::new(x, y) * unit, ..BodyDef::fixed().with_collider(shape) })
@@ -88,29 +119,35 @@ fn floors(kind: u8, unit: Fx) -> Result<Vec<BodyDef>, Error> {
         ],
         3 => {
             // A chain of short segments with hills, between walls.
-            let hill =
-                |i: i32| vec2(fx!(8) - Fx::from_ratio(i.into(), 4), Fx::from_ratio(i64::from(i * i % 5), 16)) * unit;
+            let hill = |i: i32| {
+                vec2(fx!(8) - Fx::from_ratio(i.into(), 4), lift + Fx::from_ratio(i64::from(i * i % 5), 16)) * unit
+            };
             let points: Vec<Vec2> = (0..50).map(hill).collect();
             vec![BodyDef::fixed().with_collider(Shape::chain(&points, false)?)]
         }
         _ => {
-            let plate = slab(fx!(2.5), fx!(0.25), fx!(16), fx!(0.25))?;
+            let plate = slab(fx!(2.5), fx!(0.25) + lift / 2, fx!(16), fx!(0.25))?;
             vec![BodyDef { velocity: vec2(0, 1) * unit, ..BodyDef { kind: BodyKind::Kinematic, ..plate } }]
         }
     })
 }
 
-/// One to three colliders of a body, or a compound of as many parts.
-fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
-    let size = unit * [fx!(1), fx!(0.5), fx!(2), fx!(1)][usize::from(kind >> 6)];
+/// One to three colliders of a body, or a compound of as many parts; within the body's cell, if the pile is not deep.
+fn colliders(kind: u8, look: u8, unit: Fx, fit: Fit) -> Vec<ColliderDef> {
+    let (is_deep, count) = (fit == Fit::Deep, 1 + usize::from(kind >> 3 & 3) % 3);
+    let largest = if is_deep { fx!(2) } else { fx!(1) };
+    let size = unit * [fx!(1), fx!(0.5), largest, fx!(1)][usize::from(kind >> 6)];
+    let size = if is_deep || count == 1 { size } else { size / 2 };
     let half = size / 2;
+    // A triangle reaches two thirds of its height above its centre of mass.
+    let side = if is_deep { half } else { half * 3 / 4 };
     let shape = match kind % 8 {
         0 | 1 => Shape::circle(half),
         2 => Shape::rectangle(size, size),
         3 => Shape::rectangle(size, half / 4),
         4 => Shape::capsule(half, half / 2),
         5 => Shape::segment(Vec2::new(-half, Fx::ZERO), Vec2::new(half, Fx::ZERO)),
-        6 => Shape::polygon(&[(-half, -half), (half, -half), (Fx::ZERO, half)].map(|(x, y)| Vec2::new(x, y))),
+        6 => Shape::polygon(&[(-side, -side), (side, -side), (Fx::ZERO, side)].map(|(x, y)| Vec2::new(x, y))),
         _ => {
             let corners = [(2, 0), (1, 2), (-1, 2), (-2, 0), (-1, -2), (1, -2)];
             Shape::polygon(&corners.map(|(x, y)| vec2(x, y) * (half / 2)))
@@ -132,8 +169,9 @@ fn colliders(kind: u8, look: u8, unit: Fx) -> Vec<ColliderDef> {
         14 => Filter { group: -1, ..Filter::default() },
         _ => Filter::default(),
     };
-    let places = [Vec2::ZERO, Vec2::new(size, Fx::ZERO), Vec2::new(Fx::ZERO, size)];
-    let places = places.into_iter().take(1 + usize::from(kind >> 3 & 3) % 3);
+    let first = if is_deep || count == 1 { Vec2::ZERO } else { Vec2::new(-half, -half) };
+    let places = [Vec2::ZERO, Vec2::new(size, Fx::ZERO), Vec2::new(Fx::ZERO, size)].map(|place| first + place);
+    let places = places.into_iter().take(count);
     let def = |shape, position| ColliderDef { position, material, filter, ..ColliderDef::new(shape) };
     if kind >> 5 & 1 == 1 {
         let part = |position| Part { shape: shape.clone(), position, angle: Fx::ZERO, density: Fx::ONE };

@@ -9,19 +9,19 @@ use umbra_physics::{
     Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
-use super::tally;
+use super::{number as few_or_many, tally};
 
 /// The target.
 pub fn run(data: &[u8]) {
     _ = play(&mut Unstructured::new(data));
 }
 
-/// The most bodies and queries of an input.
-const BODIES: usize = 24;
-const QUERIES: usize = 32;
-/// Bodies in a row of a pile, and the steps that it has to fall together.
-const ROW: i32 = 6;
-const TICKS: u8 = 20;
+/// The most bodies and queries of an input, and of one in 16.
+const BODIES: [u8; 2] = [6, 24];
+const QUERIES: [u8; 2] = [8, 32];
+/// The bodies in a row of a pile, and the most steps that it has to fall together.
+const ROW: i32 = 3;
+const TICKS: [u8; 2] = [6, 20];
 
 /// A number within so many metres: a multiple of ½ m, where ties and grazes are, or any.
 fn number(input: &mut Unstructured<'_>, most: i32) -> Result<Fx> {
@@ -198,10 +198,11 @@ fn pile_up(bodies: &mut [BodyDef]) {
 }
 
 fn play(input: &mut Unstructured<'_>) -> Result<()> {
-    let first = u8::arbitrary(input)?;
-    let count = usize::from(first % 128) % BODIES + 1;
+    let [is_piled, bodies, queries, ticks]: [u8; 4] = input.arbitrary()?;
+    let is_piled = is_piled >= 128;
+    let [count, queries] = [few_or_many(bodies, BODIES[0], BODIES[1]), few_or_many(queries, QUERIES[0], QUERIES[1])];
+    let steps = if is_piled { few_or_many(ticks, TICKS[0], TICKS[1]) } else { usize::from(ticks % 3) };
     let mut bodies = (0..count as u64).map(|i| body(input, i * 5 % 31)).collect::<Result<Vec<_>>>()?;
-    let is_piled = first >= 128;
     if is_piled {
         pile_up(&mut bodies);
     }
@@ -213,8 +214,6 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
         world.add_body(def.clone()).map(|_| world).expect("a body that was added before")
     };
     let singles: Vec<World> = bodies.iter().map(single).collect();
-    let steps = u8::arbitrary(input)? % 3;
-    let steps = if is_piled { TICKS } else { steps };
     let mut stepped = world.clone();
     for _ in 0..steps {
         stepped.step();
@@ -226,7 +225,7 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
     let of_singles: Vec<Queries<'_>> = singles.iter().map(World::queries).collect();
     let of_mirrored = mirrored.as_ref().map(World::queries);
     let mut asked = 0;
-    while !input.is_empty() && asked < QUERIES {
+    while !input.is_empty() && asked < queries {
         asked += 1;
         let query = Query::of(input)?;
         let mask = if bool::arbitrary(input)? { 3 } else { !0 };

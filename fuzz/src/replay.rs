@@ -14,7 +14,7 @@ use super::files::{
     Chunk, LATE, OPENING, PILED, chunks, disturb, late, measured, measured_within, seal_snapshot, sealed, use_up,
 };
 use super::pile::pile;
-use super::tally;
+use super::{number, tally};
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -160,19 +160,18 @@ fn from_chunks(data: &[u8]) -> Result<()> {
     Ok(())
 }
 
-/// The ticks for which a pile falls together before its run is recorded, the fewest ticks of its run, and the ticks before its tick is
-/// dumped.
-const FALL: usize = 16;
-const TICKS: u8 = 4;
-const FALL_OF_DUMP: usize = 8;
+/// The most ticks for which a pile falls together before it is recorded or dumped, and those of its run, of most inputs and of one
+/// in 16.
+const FALL: [u8; 2] = [4, 16];
+const TICKS: [u8; 2] = [4, 16];
 
 /// A world made by the author.
-fn start(author: &mut Author<'_>, kind: u8, fall: usize) -> Result<World> {
+fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let world = author::world(author.world()).or_else(|| author::world(WorldDef::default()));
     let mut world = world.expect("the usual definition is fair");
     if kind & PILED != 0 {
         pile(author, &mut world)?;
-        for _ in 0..fall {
+        for _ in 0..number(author.any()?, FALL[0], FALL[1]) {
             world.step();
             tally::count(&world);
         }
@@ -197,14 +196,13 @@ fn inputs(author: &mut Author<'_>) -> Result<Inputs> {
 
 fn recorded(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
-    let mut world = start(&mut author, kind, FALL)?;
+    let mut world = start(&mut author, kind)?;
     let options = RecordOptions {
         hash_every: 1 + u32::from(author.any::<u8>()? % 3),
         snapshot_every: u32::from(author.any::<u8>()? % 4),
     };
     let mut recorder = Recorder::new(&world, options);
-    let fewest = if kind & PILED != 0 { TICKS } else { 0 };
-    let ticks = fewest + author.any::<u8>()? % 12;
+    let ticks = number(author.any()?, TICKS[0], TICKS[1]) - usize::from(kind & PILED == 0);
     let mut calls = Vec::new();
     for _ in 0..ticks {
         if author.any()? {
@@ -266,7 +264,7 @@ fn changed(mut parts: Vec<Chunk>, input: &mut Unstructured<'_>) -> Result<Vec<Ch
 
 fn dumped(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
-    let before = start(&mut author, kind, FALL_OF_DUMP)?;
+    let before = start(&mut author, kind)?;
     let calls = if author.any()? { vec![author.command()] } else { Vec::new() };
     let inputs = inputs(&mut author)?;
     let mut after = before.clone();

@@ -9,7 +9,7 @@ use umbra_physics::{Snapshot, World, WorldDef};
 use super::author::{self, Author};
 use super::files::{LATE, PILED, disturb, head, late, measured, seal_snapshot, use_up};
 use super::pile::pile;
-use super::tally;
+use super::{number, tally};
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -27,8 +27,9 @@ pub fn run(data: &[u8]) {
     }
 }
 
-/// The ticks of a pile before its world is written: it has fallen together, and some of it may sleep.
-const TICKS: usize = 20;
+/// The most ticks of a pile before its world is written, and commands, of most inputs and of one in 16.
+const TICKS: [u8; 2] = [6, 20];
+const COMMANDS: [u8; 2] = [6, 24];
 
 /// A world of a few bodies and fields, or of a pile.
 fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
@@ -36,12 +37,12 @@ fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
     let mut world = world.expect("the usual definition is fair");
     if kind & PILED != 0 {
         pile(author, &mut world)?;
-        for _ in 0..TICKS {
+        for _ in 0..number(author.any()?, TICKS[0], TICKS[1]) {
             world.step();
             tally::count(&world);
         }
     }
-    for _ in 0..author.any::<u8>()? % 24 {
+    for _ in 1..number(author.any()?, COMMANDS[0], COMMANDS[1]) {
         let command = author.command();
         if let Ok(made) = world.execute(&command) {
             author.made(&world, made);

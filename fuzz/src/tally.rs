@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 
-use umbra_physics::{Scalar, World};
+use umbra_physics::{Activity, Scalar, World};
 
 /// The steps of an input, and the touching manifolds after each of them.
 #[derive(Clone, Copy, Debug, Default)]
@@ -12,6 +12,8 @@ pub struct Tally {
     pub contacts: u64,
     /// The most after a tick.
     pub most: u64,
+    /// The comparisons of a world with one without sleep while a body sleeps.
+    pub slept: u64,
 }
 
 thread_local! {
@@ -40,6 +42,14 @@ pub fn count<S: Scalar>(world: &World<S>) {
     count_contacts(|| world.contacts().count());
 }
 
+/// Counts a comparison with a world without sleep, if a body sleeps.
+pub fn count_sleepers(world: &World) {
+    if let Some(tally) = TALLY.get() {
+        let any_asleep = world.bodies().any(|body| body.activity() == Activity::Asleep);
+        TALLY.set(Some(Tally { slept: tally.slept + u64::from(any_asleep), ..tally }));
+    }
+}
+
 /// Returns true if somebody asks, in this thread.
 pub fn is_asked_for() -> bool {
     TALLY.get().is_some()
@@ -47,8 +57,9 @@ pub fn is_asked_for() -> bool {
 
 /// Counts a step with so many touching manifolds.
 pub fn count_contacts(number: impl FnOnce() -> usize) {
-    if let Some(Tally { ticks, contacts, most }) = TALLY.get() {
+    if let Some(tally) = TALLY.get() {
         let here = number() as u64;
-        TALLY.set(Some(Tally { ticks: ticks + 1, contacts: contacts + here, most: most.max(here) }));
+        let (ticks, contacts, most) = (tally.ticks + 1, tally.contacts + here, tally.most.max(here));
+        TALLY.set(Some(Tally { ticks, contacts, most, ..tally }));
     }
 }

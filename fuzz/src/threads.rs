@@ -1,7 +1,7 @@
 //! Two threads do what one does.
 //!
-//! An input is a world's definition, a pile, a seed, a kind of body, and commands. Free bodies are added, which threads share: enough
-//! for two threads in a world that shares few, and in one of 256 inputs as many as threads share in any world.
+//! An input is a byte for the number of bodies, a world's definition, a pile, a seed, a kind of body, and commands. Free bodies are added,
+//! which threads share: enough for two threads in a world that shares few, and in one of 256 inputs as many as threads share in any world.
 
 use std::sync::LazyLock;
 
@@ -11,7 +11,7 @@ use umbra_physics::{BodyDef, CommandSource as _, Created, Fx, Integrator, Random
 
 use super::author::{self, Author};
 use super::pile::pile;
-use super::tally;
+use super::{number, tally};
 
 /// The target.
 pub fn run(data: &[u8]) {
@@ -24,22 +24,24 @@ pub fn run(data: &[u8]) {
 }
 
 /// The number of bodies that are refused, fall asleep or are reached by fields, as the input says. After each come
-/// [`STEADY`] that move for ever and that no field reaches: 265 in all or more, two blocks and the start of a third.
-const CROWD: u64 = 53;
+/// [`STEADY`] that move for ever and that no field reaches: 135 in all or more, a block and the start of a second, and in one input of 16
+/// 265 or more, of three blocks.
+const CROWD: [u64; 2] = [27, 53];
 const STEADY: u64 = 4;
 /// The bodies of these kinds in a large world, in which a step uses several threads by itself: 8,200 with the others.
 const LARGE: u64 = 2_050;
-/// The ticks for which a pile falls together first, those that are made twice, in a large world too, and the most commands, one a tick.
-pub const FALL: usize = 12;
-const TICKS: usize = 8;
-pub const FEW_TICKS: usize = 4;
-const COMMANDS: usize = 8;
+/// The most ticks for which a pile falls together first, of most inputs and of one in 16; the ticks that are made twice, with a command
+/// before each: fewer in a large world too.
+const FALL: [u8; 2] = [4, 12];
+const TICKS: [usize; 2] = [4, 8];
 /// States are compared after each so many ticks, and reports after each: a difference stays in the state.
 const EVERY: usize = 4;
 
 /// Returns the number of touching manifolds after each tick, if these are to be counted.
 fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     let mut author = Author::new(data);
+    let crowd: u8 = author.any()?;
+    let (is_many, is_large) = (crowd >= 240, crowd == 255);
     let def = author.world();
     let integrator = match def.integrator {
         // It has no free bodies.
@@ -49,7 +51,7 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(Vec::new()) };
     pile(&mut author, &mut world)?;
     let mut contacts = Vec::new();
-    for _ in 0..FALL {
+    for _ in 0..number(author.any()?, FALL[0], FALL[1]) {
         world.step();
         contacts.extend(counts.then(|| world.contacts().count()));
     }
@@ -57,9 +59,11 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     // A few kinds of bodies, one of them as the input says; the others differ in where they are and how they move.
     let special = author.generator().body_def();
     let every = u64::from(author.any::<u8>()?) + 1;
-    let more = u64::from(author.any::<u8>()?);
-    let is_large = more == 255;
-    for i in 0..if is_large { LARGE } else { CROWD + more % 16 } {
+    let count = match crowd {
+        255 => LARGE,
+        _ => CROWD[usize::from(is_many)] + u64::from(crowd % 16),
+    };
+    for i in 0..count {
         let mut number = |size: Fx| random.number(-size..=size);
         let (position, velocity) =
             (Vec2::new(number(fx!(99)), number(fx!(99))), Vec2::new(number(fx!(3)), number(fx!(3))));
@@ -79,8 +83,8 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     if !is_large {
         worlds[1].share_bodies(0);
     }
-    for tick in 0..if is_large { FEW_TICKS } else { TICKS } {
-        if tick < COMMANDS && !author.input.is_empty() {
+    for tick in 0..TICKS[usize::from(is_many && !is_large)] {
+        if !author.input.is_empty() {
             let command = author.command();
             let [done, other] = worlds.each_mut().map(|world| world.execute(&command));
             assert_eq!(done, other);
