@@ -4,7 +4,7 @@
 # if there are such: inputs that are changed at random take about as long as the committed ones. Slow inputs have to find their way by a name.
 set -euo pipefail
 cd "$(dirname "$0")"
-most_inputs=25 most_size=1024 most_microseconds=${UMBRA_MOST_MICROSECONDS:-1500}
+most_inputs=25 most_size=2048 most_microseconds=${UMBRA_MOST_MICROSECONDS:-1500}
 
 binaries=${CARGO_TARGET_DIR:-target}/$(rustc -vV | sed -n 's/^host: //p')/release
 work=$(mktemp -d)
@@ -34,13 +34,15 @@ for target in "$@"; do
     FNR == 2 { next }
     FNR <= files + 2 { name[FNR - 3] = $0; next }
     $1 != "FT" { next }
-    name[$2] ~ /\/named\// { count += 1; for (i = 3; i <= NF; i++) is_reached[$i] = 1; next }
+    # Eight features of an edge tell how often it is taken.
+    function reach(feature) { is_reached[feature] = is_edge[int(feature / 8)] = 1 }
+    name[$2] ~ /\/named\// { count += 1; for (i = 3; i <= NF; i++) reach($i); next }
     {
       split(substr(name[$2], match(name[$2], /[^\/]*$/)), known, "-")
       if (known[1] >= 2) touches[$2] = any_touches = 1
-      cost[$2] = 200 + known[2]
+      cost[$2] = 1000 + known[2]
       features[$2] = $0
-      gain[$2] = (NF - 2) / cost[$2]
+      gain[$2] = 5 * NF
     }
     END {
       while (count < most) {
@@ -55,12 +57,12 @@ for target in "$@"; do
           is_new = counted[best] == count + 1
           fresh = 0
           length_of = split(features[best], list)
-          for (i = 3; i <= length_of; i++) if (!(list[i] in is_reached)) fresh += 1
+          for (i = 3; i <= length_of; i++) if (!(list[i] in is_reached)) fresh += int(list[i] / 8) in is_edge ? 1 : 5
           gain[best] = fresh / cost[best]
           counted[best] = count + 1
           if (fresh == 0) delete gain[best]
         } while (!is_new)
-        for (i = 3; i <= length_of; i++) is_reached[list[i]] = 1
+        for (i = 3; i <= length_of; i++) reach(list[i])
         delete gain[best]
         count += 1
         print name[best]
