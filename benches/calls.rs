@@ -194,7 +194,7 @@ impl Candidate {
             let (kind, seed) = self.pattern[round % PATTERN];
             let seed = u64::from(seed) << 32 | round as u64;
             round += 1;
-            Some(Author { random: SplitMix(seed), unfair: 0 }.of_kind(kind.into(), &world))
+            Some(Author { random: SplitMix(seed), unfair: 0 }.of_kind(kind, &world))
         });
         let inputs = kilobyte(commands);
         // With as many bodies, in a world in which values have taken out none of them.

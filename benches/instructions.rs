@@ -81,6 +81,8 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 #[bench::free_20k_one_spring(scenes::one_spring(20_000))]
 #[bench::free_1k_zone_on_nobody(scenes::zone(1_000, 2))]
 #[bench::free_1k_zone(scenes::zone(1_000, 1))]
+#[bench::free_1k_ghosts(scenes::discs(1_000, true))]
+#[bench::free_1k_discs(scenes::discs(1_000, false))]
 #[bench::free_1k_beside_20k_static(scenes::beside_static(1_000, 20_000))]
 #[bench::tiles_1k(scenes::over_tiles(100, 1_000))]
 #[bench::tiles_20k(scenes::over_tiles(100, 20_000))]

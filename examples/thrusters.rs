@@ -6,8 +6,8 @@
 //! ```
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyRef, Error, FieldId, FieldKind, ForceOrImpulse, Fx, Mass, Shape,
-    Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyRef, ColliderDef, Error, FieldId, FieldKind, ForceOrImpulse, Fx,
+    Mass, Shape, Vec2, World, WorldDef, fx, vec2,
 };
 
 const MOON: Fx = fx!(-1.62); // m/s²
@@ -20,11 +20,10 @@ const FOOT: Fx = fx!(0.5);
 fn main() -> Result<(), Error> {
     let mut world = World::new(WorldDef { gravity: vec2(0, MOON), ..WorldDef::default() })?;
     let hull = world.add_body(BodyDef {
-        shape: Some(Shape::rectangle(fx!(1.5), fx!(1))?),
         mass: Mass::Kilograms(MASS),
         position: vec2(-30, 60),
         velocity: vec2(4, -3),
-        ..BodyDef::dynamic()
+        ..BodyDef::dynamic().with_collider(ColliderDef::ghost(Shape::rectangle(fx!(1.5), fx!(1))?))
     })?;
     let mut engines = [world.add_field(engine(hull, -ARM, Fx::ZERO))?, world.add_field(engine(hull, ARM, Fx::ZERO))?];
     // The right side gets an impulse of 40 N·s, along the body's own axes and at a point of its own.

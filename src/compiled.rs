@@ -123,9 +123,6 @@ compiled! {
         world.remove_collider_inner(collider)
     }
 
-    fn set_shape(world: &mut World<S>, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
-        world.set_shape_inner(body, shape)
-    }
     fn set_kind(world: &mut World<S>, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         world.set_kind_inner(body, kind)
     }

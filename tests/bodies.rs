@@ -16,13 +16,13 @@ fn world(def: WorldDef) -> World {
     World::new(def).expect("a world")
 }
 
-fn disc(radius: Fx) -> Option<Shape> {
-    Some(Shape::circle(radius).expect("a disc"))
+fn disc(radius: Fx) -> ColliderDef {
+    ColliderDef::ghost(Shape::circle(radius).expect("a disc"))
 }
 
 fn ball(world: &mut World) -> BodyId {
     world
-        .add_body(BodyDef { shape: disc(fx!(2)), mass: Mass::Kilograms(fx!(4)), ..BodyDef::dynamic() })
+        .add_body(BodyDef { mass: Mass::Kilograms(fx!(4)), ..BodyDef::dynamic().with_collider(disc(fx!(2))) })
         .expect("a ball")
 }
 
@@ -39,9 +39,10 @@ fn sixty_four() -> WorldDef {
 }
 
 #[test]
-fn a_new_mass_or_shape_changes_the_inertia_and_both_inverses() {
+fn a_new_mass_or_collider_changes_the_inertia_and_both_inverses() {
     let mut world = world(WorldDef::default());
     let body = ball(&mut world);
+    let collider = world.colliders_of(body).unwrap().next().unwrap();
     let of = |world: &World| {
         let body = world.body(body).unwrap();
         (body.mass(), body.inertia(), Some(body.inverse_mass()), Some(body.inverse_inertia()))
@@ -50,21 +51,26 @@ fn a_new_mass_or_shape_changes_the_inertia_and_both_inverses() {
     assert_eq!(of(&world), (Some(fx!(4)), factor(fx!(8)), factor(fx!(0.25)), factor(fx!(0.125))));
     world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(4)), factor(fx!(0.5)), factor(fx!(0.25))));
-    world.set_shape(body, disc(fx!(4))).unwrap();
+    world.set_collider(collider, disc(fx!(4))).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(16)), factor(fx!(0.5)), factor(fx!(0.0625))));
     world.set_mass(body, Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) }).unwrap();
     assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(0.5)), factor(fx!(0.5)), factor(fx!(2))));
-    world.set_shape(body, None).unwrap();
+    world.remove_collider(collider).unwrap();
     assert_eq!(of(&world).1, factor(fx!(0.5)), "an inertia that was given stays");
     world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
-    assert_eq!(of(&world), (Some(fx!(2)), None, factor(fx!(0.5)), factor(fx!(0))), "without a shape it does not turn");
-    assert_eq!(world.set_mass(body, Mass::Density(fx!(1))), Err(Error::NoShape));
-    world.set_shape(body, Some(Shape::rectangle(fx!(2), fx!(3)).unwrap())).unwrap();
-    world.set_mass(body, Mass::Density(fx!(2))).unwrap();
+    assert_eq!(
+        of(&world),
+        (Some(fx!(2)), None, factor(fx!(0.5)), factor(fx!(0))),
+        "without colliders it does not turn"
+    );
+    world.set_mass(body, Mass::FromColliders).unwrap();
+    assert_eq!(of(&world), (Some(fx!(1)), None, factor(fx!(1)), factor(fx!(0))));
+    let square =
+        |width| ColliderDef { density: fx!(2), ..ColliderDef::ghost(Shape::rectangle(width, fx!(3)).unwrap()) };
+    let collider = world.add_collider(body, square(fx!(2))).unwrap();
     assert_eq!(world.body(body).unwrap().mass(), Some(fx!(12)));
-    world.set_shape(body, Some(Shape::rectangle(fx!(1), fx!(3)).unwrap())).unwrap();
+    world.set_collider(collider, square(fx!(1))).unwrap();
     assert_eq!(world.body(body).unwrap().mass(), Some(fx!(6)), "a density gives another mass to another shape");
-    assert_eq!(world.set_shape(body, None), Err(Error::NoShape));
 }
 
 #[test]
@@ -116,7 +122,8 @@ fn a_damping_of_its_own_overrides_the_worlds_each_for_itself_and_not_at_all_for_
         ..WorldDef::default()
     };
     let mut world = world(def);
-    let start = BodyDef { velocity: vec2(64, 0), angular_velocity: fx!(64), shape: disc(fx!(1)), ..BodyDef::dynamic() };
+    let start =
+        BodyDef { velocity: vec2(64, 0), angular_velocity: fx!(64), ..BodyDef::dynamic().with_collider(disc(fx!(1))) };
     let defs = [
         start.clone(),
         BodyDef { linear_damping: Some(Damping::NONE), ..start.clone() },
@@ -290,8 +297,9 @@ fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothin
 #[test]
 fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
     let mut world = world(WorldDef { sleep_after: Some(2), ..sixty_four() });
-    let chain = [0, 1, 2]
-        .map(|i| world.add_body(BodyDef { position: vec2(i, 0), shape: disc(fx!(1)), ..BodyDef::dynamic() }).unwrap());
+    let chain = [0, 1, 2].map(|i| {
+        world.add_body(BodyDef { position: vec2(i, 0), ..BodyDef::dynamic().with_collider(disc(fx!(1))) }).unwrap()
+    });
     let lone = ball(&mut world);
     for (a, b) in [(0, 1), (1, 2)] {
         let far = End::Body(Attachment::centre(chain[b]));
@@ -309,7 +317,7 @@ fn every_setter_wakes_and_a_sleeper_is_woken_through_its_springs() {
         |w, b| w.set_velocity(b, Vec2::ZERO),
         |w, b| w.set_angular_velocity(b, Fx::ZERO),
         |w, b| w.set_mass(b, Mass::Kilograms(fx!(1))),
-        |w, b| w.set_shape(b, None),
+        |w, b| w.add_collider(b, disc(fx!(2))).map(drop),
         |w, b| w.set_kind(b, BodyKind::Dynamic),
         |w, b| w.set_gravity_scale(b, fx!(1)),
         |w, b| w.set_body_damping(b, None, None),
@@ -341,8 +349,8 @@ fn kinds_move_as_they_say_and_change_into_each_other() {
         .add_body(BodyDef {
             velocity: vec2(64, 0),
             angular_velocity: fx!(1),
-            shape: disc(fx!(1)),
-            ..BodyDef::dynamic()
+            mass: Mass::Kilograms(fx!(1)),
+            ..BodyDef::dynamic().with_collider(disc(fx!(1)))
         })
         .unwrap();
     let other = ball(&mut world);
@@ -421,9 +429,8 @@ fn values_that_are_set_are_read_back() {
         angle: fx!(6.283),
         velocity: vec2(fx!(1048576), fx!(-0.1)),
         angular_velocity: fx!(0.3),
-        shape: Some(Shape::polygon(&corners).unwrap()),
-        colliders: Vec::new(),
-        mass: Mass::Density(fx!(3)),
+        colliders: vec![ColliderDef { density: fx!(3), ..ColliderDef::ghost(Shape::polygon(&corners).unwrap()) }],
+        mass: Mass::FromColliders,
         gravity_scale: fx!(-0.3),
         linear_damping: Some(Damping::kept_per_second(fx!(0.7))),
         angular_damping: None,
@@ -446,24 +453,13 @@ fn values_that_are_set_are_read_back() {
     assert_eq!((body.linear_damping(), body.angular_damping()), (def.linear_damping, None));
     assert_eq!((body.max_speed(), body.max_angular_speed()), (def.max_speed, None));
     assert_eq!((body.dominance(), body.force_groups(), body.key(), body.user_data()), (-8, 6, 5, u64::MAX));
-    assert_eq!(body.shape(), def.shape.as_ref());
+    let colliders = world.colliders_of(id).unwrap().map(|collider| world.collider(collider).unwrap());
+    assert!(colliders.eq(&def.colliders));
     assert_eq!(body.position_exact().x.to_bits(), i128::from(fx!(-3.7).to_bits()) << 64);
     assert_eq!(world.bodies().count(), 1);
     world.set_angle(id, fx!(-1)).unwrap();
     assert_eq!(world.body(id).unwrap().angle(), Fx::TAU - fx!(1), "angles are read in [0, 2π)");
     assert_eq!(world.body(id).unwrap().angle_exact().to_bits(), Turn::from_radians(fx!(-1)).to_bits());
-}
-
-#[test]
-fn the_origin_of_a_shape_is_where_its_coordinates_began() {
-    let mut world = world(WorldDef::default());
-    let corners = [vec2(1, 1), vec2(3, 1), vec2(3, 2), vec2(1, 2)];
-    let shape = Shape::polygon(&corners).unwrap();
-    assert_eq!(shape.shift(), vec2(2, fx!(1.5)));
-    let body = world.add_body(BodyDef { shape: Some(shape), position: vec2(7, 7), ..BodyDef::dynamic() }).unwrap();
-    assert_eq!(world.body(body).unwrap().origin(), vec2(5, fx!(5.5)));
-    world.set_angle(body, Fx::from_bits(2_774_851_117_601_566_901)).unwrap();
-    assert_eq!(world.body(body).unwrap().origin(), vec2(fx!(8.5), 5));
 }
 
 /// The call of the method that a command stands for.
@@ -492,7 +488,6 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetVelocity { body, velocity } => nothing(world.set_velocity(body, velocity)),
         Command::SetAngularVelocity { body, velocity } => nothing(world.set_angular_velocity(body, velocity)),
         Command::SetMass { body, mass } => nothing(world.set_mass(body, mass)),
-        Command::SetShape { body, shape } => nothing(world.set_shape(body, shape)),
         Command::SetKind { body, kind } => nothing(world.set_kind(body, kind)),
         Command::SetGravityScale { body, scale } => nothing(world.set_gravity_scale(body, scale)),
         Command::SetBodyDamping { body, linear, angular } => nothing(world.set_body_damping(body, linear, angular)),
@@ -575,7 +570,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetVelocity { body, velocity: force },
         Command::SetAngularVelocity { body, velocity: fx!(2) },
         Command::SetMass { body, mass: Mass::Kilograms(fx!(9)) },
-        Command::SetShape { body, shape: disc(fx!(3)) },
+        Command::AddCollider { body, def: disc(fx!(3)) },
         Command::AddCollider { body, def: square.clone() },
         Command::Explode(Explosion { radius: fx!(9), ..Explosion::new(vec2(1, 0), fx!(2)) }),
         Command::AddCollider { body: gone, def: square.clone() },
@@ -635,7 +630,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::RemoveBody(gone),
     ];
     // The enum is open to more variants, so no match from outside has to name them all: their numbers say which there are.
-    for number in 0..Command::KINDS {
+    for &number in Command::NUMBERS {
         assert!(commands.iter().any(|command| command.number() == number), "no case for number {number}");
     }
     for command in commands {

@@ -4,9 +4,9 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Damping, Dependence, End, Error,
-    FieldId, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Locks, Mass, Region, Shape, Snapshot,
-    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, CustomForce, CustomForceError, Damping, Dependence,
+    End, Error, FieldId, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Locks, Mass, Region, Shape,
+    Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -151,8 +151,15 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
         19 | 20 => world.set_user_data(body, below(random, 5) as u64),
         21 => world.set_gravity_scale(body, [fx!(0), fx!(1), fx!(-2)][one_of]),
         22 => {
-            let shapes = [None, Shape::circle(fx!(0.5)).ok(), Shape::rectangle(fx!(1), fx!(3)).ok()];
-            world.set_shape(body, shapes[one_of].clone())
+            let shapes = [Shape::circle(fx!(0.5)), Shape::rectangle(fx!(1), fx!(3))];
+            let collider = world.colliders_of(body).into_iter().flatten().next();
+            match (one_of, collider) {
+                (2, Some(collider)) => world.remove_collider(collider),
+                (2, None) => Ok(()),
+                _ => shapes[one_of]
+                    .clone()
+                    .and_then(|shape| world.add_collider(body, ColliderDef::ghost(shape)).map(drop)),
+            }
         }
         23 => world.set_locks(body, Locks { x: one_of == 0, y: one_of == 1, rotation: one_of != 2 }),
         24 => world.set_gravity(vec2(0, [0, 0, -1][one_of])),

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, CustomForce, CustomForceError, Damping, Dependence,
-    End, Error, FieldId, FieldKind, ForceField, ForceTorque, Fx, FxAccumulator, FxFactor, Integrator, Mass, Region,
-    Shape, Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, CustomForce, CustomForceError,
+    Damping, Dependence, End, Error, FieldId, FieldKind, ForceField, ForceTorque, Fx, FxAccumulator, FxFactor,
+    Integrator, Mass, Region, Shape, Snapshot, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 type Bits = ([i128; 5], u64, Activity);
@@ -72,16 +72,16 @@ fn world_def(integrator: Integrator) -> WorldDef {
 /// Nine bodies that act on each other in every way there is.
 fn cast() -> Vec<BodyDef> {
     let at = |i: u32| vec2(fx!(1.7) * Fx::from(i as i32) - fx!(6), fx!(0.31) * Fx::from((i * i % 7) as i32));
+    let plank = |height| ColliderDef::ghost(Shape::rectangle(fx!(0.5), height).expect("a shape"));
     let mut bodies: Vec<BodyDef> = (0..9u32)
         .map(|i| BodyDef {
             position: at(i),
             velocity: vec2(fx!(0.3) * Fx::from(i as i32 % 3 - 1), fx!(-0.2)),
             angle: fx!(0.7) * Fx::from(i as i32),
             angular_velocity: fx!(1.1) - fx!(0.4) * Fx::from(i as i32),
-            shape: Some(Shape::rectangle(fx!(0.5), fx!(0.25) + fx!(0.1) * Fx::from(i as i32)).expect("a shape")),
             mass: Mass::Kilograms(fx!(0.3) + fx!(0.37) * Fx::from(i as i32)),
             key: u64::from(i),
-            ..BodyDef::dynamic()
+            ..BodyDef::dynamic().with_collider(plank(fx!(0.25) + fx!(0.1) * Fx::from(i as i32)))
         })
         .collect();
     bodies[3] =
@@ -189,7 +189,10 @@ fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
         other(&|world| world.set_user_data(body, 1).expect("it is there"));
         other(&|world| world.apply_force(body, vec2(Fx::DELTA, 0)).expect("it is dynamic"));
         other(&|world| world.set_gravity(vec2(0, -1)).expect("in range"));
-        other(&|world| world.set_shape(body, None).expect("it has a mass"));
+        other(&|world| {
+            let collider = world.colliders_of(body).expect("it is there").next().expect("one");
+            world.remove_collider(collider).expect("it has a mass");
+        });
         other(&|world| {
             let (id, _) = world.fields().next().expect("one");
             world.remove_field(id).expect("it is there");
@@ -409,10 +412,10 @@ fn pool(integrator: Integrator, sleep_after: Option<u32>) -> (World, Vec<BodyId>
     let mut world = World::new(def).expect("a world");
     let bodies: Vec<BodyId> = (0..12)
         .map(|i| {
-            let shape = Some(Shape::circle(fx!(0.5)).expect("a disc"));
+            let disc = ColliderDef::ghost(Shape::circle(fx!(0.5)).expect("a disc"));
             let kind = [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static][[0, 0, 0, 1, 0, 2][i as usize % 6]];
-            let def =
-                BodyDef { kind, shape, position: vec2(3 * i, i % 5), force_groups: 1 << (i % 3), ..BodyDef::dynamic() };
+            let def = BodyDef { kind, position: vec2(3 * i, i % 5), force_groups: 1 << (i % 3), ..BodyDef::dynamic() };
+            let def = def.with_collider(disc);
             world.add_body(def).expect("a body")
         })
         .collect();
@@ -439,7 +442,14 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
         6 => world.set_velocity(body, dice.vector(fx!(1))),
         7 => world.set_angular_velocity(body, dice.number(fx!(1))),
         8 => world.set_mass(body, Mass::Kilograms(fx!(1) + dice.number(fx!(0.9)))),
-        9 => world.set_shape(body, Some(Shape::circle(fx!(1) + dice.number(fx!(0.9)))?)),
+        9 => {
+            let def = ColliderDef::ghost(Shape::circle(fx!(1) + dice.number(fx!(0.9)))?);
+            let collider = world.colliders_of(body)?.next();
+            match collider {
+                Some(collider) => world.set_collider(collider, def),
+                None => world.add_collider(body, def).map(drop),
+            }
+        }
         10 => world.set_kind(body, [BodyKind::Dynamic, BodyKind::Static, BodyKind::Kinematic][dice.throw(3)]),
         11 => world.set_gravity_scale(body, dice.number(fx!(1))),
         12 => world.set_body_damping(
@@ -845,7 +855,16 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         let field = world.add_field(law).expect("a field");
         (world, body, field)
     };
-    let plain = BodyDef { shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    fn own(world: &World, body: BodyId) -> ColliderId {
+        world.colliders_of(body).unwrap().next().unwrap()
+    }
+    fn reshape(world: &mut World, body: BodyId, shape: Result<Shape, Error>) {
+        world.set_collider(own(world, body), ColliderDef::ghost(shape.unwrap())).unwrap();
+    }
+    let plain = BodyDef {
+        mass: Mass::Kilograms(fx!(1)),
+        ..BodyDef::dynamic().with_collider(ColliderDef::ghost(Shape::circle(fx!(1)).expect("a disc")))
+    };
     let changes: &[Change] = &[
         ("nothing", |_, _, _| {}),
         ("add_body", |w, _, _| w.add_body(BodyDef::dynamic()).map(drop).unwrap()),
@@ -868,23 +887,19 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
         ("velocity y", |w, b, _| w.set_velocity(b, Vec2::new(Fx::ZERO, Fx::DELTA)).unwrap()),
         ("spin", |w, b, _| w.set_angular_velocity(b, -Fx::DELTA).unwrap()),
         ("mass", |w, b, _| w.set_mass(b, Mass::Kilograms(fx!(2))).unwrap()),
-        ("mass by density", |w, b, _| w.set_mass(b, Mass::Density(fx!(1))).unwrap()),
+        ("mass by colliders", |w, b, _| w.set_mass(b, Mass::FromColliders).unwrap()),
         ("mass and inertia", |w, b, _| w.set_mass(b, Mass::Explicit { mass: fx!(1), inertia: fx!(1) }).unwrap()),
         ("mass and another inertia", |w, b, _| {
             w.set_mass(b, Mass::Explicit { mass: fx!(1), inertia: fx!(2) }).unwrap()
         }),
-        ("no shape", |w, b, _| w.set_shape(b, None).unwrap()),
-        ("circle", |w, b, _| w.set_shape(b, Some(Shape::circle(fx!(2)).unwrap())).unwrap()),
-        ("rectangle", |w, b, _| w.set_shape(b, Some(Shape::rectangle(fx!(1), fx!(2)).unwrap())).unwrap()),
-        ("another rectangle", |w, b, _| w.set_shape(b, Some(Shape::rectangle(fx!(2), fx!(1)).unwrap())).unwrap()),
-        ("capsule", |w, b, _| w.set_shape(b, Some(Shape::capsule(fx!(1), fx!(2)).unwrap())).unwrap()),
-        ("segment", |w, b, _| w.set_shape(b, Some(Shape::segment(Vec2::ZERO, Vec2::X).unwrap())).unwrap()),
-        ("shifted segment", |w, b, _| {
-            w.set_shape(b, Some(Shape::segment(vec2(fx!(1), 0), vec2(fx!(2), 0)).unwrap())).unwrap();
-        }),
-        ("polygon", |w, b, _| {
-            w.set_shape(b, Some(Shape::polygon(&[Vec2::ZERO, Vec2::X, Vec2::Y]).unwrap())).unwrap();
-        }),
+        ("no collider", |w, b, _| w.remove_collider(own(w, b)).unwrap()),
+        ("circle", |w, b, _| reshape(w, b, Shape::circle(fx!(2)))),
+        ("rectangle", |w, b, _| reshape(w, b, Shape::rectangle(fx!(1), fx!(2)))),
+        ("another rectangle", |w, b, _| reshape(w, b, Shape::rectangle(fx!(2), fx!(1)))),
+        ("capsule", |w, b, _| reshape(w, b, Shape::capsule(fx!(1), fx!(2)))),
+        ("segment", |w, b, _| reshape(w, b, Shape::segment(Vec2::ZERO, Vec2::X))),
+        ("shifted segment", |w, b, _| reshape(w, b, Shape::segment(vec2(fx!(1), 0), vec2(fx!(2), 0)))),
+        ("polygon", |w, b, _| reshape(w, b, Shape::polygon(&[Vec2::ZERO, Vec2::X, Vec2::Y]))),
         ("static", |w, b, _| {
             w.set_kind(b, BodyKind::Static).unwrap();
         }),

@@ -280,6 +280,16 @@ fn a_field_on_nobody_costs_nothing() {
 
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn colliders_that_touch_nothing_cost_nothing() {
+    let Some(counts) = counts() else { return };
+    let (without, with) = (counts.instructions("fx/free_1k"), counts.instructions("fx/free_1k_ghosts"));
+    assert!((with - without).abs() * 100 <= without, "{with} with colliders that touch nothing, {without} without");
+    let control = counts.instructions("fx/free_1k_discs");
+    assert!(control >= 2 * without, "{control} with colliders that meet others");
+}
+
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
 fn a_moving_platform_costs_bodies_that_it_does_not_touch_nothing() {
     let Some(counts) = counts() else { return };
     let without = counts.instructions("fx/thrusters_1k");

@@ -29,9 +29,9 @@ const CASES: [Case; 20] = [
     Case { wrong: "Shape::rectangle(50, 0.5)?;", says: INTO_FX, right: "Shape::rectangle(50, 1)?;" },
     Case { wrong: "Shape::capsule(0.5, 1)?;", says: INTO_FX, right: "Shape::capsule(1, 1)?;" },
     Case {
-        wrong: "world.add_body(BodyDef { position: vec2(0, 0.5), shape: Some(Shape::circle(1)?), ..BodyDef::dynamic() })?;",
+        wrong: "world.add_body(BodyDef { position: vec2(0, 0.5), ..BodyDef::dynamic().with_collider(Shape::circle(1)?) })?;",
         says: INTO_FX,
-        right: "world.add_body(BodyDef { position: vec2(0, fx!(0.5)), shape: Some(Shape::circle(1)?), ..BodyDef::dynamic() })?;",
+        right: "world.add_body(BodyDef { position: vec2(0, fx!(0.5)), ..BodyDef::dynamic().with_collider(Shape::circle(1)?) })?;",
     },
     // A field of a number takes an `Fx`: the words are the compiler's.
     Case {
@@ -40,9 +40,9 @@ const CASES: [Case; 20] = [
         right: "world.add_body(BodyDef { angle: fx!(0), ..BodyDef::dynamic() })?;",
     },
     Case {
-        wrong: "world.add_body(BodyDef { mass: Mass::Density(1), shape: Some(Shape::circle(1)?), ..BodyDef::dynamic() })?;",
+        wrong: "world.add_body(BodyDef { mass: Mass::Kilograms(1), ..BodyDef::dynamic() })?;",
         says: &["expected `Fx`"],
-        right: "world.add_body(BodyDef { mass: Mass::Density(fx!(1)), shape: Some(Shape::circle(1)?), ..BodyDef::dynamic() })?;",
+        right: "world.add_body(BodyDef { mass: Mass::Kilograms(fx!(1)), ..BodyDef::dynamic() })?;",
     },
     Case {
         wrong: "world.apply_torque(body, 5)?;",
@@ -189,7 +189,7 @@ const GAME: &str = "
     world.clone_from(&copy);
     world.restore(&Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).map_err(|_| Error::Inconsistent)?);
     world.execute(&Command::Wake(body))?;
-    world.add_body(BodyDef { shape: Some(Shape::polygon(&[vec2(0, 0), vec2(1, 0), vec2(0, 1)])?), ..BodyDef::dynamic() })?;
+    world.add_body(BodyDef::dynamic().with_collider(Shape::polygon(&[vec2(0, 0), vec2(1, 0), vec2(0, 1)])?))?;
     world.add_field(FieldKind::Attractor { centre: End::Body(Attachment::centre(body)), mu: 60.into(), softening: fx!(0) })?;
     world.set_position(body, vec2(1, 2))?;
     world.set_kind(body, BodyKind::Kinematic)?;

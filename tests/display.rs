@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, DebugDraw, DrawOptions, End, FieldId, FieldKind,
-    Fx, FxFactor, Interpolation, Part, Pose, Region, Role, Rollback, Scalar, Shape, Snapshot, SpringConstants,
+    Fx, FxFactor, Interpolation, Mass, Part, Pose, Region, Role, Rollback, Scalar, Shape, Snapshot, SpringConstants,
     StepClock, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
@@ -155,7 +155,7 @@ fn nothing_is_blended_over_what_is_no_motion() {
         (|world, body| world.set_kind(body, BodyKind::Kinematic).expect("it is there"), true),
         (|world, _| world.restore(&world.snapshot()), true),
         (|world, body| world.set_velocity(body, vec2(0, 60)).expect("it is there"), false),
-        (|world, body| world.set_shape(body, None).expect("it is there"), false),
+        (|world, body| world.set_mass(body, Mass::Kilograms(fx!(2))).expect("it is there"), false),
     ];
     for (i, (call, is_new)) in calls.into_iter().enumerate() {
         let (mut world, body, mut interpolation) = watched();
@@ -417,7 +417,7 @@ fn a_rounded_polygon_is_drawn_with_round_corners() {
     let mut world = world();
     let corners = [vec2(-2, -1), vec2(2, -1), vec2(2, 1), vec2(-2, 1)];
     let shape = Shape::rounded_polygon(&corners, fx!(0.5)).expect("a fair shape");
-    add(&mut world, BodyDef { shape: Some(shape), ..BodyDef::dynamic() });
+    add(&mut world, BodyDef::dynamic().with_collider(shape));
     let marks = drawn(&world, quarter, &DrawOptions::default());
     let [(_, Mark::Polygon(rim))] = &marks[..] else { panic!("{marks:?}") };
     assert_eq!(rim.len(), 4 * 5);
@@ -463,7 +463,7 @@ fn each_shape_is_drawn_where_its_pose_is() {
     ];
     for (shape, expected) in shapes {
         let mut world = world();
-        let body = add(&mut world, BodyDef { shape: Some(shape.expect("a fair shape")), ..BodyDef::dynamic() });
+        let body = add(&mut world, BodyDef::dynamic().with_collider(shape.expect("a fair shape")));
         let role = Role::Body(body, BodyClass::Dynamic);
         let expected: Vec<_> = expected.into_iter().map(|mark| (role, mark)).collect();
         assert_eq!(drawn(&world, quarter, &DrawOptions::default()), expected);
@@ -639,7 +639,7 @@ fn contacts_are_drawn_where_the_poses_carry_them() {
 }
 
 #[test]
-fn colliders_are_drawn_at_their_places_beside_the_shape() {
+fn colliders_are_drawn_at_their_places_ghosts_too() {
     let mut world = world();
     let disc = || Shape::circle(fx!(0.5)).expect("a fair shape");
     let outer = umbra_physics::ColliderDef {
@@ -647,7 +647,8 @@ fn colliders_are_drawn_at_their_places_beside_the_shape() {
         angle: Fx::FRAC_PI_2,
         ..umbra_physics::ColliderDef::new(Shape::capsule(2, fx!(0.25)).expect("a fair shape"))
     };
-    let def = BodyDef { shape: Some(disc()), ..BodyDef::dynamic().with_collider(disc()).with_collider(outer) };
+    let ghost = umbra_physics::ColliderDef::ghost(disc());
+    let def = BodyDef::dynamic().with_collider(disc()).with_collider(ghost).with_collider(outer);
     let body = add(&mut world, def);
     let role = Role::Body(body, BodyClass::Dynamic);
     let circle = Mark::Circle([10.0, 20.0], 0.5, Some([10.0, 20.5]));

@@ -43,9 +43,9 @@ fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> Field
 /// A world with a dynamic, a kinematic and a static body, and a field.
 fn stage() -> (World, [BodyId; 3], FieldId) {
     let mut world = world();
-    let shape = Some(Shape::circle(fx!(1)).expect("a disc"));
-    let bodies = [BodyDef { shape, ..BodyDef::dynamic() }, BodyDef::kinematic(), BodyDef::fixed()]
-        .map(|def| world.add_body(def).expect("a body"));
+    let disc = ColliderDef::ghost(Shape::circle(fx!(1)).expect("a disc"));
+    let ball = BodyDef { mass: Mass::Kilograms(fx!(1)), ..BodyDef::dynamic().with_collider(disc) };
+    let bodies = [ball, BodyDef::kinematic(), BodyDef::fixed()].map(|def| world.add_body(def).expect("a body"));
     let field =
         world.add_field(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).expect("a field");
     (world, bodies, field)
@@ -89,7 +89,7 @@ fn try_scalar(range: [Fx; 2], quantity: Quantity, command: impl Fn(Fx, BodyId, F
 }
 
 fn body(change: impl FnOnce(&mut BodyDef)) -> Command {
-    let mut def = BodyDef { shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    let mut def = BodyDef::dynamic().with_collider(ColliderDef::ghost(Shape::circle(fx!(1)).expect("a disc")));
     change(&mut def);
     Command::AddBody(def)
 }
@@ -340,10 +340,10 @@ fn colliders_and_contacts_have_their_bounds() {
     }
     is(Ok(()), &|def| (def.angle, def.density) = (Fx::MIN, Fx::MAX));
     is(out_of(Quantity::ColliderDensity), &|def| def.density = -ULP);
-    for (category, mask, group) in [(0, 1, 0), (1, 0, 0), (0, 0, -1), (0, u32::MAX, i32::MIN)] {
-        is(out_of(Quantity::Filter), &|def| def.filter = Filter { category, mask, group });
+    // Any filter is one, also if it meets nothing.
+    for (category, mask, group) in [(0, 1, 0), (1, 0, 0), (0, 0, -1), (0, u32::MAX, i32::MIN), (0, 0, 1)] {
+        is(Ok(()), &|def| def.filter = Filter { category, mask, group });
     }
-    is(Ok(()), &|def| def.filter = Filter { category: 0, mask: 0, group: 1 });
     let part = Part { shape: disc.shape.clone(), position: Vec2::ZERO, angle: Fx::ZERO, density: Fx::ONE };
     let compound = Shape::compound(&[part]).expect("a compound");
     is(Ok(()), &|def| def.shape = compound.clone());
@@ -489,11 +489,6 @@ fn calls_that_a_kind_of_body_cannot_take_are_refused() {
     expect(&mut world, &Command::AddField(stiff.into()), Err(Error::NotDynamic { body: wall }));
     let law = FieldKind::Custom { id: 7 };
     expect(&mut world, &Command::AddField(law.into()), Err(Error::CustomForce { id: 7 }));
-    let dense = Command::AddBody(BodyDef { mass: Mass::Density(fx!(1)), ..BodyDef::dynamic() });
-    expect(&mut world, &dense, Err(Error::NoShape));
-    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(Fx::ZERO) }, out_of(Quantity::Density));
-    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(Fx::MAX) }, out_of(Quantity::Mass));
-    expect(&mut world, &Command::SetMass { body: ball, mass: Mass::Density(ULP) }, out_of(Quantity::Mass));
     expect(&mut world, &Command::Release(ball), Err(Error::NotQuarantined { body: ball }));
     // Nothing is too much for a single force; its torque, or an impulse, may be.
     let far = |vector: Vec2, point| ForceOrImpulse::Force { force: vector, point: Some(point) };
@@ -544,7 +539,9 @@ impl CustomForce for Faulty {
 /// A doomed body with neighbours on springs, and how it comes to leave the envelope.
 fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause>) {
     let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
-    let base = BodyDef { force_groups: 2, shape: Some(Shape::circle(fx!(1)).expect("a disc")), ..BodyDef::dynamic() };
+    let disc = ColliderDef::ghost(Shape::circle(fx!(1)).expect("a disc"));
+    let mass = Mass::Kilograms(fx!(1));
+    let base = BodyDef { force_groups: 2, mass, ..BodyDef::dynamic().with_collider(disc) };
     let at = |position, velocity, spin| BodyDef {
         position,
         velocity,
@@ -767,22 +764,28 @@ fn positive(bound: Fx) -> impl Strategy<Value = Fx> {
     within(bound).prop_map(|value| if value < Fx::ZERO { -value } else { value })
 }
 
-fn shape() -> impl Strategy<Value = Option<Shape>> {
-    (0..6, positive(SIZE_MAX), positive(SIZE_MAX)).prop_map(|(which, a, b)| match which {
-        0 => None,
-        1 => Shape::circle(a).ok(),
-        2 => Shape::rectangle(a, b).ok(),
-        3 => Shape::capsule(a, b).ok(),
-        4 => Shape::segment(Vec2::new(-a, b), Vec2::new(b, a)).ok(),
-        _ => Shape::polygon(&[Vec2::new(-a, -b), Vec2::new(a, -b), Vec2::new(Fx::ZERO, b)]).ok(),
-    })
+/// A collider that touches nothing.
+fn ghost() -> impl Strategy<Value = ColliderDef> {
+    (0..5, positive(SIZE_MAX), positive(SIZE_MAX), prop_oneof![Just(Fx::ONE), edge()]).prop_map(
+        |(which, a, b, density)| {
+            let shape = match which {
+                0 => Shape::circle(a),
+                1 => Shape::rectangle(a, b),
+                2 => Shape::capsule(a, b),
+                3 => Shape::segment(Vec2::new(-a, b), Vec2::new(b, a)),
+                _ => Shape::polygon(&[Vec2::new(-a, -b), Vec2::new(a, -b), Vec2::new(Fx::ZERO, b)]),
+            };
+            let shape = shape.unwrap_or_else(|_| Shape::circle(fx!(1)).expect("a disc"));
+            ColliderDef { density, ..ColliderDef::ghost(shape) }
+        },
+    )
 }
 
 fn mass() -> impl Strategy<Value = Mass> {
     let kilograms = || prop_oneof![Just(MASS_MIN), Just(MASS_MAX), Just(Fx::ONE), edge()];
     prop_oneof![
         kilograms().prop_map(Mass::Kilograms),
-        edge().prop_map(Mass::Density),
+        Just(Mass::FromColliders),
         (kilograms(), edge()).prop_map(|(mass, inertia)| Mass::Explicit { mass, inertia }),
     ]
 }
@@ -812,7 +815,7 @@ prop_compose! {
         angle in edge(),
         velocity in vector_within(SPEED),
         angular_velocity in within(ANGULAR_SPEED),
-        (shape, mass) in (shape(), mass()),
+        (ghost, mass) in (prop::option::of(ghost()), mass()),
         gravity_scale in within(GRAVITY_SCALE),
         (linear_damping, angular_damping) in (damping(), damping()),
         ((max_speed, max_angular_speed), locks) in ((most(), most()), locks()),
@@ -823,7 +826,7 @@ prop_compose! {
         let angular_velocity = if still || locks.rotation { Fx::ZERO } else { angular_velocity };
         let free = |v: Fx, locked: bool| if locked { Fx::ZERO } else { v };
         let velocity = Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y));
-        BodyDef { bullet: false, kind, position, angle, velocity, angular_velocity, shape, colliders: Vec::new(), mass, gravity_scale, linear_damping,
+        BodyDef { bullet: false, kind, position, angle, velocity, angular_velocity, colliders: ghost.into_iter().collect(), mass, gravity_scale, linear_damping,
             angular_damping, max_speed, max_angular_speed, locks, dominance: 0, force_groups, key: 0, user_data: 0 }
     }
 }
@@ -927,7 +930,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => (handle(), edge_vector()).prop_map(|(body, velocity)| Command::SetVelocity { body, velocity }),
         1 => (handle(), edge()).prop_map(|(body, velocity)| Command::SetAngularVelocity { body, velocity }),
         1 => (handle(), mass()).prop_map(|(body, mass)| Command::SetMass { body, mass }),
-        1 => (handle(), shape()).prop_map(|(body, shape)| Command::SetShape { body, shape }),
+        1 => (handle(), ghost()).prop_map(|(body, def)| Command::AddCollider { body, def }),
         1 => (handle(), kind()).prop_map(|(body, kind)| Command::SetKind { body, kind }),
         1 => (handle(), edge()).prop_map(|(body, scale)| Command::SetGravityScale { body, scale }),
         1 => (handle(), damping(), damping())
@@ -970,7 +973,7 @@ fn check(world: &World) {
             let _ = (body.velocity_at(point), body.world_point(point), body.local_point(point));
             let _ = (body.world_vector(point), body.local_vector(point));
         }
-        let _ = (body.origin(), body.rotation(), body.inertia(), body.applied_force(), body.applied_torque());
+        let _ = (body.rotation(), body.inertia(), body.applied_force(), body.applied_torque());
     }
     let _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.state_hash());
 }
@@ -1176,8 +1179,8 @@ mod floats {
     #[test]
     fn nan_and_infinity_are_refused_wherever_they_enter() {
         let mut world = World::<f64>::with_scalar(WorldDef::default()).unwrap();
-        let shape = Some(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
-        let body = world.add_body(BodyDef { shape: shape.clone(), ..BodyDef::dynamic() }).unwrap();
+        let plain = BodyDef::dynamic().with_collider(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
+        let body = world.add_body(plain.clone()).unwrap();
         let rail = world.add_body(BodyDef::kinematic()).unwrap();
         let id = world.add_field(FieldKind::Drag { linear: 1.0, quadratic: 0.0, wind: Vec2::ZERO }).unwrap();
         let part = ColliderDef::new(Shape::new(Geometry::Circle { radius: 1.0 }).unwrap());
@@ -1198,7 +1201,7 @@ mod floats {
                 };
                 let settings = ContactSettings::default();
                 let add = |change: fn(&mut BodyDef<f64>, Vec2<f64>)| {
-                    let mut def = BodyDef { shape: shape.clone(), ..BodyDef::dynamic() };
+                    let mut def = plain.clone();
                     change(&mut def, v);
                     Command::AddBody(def)
                 };
@@ -1215,7 +1218,6 @@ mod floats {
                     Command::SetAngle { body, angle: bad },
                     Command::SetAngularVelocity { body, velocity: bad },
                     Command::SetMass { body, mass: Mass::Kilograms(bad) },
-                    Command::SetMass { body, mass: Mass::Density(bad) },
                     Command::SetMass { body, mass: Mass::Explicit { mass: 1.0, inertia: bad } },
                     Command::SetGravityScale { body, scale: bad },
                     Command::SetBodyDamping { body, linear: Some(Damping::kept_per_second(bad)), angular: None },

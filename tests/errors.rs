@@ -10,14 +10,16 @@ use umbra_physics::{
     ReplayError, ReplayLimits, Snapshot, SnapshotError, World, WorldDef,
 };
 
-/// Every number that was ever given, and to what. Lines are added, none is changed or taken out.
-const GIVEN: [(u16, &str); 156] = [
+/// Numbers that were given, and are no more.
+const RETIRED: [(u16, &str); 2] = [(106, "Error::NoShape"), (180, "Quantity::Filter")];
+
+/// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
+const GIVEN: [(u16, &str); 154] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
     (104, "Error::TimeStep"),
     (105, "Error::NotConvex"),
-    (106, "Error::NoShape"),
     (107, "Error::NotDynamic"),
     (108, "Error::NotMovable"),
     (109, "Error::Quarantined"),
@@ -86,7 +88,6 @@ const GIVEN: [(u16, &str); 156] = [
     (177, "Quantity::ColliderDensity"),
     (178, "Quantity::Friction"),
     (179, "Quantity::Restitution"),
-    (180, "Quantity::Filter"),
     (181, "Quantity::Substeps"),
     (182, "Quantity::ContactSpeed"),
     (183, "Quantity::Pairs"),
@@ -242,7 +243,7 @@ fn in_the_code() -> Vec<(u16, String)> {
 #[test]
 fn every_number_is_given_once_and_stays() {
     let mut given = BTreeMap::new();
-    for (code, name) in GIVEN {
+    for (code, name) in GIVEN.into_iter().chain(RETIRED) {
         assert_eq!(given.insert(code, name), None, "{code}");
     }
     let mut code = in_the_code();
@@ -282,7 +283,10 @@ fn the_document_has_each() {
         })
         .collect();
     let shown = |name: &'static str| if name.starts_with("Flaw::") { "SceneError" } else { name };
+    let (retired, rows): (Vec<_>, Vec<_>) =
+        rows.into_iter().partition(|(code, _)| RETIRED.iter().any(|(old, _)| old == code));
     assert_eq!(rows, GIVEN.map(|(code, name)| (code, shown(name))));
+    assert_eq!(retired, RETIRED);
     let said = |line: &str| line.rsplit(" | ").next().is_some_and(|said| said.trim_end_matches(" |").len() > 3);
     assert!(document.lines().filter(|line| line.starts_with("| E")).all(said));
 }

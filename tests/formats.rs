@@ -18,8 +18,8 @@ use std::{env, fs};
 
 use everything::{commands, custom_forces, recording, world};
 use found::{
-    activity, command, contact_settings, damping, field, integrator, kind, locks, mass, number, random, shape,
-    time_step, vector,
+    activity, command, contact_settings, damping, field, integrator, kind, locks, mass, number, random, time_step,
+    vector,
 };
 use layouts::{Content, Layouts, Value};
 use umbra_physics::{
@@ -78,14 +78,7 @@ fn hash_of(state: &Value) -> u64 {
             "locks",
             "dominance",
         ];
-        let mut info: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
-        match shape_of(slots, body) {
-            None => info.push(0),
-            Some(shape) => {
-                info.push(1);
-                info.extend(xxh3_64(shape.bytes()).to_le_bytes());
-            }
-        }
+        let info: Vec<u8> = names.iter().flat_map(|name| body[name].bytes()).copied().collect();
         hashed.extend(xxh3_64(&info).to_le_bytes());
     }
     for last in bodies.iter().filter_map(|body| body["last_acceleration"].option()) {
@@ -166,17 +159,6 @@ fn elapsed(state: &Value) -> (u128, u128) {
     (num / pair.0, den / pair.0)
 }
 
-/// The shape of a body, wherever it stands.
-fn shape_of<'a>(slots: &'a [Value], body: &'a Value) -> Option<&'a Value> {
-    let source = &body["shape"];
-    match source.case() {
-        "None" => None,
-        "New" => Some(&source["shape"]),
-        "AsOf" => shape_of(slots, slots[source["slot"].natural() as usize]["present"].option()?),
-        other => panic!("shape source {other}"),
-    }
-}
-
 /// The state in a snapshot, and the hash it gives.
 fn snapshot(layouts: &Layouts, file: &[u8]) -> (Value, u64) {
     assert_eq!(&file[..8], b"UMBRASNP");
@@ -239,7 +221,6 @@ fn compare(state: &Value, world: &World) {
         assert_eq!(found["force_groups"].natural(), u64::from(own.force_groups()), "{id}");
         assert_eq!(found["key"].natural(), own.key(), "{id}");
         assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");
-        assert_eq!(shape_of(slots, found).map(shape).as_ref(), own.shape(), "{id}");
         if let Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } = mass(&found["mass"]) {
             assert!(own.mass().is_none_or(|own| own == mass), "{id}");
         }
@@ -424,7 +405,6 @@ fn the_tables_read_a_snapshot() {
     assert!(bodies.iter().any(|body| body["max_speed"].option().is_some()));
     let target = bodies.iter().find_map(|body| body["kinematic_target"].option()).expect("one is on its way");
     assert!(target["goal"].option().is_some() && target["arrived"].natural() == 1);
-    assert!(bodies.iter().any(|body| body["shape"].case() == "AsOf"));
     let free = ["free_slots", "free_fields", "free_colliders"];
     assert!(free.iter().all(|list| !state[list].list().is_empty()));
     assert!(state["colliders"].list().iter().filter(|slot| slot["present"].option().is_some()).count() > 3);
@@ -521,12 +501,8 @@ fn the_tables_read_every_command_and_say_how_long_it_is() {
         assert!(format!("{own:?}").starts_with(found.case()), "{own:?}");
         // Shapes, colliders and blobs come on top of what the table says.
         let more = match &own {
-            Command::AddBody(_) => {
-                let colliders: usize = found["def"]["colliders"].list().iter().map(|own| own.bytes().len()).sum();
-                found["def"]["shape"].option().map_or(0, |shape| shape.bytes().len()) + colliders
-            }
+            Command::AddBody(_) => found["def"]["colliders"].list().iter().map(|own| own.bytes().len()).sum(),
             Command::AddCollider { .. } | Command::SetCollider { .. } => found["def"]["shape"].bytes().len(),
-            Command::SetShape { .. } => found["shape"].option().map_or(0, |shape| shape.bytes().len()),
             Command::SetBlob(blob) => blob.len(),
             _ => 0,
         };

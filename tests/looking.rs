@@ -102,7 +102,7 @@ fn seen(body: &BodyRef<'_>) -> String {
             (body.kind(), body.activity(), body.mass(), body.inertia(), body.inverse_mass(), body.inverse_inertia()),
             (body.mass_def(), body.gravity_scale(), body.linear_damping(), body.angular_damping(), body.locks()),
             (body.max_speed(), body.max_angular_speed(), body.goal(), body.force_groups(), body.key()),
-            (body.shape(), body.user_data(), body.applied_force(), body.applied_torque()),
+            (body.user_data(), body.applied_force(), body.applied_torque()),
         )
     )
 }

@@ -8,7 +8,8 @@ mod real;
 use random::SplitMix;
 use real::{Real, TAU, exact, factor, ratio, real, to_f64};
 use umbra_physics::{
-    BodyDef, BodyKind, Dimension, Error, Fx, Geometry, Mass, Part, Quantity, Shape, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyKind, ColliderDef, Dimension, Error, Fx, Geometry, Mass, Part, Quantity, Shape, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 /// log2 of the relative error.
@@ -367,14 +368,14 @@ fn two_halves_make_a_whole() {
 }
 
 #[test]
-fn a_body_has_mass_and_inertia_of_its_shape_and_density() {
+fn a_body_has_mass_and_inertia_of_its_collider() {
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut random = SplitMix::seeded(8);
     let mut made = 0;
     for _ in 0..cases() / 10 {
         let shape = Shape::capsule(size(&mut random), size(&mut random)).expect("fair sizes");
         let density = Fx::from_bits(random.of_bits(40).abs() + 1);
-        let def = BodyDef { shape: Some(shape.clone()), mass: Mass::Density(density), ..BodyDef::dynamic() };
+        let def = BodyDef::dynamic().with_collider(ColliderDef { density, ..ColliderDef::ghost(shape.clone()) });
         let Ok(body) = world.add_body(def) else { continue };
         made += 1;
         let body = world.body(body).expect("it is there");
@@ -396,9 +397,9 @@ fn a_disc_of_a_centimetre_and_one_of_a_kilometre_keep_their_inertia() {
     // 3 ulps of kg·m², and 8.8e12 kg·m²: neither fits in the public format.
     for (radius, mass) in [(fx!(0.0078125), fx!(0.0000152587890625)), (fx!(1000), fx!(16000000))] {
         let mut world = World::new(WorldDef::default()).expect("a fair definition");
-        let shape = Some(Shape::circle(radius).expect("a fair size"));
-        let body =
-            world.add_body(BodyDef { shape, mass: Mass::Kilograms(mass), ..BodyDef::dynamic() }).expect("a fair body");
+        let disc = ColliderDef::ghost(Shape::circle(radius).expect("a fair size"));
+        let def = BodyDef { mass: Mass::Kilograms(mass), ..BodyDef::dynamic().with_collider(disc) };
+        let body = world.add_body(def).expect("a fair body");
         let inertia = factor(world.body(body).expect("it is there").inertia().expect("it turns"));
         let right = ratio(1, 2) * exact(mass) * exact(radius) * exact(radius);
         assert!(bits_off(&inertia, &right) <= GYRATION, "{radius} m");

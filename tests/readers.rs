@@ -10,8 +10,8 @@ use random::SplitMix;
 use real::{PRECISION, Real, TAU, exact, units};
 use umbra_physics::scalar::FxSum;
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, BodyKind, Error, ForceOrImpulse, Frame, Fx, FxWide, Mass, Quantity, Rot, Shape,
-    Turn, Vec2, World, WorldDef, fx, limits, vec2,
+    ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, Error, ForceOrImpulse, Frame, Fx, FxWide, Mass, Quantity,
+    Rot, Shape, Turn, Vec2, World, WorldDef, fx, limits, vec2,
 };
 
 fn cases() -> usize {
@@ -227,7 +227,10 @@ fn the_terms_of_bodies_sum_to_the_totals() {
             position: vector(&mut random, 10),
             velocity: if moves { vector(&mut random, 8) } else { Vec2::ZERO },
             angular_velocity: if moves { number(&mut random, 8) } else { Fx::ZERO },
-            shape: (case % 3 == 0).then(|| Shape::circle(fx!(0.5)).expect("a circle")),
+            colliders: (case % 3 == 0)
+                .then(|| ColliderDef::ghost(Shape::circle(fx!(0.5)).expect("a circle")))
+                .into_iter()
+                .collect(),
             mass: Mass::Kilograms(Fx::from_bits(random.between(1 << 16, 1 << 40))),
             ..BodyDef::dynamic()
         };
@@ -271,16 +274,16 @@ fn a_term_that_does_not_fit_is_refused() {
 #[test]
 fn masses_are_read_as_they_were_given() {
     let mut world = World::new(WorldDef::default()).expect("a world");
-    let disc = Some(Shape::circle(fx!(0.3)).expect("a circle"));
+    let disc = ColliderDef::ghost(Shape::circle(fx!(0.3)).expect("a circle"));
     let given = [
         Mass::Kilograms(fx!(0.1)),
         Mass::Explicit { mass: fx!(0.3), inertia: fx!(0.7) },
-        Mass::Density(fx!(2.7)),
+        Mass::FromColliders,
         Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },
     ];
     for kind in [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static] {
         for mass in given {
-            let body = world.add_body(BodyDef { kind, mass, shape: disc.clone(), ..BodyDef::dynamic() });
+            let body = world.add_body(BodyDef { kind, mass, ..BodyDef::dynamic().with_collider(disc.clone()) });
             let body = body.expect("a body");
             assert_eq!(world.body(body).expect("it is there").mass_def(), mass);
             world.set_mass(body, Mass::Explicit { mass: fx!(0.2), inertia: fx!(0.6) }).expect("a mass");

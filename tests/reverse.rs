@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use umbra_physics::{
-    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, CustomForce, CustomForceError, Damping, Dependence,
-    End, Error, Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass, Region, Shape,
-    SpringConstants, StageKind, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    AppliedForce, Attachment, BodyDef, BodyId, BodyState, Cause, ColliderDef, CustomForce, CustomForceError, Damping,
+    Dependence, End, Error, Fault, FieldKind, ForceField, ForceTorque, Fx, FxFactor, Integrator, Irreversible, Mass,
+    Region, Shape, SpringConstants, StageKind, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 #[path = "support/inputs.rs"]
@@ -82,8 +82,8 @@ fn net(integrator: Integrator) -> (World, Vec<BodyId>) {
     let rods = (0..SIDE * SIDE).map(|i| BodyDef {
         position: place(i),
         velocity: vector(&mut random, 33),
-        shape: Some(rod.clone()),
-        ..BodyDef::dynamic()
+        mass: Mass::Kilograms(fx!(1)),
+        ..BodyDef::dynamic().with_collider(ColliderDef::ghost(rod.clone()))
     });
     let (mut world, ids) = world(def(integrator), rods);
     let point = |x: Fx| vec2(x, fx!(0.03125));

@@ -284,7 +284,7 @@ fn confirmed_ticks_hold_every_accepted_command_and_make_a_replay_of_the_straight
         let (mut inputs, mut straight) = (Vec::new(), Vec::new());
         for _ in 0..TICKS {
             let mut any = || {
-                let kind = author.random.next() % KINDS;
+                let kind = Command::NUMBERS[(author.random.next() % KINDS) as usize];
                 author.of_kind(kind, &world)
             };
             let commands: Vec<(u32, Vec<Command>)> = (0..PLAYERS).map(|player| (player, vec![any(), any()])).collect();

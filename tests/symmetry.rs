@@ -16,9 +16,9 @@ mod twins;
 use twins::{Rounding, Twin};
 use umbra_physics::scalar::{Accumulator, Angle, Factor};
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Geometry, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx,
-    vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, ColliderDef, Command, Damping, End, FieldKind, ForceField,
+    ForceOrImpulse, Frame, Fx, FxFactor, Geometry, Integrator, Mass, Region, Scalar, Shape, SpringConstants, TimeStep,
+    Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Steps of the scenes: 14 minutes at 1/60.
@@ -177,7 +177,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     let l = |x, y| image.local(Vec2::new(x, y));
     let polygon = |corners: &[(Fx, Fx)]| {
         let corners: Vec<Vec2<S>> = corners.iter().map(|&(x, y)| l(x, y)).collect();
-        Some(Shape::polygon(&corners).expect("a convex polygon"))
+        vec![ColliderDef::ghost(Shape::polygon(&corners).expect("a convex polygon"))]
     };
     let mut world = World::<S>::with_scalar(WorldDef {
         time_step: TimeStep::hz(rate),
@@ -199,13 +199,13 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         angular_velocity: image.pseudo(fx!(0.9)),
         ..BodyDef::kinematic()
     });
+    let disc = Shape::new(Geometry::Circle { radius: s(fx!(0.5)) }).expect("a disc");
     let wheel = add(BodyDef {
         position: p(fx!(2), fx!(1.3)),
         velocity: v(fx!(0.1), fx!(1.7)),
         angle: image.angle(fx!(1.1)),
         angular_velocity: image.pseudo(fx!(-5.5)),
-        shape: Some(Shape::new(Geometry::Circle { radius: s(fx!(0.5)) }).expect("a disc")),
-        mass: Mass::Density(s(fx!(1.3))),
+        colliders: vec![ColliderDef { density: s(fx!(1.3)), ..ColliderDef::ghost(disc) }],
         force_groups: FIELDS | DRAGGED,
         ..dynamic()
     });
@@ -213,7 +213,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
         position: p(fx!(-1.5), fx!(-2.25)),
         angle: image.angle(fx!(5.9)),
         angular_velocity: image.pseudo(fx!(2.125)),
-        shape: polygon(&[(fx!(0), fx!(0)), (fx!(2.1), fx!(0.3)), (fx!(1.7), fx!(1.4)), (fx!(0.2), fx!(0.9))]),
+        colliders: polygon(&[(fx!(0), fx!(0)), (fx!(2.1), fx!(0.3)), (fx!(1.7), fx!(1.4)), (fx!(0.2), fx!(0.9))]),
         mass: Mass::Kilograms(s(fx!(2.7))),
         gravity_scale: s(fx!(0.5)),
         linear_damping: Some(Damping::kept_per_second(s(fx!(0.6)))),
@@ -232,7 +232,7 @@ fn scene<S: Scalar>(image: &Symmetry, integrator: Integrator, rate: u32) -> (Wor
     });
     let sleeper = add(BodyDef {
         position: p(fx!(-6), fx!(-4)),
-        shape: polygon(&[(fx!(0), fx!(1)), (fx!(-1), fx!(-1)), (fx!(1), fx!(-0.9))]),
+        colliders: polygon(&[(fx!(0), fx!(1)), (fx!(-1), fx!(-1)), (fx!(1), fx!(-0.9))]),
         gravity_scale: S::ZERO,
         linear_damping: Some(Damping::kept_per_second(s(fx!(0.000001)))),
         angular_damping: Some(Damping::kept_per_second(s(fx!(0.000001)))),
@@ -537,15 +537,14 @@ fn equal_bodies_of_any_mass_fall_alike_to_the_bit() {
         let masses =
             [fx!(1), Fx::from_bits(1 << 16), fx!(16777216), fx!(0.1), fx!(3), fx!(7919.000001), fx!(123456.789)];
         let bodies = masses.map(|mass| {
-            let shape = Some(Shape::circle(fx!(0.25)).unwrap());
+            let disc = ColliderDef::ghost(Shape::circle(fx!(0.25)).unwrap());
             let (position, velocity) = (vec2(fx!(10.1), fx!(-3.7)), vec2(fx!(-0.3), fx!(2.9)));
             let def = BodyDef {
                 mass: Mass::Kilograms(mass),
-                shape,
                 position,
                 velocity,
                 angular_velocity: fx!(3),
-                ..BodyDef::dynamic()
+                ..BodyDef::dynamic().with_collider(disc)
             };
             world.add_body(def).unwrap()
         });

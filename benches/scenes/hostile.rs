@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, Damping, Dump, End,
-    Explosion, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs, Integrator, Mass, Part, RecordOptions,
-    Recorder, Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    Explosion, FieldKind, ForceField, ForceOrImpulse, Fx, Input, Inputs, Integrator, Part, RecordOptions, Recorder,
+    Region, Replay, ReplayLimits, Shape, Snapshot, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -35,7 +35,6 @@ impl Hostile {
         own_dampings true,
         bodies_come_and_go true,
         removals_beside_inert_fields true,
-        keys_of_large_shapes true,
         fields_removed true,
         anchors false,
         pairs_woken true,
@@ -73,7 +72,6 @@ impl Growing {
         Self { name: "all_fields_removed", make: all_fields_removed },
         Self { name: "a_hub_removed", make: hub_removed },
         Self { name: "a_snapshot_read", make: |n| snapshot_read(&chain(n)) },
-        Self { name: "a_snapshot_with_a_shared_shape_read", make: |n| snapshot_read(&of_large_shape(n).0) },
         Self { name: "corners_read_and_set", make: corners_read_and_set },
         Self { name: "a_dump_read", make: dump_read },
         Self { name: "a_replay_of_one_tick_verified", make: replay_verified },
@@ -182,8 +180,8 @@ fn dump_read(count: usize) -> Box<dyn FnOnce()> {
 fn corners_read_and_set(count: usize) -> Box<dyn FnOnce()> {
     let (mut world, bodies) = unlike_world(1);
     let parts = vec![Part { shape: polygon(), position: vec2(0, 0), angle: fx!(0), density: fx!(1) }; count / 64];
-    let shape = Some(Shape::compound(&parts).expect("a compound"));
-    let bytes = Command::SetShape { body: bodies[0], shape }.to_bytes();
+    let def = ColliderDef::ghost(Shape::compound(&parts).expect("a compound"));
+    let bytes = Command::AddCollider { body: bodies[0], def }.to_bytes();
     Box::new(move || {
         let command: Command = Command::from_bytes(&bytes).expect("its own bytes");
         world.execute(&command).expect("it is there");
@@ -335,22 +333,6 @@ fn polygon() -> Shape {
     Shape::polygon(&(0..64).map(corner).collect::<Vec<_>>()).expect("a polygon")
 }
 
-/// A world whose bodies share the largest shape there may be.
-fn of_large_shape(count: usize) -> (World, Vec<BodyId>) {
-    let polygon = polygon();
-    let part = |i: i32| Part { shape: polygon.clone(), position: vec2(i, 0), angle: fx!(0), density: fx!(1) };
-    let shape = Shape::compound(&(0..256).map(part).collect::<Vec<_>>()).expect("a compound");
-    let (mut world, bodies) = unlike_world(count);
-    bodies.iter().for_each(|&body| world.set_shape(body, Some(shape.clone())).expect("a shape"));
-    (world, bodies)
-}
-
-/// Keys for bodies that share a large shape: none of their corners is to be looked at.
-fn keys_of_large_shapes(count: usize) -> (World, Vec<Command>) {
-    let (world, bodies) = of_large_shape(count);
-    (world, bodies.into_iter().take(100).zip(1..).map(|(body, key)| Command::SetKey { body, key }).collect())
-}
-
 fn fields_removed(count: usize) -> (World, Vec<Command>) {
     let world = chain(count);
     let fields: Vec<_> = world.fields().map(|(id, _)| id).collect();
@@ -402,8 +384,8 @@ fn goals(count: usize) -> (World, Vec<Command>) {
 
 fn pushes(count: usize) -> (World, Vec<Command>) {
     let mut world = world();
-    let shape = Some(Shape::rectangle(fx!(2), fx!(1)).expect("a shape"));
-    let def = BodyDef { shape, mass: Mass::Density(fx!(1)), angle: fx!(1), ..BodyDef::dynamic() };
+    let plank = ColliderDef::ghost(Shape::rectangle(fx!(2), fx!(1)).expect("a shape"));
+    let def = BodyDef { angle: fx!(1), ..BodyDef::dynamic().with_collider(plank) };
     let bodies: Vec<_> = (0..count).map(|_| world.add_body(def.clone()).expect("a body")).collect();
     let action = ForceOrImpulse::Impulse { impulse: vec2(1, 2), point: Some(vec2(1, 1)) };
     let options = ApplyOptions { frame: umbra_physics::Frame::Body, wake: true };

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyState, ColliderDef, CustomForce, CustomForceError, Damping, Dependence,
-    End, FieldKind, ForceField, ForceTorque, Fx, Region, Scalar, Shape, SpringConstants, Vec2, World, WorldDef, fx,
+    End, FieldKind, ForceField, ForceTorque, Fx, Mass, Region, Scalar, Shape, SpringConstants, Vec2, World, WorldDef,
+    fx,
 };
 
 #[path = "../../tests/support/inputs.rs"]
@@ -109,6 +110,15 @@ fn tumbling<S: Scalar>(count: usize) -> impl Iterator<Item = BodyDef<S>> {
 /// All properties that a body alone can have: gravity, damping, spin.
 pub(crate) fn free<S: Scalar>(count: usize) -> Scene<S> {
     scene(rough(), tumbling(count))
+}
+
+/// Like `free`, with a disc on each body that touches nothing, or that meets others and has none near.
+pub(crate) fn discs(count: usize, are_ghosts: bool) -> Scene<Fx> {
+    let shape = Shape::circle(fx!(0.25)).expect("a disc");
+    let disc = if are_ghosts { ColliderDef::ghost(shape) } else { ColliderDef::new(shape) };
+    // The mass that a body without colliders has.
+    let mass = Mass::Kilograms(Fx::ONE);
+    scene(rough(), tumbling(count).map(|body| BodyDef { mass, ..body }.with_collider(disc.clone())))
 }
 
 /// Bodies that move on straight: none of the things that the scenes below have one each of.

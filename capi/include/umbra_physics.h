@@ -28,7 +28,7 @@
 
 // The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
 // again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
-#define UMBRA_API 2
+#define UMBRA_API 3
 
 // No body, no field, no collider: a handle that names nothing, in no world.
 #define UMBRA_NO_HANDLE 18446744073709551615ull
@@ -193,7 +193,7 @@ typedef struct UmbraUint128 {
 // How a body moves: one of the three values below.
 typedef uint32_t UmbraBodyKind;
 
-// Source of mass and moment of inertia: one of the four values below.
+// Source of mass and moment of inertia: one of the three values below.
 typedef uint32_t UmbraMassKind;
 
 // Components of a body's velocity that are held at zero: 0, or any of the flags below.
@@ -205,7 +205,7 @@ typedef struct UmbraBodyDef {
     UmbraBodyKind kind;
     // Source of the mass; default `UMBRA_MASS_FROM_COLLIDERS`.
     UmbraMassKind mass_kind;
-    // Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
+    // Mass in kg, 2^-16 to 2^24, unless it is that of the colliders; default 1.
     UmbraFx mass;
     // Moment of inertia, for `UMBRA_MASS_EXPLICIT` only.
     UmbraFx inertia;
@@ -240,16 +240,12 @@ typedef struct UmbraBodyDef {
     int32_t dominance;
     // 1 for a bullet, which never crosses dynamic bodies either; default 0.
     uint32_t is_bullet;
-    // 0.
-    uint32_t reserved;
-    // Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
-    const struct UmbraShape *shape;
 } UmbraBodyDef;
 
 // State of activity of a body: one of the four values below.
 typedef uint32_t UmbraActivity;
 
-// A body as it is. Its shape, what its mass was given as and where it is sent have functions of their own.
+// A body as it is. Its colliders, what its mass was given as and where it is sent have functions of their own.
 typedef struct UmbraBodyState {
     // Position of the centre of mass, m.
     struct UmbraVec2 position;
@@ -371,7 +367,8 @@ typedef struct UmbraColliderDef {
     uint64_t user_data;
     // The categories it is in, as bits; default 1.
     uint32_t category;
-    // The categories that it meets, as bits; default all.
+    // The categories that it meets, as bits; default all. With 0, and no positive group, it touches nothing, and gives its body mass
+    // and an outline alone.
     uint32_t mask;
     // The group; 0 for none.
     int32_t group;
@@ -787,9 +784,6 @@ typedef struct UmbraReplayLimits {
 // A corner of a polygon is not convex, or repeats its neighbour.
 #define UMBRA_ERROR_NOT_CONVEX 105
 
-// A density, or a moment of inertia from the shape, needs a shape.
-#define UMBRA_ERROR_NO_SHAPE 106
-
 // The call needs a dynamic body.
 #define UMBRA_ERROR_NOT_DYNAMIC 107
 
@@ -982,10 +976,7 @@ typedef struct UmbraReplayLimits {
 // The body was taken out of the simulation by a call, until it is enabled.
 #define UMBRA_DISABLED 3
 
-// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
-#define UMBRA_MASS_DENSITY 0
-
-// `mass` in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite.
+// `mass` in kg. The inertia follows from the colliders; without any it is infinite.
 #define UMBRA_MASS_KILOGRAMS 1
 
 // `mass` in kg and `inertia` in kg·m².
@@ -1292,20 +1283,19 @@ UmbraStatus umbra_world_first_difference(const struct UmbraWorld *left,
                                          size_t capacity,
                                          size_t *length);
 
-// Fills in a definition: a body of 1 kg that everything moves, at rest at the origin, without a shape.
+// Fills in a definition: a body of 1 kg, or of the mass of the colliders that are added to it, that everything moves, at rest at the origin.
 UmbraStatus umbra_body_def_default(struct UmbraBodyDef *def);
 
-// Adds a body. Its handle stays good until it is removed, and never names another one afterwards.
-UmbraStatus umbra_world_add_body(struct UmbraWorld *world, const struct UmbraBodyDef *def, uint64_t *body);
+// Adds a body, to which `umbra_world_add_collider` adds colliders. Its handle stays good until it is removed, and never names another one afterwards.
+UmbraStatus umbra_world_add_body(struct UmbraWorld *world,
+                                 const struct UmbraBodyDef *def,
+                                 uint64_t *body);
 
 // Removes a body, its colliders and the force fields attached to it, and wakes what they joined it to.
 UmbraStatus umbra_world_remove_body(struct UmbraWorld *world, uint64_t body);
 
 // Reads a body.
 UmbraStatus umbra_world_body(const struct UmbraWorld *world, uint64_t body, struct UmbraBodyState *state);
-
-// The shape of a body, which is the caller's as one that was made; null if it has none.
-UmbraStatus umbra_world_body_shape(const struct UmbraWorld *world, uint64_t body, struct UmbraShape **shape);
 
 // Mass of a body as it was given, to the bit, also while it is not dynamic; a `mass` or an `inertia` that was not given is 0.
 UmbraStatus umbra_world_body_mass_def(const struct UmbraWorld *world,
@@ -1380,12 +1370,6 @@ UmbraStatus umbra_world_set_mass(struct UmbraWorld *world,
                                  UmbraMassKind kind,
                                  UmbraFx mass,
                                  UmbraFx inertia);
-
-// Gives a body a shape, or none for null; its inertia follows, and its mass if that is a density. Its centre of mass stays
-// where it is.
-UmbraStatus umbra_world_set_shape(struct UmbraWorld *world,
-                                  uint64_t body,
-                                  const struct UmbraShape *shape);
 
 // Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.
 UmbraStatus umbra_world_set_kind(struct UmbraWorld *world, uint64_t body, UmbraBodyKind kind);

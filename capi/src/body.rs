@@ -7,7 +7,6 @@ use umbra_physics::{Activity, BodyDef, BodyKind, BodyRef, Command, Damping, Fx, 
 use crate::UMBRA_NO_HANDLE;
 use crate::memory::{fill, given};
 use crate::number::{UMBRA_ONE, UmbraFactor, UmbraFx, UmbraInt128, UmbraVec2, vector};
-use crate::shape::UmbraShape;
 use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_BODY, UMBRA_ERROR_NUMBER_OUT_OF_RANGE, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
 
@@ -33,12 +32,10 @@ pub const UMBRA_QUARANTINED: UmbraActivity = 2;
 /// The body was taken out of the simulation by a call, until it is enabled.
 pub const UMBRA_DISABLED: UmbraActivity = 3;
 
-/// Source of mass and moment of inertia: one of the four values below.
+/// Source of mass and moment of inertia: one of the three values below.
 pub type UmbraMassKind = u32;
 
-/// `mass` is a density: kg/m² times the area of the shape, kg/m for a segment.
-pub const UMBRA_MASS_DENSITY: UmbraMassKind = 0;
-/// `mass` in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite.
+/// `mass` in kg. The inertia follows from the colliders; without any it is infinite.
 pub const UMBRA_MASS_KILOGRAMS: UmbraMassKind = 1;
 /// `mass` in kg and `inertia` in kg·m².
 pub const UMBRA_MASS_EXPLICIT: UmbraMassKind = 2;
@@ -69,7 +66,7 @@ pub struct UmbraBodyDef {
     pub kind: UmbraBodyKind,
     /// Source of the mass; default `UMBRA_MASS_FROM_COLLIDERS`.
     pub mass_kind: UmbraMassKind,
-    /// Mass in kg or density, as `mass_kind` says, 2^-16 to 2^24 kg; default 1.
+    /// Mass in kg, 2^-16 to 2^24, unless it is that of the colliders; default 1.
     pub mass: UmbraFx,
     /// Moment of inertia, for `UMBRA_MASS_EXPLICIT` only.
     pub inertia: UmbraFx,
@@ -104,13 +101,9 @@ pub struct UmbraBodyDef {
     pub dominance: i32,
     /// 1 for a bullet, which never crosses dynamic bodies either; default 0.
     pub is_bullet: u32,
-    /// 0.
-    pub reserved: u32,
-    /// Shape, or null for none. The last field, so that the offsets of the others do not depend on the size of pointers.
-    pub shape: *const UmbraShape,
 }
 
-/// A body as it is. Its shape, what its mass was given as and where it is sent have functions of their own.
+/// A body as it is. Its colliders, what its mass was given as and where it is sent have functions of their own.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraBodyState {
@@ -235,7 +228,6 @@ const fn activity_of(activity: Activity) -> UmbraActivity {
 fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass> {
     let (mass, inertia) = (Fx::from_bits(mass), Fx::from_bits(inertia));
     match kind {
-        UMBRA_MASS_DENSITY => Ok(Mass::Density(mass)),
         UMBRA_MASS_KILOGRAMS => Ok(Mass::Kilograms(mass)),
         UMBRA_MASS_EXPLICIT => Ok(Mass::Explicit { mass, inertia }),
         UMBRA_MASS_FROM_COLLIDERS => Ok(Mass::FromColliders),
@@ -305,7 +297,7 @@ fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
     }
 }
 
-/// Fills in a definition: a body of 1 kg that everything moves, at rest at the origin, without a shape.
+/// Fills in a definition: a body of 1 kg, or of the mass of the colliders that are added to it, that everything moves, at rest at the origin.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyDef>>) -> UmbraStatus {
     guard(|| {
@@ -329,31 +321,26 @@ pub extern "C" fn umbra_body_def_default(def: Option<&mut MaybeUninit<UmbraBodyD
             locks: 0,
             dominance: 0,
             is_bullet: 0,
-            reserved: 0,
-            shape: std::ptr::null(),
         });
         Ok(())
     })
 }
 
-/// Adds a body. Its handle stays good until it is removed, and never names another one afterwards.
+/// Adds a body, to which `umbra_world_add_collider` adds colliders. Its handle stays good until it is removed, and never names another one afterwards.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn umbra_world_add_body(
+pub extern "C" fn umbra_world_add_body(
     world: Option<&mut UmbraWorld>,
     def: Option<&UmbraBodyDef>,
     body: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
         let (world, def, place) = (given(world)?, given(def)?, given(body)?);
-        // SAFETY: the caller promises that it is null or a shape that was not freed.
-        let shape = unsafe { def.shape.as_ref() };
         let new = world.execute(&Command::AddBody(BodyDef {
             kind: kind_of(def.kind)?,
             position: def.position.into(),
             angle: Fx::from_bits(def.angle),
             velocity: def.velocity.into(),
             angular_velocity: Fx::from_bits(def.angular_velocity),
-            shape: shape.map(|shape| shape.shape.clone()),
             colliders: Vec::new(),
             mass: mass_of(def.mass_kind, def.mass, def.inertia)?,
             gravity_scale: Fx::from_bits(def.gravity_scale),
@@ -389,16 +376,6 @@ pub extern "C" fn umbra_world_body(
     look(world, state, |world| Ok(state_of(world.body(body_id(body))?)))
 }
 
-/// The shape of a body, which is the caller's as one that was made; null if it has none.
-#[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_body_shape(
-    world: Option<&UmbraWorld>,
-    body: u64,
-    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
-) -> UmbraStatus {
-    look(world, shape, |world| Ok(world.body(body_id(body))?.shape().cloned().and_then(UmbraShape::boxed)))
-}
-
 /// Mass of a body as it was given, to the bit, also while it is not dynamic; a `mass` or an `inertia` that was not given is 0.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_body_mass_def(
@@ -411,7 +388,6 @@ pub extern "C" fn umbra_world_body_mass_def(
     guard(|| {
         let (world, kind, mass, inertia) = (given(world)?, given(kind)?, given(mass)?, given(inertia)?);
         let given = match world.world().body(body_id(body))?.mass_def() {
-            Mass::Density(density) => (UMBRA_MASS_DENSITY, density, Fx::ZERO),
             Mass::Kilograms(mass) => (UMBRA_MASS_KILOGRAMS, mass, Fx::ZERO),
             Mass::Explicit { mass, inertia } => (UMBRA_MASS_EXPLICIT, mass, inertia),
             Mass::FromColliders => (UMBRA_MASS_FROM_COLLIDERS, Fx::ZERO, Fx::ZERO),
@@ -651,17 +627,6 @@ pub extern "C" fn umbra_world_set_mass(
     inertia: UmbraFx,
 ) -> UmbraStatus {
     change_by(world, || Ok(Command::SetMass { body: body_id(body), mass: mass_of(kind, mass, inertia)? }))
-}
-
-/// Gives a body a shape, or none for null; its inertia follows, and its mass if that is a density. Its centre of mass stays
-/// where it is.
-#[unsafe(no_mangle)]
-pub extern "C" fn umbra_world_set_shape(
-    world: Option<&mut UmbraWorld>,
-    body: u64,
-    shape: Option<&UmbraShape>,
-) -> UmbraStatus {
-    change(world, Command::SetShape { body: body_id(body), shape: shape.map(|shape| shape.shape.clone()) })
 }
 
 /// Changes what moves a body. One that becomes static stops; what was applied to it this tick is forgotten.

@@ -93,7 +93,8 @@ pub struct UmbraColliderDef {
     pub user_data: u64,
     /// The categories it is in, as bits; default 1.
     pub category: u32,
-    /// The categories that it meets, as bits; default all.
+    /// The categories that it meets, as bits; default all. With 0, and no positive group, it touches nothing, and gives its body mass
+    /// and an outline alone.
     pub mask: u32,
     /// The group; 0 for none.
     pub group: i32,

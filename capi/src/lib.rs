@@ -71,7 +71,7 @@ use std::mem::MaybeUninit;
 
 /// The number of this interface: it moves when a function, a struct or a meaning changes so that programs have to be built
 /// again. A program compares `UMBRA_API` of its header with `umbra_api` of the library it loads.
-pub const UMBRA_API: u32 = 2;
+pub const UMBRA_API: u32 = 3;
 
 /// No body, no field, no collider: a handle that names nothing, in no world.
 pub const UMBRA_NO_HANDLE: u64 = 0xFFFF_FFFF_FFFF_FFFF;

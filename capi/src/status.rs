@@ -31,8 +31,6 @@ pub const UMBRA_ERROR_NO_SUCH_FIELD: UmbraStatus = 103;
 pub const UMBRA_ERROR_TIME_STEP: UmbraStatus = 104;
 /// A corner of a polygon is not convex, or repeats its neighbour.
 pub const UMBRA_ERROR_NOT_CONVEX: UmbraStatus = 105;
-/// A density, or a moment of inertia from the shape, needs a shape.
-pub const UMBRA_ERROR_NO_SHAPE: UmbraStatus = 106;
 /// The call needs a dynamic body.
 pub const UMBRA_ERROR_NOT_DYNAMIC: UmbraStatus = 107;
 /// A static body has no velocity.

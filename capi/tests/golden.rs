@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, Damping, End, Error, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Mass, Region, Shape, SpringConstants, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, ColliderDef, Damping, End, Error, FieldKind, Filter, ForceField,
+    ForceOrImpulse, Frame, Fx, FxFactor, Mass, Region, Shape, SpringConstants, World, WorldDef, fx, vec2,
 };
 use umbra_scene::Scene;
 
@@ -21,26 +21,25 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
     })?;
     let corners = [vec2(0, 0), vec2(200, 0), vec2(200, 1), vec2(0, 1)];
     let (slab, disc) = (Shape::polygon(&corners)?, Shape::circle(fx!(0.5))?);
-    let ground = world.add_body(BodyDef { shape: Some(slab.clone()), position: vec2(0, -6), ..BodyDef::fixed() })?;
+    let ground = world.add_body(BodyDef { position: vec2(0, -6), ..BodyDef::fixed() })?;
     world.add_collider(ground, slab)?;
     let ball = world.add_body(BodyDef {
-        shape: Some(disc.clone()),
-        mass: Mass::Density(fx!(2.5)),
         velocity: vec2(3, 0),
         angular_damping: Some(Damping::kept_per_second(fx!(0.5))),
         angular_velocity: fx!(1),
         user_data: 7,
         ..BodyDef::dynamic()
     })?;
-    world.add_collider(ball, disc)?;
+    world.add_collider(ball, ColliderDef { density: fx!(2.5), ..ColliderDef::new(disc) })?;
     let plank = world.add_body(BodyDef {
-        shape: Some(Shape::rectangle(fx!(4), fx!(0.25))?),
         mass: Mass::Kilograms(fx!(2)),
         angle: fx!(0.1),
         position: vec2(20, 0),
         force_groups: 2,
         ..BodyDef::dynamic()
     })?;
+    let ghost = |shape| ColliderDef { filter: Filter { mask: 0, ..Filter::default() }, ..ColliderDef::new(shape) };
+    world.add_collider(plank, ghost(Shape::rectangle(fx!(4), fx!(0.25))?))?;
     for (side, damping) in [(2, fx!(0)), (-2, fx!(0.25))] {
         world.add_field(FieldKind::Spring {
             near: Attachment { body: plank, point: vec2(side, 0) },
@@ -64,11 +63,11 @@ fn build() -> Result<(World, BodyId, BodyId), Error> {
     let centre = End::Body(Attachment::centre(star));
     world.add_field(ForceField { kind: FieldKind::Attractor { centre, mu, softening: fx!(0) }, force_groups: 4 })?;
     let rocket = world.add_body(BodyDef {
-        shape: Some(Shape::polygon(&[vec2(fx!(-0.5), -1), vec2(fx!(0.5), -1), vec2(0, 1)])?),
         mass: Mass::Explicit { mass: fx!(3), inertia: fx!(2) },
         position: vec2(-20, 0),
         ..BodyDef::dynamic()
     })?;
+    world.add_collider(rocket, ghost(Shape::polygon(&[vec2(fx!(-0.5), -1), vec2(fx!(0.5), -1), vec2(0, 1)])?))?;
     let at = Attachment { body: rocket, point: vec2(fx!(0.01), -1) };
     world.add_field(FieldKind::Thrust { at, force: vec2(0, 40) })?;
     let region = Region::Box { min: vec2(-30, 5), max: vec2(0, 50) };

@@ -74,8 +74,7 @@ fn world() -> Box<UmbraWorld> {
 }
 
 fn add(world: &mut UmbraWorld, def: &UmbraBodyDef) -> Result<u64, UmbraStatus> {
-    // SAFETY: its shape is null or alive.
-    out(|body| unsafe { umbra_world_add_body(Some(world), Some(def), body) })
+    out(|body| umbra_world_add_body(Some(world), Some(def), body))
 }
 
 fn body_def() -> UmbraBodyDef {
@@ -641,7 +640,6 @@ fn every_change_is_the_command_of_its_name() {
     let bits = Fx::from_bits;
     let pair = |x, y| umbra_physics::Vec2::new(bits(x), bits(y));
     let shape = own(|shape| umbra_shape_capsule(2 * ONE, ONE, shape)).expect("a shape");
-    let capsule = Shape::capsule(fx!(2), fx!(1)).expect("a shape");
     let force = ForceOrImpulse::Force { force: pair(6, 7), point: Some(pair(4, 5)) };
     let impulse = ForceOrImpulse::Impulse { impulse: pair(6, 7), point: None };
     let body_frame = ApplyOptions { frame: Frame::Body, wake: true };
@@ -664,12 +662,10 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_set_angle(BODY_WORD, 3) => Command::SetAngle { body, angle: bits(3) };
         umbra_world_set_velocity(BODY_WORD, -4, 5) => Command::SetVelocity { body, velocity: pair(-4, 5) };
         umbra_world_set_angular_velocity(BODY_WORD, 6) => Command::SetAngularVelocity { body, velocity: bits(6) };
-        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_DENSITY, 7, 8) => Command::SetMass { body, mass: Mass::Density(bits(7)) };
+        umbra_world_set_mass(BODY_WORD, UMBRA_MASS_FROM_COLLIDERS, 7, 8) => Command::SetMass { body, mass: Mass::FromColliders };
         umbra_world_set_mass(BODY_WORD, UMBRA_MASS_KILOGRAMS, 7, 8) => Command::SetMass { body, mass: Mass::Kilograms(bits(7)) };
         umbra_world_set_mass(BODY_WORD, UMBRA_MASS_EXPLICIT, 7, 8) =>
             Command::SetMass { body, mass: Mass::Explicit { mass: bits(7), inertia: bits(8) } };
-        umbra_world_set_shape(BODY_WORD, Some(&shape)) => Command::SetShape { body, shape: Some(capsule) };
-        umbra_world_set_shape(BODY_WORD, None) => Command::SetShape { body, shape: None };
         umbra_world_set_kind(BODY_WORD, UMBRA_STATIC) => Command::SetKind { body, kind: BodyKind::Static };
         umbra_world_set_kind(BODY_WORD, UMBRA_KINEMATIC) => Command::SetKind { body, kind: BodyKind::Kinematic };
         umbra_world_set_kind(BODY_WORD, UMBRA_DYNAMIC) => Command::SetKind { body, kind: BodyKind::Dynamic };
@@ -792,8 +788,6 @@ fn every_change_is_the_command_of_its_name() {
         locks: UMBRA_LOCK_Y,
         dominance: -17,
         is_bullet: 1,
-        reserved: 0,
-        shape: &raw const *shape,
     };
     assert_eq!(add(&mut draft, &def), Ok(UMBRA_NO_HANDLE));
     let full = BodyDef {
@@ -814,7 +808,6 @@ fn every_change_is_the_command_of_its_name() {
         user_data: 13,
         dominance: -17,
         force_groups: 14,
-        shape: Some(Shape::capsule(fx!(2), fx!(1)).expect("a shape")),
         colliders: Vec::new(),
     };
     is(&draft, UMBRA_OK, Command::AddBody(full));
@@ -829,8 +822,7 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    // From AddBody to the last one, as `docs/formats.md` numbers them.
-    assert!(seen.iter().copied().eq(0..Command::KINDS), "{seen:?}");
+    assert_eq!(seen, Command::NUMBERS.iter().copied().collect());
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -873,18 +865,22 @@ fn bodies_are_read_to_the_last_bit() {
     assert_eq!(umbra_world_set_gravity(Some(&mut here), 1, -9 * ONE - 3), UMBRA_OK);
     there.set_gravity(vec2(Fx::DELTA, Fx::from_bits(-9 * ONE - 3))).expect("a gravity");
     let shape = own(|shape| umbra_shape_circle(ONE, shape)).expect("a shape");
-    let def = UmbraBodyDef { shape: &raw const *shape, angular_velocity: -ONE / 3, user_data: 5, key: 6, ..body_def() };
+    let def = UmbraBodyDef { angular_velocity: -ONE / 3, user_data: 5, key: 6, ..body_def() };
     let body = add(&mut here, &def).expect("a body");
+    let ghost = UmbraColliderDef {
+        shape: &raw const *shape,
+        mask: 0,
+        ..out(|def| umbra_collider_def_default(def)).expect("one")
+    };
+    // SAFETY: its shape is alive.
+    out(|id| unsafe { umbra_world_add_collider(Some(&mut here), body, Some(&ghost), id) }).expect("a collider");
     umbra_shape_free(Some(shape));
     let id = there
-        .add_body(BodyDef {
-            shape: Some(Shape::circle(fx!(1)).expect("a shape")),
-            angular_velocity: Fx::from_bits(-ONE / 3),
-            user_data: 5,
-            key: 6,
-            ..BodyDef::dynamic()
-        })
+        .add_body(BodyDef { angular_velocity: Fx::from_bits(-ONE / 3), user_data: 5, key: 6, ..BodyDef::dynamic() })
         .expect("a body");
+    let filter = Filter { mask: 0, ..Filter::default() };
+    let disc = Shape::circle(fx!(1)).expect("a shape");
+    there.add_collider(id, ColliderDef { filter, ..ColliderDef::new(disc) }).expect("a collider");
     for _ in 0..77 {
         assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
         there.step();
@@ -905,7 +901,8 @@ fn bodies_are_read_to_the_last_bit() {
     assert_eq!(exact(state.exact_angular_velocity), look.angular_velocity_exact());
     assert_eq!(umbra_physics::Turn::from_bits(state.turn), look.angle_exact());
     let inertia = look.inertia().expect("one").parts();
-    assert_eq!((state.mass, (state.inertia.mantissa, state.inertia.shift)), (ONE, inertia));
+    let mass = look.mass().map(Fx::to_bits);
+    assert_eq!((Some(state.mass), (state.inertia.mantissa, state.inertia.shift)), (mass, inertia));
     assert_eq!((state.linear_kept_per_second, state.angular_kept_per_second), (UMBRA_AS_WORLD, UMBRA_AS_WORLD));
     assert_eq!((state.key, state.user_data, state.force_groups, state.gravity_scale), (6, 5, 1, ONE));
     assert_eq!((state.kind, state.activity), (UMBRA_DYNAMIC, UMBRA_AWAKE));
@@ -1003,14 +1000,8 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
 #[test]
 fn the_rest_of_a_body_is_read() {
     let mut here = world();
-    let shape = own(|shape| {
-        let (a, b) = (UmbraVec2 { x: -ONE, y: 0 }, UmbraVec2 { x: 2 * ONE, y: ONE });
-        umbra_shape_segment(Some(&a), Some(&b), shape)
-    });
-    let shape = shape.expect("a shape");
     let def = UmbraBodyDef {
-        shape: &raw const *shape,
-        mass_kind: UMBRA_MASS_DENSITY,
+        mass_kind: UMBRA_MASS_KILOGRAMS,
         mass: 3 * ONE,
         position: UmbraVec2 { x: ONE, y: -ONE },
         velocity: UmbraVec2 { x: 2 * ONE, y: ONE / 3 },
@@ -1021,13 +1012,10 @@ fn the_rest_of_a_body_is_read() {
     };
     let rod = add(&mut here, &def).expect("a body");
     let lift = add(&mut here, &UmbraBodyDef { kind: UMBRA_KINEMATIC, key: 7, ..body_def() }).expect("a body");
-    umbra_shape_free(Some(shape));
 
     let mut there = World::new(WorldDef::default()).expect("a world");
-    let like = Shape::segment(vec2(-1, 0), vec2(2, 1)).expect("a shape");
     let id = there.add_body(BodyDef {
-        shape: Some(like.clone()),
-        mass: Mass::Density(fx!(3)),
+        mass: Mass::Kilograms(fx!(3)),
         position: vec2(1, -1),
         velocity: vec2(2, Fx::from_bits(ONE / 3)),
         angle: fx!(0.5),
@@ -1036,16 +1024,6 @@ fn the_rest_of_a_body_is_read() {
     });
     let look = there.body(id.expect("a body")).expect("it is there");
 
-    // Its shape is a copy of the caller's: a body made of it is made of the same.
-    let read = out(|shape| umbra_world_body_shape(Some(&here), rod, shape)).expect("a shape").expect("it has one");
-    let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
-    assert_eq!(umbra_world_set_shape(Some(&mut draft), BODY_WORD, Some(&read)), UMBRA_OK);
-    let command = Command::SetShape { body: BODY, shape: Some(like) };
-    assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));
-    umbra_shape_free(Some(read));
-    umbra_world_free(Some(draft));
-    assert!(out(|shape| umbra_world_body_shape(Some(&here), lift, shape)).expect("none").is_none());
-
     let mass_def = |world: &UmbraWorld, body| {
         let (mut kind, mut mass) = (MaybeUninit::uninit(), MaybeUninit::uninit());
         let inertia =
@@ -1053,7 +1031,7 @@ fn the_rest_of_a_body_is_read() {
         // SAFETY: a call that is done has written all three.
         inertia.map(|inertia| unsafe { (kind.assume_init(), mass.assume_init(), inertia) })
     };
-    assert_eq!(mass_def(&here, rod), Ok((UMBRA_MASS_DENSITY, 3 * ONE, 0)));
+    assert_eq!(mass_def(&here, rod), Ok((UMBRA_MASS_KILOGRAMS, 3 * ONE, 0)));
     assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_FROM_COLLIDERS, 0, 0)));
     assert_eq!(umbra_world_set_mass(Some(&mut here), lift, UMBRA_MASS_EXPLICIT, 5 * ONE, 6), UMBRA_OK);
     assert_eq!(mass_def(&here, lift), Ok((UMBRA_MASS_EXPLICIT, 5 * ONE, 6)));
@@ -1144,10 +1122,13 @@ fn shapes_are_those_of_the_library() {
             ),
         ]
     };
+    let plain = out(|def| umbra_collider_def_default(def)).expect("a definition");
     for (shape, expected) in rows {
         let shape = shape.expect("a shape");
-        assert_eq!(umbra_world_set_shape(Some(&mut draft), BODY_WORD, Some(&shape)), UMBRA_OK);
-        let command = Command::SetShape { body: BODY, shape: Some(expected.expect("a shape")) };
+        let def = UmbraColliderDef { shape: &raw const *shape, ..plain };
+        // SAFETY: its shape is alive.
+        out(|id| unsafe { umbra_world_add_collider(Some(&mut draft), BODY_WORD, Some(&def), id) }).expect("a collider");
+        let command = Command::AddCollider { body: BODY, def: expected.expect("a shape").into() };
         assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));
         umbra_shape_free(Some(shape));
     }
@@ -1503,14 +1484,14 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 53);
+    assert_eq!(count, 52);
 }
 
 /// The struct sizes of C, which the page in `examples/web` relies on too.
 #[test]
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
-    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, shape)), (160, 152));
+    assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, is_bullet)), (144, 140));
     assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 272));
     assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);

@@ -53,7 +53,7 @@ fn null_is_refused_everywhere() {
     let mut snapshot = made(|snapshot| umbra_world_snapshot(Some(&world), snapshot)).expect("a snapshot");
     let (w, d, i, s) = (&mut *world, &*draft, &mut *inputs, &mut *snapshot);
     // SAFETY: the definition is filled in.
-    let b = made(|body| unsafe { umbra_world_add_body(Some(w), Some(&body_def), body) });
+    let b = made(|body| umbra_world_add_body(Some(w), Some(&body_def), body));
     let f = made(|field| umbra_world_add_field(Some(w), Some(&field_def), field));
     let shapeless = made(|def| umbra_character_def_default(def));
     let empty_collider = made(|def| umbra_collider_def_default(def));
@@ -161,8 +161,6 @@ fn null_is_refused_everywhere() {
         umbra_world_remove_body(None, b);
         umbra_world_body(None, b, Some(&mut MaybeUninit::uninit()));
         umbra_world_body(Some(w), b, None);
-        umbra_world_body_shape(None, b, Some(&mut MaybeUninit::uninit()));
-        umbra_world_body_shape(Some(w), b, None);
         umbra_world_body_mass_def(None, b, Some(&mut MaybeUninit::uninit()), Some(&mut number), Some(&mut one));
         umbra_world_body_mass_def(Some(w), b, None, Some(&mut number), Some(&mut one));
         umbra_world_body_mass_def(Some(w), b, Some(&mut MaybeUninit::uninit()), None, Some(&mut one));
@@ -189,7 +187,6 @@ fn null_is_refused_everywhere() {
         umbra_world_set_velocity(None, b, 0, 0);
         umbra_world_set_angular_velocity(None, b, 0);
         umbra_world_set_mass(None, b, UMBRA_MASS_KILOGRAMS, UMBRA_ONE, 0);
-        umbra_world_set_shape(None, b, None);
         umbra_world_set_kind(None, b, UMBRA_STATIC);
         umbra_world_set_gravity_scale(None, b, 0);
         umbra_world_set_body_kept_per_second(None, b, 0, 0);

@@ -5,7 +5,6 @@ use std::ffi::c_char;
 use std::fs;
 use std::mem::MaybeUninit;
 use std::path::Path;
-use std::ptr;
 use std::sync::Barrier;
 use std::sync::mpsc::channel;
 use std::thread::{scope, spawn};
@@ -45,9 +44,17 @@ fn add(world: &mut UmbraWorld, shape: Option<&UmbraShape>, x: i64) -> Result<u64
     let mut def = out(|def| umbra_body_def_default(def))?;
     def.position.x = x;
     def.angular_velocity = ONE;
-    def.shape = shape.map_or(ptr::null(), ptr::from_ref);
-    // SAFETY: its shape is null or alive.
-    out(|body| unsafe { umbra_world_add_body(Some(world), Some(&def), body) })
+    let body = out(|body| umbra_world_add_body(Some(world), Some(&def), body))?;
+    give_shape(world, body, shape).map(|()| body)
+}
+
+/// Gives a body a collider of this shape that touches nothing.
+fn give_shape(world: &mut UmbraWorld, body: u64, shape: Option<&UmbraShape>) -> Result<(), UmbraStatus> {
+    let Some(shape) = shape else { return Ok(()) };
+    let mut ghost = out(|def| umbra_collider_def_default(def))?;
+    (ghost.shape, ghost.mask) = (shape, 0);
+    // SAFETY: its shape is alive.
+    out(|collider| unsafe { umbra_world_add_collider(Some(world), body, Some(&ghost), collider) }).map(drop)
 }
 
 fn state_hash(world: &UmbraWorld) -> u64 {
@@ -86,7 +93,7 @@ fn tick(world: &mut UmbraWorld, shape: Option<&UmbraShape>, dice: &mut Random) -
             3 => umbra_world_set_velocity(Some(world), body, x, y),
             4 => umbra_world_apply_force(Some(world), body, x, y, None, 0),
             5 => umbra_world_apply_impulse(Some(world), body, x, y, Some(&UmbraVec2 { x: y, y: x }), UMBRA_BODY_FRAME),
-            6 => umbra_world_set_shape(Some(world), body, shape),
+            6 => give_shape(world, body, shape).err().unwrap_or(UMBRA_OK),
             7 => umbra_world_set_mass(Some(world), body, UMBRA_MASS_KILOGRAMS, x, 0),
             8 => umbra_world_disable(Some(world), body),
             9 => {

@@ -71,7 +71,7 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
 {
     UmbraWorldDef def;
     UmbraBodyDef body;
-    UmbraColliderDef collider;
+    UmbraColliderDef collider, ghost;
     UmbraFieldDef field;
     UmbraWorld *world = NULL;
     UmbraShape *shape = NULL;
@@ -87,7 +87,6 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
     DO(umbra_shape_polygon(corners, 4, &shape));
     DO(umbra_body_def_default(&body));
     body.kind = UMBRA_STATIC;
-    body.shape = shape;
     body.position.y = -6 * UMBRA_ONE;
     DO(umbra_world_add_body(world, &body, &ground));
     DO(umbra_collider_def_default(&collider));
@@ -97,27 +96,29 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
 
     DO(umbra_shape_circle(fx("0.5"), &shape));
     DO(umbra_body_def_default(&body));
-    body.shape = shape;
-    body.mass_kind = UMBRA_MASS_DENSITY;
-    body.mass = fx("2.5");
     body.velocity.x = 3 * UMBRA_ONE;
     body.angular_kept_per_second = fx("0.5");
     body.angular_velocity = UMBRA_ONE;
     body.user_data = 7;
     DO(umbra_world_add_body(world, &body, ball));
     collider.shape = shape;
+    collider.density = fx("2.5");
     DO(umbra_world_add_collider(world, *ball, &collider, &id));
     umbra_shape_free(shape);
 
     DO(umbra_shape_rectangle(4 * UMBRA_ONE, fx("0.25"), &shape));
     DO(umbra_body_def_default(&body));
-    body.shape = shape;
     body.mass_kind = UMBRA_MASS_KILOGRAMS;
     body.mass = 2 * UMBRA_ONE;
     body.angle = fx("0.1");
     body.position.x = 20 * UMBRA_ONE;
     body.force_groups = 2;
     DO(umbra_world_add_body(world, &body, &plank));
+    /* Nothing is to touch the plank. */
+    DO(umbra_collider_def_default(&ghost));
+    ghost.mask = 0;
+    ghost.shape = shape;
+    DO(umbra_world_add_collider(world, plank, &ghost, &id));
     umbra_shape_free(shape);
 
     DO(umbra_field_def_default(UMBRA_SPRING, &field));
@@ -159,12 +160,13 @@ static UmbraWorld *build(uint64_t *ball, uint64_t *rocket)
 
     DO(umbra_shape_polygon(nose, 3, &shape));
     DO(umbra_body_def_default(&body));
-    body.shape = shape;
     body.mass_kind = UMBRA_MASS_EXPLICIT;
     body.mass = 3 * UMBRA_ONE;
     body.inertia = 2 * UMBRA_ONE;
     body.position.x = -20 * UMBRA_ONE;
     DO(umbra_world_add_body(world, &body, rocket));
+    ghost.shape = shape;
+    DO(umbra_world_add_collider(world, *rocket, &ghost, &id));
     umbra_shape_free(shape);
     DO(umbra_field_def_default(UMBRA_THRUST, &field));
     field.body = *rocket;

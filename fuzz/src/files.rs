@@ -178,7 +178,7 @@ pub fn use_up(mut world: World, seed: u64) {
     let mut random = Random::seeded(seed);
     let ids: Vec<_> = world.bodies().map(|body| body.id()).collect();
     for body in world.bodies() {
-        _ = (body.origin(), body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
+        _ = (body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
         _ = (body.position(), body.angle(), body.velocity(), body.angular_velocity());
         _ = format!("{} {} {}", body.position_exact().x, body.angle_exact(), body.angular_velocity_exact());
     }

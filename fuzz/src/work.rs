@@ -6,8 +6,9 @@
 //! all, and that no step takes out of proportion long, which libFuzzer's own timeout says.
 
 use umbra_physics::{
-    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, Command, Damping, End, FieldKind, ForceField, ForceOrImpulse,
-    Fx, FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, Command, Damping, End, FieldKind, ForceField,
+    ForceOrImpulse, Fx, FxFactor, Integrator, Mass, Random, Region, Shape, SpringConstants, TimeStep, Vec2, World,
+    WorldDef, fx, vec2,
 };
 
 /// Number of bodies.
@@ -134,7 +135,7 @@ impl Busy {
         // How many kinds of gravity scale and damping there are; how many bodies have a place of their own.
         let factor_table = [1, 2, 7, 1_000][usize::from(values.byte() % 128) % 4];
         let places = [BODIES, 1, 31][usize::from(values.byte() % 128) % 3];
-        let shape = Some(Shape::circle(radius).expect("a fair radius"));
+        let disc = ColliderDef::ghost(Shape::circle(radius).expect("a fair radius"));
         let mut ids = Vec::new();
         for i in 0..BODIES {
             let kind = if i < many(kinds) / 2 { BodyKind::Kinematic } else { BodyKind::Dynamic };
@@ -154,12 +155,11 @@ impl Busy {
                 angle: values.number(fx!(3)),
                 velocity: values.vector(speed),
                 angular_velocity: values.number(spin),
-                shape: shape.clone(),
                 mass: Mass::Kilograms(mass),
                 gravity_scale: own(fx!(16)).unwrap_or(fx!(1)),
                 linear_damping: own_damping(linear),
                 angular_damping: own_damping(angular),
-                ..BodyDef::dynamic()
+                ..BodyDef::dynamic().with_collider(disc.clone())
             };
             ids.push(world.add_body(def).expect("all within its limits"));
         }

@@ -2,7 +2,7 @@
 
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::{borrow::Borrow, convert::identity};
+use core::convert::identity;
 
 use super::asleep::Sleepers;
 use super::changes::{Change, ChangeCursor, Changes};
@@ -16,7 +16,6 @@ use crate::collider::ColliderMass;
 use crate::error::Error;
 use crate::limits;
 use crate::scalar::{Accumulator, Angle, Scalar};
-use crate::shape::Shape;
 use crate::slots::{BodyId, Slots};
 pub(super) use crate::slots::{NONE, push};
 
@@ -147,20 +146,6 @@ impl<S: Scalar> Bodies<S> {
         }
     }
 
-    /// Sets or removes the shape of a body, with the mass properties that follow.
-    pub(crate) fn set_shape(&mut self, dense: usize, shape: Option<Shape<S>>, properties: MassProperties<S>) {
-        let shapes = &mut Arc::make_mut(&mut self.table).shapes;
-        let new = shape.map(|shape| shapes.acquire(shape));
-        let mut old = None;
-        self.edit(dense, |info| {
-            old = core::mem::replace(&mut info.shape, new);
-        });
-        self.set_mass_row(dense, properties);
-        if let Some(old) = old {
-            Arc::make_mut(&mut self.table).shapes.release(&old);
-        }
-    }
-
     /// Sets the kind and the mass of a body, with the mass properties that follow.
     pub(crate) fn set_mass(&mut self, dense: usize, kind: BodyKind, mass: Mass<S>, properties: MassProperties<S>) {
         self.edit(dense, |info| (info.kind, info.mass) = (kind, mass));
@@ -267,23 +252,10 @@ impl<S: Scalar> Bodies<S> {
         if self.slots.has_room(limits::BODIES) { Ok(()) } else { Err(Error::Full) }
     }
 
-    /// Adds a body. *Domain* the definition was checked, and there is room.
+    /// Adds a body; the colliders of the definition are added apart. *Domain* the definition was checked, and there is room.
     pub(crate) fn insert(
         &mut self,
-        mut def: BodyDef<S>,
-        collider_mass: ColliderMass<S>,
-        properties: MassProperties<S>,
-        factor_table: &mut FactorTable<S>,
-    ) -> BodyId {
-        let shape = def.shape.take();
-        self.insert_with(&def, shape, collider_mass, properties, factor_table)
-    }
-
-    /// Adds a body with this shape. *Domain* the definition was checked, and there is room.
-    pub(super) fn insert_with(
-        &mut self,
         def: &BodyDef<S>,
-        shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
         collider_mass: ColliderMass<S>,
         properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
@@ -292,7 +264,7 @@ impl<S: Scalar> Bodies<S> {
             Some(slot) => slot,
             None => self.new_slot(0),
         };
-        self.insert_at(slot, def, shape, collider_mass, properties, factor_table);
+        self.insert_at(slot, def, collider_mass, properties, factor_table);
         self.slots.handle(slot)
     }
 
@@ -302,12 +274,11 @@ impl<S: Scalar> Bodies<S> {
         self.slots.open(generation)
     }
 
-    /// Puts a body with this shape into a slot without one. *Domain* the definition was checked.
+    /// Puts a body into a slot without one. *Domain* the definition was checked.
     pub(super) fn insert_at(
         &mut self,
         slot: u32,
         def: &BodyDef<S>,
-        shape: Option<impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>>,
         collider_mass: ColliderMass<S>,
         properties: MassProperties<S>,
         factor_table: &mut FactorTable<S>,
@@ -332,8 +303,7 @@ impl<S: Scalar> Bodies<S> {
         push(&mut columns.slot, slot);
         push(&mut columns.activity, Activity::Awake);
         let table = Arc::make_mut(&mut self.table);
-        let info = BodyInfo::new(def, shape.map(|shape| table.shapes.acquire(shape)), collider_mass);
-        table.place(slot as usize, info);
+        table.place(slot as usize, BodyInfo::new(def, collider_mass));
         self.note(dense, Change::ALL);
         self.set_moving(dense, def.kind != BodyKind::Static);
     }

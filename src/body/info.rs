@@ -1,18 +1,14 @@
 //! The properties of bodies that no step changes.
 
-use alloc::collections::BTreeMap;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
-use core::borrow::Borrow;
 
 use super::columns::{NONE, push};
 use super::factors::Key;
-use super::mass::MassSource;
 use super::{BodyDef, BodyKind, Locks, Mass};
 use crate::codec::{StateHasher, Write as _};
 use crate::collider::ColliderMass;
 use crate::scalar::{Factor as _, Scalar};
-use crate::shape::Shape;
 
 /// The properties of a body that no step changes, and few steps read.
 #[derive(Clone, Debug)]
@@ -24,7 +20,6 @@ pub(crate) struct BodyInfo<S: Scalar> {
     pub(crate) key: u64,
     pub(crate) user_data: u64,
     pub(crate) mass: Mass<S>,
-    pub(crate) shape: Option<Arc<Shape<S>>>,
     /// Follows from the colliders. Apart, as bodies without colliders are to take no room for it.
     collider_mass: Option<Arc<ColliderMass<S>>>,
 }
@@ -34,7 +29,7 @@ fn kept<S: Scalar>(mass: ColliderMass<S>) -> Option<Arc<ColliderMass<S>>> {
 }
 
 impl<S: Scalar> BodyInfo<S> {
-    pub(super) fn new(def: &BodyDef<S>, shape: Option<Arc<Shape<S>>>, collider_mass: ColliderMass<S>) -> Self {
+    pub(super) fn new(def: &BodyDef<S>, collider_mass: ColliderMass<S>) -> Self {
         Self {
             kind: def.kind,
             dominance: def.dominance,
@@ -43,7 +38,6 @@ impl<S: Scalar> BodyInfo<S> {
             key: def.key,
             user_data: def.user_data,
             mass: def.mass,
-            shape,
             collider_mass: kept(collider_mass),
         }
     }
@@ -57,11 +51,6 @@ impl<S: Scalar> BodyInfo<S> {
         self.collider_mass = kept(mass);
     }
 
-    /// The parts that the mass and the inertia may follow from.
-    pub(crate) fn mass_source(&self) -> MassSource<'_, S> {
-        MassSource { shape: self.shape.as_deref(), colliders: self.collider_mass() }
-    }
-
     /// Returns true if a field with these groups acts on the body.
     pub(crate) fn feels(&self, force_groups: u32) -> bool {
         self.kind == BodyKind::Dynamic && self.force_groups & force_groups != 0
@@ -71,7 +60,7 @@ impl<S: Scalar> BodyInfo<S> {
     pub(crate) fn kilograms(&self) -> S {
         // The mass of a dynamic body was checked when it was set.
         match self.kind {
-            BodyKind::Dynamic => self.mass_source().kilograms(self.mass).unwrap_or(S::ZERO),
+            BodyKind::Dynamic => self.mass.kilograms(&self.collider_mass()).unwrap_or(S::ZERO),
             _ => S::ZERO,
         }
     }
@@ -84,7 +73,7 @@ impl<S: Scalar> BodyInfo<S> {
     /// The [`inertia`](Self::inertia) of a body whose mass in kg is at hand.
     pub(crate) fn inertia_for(&self, kilograms: S) -> S::Factor {
         match self.kind {
-            BodyKind::Dynamic => self.mass_source().inertia(kilograms, self.mass),
+            BodyKind::Dynamic => self.mass.inertia(&self.collider_mass(), kilograms),
             _ => S::Factor::ZERO,
         }
     }
@@ -105,46 +94,7 @@ impl<S: Scalar> BodyInfo<S> {
         key.most[1].write(&mut sink);
         locks.write(&mut sink);
         self.dominance.write(&mut sink);
-        self.shape.as_deref().map(Shape::digest).write(&mut sink);
         sink.finish().max(NOT_MADE + 1)
-    }
-}
-
-/// The shapes in use. Bodies share a shape if and only if their shapes are equal. The key is the hash of the shape, and a
-/// number that tells shapes with one hash apart.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Shapes<S: Scalar>(BTreeMap<(u64, u32), Shared<S>>);
-
-/// A shape, and how many bodies have it.
-type Shared<S> = (Arc<Shape<S>>, u32);
-
-impl<S: Scalar> Shapes<S> {
-    /// The shared shape that is equal to this one. [`release`](Self::release) gives it back.
-    pub(super) fn acquire(&mut self, shape: impl Borrow<Shape<S>> + Into<Arc<Shape<S>>>) -> Arc<Shape<S>> {
-        let (own, digest) = (shape.borrow(), shape.borrow().digest());
-        let mut free = 0;
-        for (&(_, number), (shared, users)) in self.0.range_mut((digest, 0)..=(digest, u32::MAX)) {
-            // Many bodies have copies of one large shape: its corners are not compared for each of them.
-            if shared.is_copy_of(own) || **shared == *own {
-                *users += 1;
-                return shared.clone();
-            }
-            free += u32::from(number == free);
-        }
-        let shape = shape.into();
-        self.0.insert((digest, free), (shape.clone(), 1));
-        shape
-    }
-
-    pub(super) fn release(&mut self, shape: &Arc<Shape<S>>) {
-        let digest = shape.digest();
-        let mut alike = self.0.range_mut((digest, 0)..=(digest, u32::MAX));
-        if let Some((&key, (_, users))) = alike.find(|(_, (shared, _))| Arc::ptr_eq(shared, shape)) {
-            *users -= 1;
-            if *users == 0 {
-                self.0.remove(&key);
-            }
-        }
     }
 }
 
@@ -164,12 +114,10 @@ pub(super) struct BodyTable<S: Scalar> {
     /// The infos without a body, to be used again.
     vacant: Vec<u32>,
     /// The digests of the infos by slot, so that a hash of the world does not hash the infos again. The step after a change
-    /// makes the new digest, once for all changes: a call may change little, and a shape may be large. Until then the digest is
-    /// [`NOT_MADE`], which no digest is.
+    /// makes the new digest, once for all changes. Until then the digest is [`NOT_MADE`], which no digest is.
     digests: Vec<u64>,
     /// The slots whose digests were set to [`NOT_MADE`]. Some of them may have lost their body since.
     stale: Vec<u32>,
-    pub(super) shapes: Shapes<S>,
 }
 
 impl<S: Scalar> BodyTable<S> {
@@ -241,29 +189,6 @@ impl<S: Scalar> BodyTable<S> {
     /// Removes the info of the body in a slot.
     pub(super) fn remove(&mut self, slot: usize) {
         let at = core::mem::replace(&mut self.at[slot], NONE);
-        if let Some(shape) = self.infos[at as usize].shape.take() {
-            self.shapes.release(&shape);
-        }
         self.vacant.push(at);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::fx::fx;
-
-    /// Simulates two shapes with one hash, whose bodies come and go in either order.
-    #[test]
-    fn shapes_with_one_hash_are_kept_once_each() {
-        let [ours, other] = [fx!(1), fx!(2)].map(|radius| Shape::circle(radius).expect("a size"));
-        let mut shapes = Shapes::default();
-        shapes.0.insert((ours.digest(), 0), (Arc::new(other), 1));
-        let [first, second] = [(); 2].map(|()| shapes.acquire(ours.clone()));
-        assert!(Arc::ptr_eq(&first, &second) && *first == ours);
-        shapes.0.remove(&(ours.digest(), 0));
-        assert!(Arc::ptr_eq(&first, &shapes.acquire(ours.clone())));
-        (0..3).for_each(|_| shapes.release(&first));
-        assert!(shapes.0.is_empty());
     }
 }

@@ -9,7 +9,6 @@ use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Factor, Number, Scalar};
-use crate::shape::Shape;
 
 /// Mass and moment of inertia of a dynamic body, as they are given.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -19,10 +18,7 @@ use crate::shape::Shape;
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 pub enum Mass<S = Fx> {
-    /// A density in kg/m², times the area of the shape; in kg/m for a segment. The inertia follows from the shape.
-    Density(S),
-    /// A mass in kg. The inertia follows from the shape, or without one from the colliders; without either it is infinite, and no torque
-    /// turns the body.
+    /// A mass in kg. The inertia follows from the colliders; without any that have a mass it is infinite, and no torque turns the body.
     Kilograms(S),
     /// A mass and a moment of inertia.
     Explicit {
@@ -31,14 +27,12 @@ pub enum Mass<S = Fx> {
         /// The moment of inertia about the centre of mass, kg·m².
         inertia: S,
     },
-    /// The mass of the colliders, by their densities, and their inertia. A body without colliders has 1 kg, and its inertia as with
-    /// [`Kilograms`](Self::Kilograms).
+    /// The mass of the colliders, by their densities, and their inertia. A body without colliders has 1 kg, and an infinite inertia.
     #[default]
     FromColliders,
 }
 
 codec_enum!(Mass<S>, "the number of a way to give a mass", {
-    0 => Density(density),
     1 => Kilograms(mass),
     2 => Explicit { mass, inertia },
     3 => FromColliders,
@@ -91,61 +85,47 @@ impl<S: Scalar> Keyed for MassProperties<S> {
     }
 }
 
-/// The parts of a body that its mass and its inertia may follow from.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MassSource<'a, S: Scalar> {
-    pub(crate) shape: Option<&'a Shape<S>>,
-    pub(crate) colliders: ColliderMass<S>,
-}
-
-impl<S: Scalar> MassSource<'_, S> {
-    /// The mass in kg of a dynamic body.
-    pub(super) fn kilograms(&self, mass: Mass<S>) -> Result<S, Error> {
-        let out_of = |quantity| Error::OutOfRange { quantity };
-        match mass {
-            Mass::Density(density) => {
-                if !(density > S::ZERO && density.is_finite()) {
-                    return Err(out_of(Quantity::Density));
-                }
-                let area = self.shape.ok_or(Error::NoShape)?.measure();
-                S::Factor::from_scalar(density).times(area).to_scalar().ok_or(out_of(Quantity::Mass))
-            }
-            Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } => Ok(mass),
-            Mass::FromColliders if self.colliders.is_none() => Ok(S::ONE),
-            Mass::FromColliders => self.colliders.mass.to_scalar().ok_or(out_of(Quantity::Mass)),
+impl<S: Scalar> Mass<S> {
+    /// The mass in kg of a dynamic body with these colliders.
+    pub(super) fn kilograms(self, colliders: &ColliderMass<S>) -> Result<S, Error> {
+        match self {
+            Self::Kilograms(mass) | Self::Explicit { mass, inertia: _ } => Ok(mass),
+            Self::FromColliders if colliders.is_none() => Ok(S::ONE),
+            Self::FromColliders => colliders.mass.to_scalar().ok_or(Error::OutOfRange { quantity: Quantity::Mass }),
         }
     }
 
-    /// The moment of inertia, kg·m², of a body of this mass in kg; zero stands for infinite.
-    pub(super) fn inertia(&self, kilograms: S, mass: Mass<S>) -> S::Factor {
-        let gyration = match (mass, self.shape) {
-            (Mass::Explicit { mass: _, inertia }, _) => return S::Factor::from_scalar(inertia),
-            (Mass::FromColliders, _) if !self.colliders.is_none() => self.colliders.gyration,
-            (_, Some(shape)) => shape.gyration(),
-            (_, None) => self.colliders.gyration,
-        };
-        S::Factor::from_scalar(kilograms).times(gyration)
+    /// The moment of inertia, kg·m², of a body of this mass in kg with these colliders; zero stands for infinite.
+    pub(super) fn inertia(self, colliders: &ColliderMass<S>, kilograms: S) -> S::Factor {
+        match self {
+            Self::Explicit { mass: _, inertia } => S::Factor::from_scalar(inertia),
+            Self::Kilograms(_) | Self::FromColliders => S::Factor::from_scalar(kilograms).times(colliders.gyration),
+        }
     }
 
-    /// The properties of a body that is defined like this.
+    /// The properties of a body that has this mass and these colliders.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape. A body that is not dynamic
-    /// may have any mass.
-    pub(crate) fn properties(&self, kind: BodyKind, mass: Mass<S>, locks: Locks) -> Result<MassProperties<S>, Error> {
+    /// [`Error::OutOfRange`] naming the quantity. A body that is not dynamic may have any mass.
+    pub(crate) fn properties(
+        self,
+        colliders: &ColliderMass<S>,
+        kind: BodyKind,
+        locks: Locks,
+    ) -> Result<MassProperties<S>, Error> {
         let zero = S::Factor::ZERO;
         if kind != BodyKind::Dynamic {
             return Ok(MassProperties::new(zero, zero, locks));
         }
-        if matches!(mass, Mass::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
+        if matches!(self, Self::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
             return Err(Error::OutOfRange { quantity: Quantity::Inertia });
         }
-        let kilograms = self.kilograms(mass)?;
+        let kilograms = self.kilograms(colliders)?;
         if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
             return Err(Error::OutOfRange { quantity: Quantity::Mass });
         }
         let inverse_mass = inverse::<S>(S::Factor::from_scalar(kilograms));
-        Ok(MassProperties::new(inverse_mass, inverse::<S>(self.inertia(kilograms, mass)), locks))
+        Ok(MassProperties::new(inverse_mass, inverse::<S>(self.inertia(colliders, kilograms)), locks))
     }
 }
 

@@ -26,7 +26,6 @@ use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Scalar};
-use crate::shape::Shape;
 
 pub(crate) use changes::{Change, ChangeCursor};
 pub(crate) use columns::Bodies;
@@ -34,10 +33,10 @@ pub use damping::Damping;
 pub(crate) use factors::{BOUNDED_STEPS, FactorTable, Key, SPANS, StepFactors, WorldFactors};
 pub(crate) use info::BodyInfo;
 pub use mass::Mass;
-pub(crate) use mass::{MassProperties, MassSource};
+pub(crate) use mass::MassProperties;
 pub(crate) use motion::{Acceleration, BLOCK, Block, Motion};
 pub(crate) use order::InOrder;
-pub(crate) use record::{Record, ShapeSource};
+pub(crate) use record::Record;
 pub(crate) use sparse::{Row, Sparse};
 pub(crate) use target::{KinematicTarget, KinematicTargets, Target, Velocities};
 
@@ -194,9 +193,8 @@ pub struct BodyDef<S: Scalar = Fx> {
     pub velocity: Vec2<S>,
     /// The angular velocity, rad/s, within ±2^20. Zero for a static body.
     pub angular_velocity: S,
-    /// A shape that gives the body its inertia and an outline to draw. It touches nothing: give the body `colliders` for that.
-    pub shape: Option<Shape<S>>,
-    /// The colliders: the shapes with which the body touches others. [`with_collider`](Self::with_collider) adds one.
+    /// The colliders: the shapes that give the body its mass and its outline, and with which it touches others.
+    /// [`with_collider`](Self::with_collider) adds one. A body that touches nothing has [ghosts](ColliderDef::ghost), or none.
     /// [`World::colliders_of`](crate::World::colliders_of) gives the handles of a new body's colliders in this order.
     pub colliders: Vec<ColliderDef<S>>,
     /// The mass, used while the body is dynamic.
@@ -238,7 +236,6 @@ codec_struct!(BodyDef {
     angle,
     velocity,
     angular_velocity,
-    shape,
     colliders,
     mass,
     gravity_scale,
@@ -271,7 +268,6 @@ impl<S: Scalar> BodyDef<S> {
             angle: S::ZERO,
             velocity: Vec2::ZERO,
             angular_velocity: S::ZERO,
-            shape: None,
             colliders: Vec::new(),
             mass: Mass::FromColliders,
             gravity_scale: S::ONE,
@@ -323,8 +319,8 @@ impl<S: Scalar> BodyDef<S> {
     /// Checks the definition as a world does that the body is added to.
     ///
     /// # Errors
-    /// [`Error::OutOfRange`] naming the quantity; [`Error::NoShape`] for a density without a shape; [`Error::Locked`] for a
-    /// velocity along a locked axis; [`Error::DynamicChain`] for a chain on a dynamic body.
+    /// [`Error::OutOfRange`] naming the quantity; [`Error::Locked`] for a velocity along a locked axis; [`Error::DynamicChain`] for a
+    /// chain on a dynamic body.
     pub fn check(&self) -> Result<(), Error> {
         self.checked().map(drop)
     }
@@ -346,18 +342,18 @@ impl<S: Scalar> BodyDef<S> {
             collider.check_on(self.kind == BodyKind::Dynamic)?;
         }
         let colliders = ColliderMass::of(self.colliders.iter());
-        let properties = self.check_properties(MassSource { shape: self.shape.as_ref(), colliders })?;
+        let properties = self.check_properties(&colliders)?;
         Ok((colliders, properties))
     }
 
-    /// The mass properties of a body with this definition and these parts, if its properties other than its motion are valid.
-    fn check_properties(&self, source: MassSource<'_, S>) -> Result<MassProperties<S>, Error> {
+    /// The mass properties of a body with this definition and colliders of this mass, if its properties other than its motion are valid.
+    fn check_properties(&self, colliders: &ColliderMass<S>) -> Result<MassProperties<S>, Error> {
         check_gravity_scale(self.gravity_scale)?;
         self.linear_damping.map_or(Ok(()), Damping::check)?;
         self.angular_damping.map_or(Ok(()), Damping::check)?;
         self.max_speed.map_or(Ok(()), check_max_speed)?;
         self.max_angular_speed.map_or(Ok(()), check_max_angular_speed)?;
-        source.properties(self.kind, self.mass, self.locks)
+        self.mass.properties(colliders, self.kind, self.locks)
     }
 }
 

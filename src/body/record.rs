@@ -1,24 +1,20 @@
 //! The complete state of one body, as snapshots have it, and bodies made from such a state.
 
-use alloc::sync::Arc;
-
 use super::columns::Bodies;
 use super::factors::FactorTable;
 use super::motion::Acceleration;
-use super::{Activity, BodyDef, BodyKind, Damping, Locks, Mass, MassProperties, MassSource, within_envelope};
-use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write, codec_struct};
+use super::{Activity, BodyDef, BodyKind, Damping, Locks, Mass, MassProperties, within_envelope};
+use crate::codec::codec_struct;
 use crate::collider::ColliderMass;
 use crate::error::{Error, Quantity};
-use crate::fx::Fx;
 use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Scalar};
-use crate::shape::Shape;
 use crate::slots::BodyId;
 
 codec_struct!(Acceleration { linear, angular });
 
-/// The state of a body without its shape and its handle.
+/// The state of a body without its colliders and its handle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Record<S: Scalar> {
     pub(crate) kind: BodyKind,
@@ -68,7 +64,7 @@ codec_struct!(Record {
 
 impl<S: Scalar> Record<S> {
     /// Refuses a state that no call and no step leaves a body in.
-    fn check(&self, source: MassSource<'_, S>) -> Result<MassProperties<S>, Error> {
+    fn check(&self, colliders: &ColliderMass<S>) -> Result<MassProperties<S>, Error> {
         // A quarantined body may be in a state within a step. It is checked again before it is released.
         let limits = match self.activity {
             Activity::Quarantined => [limits::TRANSIENT_POSITION, limits::TRANSIENT_SUM, limits::TRANSIENT_SUM],
@@ -90,7 +86,7 @@ impl<S: Scalar> Record<S> {
         if (stopped && self.kind == BodyKind::Static) || (self.activity == Activity::Asleep && !rests) {
             return Err(Error::Inconsistent);
         }
-        self.def().check_properties(source)
+        self.def().check_properties(colliders)
     }
 
     /// Refuses a velocity along a locked axis, and a last acceleration that would cause one.
@@ -110,7 +106,7 @@ impl<S: Scalar> Record<S> {
         moves.map_or(Ok(()), |(.., quantity)| Err(Error::Locked { quantity }))
     }
 
-    /// The definition, without the shape and the motion.
+    /// The definition, without the colliders and the motion.
     fn def(&self) -> BodyDef<S> {
         BodyDef {
             kind: self.kind,
@@ -131,8 +127,8 @@ impl<S: Scalar> Record<S> {
     }
 }
 
-/// The occupant of a slot: a body, its shape and the mass of its colliders, or none.
-type Occupant<S> = Option<(Record<S>, Option<Arc<Shape<S>>>, ColliderMass<S>)>;
+/// The occupant of a slot: a body and the mass of its colliders, or none.
+type Occupant<S> = Option<(Record<S>, ColliderMass<S>)>;
 
 impl<S: Scalar> Bodies<S> {
     /// The state of the body at this index in the columns.
@@ -183,16 +179,16 @@ impl<S: Scalar> Bodies<S> {
         if self.slots().len() >= limits::BODIES {
             return Err(Error::Full);
         }
-        let Some((record, shape, colliders)) = occupant else {
+        let Some((record, colliders)) = occupant else {
             self.new_slot(generation);
             return Ok(None);
         };
-        let properties = record.check(MassSource { shape: shape.as_deref(), colliders })?;
+        let properties = record.check(&colliders)?;
         if record.last_acceleration.is_some() != self.keeps_last() {
             return Err(Error::Inconsistent);
         }
         let slot = self.new_slot(generation);
-        self.insert_at(slot, &record.def(), shape, colliders, properties, factor_table);
+        self.insert_at(slot, &record.def(), colliders, properties, factor_table);
         let dense = self.slots.all()[slot as usize].index_or_none() as usize;
         let dense = self.set_activity(dense, record.activity);
         let motion = &mut self.columns.motion;
@@ -216,58 +212,13 @@ impl<S: Scalar> Bodies<S> {
         factor_table: &mut FactorTable<S>,
     ) -> Result<BodyId, Error> {
         let from = other.find(body)?;
-        let (def, shape) = (other.record(from, other_factors).def(), other.info(from).shape.clone());
-        let collider_mass = other.info(from).collider_mass();
-        let adopted = self.insert_with(&def, shape, collider_mass, *other.mass(from), factor_table);
+        let def = other.record(from, other_factors).def();
+        let adopted = self.insert(&def, other.info(from).collider_mass(), *other.mass(from), factor_table);
         let dense = self.find(adopted)?;
         let dense = self.set_activity(dense, other.activity(from));
         self.make_last_accelerations();
         self.is_rest_zero = false;
         self.columns.motion.copy(dense, &other.columns.motion, from);
         Ok(adopted)
-    }
-
-    /// The shape of the body in a slot, if there is one with a shape.
-    pub(crate) fn shape_in(&self, slot: u32) -> Option<&Arc<Shape<S>>> {
-        self.info(self.index_in(slot)?).shape.as_ref()
-    }
-}
-
-/// The shape of a body as a snapshot has it. A snapshot has each shape once; other bodies name the slot of the first body that
-/// has it.
-#[derive(PartialEq)]
-pub(crate) enum ShapeSource<S: Scalar> {
-    None,
-    New(Arc<Shape<S>>),
-    AsOf(u32),
-}
-
-impl<S: Scalar> Write for ShapeSource<S> {
-    fn write(&self, out: &mut impl Encoder) {
-        let (tag, source) = match self {
-            Self::None => (0, "none"),
-            Self::New(_) => (1, "its own"),
-            Self::AsOf(_) => (2, "that of another body"),
-        };
-        out.enter(Part::Name("source"));
-        out.leaf(&[tag], &source);
-        out.leave();
-        match self {
-            Self::None => {}
-            Self::New(shape) => shape.write(out),
-            Self::AsOf(slot) => codec::field(out, "slot", slot),
-        }
-    }
-}
-
-impl Read for ShapeSource<Fx> {
-    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
-        let malformed = reader.malformed("0 to 2 for a shape");
-        match u8::read(reader)? {
-            0 => Ok(Self::None),
-            1 => Shape::read(reader).map(|shape| Self::New(Arc::new(shape))),
-            2 => u32::read(reader).map(Self::AsOf),
-            _ => Err(malformed),
-        }
     }
 }

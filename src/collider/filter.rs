@@ -32,6 +32,11 @@ impl Default for Filter {
 }
 
 impl Filter {
+    /// The filter that meets nothing, as every filter does without a category or without a mask, and without a positive group. A collider
+    /// with it gives its body mass and an outline to draw; contacts, sensors, queries, characters, fluids and explosions pass it over, and
+    /// it costs a step nothing.
+    pub const NONE: Self = Self { category: 0, mask: 0, group: 0 };
+
     /// Returns true if two colliders with these filters may meet.
     #[must_use]
     pub fn agrees(self, other: Self) -> bool {

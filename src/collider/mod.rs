@@ -1,4 +1,4 @@
-//! Colliders: shapes on bodies that touch other colliders. Their definitions, the mass that bodies have from them, and the set of
+//! Colliders: the shapes of bodies, which touch other colliders. Their definitions, the mass that bodies have from them, and the set of
 //! a world's colliders.
 
 mod chunks;
@@ -73,7 +73,7 @@ pub struct ColliderDef<S: Scalar = Fx> {
     /// The surface: friction, restitution, rolling resistance, conveyor speed. Where two colliders touch, friction is the geometric mean
     /// of both coefficients and restitution the larger one, unless a [rule](MixRule) of one of them differs.
     pub material: Material<S>,
-    /// The filter: which colliders this one touches.
+    /// The filter: which colliders this one touches. With [`Filter::NONE`] it touches nothing.
     pub filter: Filter,
     /// The only side from which the collider holds others, for a platform to jump through; `None` to hold from all sides.
     pub one_way: Option<OneWay<S>>,
@@ -130,13 +130,31 @@ impl<S: Scalar> ColliderDef<S> {
         }
     }
 
+    /// A collider that touches nothing: as [`new`](Self::new), with [`Filter::NONE`]. It gives its body mass and an outline to draw.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, ColliderDef, Shape, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// world.add_body(BodyDef { position: vec2(3, 0), ..BodyDef::fixed().with_collider(Shape::rectangle(1, 9)?) })?;
+    /// let hull = ColliderDef { density: fx!(5), ..ColliderDef::ghost(Shape::rectangle(2, 1)?) };
+    /// let ship = world.add_body(BodyDef { velocity: vec2(6, 0), ..BodyDef::dynamic().with_collider(hull) })?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert_eq!(world.body(ship)?.position(), vec2(6, 0)); // through the wall
+    /// assert_eq!(world.body(ship)?.mass(), Some(fx!(10)));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn ghost(shape: Shape<S>) -> Self {
+        Self { filter: Filter::NONE, ..Self::new(shape) }
+    }
+
     /// Checks the values of the definition. Whether a body can have it (a chain, the mass)
     /// [`World::add_collider`](crate::World::add_collider) checks.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] naming the quantity: position, angle, density, friction, restitution, rolling resistance, surface speed, the
-    /// direction or the tolerance of a one-way collider, or a filter that meets nothing: without a category or without a mask, and
-    /// without a positive group.
+    /// direction or the tolerance of a one-way collider.
     ///
     /// ```
     /// use umbra_physics::{ColliderDef, Error, Material, Quantity, Shape, fx};
@@ -153,12 +171,26 @@ impl<S: Scalar> ColliderDef<S> {
         check(self.angle.is_finite(), Quantity::Angle)?;
         check(self.density >= S::ZERO && self.density.is_finite(), Quantity::ColliderDensity)?;
         self.material.check()?;
-        self.one_way.map_or(Ok(()), |one_way| one_way.check())?;
-        check(!self.filter.meets_nothing(), Quantity::Filter)
+        self.one_way.map_or(Ok(()), |one_way| one_way.check())
     }
 }
 
 impl<S: Scalar> ColliderDef<S> {
+    /// Returns true if the collider meets others: as a solid collider, or as a sensor.
+    pub(crate) fn meets_others(&self) -> bool {
+        !self.filter.meets_nothing()
+    }
+
+    /// Returns true if the collider touches others: it meets them, and is no sensor.
+    pub(crate) fn is_solid(&self) -> bool {
+        self.meets_others() && !self.sensor
+    }
+
+    /// Returns true for a sensor that meets others.
+    pub(crate) fn is_sensing(&self) -> bool {
+        self.meets_others() && self.sensor
+    }
+
     /// Refuses a chain on a dynamic body.
     pub(crate) fn check_on(&self, is_dynamic: bool) -> Result<(), Error> {
         if is_dynamic && self.shape.is_chain() { Err(Error::DynamicChain) } else { Ok(()) }

@@ -34,7 +34,7 @@ pub(crate) struct ColliderSet<S: Scalar = Fx> {
     changes: Vec<(u64, u32)>,
     /// The number of outlines beyond the first one of each collider.
     more_outlines: usize,
-    /// The number of one-way colliders, of sensors, and of colliders that report contacts and hits.
+    /// The numbers of colliders of some kinds.
     kinds: Kinds,
     /// The coefficients of pairs of materials.
     pub(super) pairs: MaterialPairs<S>,
@@ -61,6 +61,8 @@ impl<S: Scalar> Default for ColliderSet<S> {
 /// The numbers of colliders of some kinds: a step does nothing for a kind that is not there.
 #[derive(Clone, Copy, Debug, Default)]
 struct Kinds {
+    /// Colliders that meet others. All further kinds are among them.
+    meeting: usize,
     one_way: usize,
     sensors: usize,
     contact_events: usize,
@@ -70,7 +72,9 @@ struct Kinds {
 impl Kinds {
     /// Counts a collider, or with `change` takes it out again.
     fn count<S: Scalar>(&mut self, def: &ColliderDef<S>, change: fn(usize, usize) -> usize) {
-        let add = |count: &mut usize, is_one: bool| *count = change(*count, usize::from(is_one));
+        let meets_others = def.meets_others();
+        let add = |count: &mut usize, is_one: bool| *count = change(*count, usize::from(meets_others && is_one));
+        add(&mut self.meeting, true);
         add(&mut self.one_way, def.one_way.is_some());
         add(&mut self.sensors, def.sensor);
         add(&mut self.contact_events, def.contact_events);
@@ -124,6 +128,12 @@ impl<S: Scalar> ColliderSet<S> {
 
     pub(crate) fn is_empty(&self) -> bool {
         self.list.len() == 0
+    }
+
+    /// Returns true if there is a collider that meets others.
+    #[inline(always)]
+    pub(crate) fn any_meeting(&self) -> bool {
+        self.kinds.meeting > 0
     }
 
     pub(crate) fn revision(&self) -> u64 {
@@ -320,9 +330,14 @@ impl<S: Scalar> ColliderSet<S> {
         })
     }
 
-    /// The colliders of the body in a slot that touch others, in no order: without sensors.
+    /// The colliders of the body in a slot that touch others, in no order.
     pub(crate) fn solid_of_slot(&self, body: u32) -> impl Iterator<Item = &Collider<S>> + Clone {
-        self.of_slot(body).filter(|collider| !collider.def.sensor)
+        self.of_slot(body).filter(|collider| collider.def.is_solid())
+    }
+
+    /// Returns true if a collider of the body in a slot meets others.
+    pub(crate) fn any_meeting_of_slot(&self, body: u32) -> bool {
+        self.of_slot(body).any(|collider| collider.def.meets_others())
     }
 
     /// All colliders, in no order.

@@ -188,7 +188,7 @@ impl Exclusions {
     }
 }
 
-/// Returns true if the broad phase of this step covered a body, or the body has no colliders to cover.
+/// Returns true if the broad phase of this step covered a body, or the body has no colliders that meet others.
 fn takes_part(scene: &Scene<'_>, flights: &Flights, slot: u32) -> bool {
     let Some(dense) = scene.bodies.index_in(slot) else { return true };
     let is_still = match scene.bodies.activity(dense) {
@@ -197,7 +197,7 @@ fn takes_part(scene: &Scene<'_>, flights: &Flights, slot: u32) -> bool {
         Activity::Disabled | Activity::Quarantined => return false,
     };
     // A body at fault has no flight.
-    is_still || flights.has(slot) || scene.colliders.of_slot(slot).next().is_none()
+    is_still || flights.has(slot) || !scene.colliders.any_meeting_of_slot(slot)
 }
 
 /// Lists the outlines of a body at rest that make a pair with a sleeping outline.

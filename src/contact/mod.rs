@@ -256,7 +256,7 @@ pub(crate) struct Scene<'a> {
     pub(crate) colliders: &'a ColliderSet,
     /// The contacts of the step before.
     pub(crate) contacts: &'a ContactSet,
-    /// The moving bodies with colliders, without bodies at fault.
+    /// The moving bodies with colliders that meet others, without bodies at fault.
     pub(crate) starts: &'a [Start],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,

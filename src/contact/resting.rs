@@ -329,7 +329,7 @@ impl Resting {
             (Activity::Asleep, State::Asleep) => true,
             _ => false,
         };
-        let dense = bodies.index_of(collider.body).filter(|_| !collider.def.sensor).filter(is_still);
+        let dense = bodies.index_of(collider.body).filter(|_| collider.def.is_solid()).filter(is_still);
         dense.into_iter().flat_map(move |dense| {
             let position = bodies.position(dense);
             let angle = bodies.angle(dense);

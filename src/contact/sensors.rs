@@ -210,7 +210,8 @@ impl Sensors {
         if self.revision != Some(colliders.revision()) {
             self.revision = Some(colliders.revision());
             self.slots.clear();
-            self.slots.extend(colliders.list().filter(|collider| collider.def.sensor).map(|collider| collider.slot));
+            self.slots
+                .extend(colliders.list().filter(|collider| collider.def.is_sensing()).map(|collider| collider.slot));
         }
     }
 

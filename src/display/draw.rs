@@ -110,8 +110,8 @@ pub enum Role {
 /// }
 ///
 /// let mut world = World::new(WorldDef::default())?;
-/// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
-/// world.add_body(BodyDef { shape, position: vec2(5, 0), ..BodyDef::dynamic() })?;
+/// let plank = Shape::rectangle(fx!(2), fx!(1))?;
+/// world.add_body(BodyDef { position: vec2(5, 0), ..BodyDef::dynamic().with_collider(plank) })?;
 /// let mut lines = Lines::default();
 /// world.debug_draw(Pose::of, &DrawOptions::default(), &mut lines);
 /// assert_eq!(lines.0.len(), 4);
@@ -304,10 +304,6 @@ impl<S: Scalar + ToF64> World<S> {
         let (at, role) = (Placed::at(pose), Role::Body(body.id(), BodyClass::new(body.kind(), body.activity())));
         let colliders = self.colliders_of(body.id()).into_iter().flatten().filter_map(|id| self.collider(id).ok());
         let mut is_point = true;
-        if let Some(shape) = body.shape() {
-            is_point = false;
-            draw_geometry(shape.geometry(), &at, role, draw);
-        }
         for collider in colliders {
             is_point = false;
             let collider_at = at.part(collider.position.to_f64(), collider.angle.to_f64());

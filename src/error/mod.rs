@@ -42,8 +42,6 @@ pub enum Error {
         /// Index of the corner in the given list.
         corner: usize,
     },
-    /// The mass is given by a density, and the body has no shape.
-    NoShape,
     /// The call needs a dynamic body.
     NotDynamic {
         /// The body.
@@ -282,9 +280,6 @@ impl fmt::Display for Error {
                 f,
                 "corner {corner} is not convex, or repeats its neighbour: list the corners of a convex polygon in order",
             ),
-            Self::NoShape => {
-                f.write_str("a density needs a shape of the body itself: colliders give it mass by densities of their own")
-            }
             Self::NotDynamic { body } => write!(f, "{body} is not dynamic: the call needs a dynamic body"),
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
@@ -340,7 +335,6 @@ codes!(Error {
     NoSuchField = 103,
     TimeStep = 104,
     NotConvex = 105,
-    NoShape = 106,
     NotDynamic = 107,
     NotMovable = 108,
     Quarantined = 109,

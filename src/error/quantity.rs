@@ -77,8 +77,6 @@ pub enum Quantity {
     Friction,
     /// A coefficient of restitution.
     Restitution,
-    /// The filter of a collider.
-    Filter,
     /// The number of sub-steps of a step.
     Substeps,
     /// A speed of [`ContactSettings`](crate::ContactSettings): push, restitution, sleep or hit speed.
@@ -192,7 +190,6 @@ impl Quantity {
             Self::ColliderDensity => "a density of at least zero",
             Self::Friction => "a coefficient of friction from 0 to 32",
             Self::Restitution => "a coefficient of restitution from 0 to 1",
-            Self::Filter => "a filter with a category and a mask, or with a positive group",
             Self::Substeps => "a number of sub-steps from 1 to 16",
             Self::ContactSpeed => "a push, restitution, sleep or hit speed from 0 to 2^10 m/s",
             Self::Pairs => "a number of pairs from 1 to 2^28 in all, and to 2^12 of one collider",
@@ -246,7 +243,6 @@ codes!(Quantity {
     ColliderDensity = 177,
     Friction = 178,
     Restitution = 179,
-    Filter = 180,
     Substeps = 181,
     ContactSpeed = 182,
     Pairs = 183,

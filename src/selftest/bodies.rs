@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use super::trial::{Played, Trial, add_all, bits, exact, happened, near_fx, near_vec, refused, same, same_body, there};
 use crate::body::{Activity, BodyDef, BodyKind, Damping, Mass};
+use crate::collider::ColliderDef;
 use crate::error::{Cause, Error, Fault};
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
@@ -41,9 +42,8 @@ pub(super) fn shapes(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
     let shapes = turning_shapes()?;
     let bodies = shapes.iter().map(|(shape, _)| BodyDef {
-        shape: Some(shape.clone()),
         mass: Mass::Kilograms(fx!(8)),
-        ..BodyDef::dynamic()
+        ..BodyDef::dynamic().with_collider(ColliderDef::ghost(shape.clone()))
     });
     let ids = add_all(&mut world, bodies)?;
     let plain = world.add_body(BodyDef::dynamic())?;
@@ -59,12 +59,14 @@ pub(super) fn shapes(trial: &mut Trial) -> Played {
     }
     let (rectangle, polygon) = (world.body(ids[1])?, world.body(ids[3])?);
     same("a rectangle and its corners", &rectangle.angular_velocity_exact(), &polygon.angular_velocity_exact())?;
-    same("one without a shape", &world.body(plain)?.angular_velocity(), &fx!(0))?;
+    same("one without a collider", &world.body(plain)?.angular_velocity(), &fx!(0))?;
     let shift = |i: usize| shapes[i].0.shift();
     same("centres of mass", &[shift(3), shift(5)], &[vec2(fx!(1.5), 2), vec2(fx!(2.5), 3)])?;
     near_vec("centre of mass of a compound", shift(6), vec2(fx!(0.75), 9), 0)?;
     // 12 m² at ¾ kg/m².
-    world.set_mass(ids[1], Mass::Density(fx!(0.75)))?;
+    let collider = there("a collider", world.colliders_of(ids[1])?.next())?;
+    world.set_collider(collider, ColliderDef { density: fx!(0.75), ..world.collider(collider)?.clone() })?;
+    world.set_mass(ids[1], Mass::FromColliders)?;
     same("mass by density", &world.body(ids[1])?.mass(), &Some(fx!(9)))?;
     trial.steps(&mut world, 64);
     Ok(())

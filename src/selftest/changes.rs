@@ -5,6 +5,7 @@ use alloc::collections::VecDeque;
 use super::Problem;
 use super::trial::{Numbers, Played, Trial, add_all, exact, happened, refused, same, same_body, there};
 use crate::body::{BodyDef, BodyKind, Damping, Mass};
+use crate::collider::ColliderDef;
 use crate::error::Error;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::{Fx, fx};
@@ -63,13 +64,12 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         sleep_after: None,
         ..WorldDef::default()
     };
+    let capsule = ColliderDef { density: fx!(3), ..ColliderDef::ghost(Shape::capsule(fx!(2), fx!(0.5))?) };
     let body = BodyDef {
         position: vec2(4, -2),
         angle: fx!(0.7),
         velocity: vec2(-3, 5),
         angular_velocity: fx!(1.25),
-        shape: Some(Shape::capsule(fx!(2), fx!(0.5))?),
-        mass: Mass::Density(fx!(3)),
         gravity_scale: fx!(-0.5),
         linear_damping: Some(Damping::kept_per_second(fx!(0.9))),
         angular_damping: Some(Damping::kept_per_second(fx!(0.6))),
@@ -77,7 +77,7 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
         force_groups: 6,
         key: 11,
         user_data: 12,
-        ..BodyDef::dynamic()
+        ..BodyDef::dynamic().with_collider(capsule)
     };
     let region = Region::Disc { centre: vec2(0, 0), radius: fx!(1000) };
     let zone = ForceField { kind: FieldKind::Zone { region, acceleration: vec2(0, 2) }, force_groups: 4 };
@@ -99,7 +99,9 @@ fn made_field(made: Created) -> Result<FieldId, Problem> {
 pub(super) fn setters(trial: &mut Trial) -> Played {
     let (def, like, [zone, attractor]) = as_it_became()?;
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..exact() })?;
-    let body = made_body(world.execute(&Command::AddBody(BodyDef { velocity: vec2(9, 9), ..BodyDef::kinematic() }))?)?;
+    let start = BodyDef { velocity: vec2(9, 9), ..BodyDef::kinematic().with_collider(Shape::circle(fx!(1))?) };
+    let body = made_body(world.execute(&Command::AddBody(start))?)?;
+    let collider = there("a collider", world.colliders_of(body)?.next())?;
     let other = made_body(world.execute(&Command::AddBody(BodyDef::dynamic()))?)?;
     let id =
         made_field(world.execute(&Command::AddField(
@@ -129,7 +131,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         Command::MoveTo { body, position: like.position, angle: like.angle },
         Command::SetMaxSpeeds { body, linear: like.max_speed, angular: like.max_angular_speed },
         Command::SetKind { body, kind: BodyKind::Dynamic },
-        Command::SetShape { body, shape: like.shape.clone() },
+        Command::SetCollider { collider, def: like.colliders[0].clone() },
         Command::SetMass { body, mass: like.mass },
         Command::SetPosition { body, position: like.position },
         Command::SetAngle { body, angle: like.angle },

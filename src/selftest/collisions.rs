@@ -336,10 +336,9 @@ pub(super) fn changing_colliders(trial: &mut Trial) -> Played {
     }
     happened("colliders came and went", added.len() > 40)?;
     let before = world.state_hash();
-    let nothing = Filter { mask: 0, ..Filter::default() };
-    let def = ColliderDef { filter: nothing, ..ColliderDef::new(shape(0)?) };
-    let why = Error::OutOfRange { quantity: Quantity::Filter };
-    refused("a filter of nothing", world.add_collider(ids[1], def), why)?;
+    let def = ColliderDef { density: fx!(-1), ..ColliderDef::new(shape(0)?) };
+    let why = Error::OutOfRange { quantity: Quantity::ColliderDensity };
+    refused("a density below zero", world.add_collider(ids[1], def), why)?;
     same("a world that refused", &world.state_hash(), &before)
 }
 

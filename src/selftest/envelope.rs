@@ -2,6 +2,7 @@
 
 use super::trial::{Flight, Played, Trial, add_all, exact, happened, near, near_wide, refused, same};
 use crate::body::{Activity, BodyDef, Mass};
+use crate::collider::ColliderDef;
 use crate::error::{Cause, Error, Quantity};
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
@@ -15,8 +16,9 @@ pub(super) fn extreme_masses(trial: &mut Trial) -> Played {
     let mut world = World::new(exact())?;
     let (light, heavy) = (Mass::Kilograms(limits::MASS_MIN), Mass::Kilograms(limits::MASS_MAX));
     let (small, large) = (Shape::circle(limits::SIZE_MIN)?, Shape::rectangle(limits::SIZE_MAX, limits::SIZE_MAX)?);
-    let grain = BodyDef { mass: light, shape: Some(small), ..BodyDef::dynamic() };
-    let hulk = BodyDef { mass: heavy, shape: Some(large), position: vec2(0, 100), ..BodyDef::dynamic() };
+    let ghost = |shape| BodyDef::dynamic().with_collider(ColliderDef::ghost(shape));
+    let grain = BodyDef { mass: light, ..ghost(small) };
+    let hulk = BodyDef { mass: heavy, position: vec2(0, 100), ..ghost(large) };
     let ids = add_all(&mut world, [grain.clone(), hulk.clone(), grain, hulk])?;
     // The grain's inertia is 2^-31 kg·m², the hulk's 2^24·2^25/12.
     let (push, torque) = (Fx::from_ratio(1, 1024), Fx::from_ratio(1, 1 << 26));

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 
 use super::trial::{Numbers, Played, Trial, add_all, happened, same, there};
-use crate::body::{BodyDef, Mass};
+use crate::body::BodyDef;
+use crate::collider::ColliderDef;
 use crate::force::{Attachment, End, FieldKind};
 use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
@@ -28,13 +29,11 @@ fn start(integrator: Integrator) -> Result<(World, Vec<BodyId>), crate::error::E
     let ids = add_all(
         &mut world,
         shapes.into_iter().cycle().take(12).map(|shape| BodyDef {
-            shape: Some(shape),
-            mass: Mass::Density(fx!(2)),
             position: numbers.vec(4),
             velocity: numbers.vec(2),
             angle: numbers.fx(3),
             angular_velocity: numbers.fx(2),
-            ..BodyDef::dynamic()
+            ..BodyDef::dynamic().with_collider(ColliderDef { density: fx!(2), ..ColliderDef::ghost(shape) })
         }),
     )?;
     for pair in ids.windows(2) {

@@ -7,7 +7,6 @@ use core::cmp::Ordering;
 use super::crossing::crossing;
 use super::outline::outlines;
 use super::{Aabb, Geometry, Part, Shape, mass};
-use crate::codec::StateHasher;
 use crate::error::{Dimension, Error, Quantity};
 use crate::fx::IntoFx;
 use crate::limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN};
@@ -94,8 +93,7 @@ impl<S: Scalar> Shape<S> {
 
     pub(crate) fn of_inner(geometry: Geometry<S>, shift: Vec2<S>, measure: S::Factor, gyration: S::Factor) -> Self {
         let outlines = outlines(&geometry);
-        let shape = Self { geometry, shift, measure, gyration, outlines, digest: 0 };
-        Self { digest: StateHasher::of(&shape), ..shape }
+        Self { geometry, shift, measure, gyration, outlines }
     }
 
     /// A shape of this geometry, re-centred at its centre of mass.

@@ -25,8 +25,8 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 
-/// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass. A [`ColliderDef`](crate::ColliderDef) makes
-/// it touch others.
+/// A shape with its centre of mass at the origin, its area, and its moment of inertia per mass. A [`ColliderDef`](crate::ColliderDef) puts
+/// it on a body.
 ///
 /// Cloning one shares its corners or parts.
 ///
@@ -62,14 +62,12 @@ pub struct Shape<S: Scalar = Fx> {
     measure: S::Factor,
     gyration: S::Factor,
     outlines: Outlines<S>,
-    /// A hash of the bytes. A world keeps equal shapes once, and finds them by it.
-    digest: u64,
 }
 
 impl<S: Scalar> PartialEq for Shape<S> {
     /// The other fields follow from the geometry and the coordinates in which it was given.
     fn eq(&self, other: &Self) -> bool {
-        self.digest == other.digest && self.shift == other.shift && self.geometry == other.geometry
+        self.shift == other.shift && self.geometry == other.geometry
     }
 }
 
@@ -188,27 +186,6 @@ impl<S: Scalar> Shape<S> {
     #[must_use]
     pub fn measure(&self) -> S::Factor {
         self.measure
-    }
-
-    pub(crate) fn digest(&self) -> u64 {
-        self.digest
-    }
-
-    /// Returns true if one of the two shapes is certainly a copy of the other: they share their list of corners or parts.
-    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
-        let shares_list = match (&self.geometry, &other.geometry) {
-            (Geometry::Polygon { corners: own }, Geometry::Polygon { corners: others }) => Arc::ptr_eq(own, others),
-            (
-                Geometry::RoundedPolygon { corners: own, radius },
-                Geometry::RoundedPolygon { corners: others, radius: other },
-            ) => Arc::ptr_eq(own, others) && radius == other,
-            (Geometry::Compound { parts: own }, Geometry::Compound { parts: others }) => Arc::ptr_eq(own, others),
-            (Geometry::Chain { points: own, closed }, Geometry::Chain { points: others, closed: other }) => {
-                Arc::ptr_eq(own, others) && closed == other
-            }
-            _ => false,
-        };
-        shares_list && self.shift == other.shift
     }
 
     /// The moment of inertia about the centre of mass per mass, m². *Error* 2^-58 relative; 2 square ulps more for a rounded polygon.

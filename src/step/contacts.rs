@@ -78,10 +78,10 @@ enum Blocked {
 }
 
 impl<S: Scalar> Step<'_, S> {
-    /// Lists the moving bodies with colliders.
+    /// Lists the moving bodies with colliders that meet others.
     pub(super) fn survey_contacts(&mut self) {
         let Self { bodies, contacts, workspace, .. } = self;
-        if workspace.contacts.is_some() || !contacts.colliders.is_empty() || contacts.contacts.any_until_apart() {
+        if workspace.contacts.is_some() || contacts.colliders.any_meeting() || contacts.contacts.any_until_apart() {
             workspace.contacts.get_or_insert_default().survey(bodies, contacts.colliders);
         }
     }
@@ -213,8 +213,8 @@ impl<S: Scalar> Step<'_, S> {
             let Contacts { colliders, contacts, .. } = &mut self.contacts;
             island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
             let indices = first_woken..self.bodies.moving();
-            let has_colliders = |dense: &usize| colliders.of_slot(self.bodies.columns.slot[*dense]).next().is_some();
-            memory.starts.extend(indices.clone().filter(has_colliders).map(|dense| Start::of(self.bodies, dense)));
+            let may_touch = |dense: &usize| colliders.any_meeting_of_slot(self.bodies.columns.slot[*dense]);
+            memory.starts.extend(indices.clone().filter(may_touch).map(|dense| Start::of(self.bodies, dense)));
             self.fly(indices, constants, schedule);
             self.leave_out_faulty(memory, first_start, first_fault);
             memory.detected.touched.clear();

@@ -39,9 +39,8 @@ use crate::world::{Command, CommandMap};
 /// let mut world = World::new(WorldDef { gravity: vec2(1, -9), ..WorldDef::default() })?;
 /// let body = world.add_body(BodyDef {
 ///     position: vec2(2, 3),
-///     shape: Some(rod),
 ///     angular_velocity: fx!(1),
-///     ..BodyDef::dynamic()
+///     ..BodyDef::dynamic().with_collider(rod)
 /// })?;
 /// let wind = ForceField::from(FieldKind::Drag { linear: fx!(0.1), quadratic: fx!(0), wind: vec2(4, 0) });
 /// let mut image = mirror.world(&world).unwrap();

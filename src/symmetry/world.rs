@@ -3,7 +3,6 @@
 use alloc::sync::Arc;
 
 use super::{FAR, Image, Symmetry};
-use crate::body::MassSource;
 use crate::collider::{ColliderMass, ColliderSet, OutlineId};
 use crate::contact::{ContactRecord, OneWayAnswer};
 use crate::fx::Fx;
@@ -122,18 +121,10 @@ impl Symmetry {
             world.bodies.set_locks(i, Arc::make_mut(&mut world.factor_table), self.locks(locks));
         }
         let info = world.bodies.info(i);
-        if let Some(shape) = info.shape.as_deref().filter(|_| self.mirrors()) {
-            let (kind, mass, shape) = (info.kind, info.mass, self.shape(shape)?);
-            let source = MassSource { shape: Some(&shape), ..info.mass_source() };
-            let properties = source.properties(kind, mass, self.locks(locks)).ok()?;
-            world.bodies.set_shape(i, Some(shape), properties);
-        }
-        let info = world.bodies.info(i);
         if self.mirrors() && !info.collider_mass().is_none() {
             let own = world.colliders.of(world.bodies.id(i)).map(|collider| &collider.def);
-            let source = MassSource { colliders: ColliderMass::of(own), ..info.mass_source() };
-            let (colliders, properties) =
-                (source.colliders, source.properties(info.kind, info.mass, self.locks(locks)).ok()?);
+            let colliders = ColliderMass::of(own);
+            let properties = info.mass.properties(&colliders, info.kind, self.locks(locks)).ok()?;
             world.bodies.set_collider_mass(i, colliders, properties);
         }
         Some(())

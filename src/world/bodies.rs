@@ -7,7 +7,6 @@ use crate::body::{BodyDef, BodyInfo, BodyKind, Change, Damping, Key, Locks, Mass
 use crate::error::Error;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle, Scalar};
-use crate::shape::Shape;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
@@ -22,8 +21,8 @@ impl<S: Scalar> World<S> {
     /// let mut world = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef { position: vec2(1, 2), ..BodyDef::dynamic() })?;
     /// // Everything in a definition can be changed later.
-    /// world.set_shape(body, Some(Shape::circle(fx!(0.5))?))?;
-    /// world.set_mass(body, Mass::Density(fx!(2)))?;
+    /// world.add_collider(body, Shape::circle(fx!(0.5))?)?;
+    /// world.set_mass(body, Mass::Kilograms(fx!(2)))?;
     /// world.set_angle(body, Fx::FRAC_PI_2)?;
     /// world.set_angular_velocity(body, fx!(3))?;
     /// world.set_gravity_scale(body, fx!(-1))?; // it rises
@@ -44,7 +43,7 @@ impl<S: Scalar> World<S> {
         self.journal.note(|| Command::AddBody(def.clone()));
         let colliders = core::mem::take(&mut def.colliders);
         let factor_table = Arc::make_mut(&mut self.factor_table);
-        let body = self.bodies.insert(def, collider_mass, properties, factor_table);
+        let body = self.bodies.insert(&def, collider_mass, properties, factor_table);
         if !colliders.is_empty() {
             Arc::make_mut(&mut self.colliders).insert_all(body, colliders);
         }
@@ -182,7 +181,7 @@ impl<S: Scalar> World<S> {
     /// Sets the mass of a body, and with it the moment of inertia. A body that is not dynamic uses it once it is dynamic.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`].
     pub fn set_mass(&mut self, body: BodyId, mass: Mass<S>) -> Result<(), Error> {
         S::set_mass(self, body, mass)
     }
@@ -196,27 +195,10 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Sets or removes the shape of a body. The moment of inertia follows, and the mass if it is given as a density. The centre
-    /// of mass stays where it is.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::NoShape`]; [`Error::OutOfRange`].
-    pub fn set_shape(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
-        S::set_shape(self, body, shape)
-    }
-
-    pub(crate) fn set_shape_inner(&mut self, body: BodyId, shape: Option<Shape<S>>) -> Result<(), Error> {
-        let properties = self.check_body_shape(body, shape.as_ref())?;
-        let dense = self.touch(body, Change::ALL)?;
-        self.journal.note(|| Command::SetShape { body, shape: shape.clone() });
-        self.bodies.set_shape(dense, shape, properties);
-        Ok(())
-    }
-
     /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic, [`Error::NoShape`] or
+    /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic,
     /// [`Error::OutOfRange`] without a mass it can have, [`Error::DynamicChain`] with a chain among its colliders.
     pub fn set_kind(&mut self, body: BodyId, kind: BodyKind) -> Result<(), Error> {
         S::set_kind(self, body, kind)

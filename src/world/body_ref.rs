@@ -7,7 +7,6 @@ use crate::force::velocity_at;
 use crate::fx::Fx;
 use crate::math::{Rot, Vec2};
 use crate::scalar::{Accumulator, Angle, Factor, Scalar, Wide};
-use crate::shape::Shape;
 use crate::slots::BodyId;
 
 /// A read-only view of a body. `{:?}` prints its state.
@@ -16,18 +15,17 @@ use crate::slots::BodyId;
 /// use umbra_physics::{Activity, BodyDef, BodyKind, Mass, Shape, World, WorldDef, fx, vec2};
 ///
 /// let mut world = World::new(WorldDef::default())?;
-/// let shape = Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)])?; // its centre of mass is at (1, 1)
+/// let shape = Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)])?;
 /// let body = world.add_body(BodyDef {
-///     shape: Some(shape),
 ///     mass: Mass::Kilograms(fx!(4)),
 ///     velocity: vec2(6, 0),
-///     ..BodyDef::dynamic()
+///     ..BodyDef::dynamic().with_collider(shape)
 /// })?;
 /// world.step();
 /// world.apply_force(body, vec2(5, 0))?;
 ///
 /// let look = world.body(body)?;
-/// assert_eq!((look.position(), look.origin()), (vec2(fx!(0.1), 0), vec2(fx!(-0.9), -1)));
+/// assert_eq!(look.position(), vec2(fx!(0.1), 0)); // of the centre of mass
 /// // With what is carried below an ulp: all digits of 0.1 as far as 64 bits of a factor go.
 /// assert!(look.position_exact().x.to_string().starts_with("0.10000000000000000000"));
 /// assert_eq!((look.velocity(), look.velocity_exact().x.to_string()), (vec2(6, 0), "6".into()));
@@ -42,7 +40,6 @@ use crate::slots::BodyId;
 /// assert_eq!((look.mass(), look.inverse_mass().to_scalar()), (Some(fx!(4)), Some(fx!(0.25))));
 /// assert_eq!(look.inertia().and_then(|inertia| inertia.to_scalar()), Some(fx!(4)));
 /// assert_eq!(look.inverse_inertia().to_scalar(), Some(fx!(0.25)));
-/// assert!(look.shape().is_some());
 /// assert_eq!((look.gravity_scale(), look.linear_damping(), look.angular_damping()), (fx!(1), None, None));
 /// assert_eq!(look.applied_force().map(|force| force.x.to_string()), Some("5".into()));
 /// assert_eq!(look.applied_torque().map(|torque| torque.to_string()), Some("0".into()));
@@ -85,15 +82,6 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     #[must_use]
     pub fn position_exact(&self) -> Vec2<S::Accumulator> {
         self.world.bodies.columns.motion.position.get(self.dense)
-    }
-
-    /// The position of the origin of the shape's coordinates, m; without a shape, the position of the body.
-    #[must_use]
-    pub fn origin(&self) -> Vec2<S> {
-        let Some(shape) = self.shape() else { return self.position() };
-        let shift = shape.shift();
-        let turned = self.angle_exact().rotate(shift).and_then(|v| v.try_map(S::Wide::to_scalar));
-        self.position() - turned.unwrap_or(Vec2::ZERO)
     }
 
     /// The angle, rad in [0, 2π).
@@ -278,12 +266,6 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     #[must_use]
     pub fn inverse_inertia(&self) -> S::Factor {
         self.world.bodies.mass(self.dense).inverse_inertia
-    }
-
-    /// The shape.
-    #[must_use]
-    pub fn shape(&self) -> Option<&'a Shape<S>> {
-        self.info().shape.as_deref()
     }
 
     /// The factor by which the world's gravity acts on the body.

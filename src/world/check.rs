@@ -3,9 +3,9 @@
 
 use super::{World, WorldDef, check_gravity, check_sleep_after};
 use crate::body::{
-    Activity, BodyDef, BodyKind, Damping, Mass, MassProperties, MassSource, Target, check_angle,
-    check_angular_velocity, check_gravity_scale, check_max_angular_speed, check_max_speed, check_position,
-    check_turning, check_unlocked, check_velocity, within_envelope,
+    Activity, BodyDef, BodyKind, Damping, Mass, MassProperties, Target, check_angle, check_angular_velocity,
+    check_gravity_scale, check_max_angular_speed, check_max_speed, check_position, check_turning, check_unlocked,
+    check_velocity, within_envelope,
 };
 use crate::collider::{ColliderDef, ColliderMass, more_outlines};
 use crate::error::{Error, Quantity};
@@ -14,7 +14,6 @@ use crate::integrate::{Integrator, rate};
 use crate::limits;
 use crate::math::{Elapsed, TimeStep, Vec2};
 use crate::scalar::{Angle, Scalar};
-use crate::shape::Shape;
 use crate::slots::{BodyId, ColliderId, FieldId};
 
 // The calls on bodies; forces and impulses are in `forces.rs`.
@@ -69,8 +68,8 @@ impl<S: Scalar> World<S> {
         colliders: ColliderMass<S>,
     ) -> Result<(ColliderMass<S>, MassProperties<S>), Error> {
         let info = self.bodies.info(dense);
-        let source = MassSource { colliders, ..info.mass_source() };
-        source.properties(info.kind, info.mass, self.bodies.mass(dense).locks).map(|properties| (colliders, properties))
+        let locks = self.bodies.mass(dense).locks;
+        info.mass.properties(&colliders, info.kind, locks).map(|properties| (colliders, properties))
     }
 
     pub(super) fn check_body_position(&self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
@@ -115,14 +114,7 @@ impl<S: Scalar> World<S> {
     pub(super) fn check_body_mass(&self, body: BodyId, mass: Mass<S>) -> Result<MassProperties<S>, Error> {
         let dense = self.bodies.find(body)?;
         let info = self.bodies.info(dense);
-        info.mass_source().properties(info.kind, mass, self.bodies.mass(dense).locks)
-    }
-
-    pub(super) fn check_body_shape(&self, body: BodyId, shape: Option<&Shape<S>>) -> Result<MassProperties<S>, Error> {
-        let dense = self.bodies.find(body)?;
-        let info = self.bodies.info(dense);
-        let source = MassSource { shape, ..info.mass_source() };
-        source.properties(info.kind, info.mass, self.bodies.mass(dense).locks)
+        mass.properties(&info.collider_mass(), info.kind, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_kind(&self, body: BodyId, kind: BodyKind) -> Result<MassProperties<S>, Error> {
@@ -131,7 +123,7 @@ impl<S: Scalar> World<S> {
         if kind == BodyKind::Dynamic && info.collider_mass().any_chain() {
             return Err(Error::DynamicChain);
         }
-        info.mass_source().properties(kind, info.mass, self.bodies.mass(dense).locks)
+        info.mass.properties(&info.collider_mass(), kind, self.bodies.mass(dense).locks)
     }
 
     pub(super) fn check_body_gravity_scale(&self, body: BodyId, scale: S) -> Result<(), Error> {

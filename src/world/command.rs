@@ -6,9 +6,9 @@ use super::commands::Command;
 use crate::codec::{Malformed, Read as _, Reader, Write as _};
 
 impl Command {
-    /// The largest number of bytes of a command without a shape or a blob. A circle takes 9 more, a polygon 5 and 16 a corner,
-    /// a blob 4 and its length.
-    pub const BYTES: usize = 144;
+    /// The largest number of bytes of a command without colliders or a blob. A collider takes 76 and its shape, 9 for a circle, 5 and 16 a
+    /// corner for a polygon; a blob its length.
+    pub const BYTES: usize = 143;
 
     /// The smallest number of bytes: [`ClearForces`](Self::ClearForces) is its number alone.
     pub(crate) const LEAST_BYTES: usize = 1;

@@ -118,11 +118,6 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
         damping.map(|damping| self.damping(damping)).transpose()
     }
 
-    /// A shape that may be absent.
-    fn optional_shape(&mut self, shape: Option<Shape<S>>) -> Result<Option<Shape<T>>, Self::Error> {
-        shape.map(|shape| self.shape(shape)).transpose()
-    }
-
     /// The bits of the groups that a body is in, or that a field acts on.
     fn force_groups(&mut self, force_groups: u32) -> Result<u32, Self::Error> {
         Ok(force_groups)
@@ -150,7 +145,6 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             Mass::Explicit { mass, inertia } => {
                 Mass::Explicit { mass: self.scalar(mass)?, inertia: self.scalar(inertia)? }
             }
-            Mass::Density(density) => Mass::Density(self.scalar(density)?),
             Mass::FromColliders => Mass::FromColliders,
         })
     }
@@ -163,7 +157,6 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             angle: self.angle(def.angle)?,
             velocity: self.vector(def.velocity)?,
             angular_velocity: self.pseudoscalar(def.angular_velocity)?,
-            shape: self.optional_shape(def.shape)?,
             colliders: self.colliders(def.colliders)?,
             mass: self.mass(def.mass)?,
             gravity_scale: self.scalar(def.gravity_scale)?,
@@ -375,7 +368,6 @@ pub trait CommandSource {
     fn velocity(&mut self) -> Vec2;
     fn angular_velocity(&mut self) -> Fx;
     fn mass(&mut self) -> Mass;
-    fn optional_shape(&mut self) -> Option<Shape>;
     fn kind(&mut self) -> BodyKind;
     fn gravity_scale(&mut self) -> Fx;
     fn body_damping(&mut self) -> Option<Damping>;

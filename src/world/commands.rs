@@ -14,7 +14,6 @@ use crate::fx::Fx;
 use crate::integrate::Integrator;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
-use crate::shape::Shape;
 use crate::slots::{BodyId, ColliderId, FieldId};
 
 /// Makes [`Command`] and all that follows from its variants.
@@ -67,7 +66,7 @@ macro_rules! commands {
             /// let body = BodyId::from_parts(3, 0);
             /// let wake: Command = Command::Wake(body);
             /// assert_eq!((wake.number(), wake.name()), (15, "Wake"));
-            /// assert!(wake.number() < Command::KINDS);
+            /// assert!(Command::NUMBERS.contains(&wake.number()));
             /// assert_eq!((wake.body(), wake.field()), (Some(body), None));
             /// ```
             #[must_use]
@@ -139,10 +138,11 @@ macro_rules! commands {
         }
 
         impl Command {
-            /// The number of kinds of commands; their numbers are the whole numbers below it.
-            pub const KINDS: u8 = [$($number),*].len() as u8;
+            /// The numbers of the kinds of commands. A number that a kind had which is gone is none of them.
+            pub const NUMBERS: &'static [u8] = &[$($number),*];
 
-            /// A command of the kind with this number, with values from a source; `None` from [`KINDS`](Self::KINDS) on.
+            /// A command of the kind with this number, with values from a source; `None` if it is none of the
+            /// [`NUMBERS`](Self::NUMBERS).
             #[allow(unused_variables, reason = "a command may have no fields")]
             pub fn fill(number: u8, source: &mut impl CommandSource) -> Option<Self> {
                 Some(match number {
@@ -254,10 +254,6 @@ commands! { world:
     7 => SetMass { body: BodyId as body(body), mass: Mass<S> as mass(mass) },
         check world.check_body_mass(*body, *mass),
         execute world.set_mass(*body, *mass);
-    /// Calls [`World::set_shape`].
-    8 => SetShape { body: BodyId as body(body), shape: Option<Shape<S>> as optional_shape(optional_shape) },
-        check world.check_body_shape(*body, shape.as_ref()),
-        execute world.set_shape(*body, shape.clone());
     /// Calls [`World::set_kind`].
     9 => SetKind { body: BodyId as body(body), kind: BodyKind as plain(kind) },
         check world.check_body_kind(*body, *kind),

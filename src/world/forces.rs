@@ -125,7 +125,7 @@ impl<S: Scalar> World<S> {
 
     /// Applies a torque, N·m, over the next step.
     ///
-    /// The torque does nothing if the body's moment of inertia is infinite, as without shape and colliders (unless it has
+    /// The torque does nothing if the body's moment of inertia is infinite, as without colliders (unless it has
     /// [`Mass::Explicit`](crate::Mass::Explicit)), or if its rotation is locked: [`BodyRef::inertia`](crate::BodyRef::inertia) is `None`,
     /// [`BodyRef::locks`](crate::BodyRef::locks) has `rotation`.
     ///
@@ -178,12 +178,12 @@ impl<S: Scalar> World<S> {
     /// use umbra_physics::{ForceOrImpulse, BodyDef, Frame, Fx, ApplyOptions, Shape, World, WorldDef, fx, vec2};
     ///
     /// let mut world = World::new(WorldDef::default())?;
-    /// let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
-    /// let ship = world.add_body(BodyDef { shape, angle: Fx::FRAC_PI_2, ..BodyDef::dynamic() })?;
+    /// let hull = Shape::rectangle(fx!(2), fx!(1.5))?; // 3 kg
+    /// let ship = world.add_body(BodyDef { angle: Fx::FRAC_PI_2, ..BodyDef::dynamic().with_collider(hull) })?;
     /// // Forwards in the ship's frame; a sleeping ship sleeps on.
     /// let ahead = ForceOrImpulse::Impulse { impulse: vec2(3, 0), point: None };
     /// world.apply(ship, ahead, ApplyOptions { frame: Frame::Body, wake: false })?;
-    /// assert_eq!(format!("{:.6}", world.body(ship)?.velocity()), "(0.000000, 3.000000)");
+    /// assert_eq!(format!("{:.6}", world.body(ship)?.velocity()), "(0.000000, 1.000000)");
     ///
     /// world.apply_angular_impulse(ship, fx!(1))?; // acts at once
     /// world.apply_force_at_point(ship, vec2(0, 5), vec2(1, 0))?; // acts over the next step: 5 N, and 5 N·m

@@ -169,9 +169,8 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 ///
 /// | call | takes time in proportion to |
 /// |---|---|
-/// | `add_body`, `set_shape` | the corners and parts of the shape |
 /// | `set_blob` | its bytes |
-/// | `add_collider`, `set_collider` | the corners and parts of the shape |
+/// | `add_body`, `add_collider`, `set_collider` | the corners and parts of the shapes |
 /// | `set_collider`, `remove_collider` | all contacts and overlaps of sensors |
 /// | [`explode`](Self::explode) | the bodies that are not static, and the colliders of those in reach |
 /// | `remove_body` | the fields attached to the body, its colliders, and all contacts and overlaps of sensors |

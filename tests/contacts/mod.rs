@@ -15,6 +15,7 @@ mod fair;
 mod floats;
 mod forms;
 mod games;
+mod ghosts;
 mod loads;
 mod materials;
 mod momentum;

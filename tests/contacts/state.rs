@@ -230,16 +230,8 @@ fn invalid_definitions_are_refused_and_the_world_unchanged() {
         (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
         (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, of(Quantity::Restitution)),
         (ColliderDef { material: material(fx!(1), fx!(-0.5)), ..good.clone() }, of(Quantity::Restitution)),
-        (
-            ColliderDef { filter: umbra_physics::Filter { mask: 0, ..Default::default() }, ..good.clone() },
-            of(Quantity::Filter),
-        ),
         (ColliderDef { density: fx!(-1), ..good.clone() }, of(Quantity::ColliderDensity)),
         (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, of(Quantity::ColliderPosition)),
-        (
-            ColliderDef { filter: umbra_physics::Filter { category: 0, ..Default::default() }, ..good.clone() },
-            of(Quantity::Filter),
-        ),
     ];
     let (before, contacts) = (world.state_hash(), (world.collider_count(), world.contacts().count()));
     for (def, error) in bad {

@@ -7,7 +7,7 @@ use super::random::SplitMix;
 
 /// The number of kinds of commands.
 #[allow(dead_code, reason = "not every test that takes this file in counts them")]
-pub(crate) const KINDS: u64 = Command::KINDS as u64;
+pub(crate) const KINDS: u64 = Command::NUMBERS.len() as u64;
 
 /// Returns true if a command changes the motion of all bodies: it wakes all of them.
 #[allow(dead_code, reason = "not every test that takes this file in tells them apart")]
@@ -76,7 +76,7 @@ impl Author {
     }
 
     /// A command of the kind with this number.
-    pub(crate) fn of_kind(&mut self, kind: u64, world: &World) -> Command {
-        self.generate(Some(world), |generator| generator.of_kind(kind as u8)).expect("there are more kinds")
+    pub(crate) fn of_kind(&mut self, number: u8, world: &World) -> Command {
+        self.generate(Some(world), |generator| generator.of_kind(number)).expect("it is one of them")
     }
 }

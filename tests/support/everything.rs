@@ -50,6 +50,11 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
+/// Colliders that touch nothing.
+fn ghosts() -> Vec<ColliderDef> {
+    shapes().into_iter().map(ColliderDef::ghost).collect()
+}
+
 /// An open chain, and a closed one.
 fn chains() -> Vec<Shape> {
     let points = [vec2(2, 0), vec2(0, 0), vec2(-2, fx!(0.5))];
@@ -111,6 +116,9 @@ fn fields() -> Vec<ForceField> {
     kinds.map(|kind| ForceField { kind, force_groups: 5 }).into()
 }
 
+/// The slot of the collider of the box on the ground.
+const ON_THE_GROUND: u32 = 7;
+
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
 pub(crate) fn commands() -> Vec<Command> {
     let body = BodyId::from_parts(1, 0);
@@ -123,13 +131,12 @@ pub(crate) fn commands() -> Vec<Command> {
     ];
     let options = ApplyOptions { frame: Frame::Body, wake: false };
     let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, options }).into();
-    let given = [Mass::Density(fx!(2)), Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
+    let given = [Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
     let masses = [Mass::FromColliders].into_iter().chain(given);
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
-    commands.extend(shapes().into_iter().map(|shape| Command::SetShape { body, shape: Some(shape) }));
     commands.extend(fields().into_iter().map(Command::AddField));
     commands.extend(colliders().into_iter().map(|def| Command::AddCollider { body, def }));
-    let collider = ColliderId::from_parts(0, 0);
+    let collider = ColliderId::from_parts(ON_THE_GROUND, 0);
     commands.extend(colliders().into_iter().step_by(11).map(|def| Command::SetCollider { collider, def }));
     let damped = BodyDef {
         linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
@@ -154,7 +161,7 @@ pub(crate) fn commands() -> Vec<Command> {
             user_data: u64::MAX,
             ..damped
         }),
-        Command::AddBody(BodyDef { shape: shapes().pop(), kind: BodyKind::Kinematic, ..BodyDef::dynamic() }),
+        Command::AddBody(BodyDef { colliders: ghosts(), ..BodyDef::kinematic() }),
         Command::AddBody(BodyDef::fixed()),
         Command::AddBody(BodyDef::fixed().with_collider(chains().remove(0))),
         Command::AddBody(BodyDef::kinematic().with_collider(chains().remove(1))),
@@ -199,7 +206,6 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaxSpeeds { body, linear: Some(fx!(3)), angular: Some(fx!(0.5)) },
         Command::SetMaxSpeeds { body, linear: None, angular: None },
         Command::MoveTo { body: BodyId::from_parts(9, 0), position: vec2(fx!(0.5), 2), angle: fx!(3) },
-        Command::SetShape { body: BodyId::from_parts(0, 0), shape: None },
         Command::SetContactSettings(ContactSettings {
             substeps: 3,
             push_speed: fx!(2),
@@ -212,7 +218,7 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaterialPair { first: 9, second: 7, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: None },
-        Command::RemoveCollider(ColliderId::from_parts(0, 0)),
+        Command::RemoveCollider(collider),
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
     ]);
@@ -226,7 +232,12 @@ pub(crate) fn world() -> World {
     let mut world = World::new(def).expect("a world");
     world.register_custom_force(custom_forces().remove(0)).expect("a law");
     for shape in shapes().into_iter().chain([shapes().remove(0)]) {
-        let def = BodyDef { shape: Some(shape), position: vec2(fx!(0.3), 3), ..BodyDef::dynamic() };
+        let mass = Mass::Kilograms(fx!(1));
+        let def = BodyDef {
+            position: vec2(fx!(0.3), 3),
+            mass,
+            ..BodyDef::dynamic().with_collider(ColliderDef::ghost(shape))
+        };
         world
             .add_body(BodyDef {
                 angular_velocity: fx!(1),
@@ -261,10 +272,11 @@ pub(crate) fn world() -> World {
     for shape in chains() {
         world.add_body(BodyDef { position: vec2(50, 0), ..BodyDef::fixed().with_collider(shape) }).expect("a body");
     }
-    for def in colliders() {
-        world.add_collider(BodyId::from_parts(1, 0), def).expect("a collider");
-    }
-    world.remove_collider(ColliderId::from_parts(4, 0)).expect("it is there");
+    let mut added =
+        colliders().into_iter().map(|def| world.add_collider(BodyId::from_parts(1, 0), def).expect("a collider"));
+    let first = added.next().expect("some");
+    added.for_each(drop);
+    world.remove_collider(first).expect("it is there");
     let gone = world.add_body(BodyDef::fixed()).expect("a body");
     world.remove_body(gone).expect("it is there");
     for tick in 0..9 {

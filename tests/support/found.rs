@@ -86,7 +86,6 @@ pub(crate) fn random(value: &Value) -> Random {
 
 pub(crate) fn mass(value: &Value) -> Mass {
     match value.case() {
-        "Density" => Mass::Density(number(&value["density"])),
         "Kilograms" => Mass::Kilograms(number(&value["mass"])),
         "FromColliders" => Mass::FromColliders,
         "Explicit" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
@@ -277,7 +276,6 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
         angle: number(&value["angle"]),
         velocity: vector(&value["velocity"]),
         angular_velocity: number(&value["angular_velocity"]),
-        shape: value["shape"].option().map(shape),
         colliders: value["colliders"].list().iter().map(collider_def).collect(),
         mass: mass(&value["mass"]),
         gravity_scale: number(&value["gravity_scale"]),
@@ -305,7 +303,6 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetVelocity" => Command::SetVelocity { body: on(), velocity: vector(&value["velocity"]) },
         "SetAngularVelocity" => Command::SetAngularVelocity { body: on(), velocity: number(&value["velocity"]) },
         "SetMass" => Command::SetMass { body: on(), mass: mass(&value["mass"]) },
-        "SetShape" => Command::SetShape { body: on(), shape: value["shape"].option().map(shape) },
         "SetKind" => Command::SetKind { body: on(), kind: kind(&value["kind"]) },
         "SetGravityScale" => Command::SetGravityScale { body: on(), scale: number(&value["scale"]) },
         "SetBodyDamping" => Command::SetBodyDamping {

@@ -153,7 +153,7 @@ fn every_input_of_a_tick() {
 type Chunks = Vec<([u8; 4], Vec<u8>)>;
 
 fn file(magic: &[u8; 8], chunks: &Chunks) -> Vec<u8> {
-    let mut file = begin(magic, if magic == b"UMBRADMP" { 2 } else { 1 });
+    let mut file = begin(magic, if magic == b"UMBRADMP" { 3 } else { 2 });
     chunks.iter().for_each(|(tag, contents)| chunk(&mut file, tag, contents));
     file
 }
@@ -263,8 +263,8 @@ fn dumps() {
     }
     // Of times to come.
     let mut format = whole.clone();
-    format[8] = 3;
-    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 3, known: 2 }));
+    format[8] = 4;
+    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 4, known: 3 }));
     let mut version = parts;
     version[0].1 = (PHYSICS_VERSION + 1).to_le_bytes().to_vec();
     assert_eq!(

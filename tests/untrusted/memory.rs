@@ -88,15 +88,16 @@ fn worlds_of_what_takes_little_in_a_file() {
         }
         held("tunings", &unlike);
         for i in 0..times(1_000) {
-            let shape = Some(Shape::circle(fx!(0.5) + Fx::from_bits(i)).expect("a shape"));
-            unlike.add_body(BodyDef { shape, gravity_scale: Fx::from_bits(-i), ..BodyDef::dynamic() }).expect("a body");
+            let disc = Shape::circle(fx!(0.5) + Fx::from_bits(i)).expect("a shape");
+            let def = BodyDef::dynamic().with_collider(ColliderDef::ghost(disc));
+            unlike.add_body(BodyDef { gravity_scale: Fx::from_bits(-i), ..def }).expect("a body");
         }
         held("tunings and shapes", &unlike);
     }
     let mut compounds = world();
     for i in 0..times(20) {
-        let shape = Some(Shape::compound(&parts(256, Fx::from_bits(i))).expect("a shape"));
-        compounds.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("a body");
+        let shape = Shape::compound(&parts(256, Fx::from_bits(i))).expect("a shape");
+        compounds.add_body(BodyDef::dynamic().with_collider(ColliderDef::ghost(shape))).expect("a body");
     }
     held("compounds", &compounds);
     let mut colliders = world();
@@ -124,8 +125,8 @@ fn worlds_of_what_takes_little_in_a_file() {
 
 #[test]
 fn commands_of_what_takes_little_in_a_file() {
-    let shape = Some(Shape::compound(&parts(256, fx!(0))).expect("a shape"));
-    for command in [Command::AddBody(BodyDef { shape, ..BodyDef::dynamic() }), Command::SetBlob(vec![1; 1 << 22])] {
+    let def = BodyDef::dynamic().with_collider(Shape::compound(&parts(256, fx!(0))).expect("a shape"));
+    for command in [Command::AddBody(def), Command::SetBlob(vec![1; 1 << 22])] {
         let read = |file: &[u8]| Command::from_bytes(file).expect("a command");
         assert_eq!(bounded("a command", &command.to_bytes(), read), command);
     }
@@ -153,7 +154,7 @@ fn played(what: &str, file: &[u8]) {
     bounded(what, file, |file| assert_eq!(read(file).first_difference(&other), None));
     for (tag, contents) in seals::chunks(file) {
         if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
-            let mut dump = seals::begin(b"UMBRADMP", 2);
+            let mut dump = seals::begin(b"UMBRADMP", 3);
             chunk(&mut dump, b"PHYS", &umbra_physics::PHYSICS_VERSION.to_le_bytes());
             chunk(&mut dump, &tag, &contents);
             bounded(what, &dump, |file| assert!(Dump::from_bytes(file, &[]).is_err(), "it has no moments"));
@@ -185,7 +186,7 @@ fn replays_of_what_takes_little_in_a_file() {
     let file = recorder.finish(&world);
     played("the shortest ticks", &file);
     // A chunk for each of them, and all in one chunk: refused for that, and at no greater price.
-    let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP", 1));
+    let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP", 2));
     let (mut ticks, mut tick) = (Vec::new(), 0u64);
     for (tag, contents) in seals::chunks(&file) {
         if tag == *b"TICK" {
@@ -264,7 +265,7 @@ fn dumps_in_which_nothing_happens() {
 /// A dump each moment of which has a world of its own, as no step makes them.
 fn parted(what: &str, world: &World) {
     let dump = Dump::of_tick(world, &[], &Inputs::new(), world);
-    let mut file = seals::begin(b"UMBRADMP", 2);
+    let mut file = seals::begin(b"UMBRADMP", 3);
     for (number, (tag, contents)) in seals::chunks(&dump.to_bytes()).into_iter().enumerate() {
         if tag != *b"PHAS" {
             chunk(&mut file, &tag, &contents);
@@ -300,8 +301,8 @@ fn dumps_of_worlds_that_are_all_different() {
     let field = world.add_field(FieldKind::Custom { id: 9 }).expect("a field");
     world.remove_field(field).expect("it is there");
     let gone = world.add_body(BodyDef::dynamic()).expect("a body");
-    let shape = Some(Shape::circle(fx!(1)).expect("a shape"));
-    let pushed = world.add_body(BodyDef { shape, gravity_scale: fx!(2), ..BodyDef::dynamic() }).expect("a body");
+    let disc = BodyDef::dynamic().with_collider(Shape::circle(fx!(1)).expect("a shape"));
+    let pushed = world.add_body(BodyDef { gravity_scale: fx!(2), ..disc }).expect("a body");
     world.remove_body(gone).expect("it is there");
     world.apply_force(pushed, vec2(1, 0)).expect("it is dynamic");
     parted("a dump of one pushed", &world);
@@ -326,7 +327,7 @@ fn announced_lengths_do_not_make_room() {
         for (tag, least) in [(b"SNAP", 16), (b"HEAD", 16), (b"TICK", 16), (b"DONE", 0)] {
             let mut word = [&tag[..], &most].concat();
             word.extend(word.clone().iter().map(|byte| !byte));
-            let mut file = seals::begin(b"UMBRAREP", 1);
+            let mut file = seals::begin(b"UMBRAREP", 2);
             file.extend(word);
             file.resize(file.len() + least, 0);
             assert!(bounded("a chunk", &file, |file| Replay::from_bytes(file, &[]).is_err()));
@@ -369,8 +370,11 @@ fn scenes_of_what_takes_little_in_a_file() {
     let body = |fields: &str| format!(r#"{{"bodies": [{{"name": "a", {fields}}}]}}"#);
     let refused = |what: &str, text: String| scene(what, &text, 0, 10).expect_err("it is refused");
     assert_eq!(refused("a long vector", format!(r#"{{"gravity": {}}}"#, list("1"))), 502);
-    assert_eq!(refused("corners", body(&format!(r#""shape": {{"polygon": {}}}"#, list("[0,1]")))), 101);
-    assert_eq!(refused("parts", body(&format!(r#""shape": {{"compound": {}}}"#, list("{}")))), 101);
+    assert_eq!(
+        refused("corners", body(&format!(r#""colliders": [{{"shape": {{"polygon": {}}}}}]"#, list("[0,1]")))),
+        101
+    );
+    assert_eq!(refused("parts", body(&format!(r#""colliders": [{{"shape": {{"compound": {}}}}}]"#, list("{}")))), 101);
     assert_eq!(refused("bodies of nothing", format!(r#"{{"bodies": {}}}"#, list("1"))), 502);
     assert_eq!(refused("inputs of nothing", format!(r#"{{"inputs": {}}}"#, list("{}"))), 505);
     assert_eq!(refused("empty lines", "\n".repeat(MANY) + "[]"), 502);
@@ -403,7 +407,7 @@ fn scenes_that_make_many_from_one() {
     assert!(scene("bodies", &text, written(&text), most).is_ok());
     let text = bodies(
         most.into(),
-        r#", "shape": {"circle": {"radius": {"start": 1, "i": 0.001}}}, "gravity_scale": {"i": 1e-7}"#,
+        r#", "colliders": [{"shape": {"circle": {"radius": {"start": 1, "i": 0.001}}}, "mask": []}], "gravity_scale": {"i": 1e-7}"#,
     );
     assert!(scene("bodies unlike", &text, written(&text), most).is_ok());
     let text = r#"{"fields": [{"drag": {}, "repeat": {"i": 20000}}]}"#.to_owned();
@@ -431,10 +435,11 @@ fn scenes_that_make_many_from_one() {
     // Repetitions are of things, not of what is in them.
     let nested = r#"{"bodies": [{"name": "a", "repeat": {"i": 2, "repeat": {"i": 2}}}]}"#;
     assert_eq!(scene("nested", nested, 0, 10).map(drop), Err(503));
-    let nested = r#"{"bodies": [{"name": "{i}", "repeat": {"i": 2}, "shape": {"compound": [{"repeat": {"i": 2}, "shape": {"circle": {"radius": 1}}}]}}]}"#;
+    let nested = r#"{"bodies": [{"name": "{i}", "repeat": {"i": 2}, "colliders": [{"shape": {"compound": [{"repeat": {"i": 2}, "shape": {"circle": {"radius": 1}}}]}}]}]}"#;
     assert_eq!(scene("nested", nested, 0, 10).map(drop), Err(503));
     // A long text again and again.
-    let long = format!(r#", "shape": {{"polygon": [[0, 0], [1, 0], [0, {}1]]}}"#, " ".repeat(20_000));
+    let long =
+        format!(r#", "colliders": [{{"shape": {{"polygon": [[0, 0], [1, 0], [0, {}1]]}}}}]"#, " ".repeat(20_000));
     assert_eq!(scene("long texts", &bodies(1_000, &long), 0, 1_000).map(drop), Err(510));
     let name = format!(r#"{{"bodies": [{{"name": "{}", "repeat": {{"i": 2}}}}]}}"#, "{i}".repeat(300));
     assert_eq!(scene("a long name", &name, 0, 10).map(drop), Err(509));

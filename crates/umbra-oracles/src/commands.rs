@@ -145,12 +145,12 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
 
     /// Makes a command of any kind.
     pub fn command(&mut self) -> Command {
-        let kind = self.choices.choose(u64::from(Command::KINDS) + OFTEN.len() as u64) as u8;
-        let often = kind.checked_sub(Command::KINDS).map(|index| OFTEN[usize::from(index)]);
-        self.of_kind(often.unwrap_or(kind)).unwrap_or(Command::ClearForces)
+        let index = self.choices.choose((Command::NUMBERS.len() + OFTEN.len()) as u64) as usize;
+        let number = Command::NUMBERS.iter().chain(&OFTEN).nth(index).copied();
+        number.and_then(|number| self.of_kind(number)).unwrap_or(Command::ClearForces)
     }
 
-    /// Makes a command of the kind with this number; `None` from [`Command::KINDS`] on.
+    /// Makes a command of the kind with this number; `None` if it is none of [`Command::NUMBERS`].
     pub fn of_kind(&mut self, number: u8) -> Option<Command> {
         Command::fill(number, self)
     }
@@ -266,6 +266,12 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
         shape.ok()
     }
 
+    /// A collider that touches nothing, for half of the bodies.
+    pub(crate) fn ghost(&mut self) -> Option<ColliderDef> {
+        let shape = if self.choices.one_in(2) { self.shape() } else { None };
+        shape.map(ColliderDef::ghost)
+    }
+
     fn part(&mut self) -> Option<Part> {
         let shape = match self.choices.choose(3) {
             0 => Shape::circle(self.size()),
@@ -327,9 +333,7 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             2 => Filter { group: self.choices.choose(5) as i32 - 2, ..Filter::default() },
             _ => Filter::default(),
         };
-        let filter = if is_wild { Filter { category: self.choices.draw(4) as u32, ..filter } } else { filter };
-        // One that meets nothing is refused.
-        if !is_wild && filter.mask == 0 { Filter::default() } else { filter }
+        if is_wild { Filter { category: self.choices.draw(4) as u32, ..filter } } else { filter }
     }
 
     fn attachment(&mut self) -> Attachment {

@@ -188,10 +188,6 @@ impl CommandMap<Fx> for Simpler {
         kept.into_iter().map(|def| self.collider_def(def)).collect()
     }
 
-    fn optional_shape(&mut self, shape: Option<Shape>) -> Result<Option<Shape>, Infallible> {
-        Ok(if self.is_it() { None } else { shape })
-    }
-
     fn locks(&mut self, locks: Locks) -> Result<Locks, Infallible> {
         Ok(if self.is_it() { Locks::NONE } else { locks })
     }

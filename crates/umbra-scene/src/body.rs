@@ -10,7 +10,6 @@ use super::error::Refused;
 use super::error::{Flaw, Place};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
-use super::shape::{ShapeDef, shape};
 use umbra_physics::{BodyDef, BodyKind, ColliderId, Damping, Error, Fx, Locks, Mass, Quantity, Scalar, Vec2};
 
 /// A body of a scene.
@@ -18,10 +17,8 @@ use umbra_physics::{BodyDef, BodyKind, ColliderId, Damping, Error, Fx, Locks, Ma
 pub struct SceneBody {
     /// The name. No other body of the scene has it.
     pub name: String,
-    /// The definition, without the shape and the colliders.
+    /// The definition, without the colliders.
     pub def: BodyDef,
-    /// The shape.
-    pub shape: Option<ShapeDef>,
     /// All colliders. Those that inputs add come last.
     pub colliders: Vec<SceneCollider>,
     /// The number of colliders that the body is added with.
@@ -31,15 +28,14 @@ pub struct SceneBody {
 }
 
 impl SceneBody {
-    /// The definition for a scalar, with the shape in it and the colliders that the body is added with.
+    /// The definition for a scalar, with the colliders that the body is added with.
     ///
     /// # Errors
     /// As the constructors of [`Shape`](umbra_physics::Shape): a polygon may have no area left in a coarser scalar.
     pub fn def<S: Scalar>(&self) -> core::result::Result<BodyDef<S>, Error> {
-        let shape = self.shape.as_ref().map(ShapeDef::make).transpose()?;
         let colliders = self.colliders.iter().take(self.starting_colliders).map(SceneCollider::def);
         let colliders = colliders.collect::<core::result::Result<_, _>>()?;
-        Ok(BodyDef { shape, colliders, ..convert_body(&self.def)? })
+        Ok(BodyDef { colliders, ..convert_body(&self.def)? })
     }
 }
 
@@ -51,9 +47,8 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
             Quantity::Angle => &["angle"],
             Quantity::Velocity => &["velocity"],
             Quantity::AngularVelocity => &["angular_velocity"],
-            Quantity::Mass => &["mass", "density", "colliders"],
+            Quantity::Mass => &["mass", "colliders"],
             Quantity::Inertia => &["inertia"],
-            Quantity::Density => &["density"],
             Quantity::GravityScale => &["gravity_scale"],
             Quantity::Damping => &["damping"],
             Quantity::MaxSpeed | Quantity::MaxAngularSpeed => &["max_speeds"],
@@ -61,7 +56,6 @@ const fn fields_of(error: &Error) -> &'static [&'static str] {
         },
         Error::Locked { quantity: Quantity::AngularVelocity } => &["angular_velocity"],
         Error::Locked { .. } => &["velocity"],
-        Error::NoShape => &["density"],
         Error::DampingHasNoInverse => &["damping"],
         _ => &[],
     }
@@ -86,7 +80,6 @@ pub(super) fn body(object: &Object<'_>, index: usize, tables: &mut Tables) -> Re
         angle: object.or("angle", Fx::ZERO, Node::number),
         velocity: object.or("velocity", Vec2::ZERO, Node::point),
         angular_velocity: object.or("angular_velocity", Fx::ZERO, Node::number),
-        shape: None,
         colliders: Vec::new(),
         mass: mass(object).ok().flatten().unwrap_or_default(),
         gravity_scale: object.or("gravity_scale", Fx::ONE, Node::number),
@@ -101,7 +94,6 @@ pub(super) fn body(object: &Object<'_>, index: usize, tables: &mut Tables) -> Re
         key: object.or("key", 0, Node::whole),
         user_data: object.or("user_data", 0, Node::whole),
     };
-    let shape = object.get("shape").map(shape).transpose();
     let mut colliders = Vec::new();
     object.or("colliders", (), |list| {
         list.each(|node| {
@@ -115,29 +107,26 @@ pub(super) fn body(object: &Object<'_>, index: usize, tables: &mut Tables) -> Re
         return Err(object.at(&["velocity", "angular_velocity"]).fault("a static body has no velocity"));
     }
     let starting_colliders = colliders.len();
-    Ok(SceneBody { name: name?, def, shape: shape?, colliders, starting_colliders, place: object.node.place() })
+    Ok(SceneBody { name: name?, def, colliders, starting_colliders, place: object.node.place() })
 }
 
 pub(super) fn kind(node: &Node<'_>) -> Result<BodyKind> {
     node.choice(&[("static", BodyKind::Static), ("kinematic", BodyKind::Kinematic), ("dynamic", BodyKind::Dynamic)])
 }
 
-/// The mass that is given by `mass` and `inertia`, or `density`. A `mass` may be the text `from_colliders`.
+/// The mass that is given by `mass` and `inertia`. A `mass` may be the text `from_colliders`.
 pub(super) fn mass(object: &Object<'_>) -> Result<Option<Mass>> {
-    let (mass, density, inertia) = (object.get("mass"), object.get("density"), object.get("inertia"));
-    match (mass, density, inertia) {
-        (Some(_), Some(density), _) => Err(density.fault("`mass` is given already: give only one of the two")),
-        (None, _, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
-        (Some(mass), None, Some(inertia)) => {
+    match (object.get("mass"), object.get("inertia")) {
+        (None, Some(inertia)) => Err(inertia.fault("an `inertia` needs a `mass` beside it")),
+        (Some(mass), Some(inertia)) => {
             let (mass, inertia) = (mass.number(), inertia.number());
             Ok(Some(Mass::Explicit { mass: mass?, inertia: inertia? }))
         }
-        (Some(mass), None, None) if mass.kind() == Kind::Text => {
+        (Some(mass), None) if mass.kind() == Kind::Text => {
             mass.choice(&[("from_colliders", Mass::FromColliders)]).map(Some)
         }
-        (Some(mass), None, None) => Ok(Some(Mass::Kilograms(mass.number()?))),
-        (None, Some(density), None) => Ok(Some(Mass::Density(density.number()?))),
-        (None, None, None) => Ok(None),
+        (Some(mass), None) => Ok(Some(Mass::Kilograms(mass.number()?))),
+        (None, None) => Ok(None),
     }
 }
 

@@ -138,7 +138,6 @@ fn blame(object: &Object<'_>, error: Error) -> Refused {
             Quantity::Restitution => &["restitution"],
             Quantity::RollingResistance => &["rolling_resistance"],
             Quantity::SurfaceSpeed => &["surface_speed"],
-            Quantity::Filter => &["mask", "category"],
             _ => &[],
         },
         _ => &[],

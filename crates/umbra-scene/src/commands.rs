@@ -9,7 +9,6 @@ use super::error::{ExportError, Place};
 use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
 use super::settings::Plot;
-use super::shape::ShapeDef;
 use super::{Scene, SceneBody, SceneCollider};
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, ColliderId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor, World,
@@ -129,10 +128,6 @@ impl Writer {
                 let Some(&body) = self.bodies.get(body) else { return Ok(()) };
                 SceneAction::AddCollider(self.add_collider(body, def.clone(), collider))
             }
-            (Command::SetShape { body, shape }, _) => {
-                let Ok(body) = self.body(*body) else { return Ok(()) };
-                SceneAction::SetShape { body, shape: shape.as_ref().map(ShapeDef::from) }
-            }
             (command, _) => {
                 if let Command::SetField { field, .. } = command {
                     check_mu(index, field)?;
@@ -161,12 +156,11 @@ impl Writer {
     fn add_body(&mut self, def: BodyDef, body: BodyId) -> usize {
         let index = self.scene.bodies.len();
         self.bodies.insert(body, index);
-        let shape = def.shape.as_ref().map(ShapeDef::from);
         let (name, place) = (format!("body {}", index + 1), Place::default());
         let starting_colliders = def.colliders.len();
         let colliders = Vec::with_capacity(starting_colliders);
-        let own = BodyDef { shape: None, colliders: Vec::new(), ..def.clone() };
-        self.scene.bodies.push(SceneBody { name, def: own, shape, colliders, starting_colliders, place });
+        let own = BodyDef { colliders: Vec::new(), ..def.clone() };
+        self.scene.bodies.push(SceneBody { name, def: own, colliders, starting_colliders, place });
         // In the order of the definition.
         let handles: Vec<ColliderId> = self.world.colliders_of(body).into_iter().flatten().collect();
         for (def, handle) in def.colliders.into_iter().zip(handles) {

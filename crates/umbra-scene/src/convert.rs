@@ -27,9 +27,9 @@ pub(super) fn convert_field<S: Scalar>(
     Convert { bodies, fields: &no_field, colliders: &no_collider }.force_field(*field)
 }
 
-/// Converts the definition of a body without a shape and without colliders.
+/// Converts the definition of a body without its colliders.
 pub(super) fn convert_body<S: Scalar>(def: &BodyDef) -> Result<BodyDef<S>, Error> {
-    let def = BodyDef { shape: None, colliders: Vec::new(), ..def.clone() };
+    let def = BodyDef { colliders: Vec::new(), ..def.clone() };
     Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.body_def(def)
 }
 

@@ -152,12 +152,12 @@ impl core::error::Error for SceneError {}
 ///
 /// let errors: SceneErrors = Scene::parse(
 ///     r#"{"gravity": -10,
-/// "bodies": [{"name": "ball", "shape": {"circle": {"raduis": 0.5}}, "mass": 0}]}"#,
+/// "bodies": [{"name": "ball", "colliders": [{"shape": {"circle": {"raduis": 0.5}}}], "mass": 0}]}"#,
 /// )
 /// .unwrap_err();
 /// let texts: Vec<String> = errors.errors().iter().map(ToString::to_string).collect();
 /// assert_eq!(texts[0], "1: gravity: expected [x, y] or {\"x\": …, \"y\": …}, found a number");
-/// assert_eq!(texts[1], "2: bodies[0].shape.circle.raduis: unknown field: did you mean `radius`?");
+/// assert_eq!(texts[1], "2: bodies[0].colliders[0].shape.circle.raduis: unknown field: did you mean `radius`?");
 /// assert_eq!((errors.errors().len(), errors.more(), errors.code()), (2, 0, 502));
 /// assert_eq!(SceneErrors::LISTED, 20);
 /// assert_eq!(errors.to_string(), texts.join("\n"));

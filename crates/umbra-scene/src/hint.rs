@@ -61,7 +61,9 @@ const SYNONYMS: [(&str, &str); 49] = [
 ];
 
 /// Fields of colliders, here or in other engines.
-const COLLIDER: [&str; 20] = [
+const COLLIDER: [&str; 22] = [
+    "shape",
+    "density",
     "one_way",
     "sensor",
     "is_sensor",

@@ -10,7 +10,6 @@ use super::node::{Node, Result};
 use super::object::Object;
 use super::repeat::check_count;
 use super::settings::{blob, integrator, random, sleep_after, time_step, world_damping};
-use super::shape::{ShapeDef, shape};
 use super::{Scene, Tables};
 use umbra_physics::{
     ApplyOptions, BodyId, ColliderId, Command, Error, Exclusion, Explosion, FieldId, ForceOrImpulse, Frame, Fx,
@@ -57,13 +56,6 @@ pub enum SceneAction {
     AddField(usize),
     /// A collider is added to its body.
     AddCollider(ColliderId),
-    /// A body gets a shape, or none.
-    SetShape {
-        /// The body.
-        body: BodyId,
-        /// The shape.
-        shape: Option<ShapeDef>,
-    },
 }
 
 /// The actions of an input, each with its place in the text.
@@ -302,7 +294,7 @@ fn set_by<'a>(
 fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, SceneAction)) -> Result<()> {
     set_by(object, "kind", push, |node| Ok(Command::SetKind { body, kind: kind(node)? }));
     if let Ok(Some(mass)) = mass(object) {
-        push(object.at(&["mass", "density"]), SceneAction::Command(Command::SetMass { body, mass }));
+        push(object.at(&["mass"]), SceneAction::Command(Command::SetMass { body, mass }));
     }
     set_by(object, "position", push, |node| Ok(Command::SetPosition { body, position: node.point()? }));
     set_by(object, "angle", push, |node| Ok(Command::SetAngle { body, angle: node.number()? }));
@@ -325,11 +317,6 @@ fn set_body(object: &Object<'_>, body: BodyId, push: &mut impl FnMut(&Node<'_>, 
     });
     set_by(object, "key", push, |node| Ok(Command::SetKey { body, key: node.whole()? }));
     set_by(object, "user_data", push, |node| Ok(Command::SetUserData { body, user_data: node.whole()? }));
-    object.or("shape", (), |node| {
-        let shape = if node.raw() == "null" { None } else { Some(shape(node)?) };
-        push(node, SceneAction::SetShape { body, shape });
-        Ok(())
-    });
     object.finish()
 }
 

@@ -9,7 +9,7 @@
 //!
 //! let scene = Scene::parse(r#"{
 //!     "gravity": [0, -10],
-//!     "bodies": [{"name": "ball", "position": [0, 10], "shape": {"circle": {"radius": 0.5}}}],
+//!     "bodies": [{"name": "ball", "position": [0, 10], "mass": 1, "colliders": [{"shape": {"circle": {"radius": 0.5}}}]}],
 //!     "inputs": [{"at": 30, "body": "ball", "impulse": [0, 5]}]
 //! }"#)?;
 //! let mut run = scene.start::<Fx>()?;
@@ -72,20 +72,20 @@ pub use shape::{PartDef, ShapeDef};
 /// checked when it starts.
 ///
 /// ```
-/// use umbra_scene::{Plot, Scene, SceneBody, SceneField, SceneRun, ShapeDef, Trails};
-/// use umbra_physics::{BodyDef, Fx, TimeStep};
+/// use umbra_scene::{Plot, Scene, SceneBody, SceneField, SceneRun, Trails};
+/// use umbra_physics::{BodyDef, Fx, Geometry, TimeStep};
 ///
 /// let mut scene = Scene::parse(
 ///     r#"{
-/// "bodies": [{"name": "ball", "shape": {"circle": {"radius": 0.5}}, "velocity": [1, 0]}],
+/// "bodies": [{"name": "ball", "colliders": [{"shape": {"circle": {"radius": 0.5}}}], "velocity": [1, 0]}],
 /// "fields": [{"drag": {"linear": 0.1}}]
 /// }"#,
 /// )?;
 /// let ball: &SceneBody = &scene.bodies[0];
-/// let Some(ShapeDef::Circle { radius }) = ball.shape else { unreachable!() };
+/// let Geometry::Circle { radius } = *ball.colliders[0].def.shape.geometry() else { unreachable!() };
 /// let SceneField { name, .. } = &scene.fields[0];
 /// assert_eq!((radius, name), (Fx::HALF, &None));
-/// assert!(ball.def::<Fx>().is_ok_and(|def: BodyDef| def.shape.is_some()));
+/// assert!(ball.def::<Fx>().is_ok_and(|def: BodyDef| def.colliders.len() == 1));
 /// assert_eq!(scene.plot, Plot { trails: Trails::All, ..Plot::default() });
 ///
 /// // Plain data: it can be changed before it is built.

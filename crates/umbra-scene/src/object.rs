@@ -131,6 +131,9 @@ impl<'a> Object<'a> {
             self.missing.borrow_mut().retain(|missing| Some(*missing) != meant);
             let unknown = |words: fmt::Arguments<'_>| entry.node.fault(Flaw::Unknown.of(words));
             match meant {
+                _ if entry.name == "shape" && asked.contains(&"colliders") => unknown(format_args!(
+                    "unknown field: give it to a collider, `\"colliders\": [{{\"shape\": …}}]`; one with `\"mask\": []` touches nothing"
+                )),
                 _ if hint::is_of_collider(&entry.name) && !asked.contains(&"friction") => {
                     unknown(format_args!("unknown field: give it to a collider, in the list `colliders` of a body"))
                 }

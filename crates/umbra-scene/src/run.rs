@@ -11,7 +11,7 @@ use super::field::symbol;
 use super::input::{Input, SceneAction};
 use super::node::quoted;
 use super::shape::vector;
-use super::{Scene, SceneMaterialPair, ShapeDef};
+use super::{Scene, SceneMaterialPair};
 use umbra_physics::{
     ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity,
     Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
@@ -277,10 +277,6 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 let collider = body.and_then(|body| body.colliders.get(own as usize));
                 let def = collider.ok_or(Error::NoSuchCollider { collider: *symbol })?.def()?;
                 Command::AddCollider { body: self.body(symbol_body)?, def }
-            }
-            SceneAction::SetShape { body, shape } => {
-                let shape = shape.as_ref().map(ShapeDef::make).transpose()?;
-                Command::SetShape { body: self.body(*body)?, shape }
             }
             SceneAction::Command(command) => {
                 let (fields, colliders) = (|field| self.field(field), |collider| self.collider(collider));

@@ -187,7 +187,6 @@ impl Scene {
                 object.put("body", self.body_name(BodyId::from_parts(symbol.parts().0, 0)));
                 object.put("add_collider", self.collider(*symbol).map_or_else(String::new, SceneCollider::text));
             }
-            SceneAction::SetShape { body, shape } => self.set_shape(&mut object, *body, shape.as_ref()),
         }
         object.line()
     }
@@ -202,23 +201,15 @@ impl Scene {
         object.put("do", text(what));
     }
 
-    fn set_shape(&self, object: &mut Fields, body: BodyId, shape: Option<&ShapeDef>) {
-        self.set_body(object, body, "shape", shape.map_or_else(null, ShapeDef::text));
-    }
-
     fn command(&self, object: &mut Fields, command: &Command) {
         let set = |object: &mut Fields, property, value: String| object.put("set", Fields::of(property, value));
         match *command {
             // A scene has actions of its own for these. A body that a command adds has no name, without which none is read.
             Command::AddBody(ref def) => {
-                let shape = def.shape.as_ref().map(ShapeDef::from);
                 let colliders = def.colliders.iter().map(|def| collider_text(Fields::default(), def));
-                object.put("add", body_text(Fields::default(), def, shape.as_ref(), colliders));
+                object.put("add", body_text(Fields::default(), def, colliders));
             }
             Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
-            Command::SetShape { body, ref shape } => {
-                self.set_shape(object, body, shape.as_ref().map(ShapeDef::from).as_ref());
-            }
             Command::RemoveBody(body) => self.do_to_body(object, body, "remove"),
             Command::Wake(body) => self.do_to_body(object, body, "wake"),
             Command::Release(body) => self.do_to_body(object, body, "release"),
@@ -345,24 +336,16 @@ impl Scene {
 impl SceneBody {
     fn text(&self) -> String {
         let colliders = self.colliders.iter().take(self.starting_colliders).map(SceneCollider::text);
-        body_text(Fields::of_name(&self.name), &self.def, self.shape.as_ref(), colliders)
+        body_text(Fields::of_name(&self.name), &self.def, colliders)
     }
 }
 
-fn body_text(
-    mut object: Fields,
-    def: &BodyDef,
-    shape: Option<&ShapeDef>,
-    colliders: impl ExactSizeIterator<Item = String>,
-) -> String {
+fn body_text(mut object: Fields, def: &BodyDef, colliders: impl ExactSizeIterator<Item = String>) -> String {
     object.unless(def.kind == BodyKind::Dynamic, "kind", text(kind_name(def.kind)));
     object.unless(def.position == Vec2::ZERO, "position", point(def.position));
     object.unless(def.angle == Fx::ZERO, "angle", def.angle);
     object.unless(def.velocity == Vec2::ZERO, "velocity", point(def.velocity));
     object.unless(def.angular_velocity == Fx::ZERO, "angular_velocity", def.angular_velocity);
-    if let Some(shape) = shape {
-        object.put("shape", shape.text());
-    }
     object.unless(colliders.len() == 0, "colliders", list(colliders));
     if def.mass != Mass::default() {
         object.mass(def.mass);

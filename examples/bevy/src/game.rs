@@ -1,7 +1,8 @@
 //! The match: two ships that fly and fire, all of it in the world.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, Damping, Error, ForceOrImpulse, Fx, Mass, Shape, Vec2, World, WorldDef, fx, vec2,
+    ApplyOptions, BodyDef, BodyId, ColliderDef, Damping, Error, ForceOrImpulse, Fx, Mass, Shape, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 pub(crate) const SHOT_TICKS: u64 = 40;
@@ -44,14 +45,13 @@ impl Match {
             ..WorldDef::default()
         })?;
         let mut ship = |key: u64, x: i32, angle: Fx| {
-            let shape = Some(Shape::rectangle(fx!(2), fx!(1))?);
+            let hull = ColliderDef::ghost(Shape::rectangle(fx!(2), fx!(1))?);
             let def = BodyDef {
-                shape,
                 mass: Mass::Kilograms(fx!(2)),
                 position: vec2(x, 0),
                 angle,
                 key,
-                ..BodyDef::dynamic()
+                ..BodyDef::dynamic().with_collider(hull)
             };
             world.add_body(def)
         };
@@ -85,14 +85,13 @@ impl Match {
         if held.fire && world.tick() >= look.user_data() {
             let ahead = look.rotation().checked_rotate(vec2(20, 0)).unwrap_or(Vec2::ZERO);
             world.add_body(BodyDef {
-                shape: Some(Shape::circle(fx!(0.25))?),
                 mass: Mass::Kilograms(fx!(0.125)),
                 position: look.position(),
                 velocity: look.velocity() + ahead,
                 // The same shot has the same key, however often its tick is recomputed.
                 key: SHOTS + 2 * world.tick() + player as u64,
                 user_data: world.tick() + SHOT_TICKS,
-                ..BodyDef::dynamic()
+                ..BodyDef::dynamic().with_collider(ColliderDef::ghost(Shape::circle(fx!(0.25))?))
             })?;
             world.set_user_data(ship, world.tick() + RELOAD_TICKS)?;
         }

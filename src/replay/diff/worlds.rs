@@ -4,7 +4,8 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use super::difference::{Difference, TickPhase, name_of};
-use crate::codec::{self, FieldIndex, FieldValue, Part};
+use crate::codec::{self, Encoder, FieldIndex, FieldValue, Part, Write};
+use crate::collider::Collider;
 use crate::replay::snapshot::{Owner, State};
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId, FieldId};
@@ -127,9 +128,28 @@ impl<S: Scalar> World<S> {
     }
 }
 
+/// The colliders of a body without their handles, sorted by key and then by definition.
+struct CollidersByKey<'a, S: Scalar>(Vec<&'a Collider<S>>);
+
+impl<'a, S: Scalar> CollidersByKey<'a, S> {
+    fn of(body: &BodyRef<'a, S>) -> Self {
+        let mut colliders: Vec<_> = body.parts().0.colliders.of(body.id()).collect();
+        colliders.sort_unstable_by_key(|collider| (collider.def.key, collider.physics_digest));
+        Self(colliders)
+    }
+}
+
+impl<S: Scalar> Write for CollidersByKey<'_, S> {
+    fn write(&self, out: &mut impl Encoder) {
+        out.enter(Part::Name("colliders"));
+        codec::list(out, self.0.iter().map(|collider| &collider.def));
+        out.leave();
+    }
+}
+
 impl<S: Scalar> BodyRef<'_, S> {
-    /// The first value in which the body differs from another one, of this world or another, handles aside: definition, shape,
-    /// motion, rest. `None` if there is none; forces applied since the last step are not compared.
+    /// The first value in which the body differs from another one, of this world or another, handles aside: definition, motion, rest,
+    /// colliders in the order of their keys. `None` if there is none; forces applied since the last step are not compared.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Owner, World, WorldDef, vec2};
@@ -147,7 +167,7 @@ impl<S: Scalar> BodyRef<'_, S> {
         let leaves = |body: &BodyRef<'_, S>| {
             let (world, dense) = body.parts();
             let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
-            leaves.extend(body.shape().into_iter().flat_map(|shape| FieldIndex::of(shape).leaves));
+            leaves.extend(FieldIndex::of(&CollidersByKey::of(body)).leaves);
             leaves
         };
         let found = first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(other))?;

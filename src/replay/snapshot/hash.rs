@@ -10,7 +10,7 @@ use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
 /// The physics version: it is increased whenever the results of a step or of a hash change.
-pub const PHYSICS_VERSION: u32 = 18;
+pub const PHYSICS_VERSION: u32 = 19;
 
 impl<S: Scalar> World<S> {
     /// A hash of the whole state that the future depends on, handles included: for peers that made the same calls. Equal
@@ -168,7 +168,6 @@ impl<S: Scalar> World<S> {
     fn motion_of(&self, dense: usize) -> (u64, u64) {
         let mut sink = StateHasher::new();
         self.bodies.record(dense, &self.factor_table).write(&mut sink);
-        self.bodies.info(dense).shape.write(&mut sink);
         let row = self.applied.row(self.bodies.id(dense));
         let (force, torque) = row.map_or_else(Default::default, |row| (row.force, row.torque));
         force.write(&mut sink);
@@ -183,7 +182,7 @@ impl<S: Scalar> World<S> {
 }
 
 impl<S: Scalar> BodyRef<'_, S> {
-    /// A hash of everything that belongs to the body except its handle: definition, shape, motion, rest, and what was applied
+    /// A hash of everything that belongs to the body except its handle: definition, colliders, motion, rest, and what was applied
     /// to it since the last step. Two bodies with the same hash move alike where the same fields act on them.
     ///
     /// *Source* XXH3, 64 bits (Collet).

@@ -31,9 +31,9 @@ pub(super) use write::{Saved, State};
 ///
 /// In memory a snapshot is a copy of what steps change, 121 bytes a body (169 with
 /// [`PublishedVerlet`](crate::Integrator::PublishedVerlet)); the rest is shared until the world changes it. As bytes it is the
-/// same on every machine. There a body with a circle takes 148 to 201 bytes, by how many of its options are set. It takes 48
-/// more with `PublishedVerlet`, 72 more if a force waits for the next step, and 8 more if a call woke it since the last one:
-/// at most 329 bytes. A kinematic body with a goal takes 26 more.
+/// same on every machine. There a body takes 143 to 191 bytes, by how many of its options are set. It takes 48 more with
+/// `PublishedVerlet`, 72 more if a force waits for the next step, and 8 more if a call woke it since the last one: at most 319
+/// bytes. A kinematic body with a goal takes 26 more. A collider with a circle takes 124, or 148 if it is one-way.
 ///
 /// A restored world has the same hash, handles and future as the saved one, in another process or on another machine too.
 /// A world read from bytes reports nothing of the steps before; only the bodies that calls had woken are still reported.

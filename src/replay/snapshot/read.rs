@@ -7,10 +7,8 @@ use alloc::vec::Vec;
 use super::error::SnapshotError;
 use super::hash::PHYSICS_VERSION;
 use super::owner::Owner;
-use super::write::{AppliedSums, FORMAT, MAGIC, Sources};
-use crate::body::{
-    Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, ShapeSource, check_position,
-};
+use super::write::{AppliedSums, FORMAT, MAGIC};
+use crate::body::{Activity, Bodies, BodyKind, Damping, FactorTable, KinematicTarget, Record, check_position};
 use crate::codec::{Malformed, Read, Reader, StateHasher};
 use crate::collider::{ColliderDef, ColliderMass, ColliderSet, OutlineId, PairEntry};
 use crate::contact::{ContactRecord, ContactSet, EndedPair, ExcludedPair, OneWayAnswer, Overlap, is_asleep};
@@ -192,7 +190,8 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
     let overlaps: Vec<Overlap> = read_list(reader, 8, Overlap::read)?;
     let is_overlap = |overlap: &Overlap| {
         let [sensor, visitor] = overlap.slots().map(|slot| world.colliders.at(slot));
-        let are_both = sensor.zip(visitor).filter(|(sensor, visitor)| sensor.def.sensor && !visitor.def.sensor);
+        let are_both =
+            sensor.zip(visitor).filter(|(sensor, visitor)| sensor.def.is_sensing() && visitor.def.is_solid());
         are_both.is_some_and(|(sensor, visitor)| sensor.body != visitor.body)
     };
     if !overlaps.iter().all(is_overlap) || !overlaps.is_sorted_by(|a, b| a < b) {
@@ -238,12 +237,11 @@ fn read_custom_forces(
 fn read_bodies(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
     let mut factor_table = FactorTable::default();
     world.bodies = Bodies::empty(world.def.integrator == Integrator::PublishedVerlet);
-    let mut sources = Sources::default();
     for slot in 0..reader.count(5)? {
         let generation = u32::read(reader)?;
         let body = BodyId::from_parts(slot as u32, generation);
         if bool::read(reader)? {
-            read_body(reader, world, body, &mut factor_table, &mut sources)?;
+            read_body(reader, world, body, &mut factor_table)?;
         } else {
             let added = world.bodies.rebuild(generation, None, &mut factor_table);
             added.map_err(|error| SnapshotError::Invalid { owner: Owner::Body(body), error })?;
@@ -260,28 +258,17 @@ fn read_body(
     world: &mut World,
     body: BodyId,
     factor_table: &mut FactorTable<Fx>,
-    sources: &mut Sources<Fx>,
 ) -> Result<(), SnapshotError> {
     let World { def, bodies, colliders, applied, targets, .. } = world;
-    let (slot, generation) = body.parts();
+    let (_, generation) = body.parts();
     let invalid = |error| SnapshotError::Invalid { owner: Owner::Body(body), error };
     let record = Record::read(reader)?;
-    let malformed = reader.malformed("the shape, or the slot of the first body that has this shape");
-    let source = ShapeSource::read(reader)?;
-    let shape = match &source {
-        ShapeSource::None => None,
-        ShapeSource::New(shape) => Some(shape.clone()),
-        ShapeSource::AsOf(first) => Some(bodies.shape_in(*first).ok_or(malformed)?.clone()),
-    };
     check_among(&record, def).map_err(invalid)?;
     let own = colliders.of(body).filter(|own| own.body == body).map(|own| &own.def);
     let is_dynamic = record.kind == BodyKind::Dynamic;
     own.clone().try_for_each(|def| def.check_on(is_dynamic)).map_err(invalid)?;
     let collider_mass = ColliderMass::of(own);
-    let dense = bodies.rebuild(generation, Some((record, shape, collider_mass)), factor_table).map_err(invalid)?;
-    if !dense.is_some_and(|dense| sources.name(slot, &bodies.info(dense).shape) == source) {
-        return Err(malformed.into());
-    }
+    let dense = bodies.rebuild(generation, Some((record, collider_mass)), factor_table).map_err(invalid)?;
     if let Some(AppliedSums { force, torque }) = Option::read(reader)? {
         let feels = |dense| bodies.info(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;
         if !dense.is_some_and(feels) {

@@ -1,12 +1,11 @@
 //! The walk over a world that gives a snapshot its bytes, and comparisons their fields.
 
-use alloc::collections::btree_map::{BTreeMap, Entry};
-use alloc::sync::Arc;
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 use core::fmt::Display;
 
 use super::hash::PHYSICS_VERSION;
-use crate::body::{KinematicTarget, Record, ShapeSource};
+use crate::body::{KinematicTarget, Record};
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
 use crate::collider::ColliderSet;
 use crate::contact::ContactSet;
@@ -14,14 +13,13 @@ use crate::force::FieldSet;
 use crate::fx::Fx;
 use crate::math::{Elapsed, Vec2};
 use crate::scalar::{FxSum, Scalar};
-use crate::shape::Shape;
 use crate::slots::BodyId;
 use crate::world::{World, WorldDef};
 
 /// The first bytes of a snapshot.
 pub(super) const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the four bytes after the magic. It is increased whenever the layout changes.
-pub(super) const FORMAT: u32 = 4;
+pub(super) const FORMAT: u32 = 5;
 
 /// A world as the bytes of a snapshot.
 pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);
@@ -91,7 +89,6 @@ pub(super) struct SavedSlot<S: Scalar> {
 #[derive(Clone, Debug)]
 pub(super) struct SavedBody<S: Scalar> {
     pub(super) record: Record<S>,
-    shape: Option<Arc<Shape<S>>>,
     applied: Option<AppliedSums<S>>,
     target: Option<KinematicTarget<S>>,
 }
@@ -103,19 +100,17 @@ impl<S: Scalar> SavedSlot<S> {
         let body = BodyId::from_parts(slot, generation);
         let saved = |dense: usize| SavedBody {
             record: world.bodies.record(dense, &world.factor_table),
-            shape: world.bodies.info(dense).shape.clone(),
             applied: world.applied.row(body).map(|row| AppliedSums { force: row.force, torque: row.torque }),
             target: world.targets.of(body).copied(),
         };
         Some(Self { generation, body: world.bodies.find(body).ok().map(saved) })
     }
 
-    fn write(&self, slot: u32, sources: &mut Sources<S>, out: &mut impl Encoder) {
+    fn write(&self, out: &mut impl Encoder) {
         codec::field(out, "generation", &self.generation);
         codec::field(out, "present", &self.body.is_some());
-        let Some(SavedBody { record, shape, applied, target }) = &self.body else { return };
+        let Some(SavedBody { record, applied, target }) = &self.body else { return };
         record.write(out);
-        codec::field(out, "shape", &sources.name(slot, shape));
         codec::field(out, "applied", applied);
         codec::field(out, "kinematic_target", target);
     }
@@ -155,14 +150,11 @@ impl<'a, S: Scalar> StateView<'a, S> {
     }
 
     fn write_bodies(&self, out: &mut impl Encoder) {
-        let mut sources = Sources::default();
         codec::count(out, self.slots as usize);
         for slot in 0..self.slots {
             entry(out, slot, |out| match self.replaced.and_then(|replaced| replaced.get(&slot)) {
-                Some(saved) => saved.write(slot, &mut sources, out),
-                None => {
-                    SavedSlot::of(self.world, slot).into_iter().for_each(|saved| saved.write(slot, &mut sources, out))
-                }
+                Some(saved) => saved.write(out),
+                None => SavedSlot::of(self.world, slot).into_iter().for_each(|saved| saved.write(out)),
             });
         }
     }
@@ -229,25 +221,6 @@ impl<S: Scalar> Write for StateView<'_, S> {
         part(out, "sensor_overlaps", |out| codec::list(out, self.contacts.overlaps.iter()));
         part(out, "ended_pairs", |out| codec::list(out, self.contacts.ended.iter()));
         part(out, "woken", |out| codec::list(out, self.woken.iter()));
-    }
-}
-
-/// The shapes of the bodies so far, with the slot of the first body that has each.
-#[derive(Default)]
-pub(super) struct Sources<S: Scalar>(BTreeMap<*const Shape<S>, u32>);
-
-impl<S: Scalar> Sources<S> {
-    /// Says how the shape of the body in this slot is written.
-    pub(super) fn name(&mut self, slot: u32, shape: &Option<Arc<Shape<S>>>) -> ShapeSource<S> {
-        let Some(shape) = shape else { return ShapeSource::None };
-        // Equal shapes share one allocation. Its address decides nothing but that.
-        match self.0.entry(Arc::as_ptr(shape)) {
-            Entry::Occupied(first) => ShapeSource::AsOf(*first.get()),
-            Entry::Vacant(place) => {
-                place.insert(slot);
-                ShapeSource::New(shape.clone())
-            }
-        }
     }
 }
 

@@ -7,6 +7,7 @@ use super::encodings::replaced;
 use super::{commands, custom_forces, everything, recording};
 use crate::body::{Activity, BodyDef};
 use crate::cases::run_seed;
+use crate::collider::ColliderDef;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::fx;
 use crate::integrate::Integrator;
@@ -54,10 +55,11 @@ fn calls_of_every_kind_after_the_last_step_leave_no_trace() {
 /// Pairs of sleeping bodies on springs, some of one shape, one slot free.
 fn sleepers() -> World {
     let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
-    let shapes = [Some(Shape::circle(fx!(0.5)).expect("a shape")), None, Shape::rectangle(fx!(1), fx!(1)).ok()];
+    let shapes = [Shape::circle(fx!(0.5)).ok(), None, Shape::rectangle(fx!(1), fx!(1)).ok()];
     let bodies: Vec<BodyId> = (0..9i32)
         .map(|i| {
-            let def = BodyDef { position: vec2(i, 0), shape: shapes[i as usize % 3].clone(), ..BodyDef::dynamic() };
+            let colliders = shapes[i as usize % 3].iter().cloned().map(ColliderDef::ghost).collect();
+            let def = BodyDef { position: vec2(i, 0), colliders, ..BodyDef::dynamic() };
             world.add_body(def).expect("there is room")
         })
         .collect();
@@ -75,11 +77,11 @@ fn sleepers() -> World {
 
 /// Commands that wake, add and remove bodies of [`sleepers`].
 fn disturbing() -> Vec<Command> {
-    let disc = || Some(Shape::circle(fx!(0.5)).expect("a shape"));
+    let disc = || ColliderDef::ghost(Shape::circle(fx!(0.5)).expect("a shape"));
     let pull =
         FieldKind::Zone { region: Region::Disc { centre: vec2(0, 0), radius: fx!(3) }, acceleration: vec2(0, 1) };
     let mut commands = vec![
-        Command::AddBody(BodyDef { shape: disc(), ..BodyDef::dynamic() }),
+        Command::AddBody(BodyDef::dynamic().with_collider(disc())),
         Command::AddBody(BodyDef { position: vec2(0, 9), ..BodyDef::dynamic() }),
         Command::SetGravity(vec2(0, -1)),
         Command::SetGravity(vec2(0, 0)),
@@ -102,7 +104,7 @@ fn disturbing() -> Vec<Command> {
             Command::Enable(body),
             Command::SetVelocity { body, velocity: vec2(0, 1) },
             Command::SetPosition { body, position: vec2(2, 2) },
-            Command::SetShape { body, shape: disc() },
+            Command::AddCollider { body, def: disc() },
             Command::RemoveBody(body),
         ]);
     }

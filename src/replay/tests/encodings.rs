@@ -1,12 +1,12 @@
 //! One encoding for each value: bytes that no writer makes are refused, and accepted ones are written again the same.
 
 use alloc::sync::Arc;
-use alloc::vec;
 use alloc::vec::Vec;
 
 use super::{chunks, file, reseal, values};
 use crate::body::BodyDef;
 use crate::codec::{Malformed, Write as _};
+use crate::collider::ColliderDef;
 use crate::force::{BodyState, CustomForce, CustomForceError, Dependence, ForceTorque};
 use crate::fx::{Fx, fx};
 use crate::math::{Vec2, vec2};
@@ -53,8 +53,9 @@ fn corners_of_polygons_are_read_counter_clockwise_alone() {
     let right = "the corners of a polygon, counter-clockwise";
     for shape in [polygon, compound] {
         let body = BodyId::from_parts(0, 0);
-        let def = BodyDef { shape: Some(shape.clone()), ..BodyDef::dynamic() };
-        let commands = [Command::SetShape { body, shape: Some(shape) }, Command::AddBody(def)];
+        let def = ColliderDef::ghost(shape);
+        let add_body = Command::AddBody(BodyDef::dynamic().with_collider(def.clone()));
+        let commands = [Command::AddCollider { body, def }, add_body];
         for (i, order) in orders.iter().enumerate() {
             let is_clockwise = i % 2 == 1;
             for command in &commands {
@@ -136,35 +137,6 @@ pub(super) fn replaced(snapshot: &[u8], name: &str, more: usize, bytes: &[u8]) -
     let mut forged = [&snapshot[..*at], bytes, &snapshot[at + length + more..]].concat();
     reseal(&mut forged);
     forged
-}
-
-#[test]
-fn a_shape_is_given_once_and_then_by_the_first_body_that_has_it() {
-    let disc = Shape::circle(fx!(0.5)).expect("a shape");
-    let square = Shape::rectangle(fx!(1), fx!(1)).expect("a shape");
-    let mut world = World::new(WorldDef::default()).expect("a world");
-    for shape in [Some(&disc), Some(&disc), None, Some(&disc), Some(&square)] {
-        world.add_body(BodyDef { shape: shape.cloned(), ..BodyDef::dynamic() }).expect("a body");
-    }
-    let whole = world.snapshot().to_bytes();
-    assert_eq!(Snapshot::from_bytes(&whole, &[]).expect("its own bytes").to_bytes(), whole);
-    let mut given = vec![1, 0];
-    fx!(0.5).write(&mut given);
-    let right = "the shape, or the slot of the first body that has this shape";
-    for body in [1, 3] {
-        let name = alloc::format!("bodies[{body}].shape.source");
-        let again = replaced(&whole, &name, 4, &given);
-        assert_eq!(expected(Snapshot::from_bytes(&again, &[])), right);
-    }
-    // A body that has it and is not the first, one without a shape, itself, one to come, and none.
-    for slot in [1, 2, 3, 4, 5, u32::MAX] {
-        let other = replaced(&whole, "bodies[3].shape.slot", 0, &slot.to_le_bytes());
-        assert_eq!(expected(Snapshot::from_bytes(&other, &[])), right, "{slot}");
-    }
-    // The first one gone, the next one gives it.
-    world.remove_body(BodyId::from_parts(0, 0)).expect("it is there");
-    let whole = world.snapshot().to_bytes();
-    assert_eq!(Snapshot::from_bytes(&whole, &[]).expect("its own bytes").to_bytes(), whole);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::world::{Command, World};
 /// Everything that can be asked of a world and done to it.
 fn use_up(mut world: World, random: &mut Random) {
     for body in world.bodies() {
-        _ = (body.origin(), body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
+        _ = (body.rotation(), body.applied_force(), body.applied_torque(), body.mass(), body.inertia());
         _ = (body.position_exact().map(|x| x.value()), body.angle(), body.velocity(), body.angular_velocity());
     }
     _ = (world.energy(), world.momentum(), world.angular_momentum(), world.elapsed(), world.physics_hash());

@@ -33,11 +33,11 @@ impl Followed {
 pub(in super::super) struct ContactMemory<S: Scalar> {
     pub(super) pipeline: Pipeline,
     pub(super) solvers: Solvers<S::Solver>,
-    /// The last survey, which listed the moving bodies with colliders.
+    /// The last survey, which listed the moving bodies with colliders that meet others.
     surveyed: Followed,
     /// The last step in which contacts were detected.
     pub(super) detected_at: Followed,
-    /// The slots of the moving bodies with colliders.
+    /// The slots of the moving bodies with colliders that meet others.
     pub(super) slots: Vec<u32>,
     pub(super) may_have_moved_statics: bool,
     /// The changes since the last step in which contacts were detected.
@@ -120,7 +120,7 @@ impl<S: Scalar> ContactMemory<S> {
         [self.surveyed.bodies, self.detected_at.bodies]
     }
 
-    /// Lists the moving bodies with colliders, if calls or the last step may have changed the list.
+    /// Lists the moving bodies with colliders that meet others, if calls or the last step may have changed the list.
     pub(in super::super) fn survey(&mut self, bodies: &mut Bodies<S>, colliders: &ColliderSet<S>) {
         let Followed { bodies: cursor, colliders: revision } = self.surveyed;
         // A change of motion alone changes no static body.
@@ -132,9 +132,9 @@ impl<S: Scalar> ContactMemory<S> {
             return;
         }
         self.slots.clear();
-        if !colliders.is_empty() {
+        if colliders.any_meeting() {
             let moving = bodies.columns.slot[..bodies.moving()].iter();
-            self.slots.extend(moving.filter(|&&slot| colliders.of_slot(slot).next().is_some()));
+            self.slots.extend(moving.filter(|&&slot| colliders.any_meeting_of_slot(slot)));
         }
     }
 
@@ -152,7 +152,7 @@ impl<S: Scalar> ContactMemory<S> {
         true
     }
 
-    /// Keeps the motion of moving bodies with colliders before their free flight.
+    /// Keeps the motion of the listed bodies before their free flight.
     pub(in super::super) fn begin(&mut self, bodies: &Bodies<S>) {
         self.is_detected = false;
         self.touching_before.clear();
@@ -216,7 +216,7 @@ impl<S: Scalar> ContactMemory<S> {
         contacts: &ContactSet,
     ) -> bool {
         // A static body may have been put into a sleeping one.
-        let may_wake = self.may_have_moved_statics && bodies.any_asleep() && !colliders.is_empty();
+        let may_wake = self.may_have_moved_statics && bodies.any_asleep() && colliders.any_meeting();
         let is_empty = contacts.records.is_empty() && contacts.passes.is_empty() && !contacts.any_until_apart();
         !colliders.any_sensors() && self.starts.is_empty() && is_empty && !may_wake
     }

@@ -27,8 +27,8 @@ pub use overlap::ClosestPoint;
 /// The colliders of a world, ready for queries. [`World::queries`] makes it: call that once for all queries between two changes of the
 /// world, as it takes longer than a query.
 ///
-/// Queries find the colliders of all bodies that take part, sleeping ones too. They do not find sensors, nor colliders of disabled or
-/// quarantined bodies.
+/// Queries find the colliders of all bodies that take part, sleeping ones too. They do not find sensors, colliders whose
+/// filter [meets nothing](crate::Filter::NONE), nor colliders of disabled or quarantined bodies.
 ///
 /// Results are sorted by the fraction of the cast or by distance, then by the [key](crate::ColliderDef::key) of the collider, then by its
 /// handle. They depend on the poses of bodies and on the definitions of colliders alone: a restored world gives the same results, and
@@ -208,7 +208,7 @@ impl<S: Scalar> Queries<'_, S> {
         let first = self.outlines.len();
         let (mut proxies, mut places) = (Vec::new(), Vec::new());
         for collider in colliders {
-            if collider.def.sensor || !self.kind(collider.body).is_some_and(&is_wanted) {
+            if !collider.def.is_solid() || !self.kind(collider.body).is_some_and(&is_wanted) {
                 continue;
             }
             for part in 0..collider.outline_count() {

@@ -9,8 +9,8 @@ use umbra_physics::{
 
 use super::Point;
 
-/// A body as it is drawn: the closed lines around its shape, and the strokes that show how far a round one is turned. One
-/// without a shape has neither.
+/// A body as it is drawn: the closed lines around its colliders, and the strokes that show how far a round one is turned. A body
+/// without colliders has neither.
 #[derive(Clone, Debug)]
 pub(super) struct Outline {
     pub(super) body: BodyId,
@@ -88,7 +88,7 @@ impl DebugDraw for Outlines {
         }
     }
 
-    /// A body without a shape.
+    /// A body without colliders.
     fn point(&mut self, _at: [f64; 2], role: Role) {
         self.of(role);
     }

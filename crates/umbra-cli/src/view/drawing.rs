@@ -6,7 +6,7 @@
 use serde_json::{Value, json};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyClass, BodyId, ColliderDef, DebugDraw, End, FieldKind, ForceField, Fx, Pose, Region, Role, Shape,
+    Attachment, BodyClass, BodyId, ColliderDef, DebugDraw, End, FieldKind, ForceField, Fx, Pose, Region, Role,
 };
 
 /// The drawing of a shape about its centre of mass, for the page to turn and move: discs with the point of their rim that is
@@ -35,19 +35,14 @@ impl DebugDraw for Primitives {
     }
 }
 
-/// The shape of a body and those of its colliders; None for a body that has neither.
-pub(super) fn outline(body: BodyId, shape: Option<&Shape>, colliders: &[ColliderDef]) -> Option<Value> {
+/// The shapes of a body's colliders; None for a body that has none.
+pub(super) fn outline(body: BodyId, colliders: &[ColliderDef]) -> Option<Value> {
     let (mut primitives, role) = (Primitives::default(), Role::Body(body, BodyClass::Dynamic));
-    let parts = colliders.iter().map(|collider| {
+    for collider in colliders {
         let pose = Pose { position: collider.position.to_f64(), angle: collider.angle.to_f64() };
-        (&collider.shape, pose)
-    });
-    let mut has_shape = false;
-    for (shape, pose) in shape.map(|shape| (shape, Pose::ORIGIN)).into_iter().chain(parts) {
-        has_shape = true;
-        shape.debug_draw(pose, role, &mut primitives);
+        collider.shape.debug_draw(pose, role, &mut primitives);
     }
-    has_shape.then_some(Value::Array(primitives.0))
+    (!colliders.is_empty()).then_some(Value::Array(primitives.0))
 }
 
 /// A force field with a place; None for those that are everywhere or that are custom forces. `life` has the number

@@ -2,9 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use umbra_physics::{
-    Activity, BodyId, BodyKind, BodyRef, ColliderDef, FieldId, ForceField, Fx, Shape, TimeStep, World,
-};
+use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, ColliderDef, FieldId, ForceField, Fx, TimeStep, World};
 
 use super::events::{Events, What};
 use super::track::{Sample, Track};
@@ -50,18 +48,11 @@ pub(crate) struct Recording {
     pub(super) fields: Vec<Placed>,
     fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
     /// Each with what it is drawn as.
-    pub(super) shapes: Vec<(Outline, serde_json::Value)>,
+    pub(super) shapes: Vec<(Vec<ColliderDef>, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
     pub(super) events: Events,
     /// The contacts of each frame as bytes; None if they are not recorded.
     pub(super) contacts: Option<Vec<Vec<u8>>>,
-}
-
-/// The shapes that a body is drawn as: its own, and those of its colliders at their places.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Outline {
-    shape: Option<Shape<Fx>>,
-    colliders: Vec<ColliderDef<Fx>>,
 }
 
 /// Ticks with the same time step.
@@ -273,15 +264,13 @@ impl Recording {
             own.filter_map(|collider| world.collider(collider).ok())
         };
         let before = self.lives[life].looks.last().and_then(|(_, look)| look.shape);
-        let is_same =
-            |outline: &Outline| outline.shape.as_ref() == body.shape() && outline.colliders.iter().eq(colliders());
-        if before.is_some_and(|before| is_same(&self.shapes[before].0)) {
+        if before.is_some_and(|before| self.shapes[before].0.iter().eq(colliders())) {
             return before;
         }
-        let outline = Outline { shape: body.shape().cloned(), colliders: colliders().cloned().collect() };
-        let drawn = drawing::outline(body.id(), outline.shape.as_ref(), &outline.colliders)?;
+        let defs: Vec<ColliderDef> = colliders().cloned().collect();
+        let drawn = drawing::outline(body.id(), &defs)?;
         let number = *self.shape_numbers.entry(drawn.to_string()).or_insert_with(|| {
-            self.shapes.push((outline, drawn));
+            self.shapes.push((defs, drawn));
             self.shapes.len() - 1
         });
         Some(number)

@@ -36,8 +36,6 @@ where
             format!("angular velocity of {}: {} rad/s", of(body), short(*velocity))
         }
         Command::SetMass { body, mass } => format!("mass of {}: {}", of(body), weight(*mass)),
-        Command::SetShape { body, shape: Some(_) } => format!("another shape for {}", of(body)),
-        Command::SetShape { body, shape: None } => format!("no shape for {}", of(body)),
         Command::SetKind { body, kind: to } => format!("make {} {}", of(body), kind(*to)),
         Command::SetGravityScale { body, scale } => format!("gravity scale of {}: {}", of(body), short(*scale)),
         Command::SetBodyDamping { body, linear, angular } => {
@@ -130,8 +128,6 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         SceneAction::AddCollider(symbol) => {
             format!("add {} to {}", collider(*symbol), body(BodyId::from_parts(symbol.parts().0, 0)))
         }
-        SceneAction::SetShape { body: id, shape: Some(_) } => format!("another shape for {}", body(*id)),
-        SceneAction::SetShape { body: id, shape: None } => format!("no shape for {}", body(*id)),
         other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
 }
@@ -173,7 +169,6 @@ fn field_words(field: &ForceField) -> &'static str {
 
 fn weight(mass: Mass) -> String {
     match mass {
-        Mass::Density(density) => format!("{} kg/m²", short(density)),
         Mass::Kilograms(mass) => format!("{} kg", short(mass)),
         Mass::Explicit { mass, inertia } => format!("{} kg, {} kg·m²", short(mass), short(inertia)),
         Mass::FromColliders => "that of its colliders".to_owned(),

@@ -66,7 +66,7 @@ fn each_message_ends_with_the_number_of_its_error() {
         ("E510", r#"{"bodies": [{"repeat": {"i": 2000000000}, "name": "{i}"}]}"#.to_owned()),
         ("E101", with_body("\"mass\": 0")),
         ("E713", with_body("\"mass\": 1e300")),
-        ("E105", with_body("\"shape\": {\"polygon\": [[0, 0], [4, 0], [1, 1], [0, 4]]}")),
+        ("E105", with_body("\"colliders\": [{\"shape\": {\"polygon\": [[0, 0], [4, 0], [1, 1], [0, 4]]}}]")),
         (
             "E107",
             r#"{"bodies": [{"name": "s", "kind": "static"}], "inputs": [{"at": 1, "body": "s", "force": [0, 1]}]}"#
@@ -118,9 +118,12 @@ fn deep_nesting_costs_no_stack() {
     let scene = format!("{{\n\"depth\": {}}}", deep("{\"a\":", "}"));
     assert!(refused("objects.json", scene).starts_with(":2: depth: unknown field"), "objects");
     assert!(refused("open.json", "[".repeat(200_000)).starts_with(":1: not JSON: EOF"), "open lists");
-    let scene = with_body(&format!("\"shape\": {}", deep(r#"{"compound": [{"shape": "#, "}]}")));
+    let scene = with_body(&format!("\"colliders\": [{{\"shape\": {}}}]", deep(r#"{"compound": [{"shape": "#, "}]}")));
     let error = refused("compounds.json", scene);
-    assert_eq!(error, ":3: bodies[0].shape.compound[0].shape.compound: a part cannot be a compound itself");
+    assert_eq!(
+        error,
+        ":3: bodies[0].colliders[0].shape.compound[0].shape.compound: a part cannot be a compound itself"
+    );
 }
 
 #[test]
@@ -199,15 +202,19 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ("\"kind\": \"static\", \"velocity\": [1, 0]", "velocity: a static body has no velocity"),
         ("\"force_groups\": [32]", "force_groups[0]: out of range: expected a group from 0 to 31"),
         ("\"key\": -1", "key: out of range: expected a whole number that fits in 64 bits"),
+        ("\"density\": 1", "density: unknown field: give it to a collider, in the list `colliders` of a body"),
         (
-            "\"density\": 1",
-            "density: a density needs a shape of the body itself: colliders give it mass by densities of their own",
+            "\"shape\": {\"circle\": {\"radius\": 1}}",
+            "shape: unknown field: give it to a collider, `\"colliders\": [{\"shape\": …}]`; one with `\"mask\": []` touches nothing",
         ),
         (
-            "\"shape\": {\"circle\": {\"radius\": 5000}}",
-            "shape.circle.radius: out of range: expected a radius from 2^-7 to 2^12 m, not 5000",
+            "\"colliders\": [{\"shape\": {\"circle\": {\"radius\": 5000}}}]",
+            "colliders[0].shape.circle.radius: out of range: expected a radius from 2^-7 to 2^12 m, not 5000",
         ),
-        ("\"shape\": {\"ball\": {}}", "shape.ball: unknown field: did you mean `circle`?"),
+        (
+            "\"colliders\": [{\"shape\": {\"ball\": {}}}]",
+            "colliders[0].shape.ball: unknown field: did you mean `circle`?",
+        ),
     ];
     for (fields, expected) in cases {
         assert_eq!(refused("range.json", with_body(fields)), format!(":3: bodies[0].{expected}"), "{fields}");
@@ -255,15 +262,15 @@ fn a_number_of_forty_digits_is_rounded_once() {
 
 #[test]
 fn a_polygon_that_is_not_convex_is_refused_at_its_corner() {
-    let dent = with_body("\"shape\": {\"polygon\": [\n[0, 0], [4, 0],\n[1, 1],\n[0, 4]]}");
+    let dent = with_body("\"colliders\": [{\"shape\": {\"polygon\": [\n[0, 0], [4, 0],\n[1, 1],\n[0, 4]]}}]");
     assert_eq!(
         refused("dent.json", dent),
-        ":5: bodies[0].shape.polygon[2]: corner 2 is not convex, or repeats its neighbour: list the corners of a convex polygon in order"
+        ":5: bodies[0].colliders[0].shape.polygon[2]: corner 2 is not convex, or repeats its neighbour: list the corners of a convex polygon in order"
     );
-    let two = refused("two-corners.json", with_body("\"shape\": {\"polygon\": [[0, 0], [1, 0]]}"));
+    let two = refused("two-corners.json", with_body("\"colliders\": [{\"shape\": {\"polygon\": [[0, 0], [1, 0]]}}]"));
     assert_eq!(
         two,
-        ":3: bodies[0].shape.polygon: out of range: expected 3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
+        ":3: bodies[0].colliders[0].shape.polygon: out of range: expected 3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
     );
 }
 
@@ -404,8 +411,8 @@ fn a_picture_has_disabled_bodies_as_grey_outlines_whatever_they_did_before() {
     let svg = |input: &str| {
         let scene = format!(
             r#"{{"ticks": 20, "bodies": [
-                {{"name": "a", "velocity": [3, 0], "shape": {{"rectangle": {{"width": 2, "height": 2}}}}}},
-                {{"name": "b", "velocity": [0, 3], "shape": {{"rectangle": {{"width": 2, "height": 2}}}}}}
+                {{"name": "a", "velocity": [3, 0], "colliders": [{{"shape": {{"rectangle": {{"width": 2, "height": 2}}}}, "mask": []}}]}},
+                {{"name": "b", "velocity": [0, 3], "colliders": [{{"shape": {{"rectangle": {{"width": 2, "height": 2}}}}, "mask": []}}]}}
             ], "inputs": [{input}], "plot": {{"exposures": 1}}}}"#
         );
         let (scene, picture) = (Scratch::new("disabled.json", &scene), Scratch::new("disabled.svg", ""));

@@ -74,18 +74,19 @@ fn verified(folder: &Folder, name: &str, bytes: &[u8]) -> (i32, Value) {
 /// Every kind of input that a scene can have, the marks of two bodies, and a push to the second of them at tick 2.
 fn busy(push: &str) -> String {
     r#"{"ticks": 100, "gravity": [0, -10], "bodies": [
-        {"name": "a", "shape": {"circle": {"radius": 1}}, "user_data": 1234605616436508552},
+        {"name": "a", "mass": 1, "colliders": [{"shape": {"circle": {"radius": 1}}, "mask": []}], "user_data": 1234605616436508552},
         {"name": "b", "position": [5, 0]}, {"name": "s", "kind": "static"}],
     "fields": [{"name": "d", "drag": {"linear": 0.5}}],
     "inputs": [
         {"at": 2, "body": "b", "impulse": [PUSH, 0]},
         {"from": 3, "to": 9, "every": 2, "body": "a", "force": [1, 2], "torque": 3, "frame": "body", "point": [0.5, 0]},
-        {"at": 4, "add": {"name": "c", "shape": {"rectangle": {"width": 1, "height": 2}}, "mass": 2}},
+        {"at": 4, "add": {"name": "c", "colliders": [{"name": "hull", "shape": {"rectangle": {"width": 1, "height": 2}}, "mask": []}], "mass": 2}},
         {"at": 4, "add_field": {"name": "p", "spring": {"from": "c", "to": "b", "stiffness": 3}}},
         {"at": 5, "body": "c", "angular_impulse": 1, "set": {"position": [1, 1], "angle": 1, "velocity": [1, 0],
             "angular_velocity": 2, "gravity_scale": 0.5, "damping": {"linear": {"kept_per_second": 0.5}}, "force_groups": [1], "key": 3,
-            "user_data": 4, "shape": null}},
-        {"at": 6, "body": "c", "set": {"mass": 3, "inertia": 2, "shape": {"circle": {"radius": 0.5}}}},
+            "user_data": 4}},
+        {"at": 5, "collider": "hull", "do": "remove"},
+        {"at": 6, "body": "c", "set": {"mass": 3, "inertia": 2}, "add_collider": {"shape": {"circle": {"radius": 0.5}}, "mask": []}},
         {"at": 7, "field": "d", "replace": {"zone": {"disc": {"centre": [0, 0], "radius": 3}, "acceleration": [0, 1]}}},
         {"at": 8, "set": {"time_step": "1/120", "gravity": [0, -1], "integrator": "symplectic_euler",
             "damping": {"linear": {"kept_per_second": 0.9}}, "sleep_after": 5}},

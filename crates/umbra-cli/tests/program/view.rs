@@ -458,8 +458,8 @@ fn nothing_at_all_is_a_page_too() {
 #[test]
 fn a_replay_is_played_and_one_cut_off_as_far_as_it_goes() {
     let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
-    let shape = Some(Shape::circle(fx!(0.5)).expect("a circle"));
-    let ball = world.add_body(BodyDef { shape, ..BodyDef::dynamic() }).expect("there is room");
+    let disc = Shape::circle(fx!(0.5)).expect("a circle");
+    let ball = world.add_body(BodyDef::dynamic().with_collider(disc)).expect("there is room");
     (0..7).for_each(|_| _ = world.step());
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 3, ..RecordOptions::default() });
     let mut hashes = vec![format!("{:016x}", world.state_hash())];
@@ -506,7 +506,7 @@ fn texts_of_a_scene_stay_texts() {
         "title": hostile,
         "about": hostile,
         "ticks": 3,
-        "bodies": [{"name": hostile, "shape": {"circle": {"radius": 1}}}],
+        "bodies": [{"name": hostile, "colliders": [{"shape": {"circle": {"radius": 1}}}]}],
         "inputs": [{"at": 1, "body": hostile, "force": [1, 0]}, {"at": 2, "body": hostile, "do": "remove"}],
     });
     let file = Page::scene("hostile", scene.to_string());

@@ -103,20 +103,17 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         let free = |value: Fx, is_locked: bool| if is_locked && !is_wild { Fx::ZERO } else { value };
         let (velocity, angular_velocity) =
             if is_still { (Vec2::ZERO, Fx::ZERO) } else { (self.velocity(), self.angular_velocity()) };
-        let shape = self.optional_shape();
-        let mass = match self.mass() {
-            Mass::Density(density) if shape.is_none() && !is_wild => Mass::Kilograms(density.max(limits::MASS_MIN)),
-            mass => mass,
-        };
+        let ghost = self.ghost();
+        let mass = self.mass();
         let key = self.choices.choose(16);
-        let colliders = self.colliders();
+        let mut colliders = self.colliders();
+        colliders.extend(ghost);
         BodyDef {
             kind,
             position: self.position(),
             angle: self.angle(),
             velocity: Vec2::new(free(velocity.x, locks.x), free(velocity.y, locks.y)),
             angular_velocity: free(angular_velocity, locks.rotation),
-            shape,
             colliders,
             mass,
             gravity_scale: if is_resting { Fx::ZERO } else { self.gravity_scale() },
@@ -189,12 +186,8 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             3..5 => Mass::Kilograms(mass),
             5..7 => Mass::Explicit { mass, inertia: self.number(usual, [Fx::DELTA, Fx::MAX]) },
             _ if self.taste.smooth => Mass::Kilograms(mass),
-            _ => Mass::Density(self.number(usual, [Fx::DELTA, Fx::MAX])),
+            _ => Mass::FromColliders,
         }
-    }
-
-    fn optional_shape(&mut self) -> Option<Shape> {
-        if self.choices.one_in(2) { self.shape() } else { None }
     }
 
     fn kind(&mut self) -> BodyKind {

@@ -44,7 +44,6 @@ impl Fields {
 
     pub(super) fn mass(&mut self, mass: Mass) {
         match mass {
-            Mass::Density(density) => self.put("density", density),
             Mass::Kilograms(mass) => self.put("mass", mass),
             Mass::Explicit { mass, inertia } => {
                 self.put("mass", mass);

@@ -18,9 +18,9 @@ fn all_errors_of_a_text_are_reported_by_line() {
 "gravity": -9.81,
 "time_step": "1/0",
 "bodies": [
-  {"name": "ball", "shape": {"circle": {"raduis": 0.1}}},
-  {"nmae": "box", "type": "static", "friction": 0.5},
-  {"name": "crate", "shape": {"box": {"width": 1}}, "mass": 0, "kind": "dynmic"},
+  {"name": "ball", "colliders": [{"shape": {"circle": {"raduis": 0.1}}}]},
+  {"nmae": "box", "type": "static", "friction": 0.5, "shape": {"circle": {"radius": 1}}},
+  {"name": "crate", "colliders": [{"shape": {"box": {"width": 1}}}], "mass": 0, "kind": "dynmic"},
   {"name": "ball", "position": [0], "max_speeds": {"liner": 1}}
 ],
 "fields": [{"spring": {"from": "bal", "to": {"x": 1}, "stifness": 3}}],
@@ -34,12 +34,13 @@ fn all_errors_of_a_text_are_reported_by_line() {
     let expected = [
         "2: gravity: expected [x, y] or {\"x\": …, \"y\": …}, found a number [E502]",
         "3: time_step: the time step must be num/den seconds, from 1 to 10,000 steps a second [E104]",
-        "5: bodies[0].shape.circle.raduis: unknown field: did you mean `radius`? [E503]",
+        "5: bodies[0].colliders[0].shape.circle.raduis: unknown field: did you mean `radius`? [E503]",
         "6: bodies[1].nmae: unknown field: did you mean `name`? [E503]",
         "6: bodies[1].type: unknown field: did you mean `kind`? [E503]",
         "6: bodies[1].friction: unknown field: give it to a collider, in the list `colliders` of a body [E503]",
+        "6: bodies[1].shape: unknown field: give it to a collider, `\"colliders\": [{\"shape\": …}]`; one with `\"mask\": []` touches nothing [E503]",
         "7: bodies[2].kind: expected one of static, kinematic, dynamic, found \"dynmic\": did you mean `dynamic`? [E502]",
-        "7: bodies[2].shape.box: unknown field: did you mean `rectangle`? [E503]",
+        "7: bodies[2].colliders[0].shape.box: unknown field: did you mean `rectangle`? [E503]",
         "8: bodies[3].max_speeds.liner: unknown field: did you mean `linear`? [E503]",
         "8: bodies[3].position: expected a list of 2 values, found 1 [E502]",
         "10: fields[0].spring.to: the field `y` is missing [E505]",
@@ -76,7 +77,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
   {"shape": {"circle": {"radius": 1}}, "density": -1},
   {"shape": {"circle": {"radius": 1}}, "friction": 33},
   {"shape": {"circle": {"radius": 1}}, "restitution": 1.5},
-  {"shape": {"circle": {"radius": 1}}, "mask": []},
+  {"shape": {"circle": {"radius": 1}}, "mask": [-1]},
   {"shape": {"circle": {"radius": 1}}, "category": [32]},
   {"shape": {"circle": {"radius": 1}}, "bounciness": 1},
   {"shape": {"circle": {"radius": 1}}, "group": 0.5}]},
@@ -99,7 +100,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
         "6: bodies[0].colliders[3].density: out of range: expected a density of at least zero [E101]",
         "7: bodies[0].colliders[4].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
         "8: bodies[0].colliders[5].restitution: out of range: expected a coefficient of restitution from 0 to 1 [E101]",
-        "9: bodies[0].colliders[6].mask: out of range: expected a filter with a category and a mask, or with a positive group [E101]",
+        "9: bodies[0].colliders[6].mask[0]: out of range: expected a category from 0 to 31 [E508]",
         "10: bodies[0].colliders[7].category[0]: out of range: expected a category from 0 to 31 [E508]",
         "11: bodies[0].colliders[8].bounciness: unknown field: did you mean `restitution`? [E503]",
         "12: bodies[0].colliders[9].group: out of range: expected a whole number that fits in 32 bits [E508]",
@@ -226,7 +227,7 @@ fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
   {{{disc}, "friction": -0.5}},
   {{{disc}, "restitution": [0.5]}},
   {{{disc}, "category": 3}},
-  {{{disc}, "category": []}},
+  {{{disc}, "category": [32]}},
   {{{disc}, "mask": [-1]}},
   {{{disc}, "group": 2147483648}},
   {{{disc}, "angle": "left"}},
@@ -243,7 +244,7 @@ fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
         "8: bodies[0].colliders[6].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
         "9: bodies[0].colliders[7].restitution: expected a number, found a list [E502]",
         "10: bodies[0].colliders[8].category: expected a list, found a number [E502]",
-        "11: bodies[0].colliders[9].category: out of range: expected a filter with a category and a mask, or with a positive group [E101]",
+        "11: bodies[0].colliders[9].category[0]: out of range: expected a category from 0 to 31 [E508]",
         "12: bodies[0].colliders[10].mask[0]: out of range: expected a category from 0 to 31 [E508]",
         "13: bodies[0].colliders[11].group: out of range: expected a whole number that fits in 32 bits [E508]",
         "14: bodies[0].colliders[12].angle: expected a number, found a text [E502]",
@@ -300,7 +301,7 @@ fn errors_that_follow_from_another_are_not_reported() {
     let found: Vec<String> = errors(text).errors().iter().map(|error| error.place.field.clone()).collect();
     assert_eq!(found, ["bodies[0].mass", "bodies[1].name", "bodies[2](i=0).angel"]);
     // A field that is missing for no other reason is.
-    let found = lines(r#"{"bodies": [{"name": "a", "shape": {"rectangle": {"hight": 1}}}]}"#);
+    let found = lines(r#"{"bodies": [{"name": "a", "colliders": [{"shape": {"rectangle": {"hight": 1}}}]}]}"#);
     assert_eq!(found.len(), 2, "{found:?}");
     assert!(found[0].ends_with("hight: unknown field: did you mean `height`? [E503]"), "{found:?}");
     assert!(found[1].ends_with("rectangle: the field `width` is missing [E505]"), "{found:?}");

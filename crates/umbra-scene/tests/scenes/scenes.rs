@@ -8,7 +8,8 @@ use crate::cases::{cases, is_short};
 use proptest::prelude::*;
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, Command, FieldKind, ForceField, Fx, Random, Scalar, Shape, Vec2, fx, vec2,
+    Activity, Attachment, BodyDef, BodyId, BodyRef, ColliderDef, Command, FieldKind, ForceField, Fx, Random, Scalar,
+    Shape, Vec2, fx, vec2,
 };
 use umbra_scene::{Scene, SceneAction, SceneErrors, SceneRun};
 
@@ -143,9 +144,9 @@ pub(crate) const RICH: &str = r#"{
   "contacts": {"substeps": 4, "push_speed": 2, "restitution_speed": 0.5, "sleep_speed": 0.25, "hit_speed": 0.5, "max_pairs": 1000, "max_pairs_per_collider": 20},
   "material_pairs": [{"materials": [4294967295, 4294967295], "friction": 0.25, "restitution": 0.5, "rolling_resistance": 0.125}],
   "bodies": [
-    {"name": "s", "kind": "static", "shape": {"segment": [[-5, 0], [5, 0]]}, "position": [0, -3]},
-    {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2, "shape": {"capsule": {"length": 1, "radius": 0.5}},
-     "colliders": [{"name": "hull", "shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0.1], "angle": 0.5, "density": 2,
+    {"name": "s", "kind": "static", "colliders": [{"shape": {"segment": [[-5, 0], [5, 0]]}, "category": [], "mask": []}], "position": [0, -3]},
+    {"name": "k", "kind": "kinematic", "velocity": [1, 0], "angular_velocity": 2,
+     "colliders": [{"shape": {"capsule": {"length": 1, "radius": 0.5}}, "mask": []}, {"name": "hull", "shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0.1], "angle": 0.5, "density": 2,
        "friction": 0.3, "restitution": 0.5, "rolling_resistance": 0.25, "surface_speed": -1.5, "material_id": 4294967295, "friction_rule": "minimum", "restitution_rule": "mean", "category": [1, 31], "mask": [0, 2, 4], "group": -2147483648, "one_way": {"direction": [0.5, -1], "tolerance": 0.25}, "contact_events": true, "hit_events": true, "key": 3, "user_data": 18446744073709551615},
       {"shape": {"segment": [[-1, 0], [1, 0]]}, "sensor": true},
       {"shape": {"rounded_polygon": {"corners": [[0, 0], [1, 0], [0, 1]], "radius": 0.125}}, "position": [-1, 0]},
@@ -153,9 +154,9 @@ pub(crate) const RICH: &str = r#"{
     {"repeat": {"i": 2, "j": [-1, 1]}, "name": "r-{i}-{j}-{n}", "position": [{"start": 0.1, "i": 0.1, "j": 1e-3}, {"random": [-1, 1], "seed": 7}],
      "velocity": {"length": 3, "angle": {"j": 0.5}}, "mass": 2, "inertia": 0.5, "bullet": true, "max_speeds": {"linear": 50, "angular": 20}, "locks": ["rotation"], "key": {"i": 5}, "user_data": 9, "force_groups": [0, 31],
      "colliders": [{"name": "disc-{n}", "shape": {"circle": {"radius": 0.5}}, "key": {"start": 2, "i": 1, "j": 1}, "mask": [30]}]},
-    {"name": "c", "angle": 1, "dominance": -5, "gravity_scale": -1, "damping": {"linear": {"rate": 0.1}, "angular": "none"}, "density": 3, "shape": {"compound": [
+    {"name": "c", "angle": 1, "dominance": -5, "gravity_scale": -1, "damping": {"linear": {"rate": 0.1}, "angular": "none"}, "colliders": [{"density": 3, "mask": [], "shape": {"compound": [
       {"shape": {"polygon": [[0, 0], [1, 0], [0, 1]]}, "position": [1, 0], "angle": 0.5, "density": 2},
-      {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}
+      {"shape": {"rectangle": {"width": 1, "height": 2}}}, {"shape": {"circle": {"radius": 0.25}}, "position": [0, 1]}]}}]}
   ],
   "fields": [
     {"name": "sun", "attractor": {"at": [10, 10], "mu": 3.986004418e3, "softening": 0.5}, "force_groups": [0]},
@@ -193,7 +194,7 @@ pub(crate) const RICH: &str = r#"{
     {"at": 10, "do": "clear_forces", "set": {"random": [1, 2, 3, 18446744073709551615], "blob": "00fFa9"}},
     {"at": 10, "set": {"random": 7}},
     {"at": 11, "body": "c", "set": {"kind": "dynamic", "mass": 3, "position": [0, 0], "angle": 0, "velocity": [0, 0], "angular_velocity": 0,
-      "gravity_scale": 1, "damping": {}, "dominance": 7, "force_groups": [1], "key": 18446744073709551615, "user_data": 1, "shape": null}}
+      "gravity_scale": 1, "damping": {}, "dominance": 7, "force_groups": [1], "key": 18446744073709551615, "user_data": 1}}
   ],
   "plot": {"view": [[-9, -9], [9, 9]], "trails": ["c", "k"], "exposures": 3}
 }"#;
@@ -224,13 +225,13 @@ fn the_rich_scene_is_one() {
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
     assert_eq!(run.world().fields().count(), 9);
-    // Five and a fin on the one, six discs of which one was removed.
-    assert_eq!(run.world().collider_count(), 11);
+    // Three that touch nothing, five and a fin on the one, six discs of which one was removed.
+    assert_eq!(run.world().collider_count(), 14);
     let (world, labels) = (run.world(), run.labels());
     let colliders = world.bodies().flat_map(|body| world.colliders_of(body.id()).expect("it is there"));
     let mut names: Vec<&str> = colliders.filter_map(|collider| labels.collider(collider)).collect();
     names.sort_unstable();
-    assert_eq!(names, ["disc-0", "disc-1", "disc-3", "disc-4", "disc-5", "fin", "hull"], "four have no name");
+    assert_eq!(names, ["disc-0", "disc-1", "disc-3", "disc-4", "disc-5", "fin", "hull"], "seven have no name");
     assert_eq!(run.world().def().contacts.substeps, 8);
     assert_eq!((run.world().random(), run.world().blob()), (&Random::seeded(7), &[0, 255, 169][..]));
     // 10 steps of 1/120 s and 10 of 1/60.
@@ -385,7 +386,7 @@ fn options_of_a_force_are_refused_without_a_force() {
 }
 
 #[test]
-fn commands_that_add_or_have_a_shape_are_carried_out() {
+fn commands_that_add_are_carried_out() {
     let mut scene = Scene::parse(
         r#"{"sleep_after": null, "bodies": [{"name": "a"}, {"name": "b"}], "inputs": [
             {"at": 0, "body": "b", "do": "wake"}, {"at": 1, "body": "b", "do": "wake"}, {"at": 2, "body": "b", "do": "wake"}]}"#,
@@ -395,20 +396,22 @@ fn commands_that_add_or_have_a_shape_are_carried_out() {
     let [a, b] = [0, 1].map(|index| BodyId::from_parts(index, 0));
     let thrust =
         ForceField::from(FieldKind::Thrust { at: Attachment { body: b, point: Vec2::ZERO }, force: vec2(60, 0) });
-    let new = BodyDef { shape: Some(disc.clone()), ..BodyDef::dynamic() };
-    let commands = [Command::SetShape { body: a, shape: Some(disc) }, Command::AddField(thrust), Command::AddBody(new)];
+    let new = BodyDef::dynamic().with_collider(disc.clone());
+    let disc = ColliderDef::ghost(disc);
+    let commands = [Command::AddCollider { body: a, def: disc }, Command::AddField(thrust), Command::AddBody(new)];
     for (input, command) in scene.inputs.iter_mut().zip(commands) {
         input.action = SceneAction::Command(command);
     }
     let (run, _) = self::run::<Fx>(&scene, 3);
     let bodies: Vec<_> = run.world().bodies().collect();
-    assert_eq!(bodies.iter().map(|body| body.shape().is_some()).collect::<Vec<_>>(), [true, false, true]);
+    let colliders = |body: &BodyRef<'_>| run.world().colliders_of(body.id()).expect("it is there").count();
+    assert_eq!(bodies.iter().map(colliders).collect::<Vec<_>>(), [1, 0, 1]);
     assert_eq!(bodies.iter().map(|body| body.velocity().x > fx!(0)).collect::<Vec<_>>(), [false, true, false]);
     assert_eq!((run.index(bodies[2].id()), run.name(bodies[2].id())), (None, ""));
-    assert!(self::run::<f64>(&scene, 3).0.world().bodies().all(|body| body.shape().is_some() || body.id() == b));
+    assert_eq!(self::run::<f64>(&scene, 3).0.world().colliders().count(), 2);
     // As text the first two are what they were. A body needs a name there.
     let text = scene.to_json();
-    assert!(text.contains(r#""add": {"shape": {"circle": {"radius": 2}}}"#), "{text}");
+    assert!(text.contains(r#""add": {"colliders": [{"shape": {"circle": {"radius": 2}}}]}"#), "{text}");
     assert_eq!(Scene::parse(&text).expect_err("no name").first().place.field, "inputs[2].add");
     scene.inputs.pop();
     let again = Scene::parse(&scene.to_json()).expect("it is a scene");
@@ -439,8 +442,9 @@ fn a_few_lines_that_repeat_a_long_one_are_refused() {
     let corners: Vec<String> = (0..64).map(|i| format!("[{i}, {}]", i * i)).collect();
     let part = format!(r#"{{"shape": {{"polygon": [{}]}}}}"#, corners.join(", "));
     let compound = format!(r#"{{"compound": [{}]}}"#, vec![part; 256].join(", "));
-    let body =
-        |count: u32, shape: &str| format!(r#"{{"name": "{{n}}", "repeat": {{"i": {count}}}, "shape": {shape}}}"#);
+    let body = |count: u32, shape: &str| {
+        format!(r#"{{"name": "{{n}}", "repeat": {{"i": {count}}}, "colliders": [{{"shape": {shape}}}]}}"#)
+    };
     let refused = |bodies: &[String]| {
         let error = Scene::parse(&format!("{{\"bodies\": [\n{}\n]}}", bodies.join(",\n"))).expect_err("too much");
         let error = error.first();

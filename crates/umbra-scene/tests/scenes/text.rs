@@ -14,8 +14,8 @@ use crate::scenes::{RICH, texts};
 use commands::{Author, KINDS};
 use random::SplitMix;
 use umbra_physics::{
-    BodyDef, BodyId, Command, End, Error, FieldId, FieldKind, ForceField, Fx, FxFactor, Integrator, Quantity, Shape,
-    TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
+    BodyDef, BodyId, ColliderDef, Command, End, Error, FieldId, FieldKind, ForceField, Fx, FxFactor, Integrator,
+    Quantity, Shape, TimeStep, Vec2, World, WorldDef, fx, limits, vec2,
 };
 use umbra_scene::{ExportError, Place, Scene, SceneAction};
 
@@ -152,7 +152,8 @@ fn stage() -> Vec<(u64, Command)> {
     // And two more: slot 9 has a kinematic one.
     commands.extend([BodyDef::dynamic(), BodyDef::kinematic()].map(Command::AddBody));
     commands.push(Command::AddField(drag.into()));
-    commands.extend((0..3).map(|slot| Command::SetShape { body: body(slot), shape: Some(disc.clone()) }));
+    let ghost = ColliderDef::ghost(disc.clone());
+    commands.extend((0..7).map(|slot| Command::AddCollider { body: body(slot), def: ghost.clone() }));
     commands.push(Command::AddCollider { body: body(0), def: disc.into() });
     commands.push(Command::SetPosition { body: body(7), position: Vec2::new(limits::POSITION, Fx::ZERO) });
     commands.push(Command::SetVelocity { body: body(7), velocity: vec2(9, 0) });

@@ -206,8 +206,7 @@ mod tests {
             angle: Fx::number(scene_body.angle),
             velocity: vector(scene_body.vx, scene_body.vy),
             angular_velocity: Fx::number(scene_body.w),
-            shape: shape(&scene_body),
-            mass: Mass::Density(Fx::ONE),
+            colliders: shape(&scene_body).map(ColliderDef::ghost).into_iter().collect(),
             ..BodyDef::dynamic()
         };
         let id = world.add_body(def).unwrap();

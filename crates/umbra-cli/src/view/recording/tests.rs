@@ -1,6 +1,6 @@
 //! Recordings: frames, lives, looks and clocks.
 
-use umbra_physics::{BodyDef, FieldKind, Region, TimeStep, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, FieldKind, Region, Shape, TimeStep, WorldDef, fx, vec2};
 
 use super::*;
 
