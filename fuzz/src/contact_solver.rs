@@ -121,6 +121,7 @@ impl Image {
     fn correction(&self, of: &Correction) -> Correction {
         let turn = |value: FxAccumulator| if self.is_mirrored { value.negated() } else { value };
         Correction {
+            is_pushed: of.is_pushed,
             velocity: (self.accumulators)(of.velocity),
             angular_velocity: turn(of.angular_velocity),
             displacement: (self.accumulators)(of.displacement),

@@ -40,10 +40,11 @@ impl Again {
         for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
             contact.impulses = contacts.detected[number as usize].start;
         }
-        let changes = solvers.solve(scene.time_step, &scene.settings.into(), &part.flights, &mut part.contacts);
-        for (&number, change) in part.flight_numbers.iter().zip(changes) {
+        let options = scene.settings.into();
+        solvers.solve(scene.time_step, &options, &part.flights, &mut part.contacts, &mut part.corrections);
+        for (&number, change) in part.flight_numbers.iter().zip(&part.corrections) {
             match corrections.get_mut(number as usize) {
-                Some(correction) if is_changed[number as usize] => *correction = Correction::from(change),
+                Some(correction) if is_changed[number as usize] => *correction = *change,
                 // A fixed body, which other islands may touch as well.
                 Some(correction) => correction.is_pushed = false,
                 None => {}

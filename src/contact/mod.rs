@@ -64,7 +64,8 @@ use crate::limits::PARTS;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Scalar, Turn};
 use crate::slots::BodyId;
-use crate::solve::{self, SolverOptions};
+pub(crate) use crate::solve::Correction;
+use crate::solve::SolverOptions;
 
 pub(crate) use bodies::ContactBodies;
 pub(crate) use deflected::ROUNDS;
@@ -165,33 +166,6 @@ impl<S: Scalar> Start<S> {
         motion.angle[self.dense] = self.angle;
         motion.angular_velocity[self.dense] = self.angular_velocity;
         motion.ticks_at_rest[self.dense] = 0;
-    }
-}
-
-/// The change of a body by all impulses of a step.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Correction {
-    /// True if there was an impulse, also where the changes add up to nothing.
-    pub(crate) is_pushed: bool,
-    /// m/s
-    pub(crate) velocity: Vec2<FxAccumulator>,
-    /// rad/s
-    pub(crate) angular_velocity: FxAccumulator,
-    /// m
-    pub(crate) displacement: Vec2<FxAccumulator>,
-    /// rad
-    pub(crate) rotation: FxAccumulator,
-}
-
-impl From<&solve::Correction> for Correction {
-    fn from(change: &solve::Correction) -> Self {
-        Self {
-            is_pushed: *change != solve::Correction::default(),
-            velocity: change.velocity,
-            angular_velocity: change.angular_velocity,
-            displacement: change.displacement,
-            rotation: change.rotation,
-        }
     }
 }
 

@@ -155,16 +155,16 @@ impl Pipeline {
         corrections: &mut Vec<Correction>,
     ) {
         let Self { flights, contacts, .. } = self;
-        corrections.clear();
         contacts.totals.clear();
         contacts.touched.clear();
         if contacts.is_empty() {
+            corrections.clear();
             return;
         }
         let options = scene.settings.into();
-        let changes = solvers.solve(scene.time_step, &options, flights.all(), &mut contacts.solver_contacts);
+        solvers.solve(scene.time_step, &options, flights.all(), &mut contacts.solver_contacts, corrections);
         // Moving bodies have the first flights.
-        corrections.extend(changes.iter().take(scene.starts.len()).map(Correction::from));
+        corrections.truncate(scene.starts.len());
         self.read_events(solvers, scene, None);
         self.contacts.mark_pushing(&self.flights, corrections);
     }

@@ -80,7 +80,7 @@ pub(super) struct Part {
     pub(super) contact_numbers: Vec<u32>,
     /// By the number among all flights: the number in the part, or [`NONE`].
     place: Vec<u32>,
-    corrections: Vec<Correction>,
+    pub(super) corrections: Vec<Correction>,
 }
 
 impl Part {
@@ -128,27 +128,27 @@ pub(crate) struct Solvers<C> {
     /// By kind.
     parts: [Part; KINDS],
     solvers: [C; KINDS],
-    corrections: Vec<Correction>,
 }
 
 impl<C: ContactSolver> Solvers<C> {
-    /// Solves contacts, each island with the options of its kind: writes impulses to the contacts. Returns the corrections of all flights.
+    /// Solves contacts, each island with the options of its kind: writes impulses to the contacts and the corrections of all flights.
     pub(super) fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
         contacts: &mut [Contact],
-    ) -> &[Correction] {
+        corrections: &mut Vec<Correction>,
+    ) {
         self.is_split = self.find_special(options, flights, contacts);
         if !self.is_split {
-            self.solvers[0].solve(time_step, options, flights, contacts, &mut self.corrections);
-            return &self.corrections;
+            self.solvers[0].solve(time_step, options, flights, contacts, corrections);
+            return;
         }
-        self.corrections.clear();
-        self.corrections.resize(flights.len(), Correction::default());
+        corrections.clear();
+        corrections.resize(flights.len(), Correction::default());
         for kind in 0..KINDS {
-            self.take(kind, time_step, flights, contacts);
+            self.take(kind, time_step, flights, contacts, corrections);
             let part = &mut self.parts[kind];
             if part.contacts.is_empty() {
                 continue;
@@ -162,13 +162,12 @@ impl<C: ContactSolver> Solvers<C> {
             solver.solve(time_step, &part_options, &part.flights, &mut part.contacts, &mut part.corrections);
             // Fixed bodies, which may be in several parts, have none.
             for (&number, correction) in part.flight_numbers.iter().zip(&part.corrections) {
-                self.corrections[number as usize] = *correction;
+                corrections[number as usize] = *correction;
             }
             for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
                 contacts[number as usize].impulses = contact.impulses.rescaled(part_substeps, substeps);
             }
         }
-        &self.corrections
     }
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
@@ -266,8 +265,15 @@ impl<C: ContactSolver> Solvers<C> {
     }
 
     /// Copies the contacts of the islands of a kind, and the flights that they join, with the corrections of the parts before.
-    fn take(&mut self, kind: usize, time_step: TimeStep, flights: &[Flight], contacts: &[Contact]) {
-        let Self { graph, kinds, parts, corrections, .. } = self;
+    fn take(
+        &mut self,
+        kind: usize,
+        time_step: TimeStep,
+        flights: &[Flight],
+        contacts: &[Contact],
+        corrections: &[Correction],
+    ) {
+        let Self { graph, kinds, parts, .. } = self;
         let part = &mut parts[kind];
         part.take(flights, contacts, |contact| {
             let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
@@ -288,7 +294,7 @@ impl<C: ContactSolver> Solvers<C> {
 /// Gives a flight the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
 /// and an impact of its body has changed these at once.
 fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
-    if *correction == Correction::default() {
+    if !correction.is_pushed {
         return;
     }
     let (num, den) = time_step.seconds();

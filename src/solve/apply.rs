@@ -195,8 +195,12 @@ impl Job for Apply<'_> {
         // A loop: a closure would not be compiled for the instructions of the job.
         for (body, (flight, total)) in flights.iter().zip(&*totals).enumerate() {
             let path = *paths.get(body).unwrap_or(&Path::Contacts);
-            let is_pushed = !total.is_zero();
-            corrections.push(if is_pushed { flight.correction(total, path, clock) } else { Correction::default() });
+            let mut correction = Correction::default();
+            if !total.is_zero() {
+                correction = flight.correction(total, path, clock);
+                correction.is_pushed = correction != Correction::default();
+            }
+            corrections.push(correction);
         }
     }
 }
@@ -222,6 +226,7 @@ impl Flight {
             }
         };
         Correction {
+            is_pushed: false,
             velocity,
             angular_velocity,
             displacement: Vec2::new(changed(wx, moved_x).plus(ox), changed(wy, moved_y).plus(oy)),

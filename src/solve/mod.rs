@@ -261,6 +261,8 @@ pub struct Contact {
 /// The change of a body by all impulses of a step, in place of its row: in metres and seconds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Correction {
+    /// True if the body changes; its contacts set it too where they push others and the changes add up to nothing.
+    pub is_pushed: bool,
     /// m/s
     pub velocity: Vec2<FxAccumulator>,
     /// rad/s

@@ -122,11 +122,14 @@ impl Body {
             }
         }
         let fixed = |value: f64| -> FxAccumulator { Accumulator::<f64>::to_fixed(value) };
-        Correction {
+        let mut correction = Correction {
+            is_pushed: false,
             velocity: Vec2::new(fixed(change[0]), fixed(change[1])),
             angular_velocity: fixed(change[2]),
             displacement: Vec2::new(fixed(moved[0]), fixed(moved[1])),
             rotation: fixed(moved[2]),
-        }
+        };
+        correction.is_pushed = correction != Correction::default();
+        correction
     }
 }

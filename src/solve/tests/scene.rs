@@ -274,6 +274,7 @@ impl Image for Correction {
     fn mirrored(&self) -> Self {
         let flip = |v: Vec2<FxAccumulator>| Vec2::new(minus(v.x), v.y);
         Self {
+            is_pushed: self.is_pushed,
             velocity: flip(self.velocity),
             angular_velocity: minus(self.angular_velocity),
             displacement: flip(self.displacement),

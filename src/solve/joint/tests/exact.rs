@@ -109,6 +109,7 @@ impl Image {
 
     fn correction(self, correction: &Correction) -> Correction {
         Correction {
+            is_pushed: correction.is_pushed,
             velocity: self.pair(correction.velocity),
             angular_velocity: self.angle(correction.angular_velocity),
             displacement: self.pair(correction.displacement),
