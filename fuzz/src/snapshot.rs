@@ -4,7 +4,7 @@
 //! commands that make a world, and changes of its bytes before they are sealed again.
 
 use arbitrary::{Result, Unstructured};
-use umbra_physics::{Snapshot, World, WorldDef};
+use umbra_physics::{Activity, Fx, Snapshot, World, WorldDef, limits};
 
 use super::author::{self, Author};
 use super::files::{LATE, PILED, disturb, head, late, measured, seal_snapshot, use_up};
@@ -76,6 +76,17 @@ fn look_and_use(bytes: &[u8]) {
     look(bytes).into_iter().for_each(|world| use_up(world, bytes.len() as u64));
 }
 
+/// Asserts that bodies are where every call and every step leaves them. A quarantined one may be beyond.
+fn assert_in_range(world: &World) {
+    for body in world.bodies().filter(|body| body.activity() != Activity::Quarantined) {
+        let (position, velocity, turns) = (body.position(), body.velocity(), body.angular_velocity());
+        let values = [position.x, position.y, velocity.x, velocity.y, turns];
+        let most = [limits::POSITION, limits::POSITION, limits::SPEED, limits::SPEED, limits::ANGULAR_SPEED];
+        let is_within = |(value, most): (&Fx, Fx)| -most <= *value && *value <= most;
+        assert!(values.iter().zip(most).all(is_within), "{:?} is out of range", body.id());
+    }
+}
+
 /// Reads a snapshot, and returns its world a step later.
 fn look(bytes: &[u8]) -> Option<World> {
     let snapshot = measured(bytes, || Snapshot::from_bytes(bytes, &author::custom_forces())).ok()?;
@@ -83,6 +94,7 @@ fn look(bytes: &[u8]) -> Option<World> {
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     world.restore(&snapshot);
     assert_eq!(world.state_hash(), snapshot.world().state_hash());
+    assert_in_range(&world);
     world.step();
     tally::count(&world);
     let mut other = snapshot.into_world();

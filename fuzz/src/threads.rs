@@ -24,9 +24,9 @@ pub fn run(data: &[u8]) {
 }
 
 /// The number of bodies that are refused, fall asleep or are reached by fields, as the input says. After each come
-/// [`STEADY`] that move for ever and that no field reaches: 135 in all or more, a block and the start of a second, and in one input of 16
-/// 265 or more, of three blocks.
-const CROWD: [u64; 2] = [27, 53];
+/// [`STEADY`] that move for ever and that no field reaches, 256 or more: threads share two blocks of 128 free bodies, and no fewer. In one
+/// input of 16 it is twice as many.
+const CROWD: [u64; 2] = [64, 128];
 const STEADY: u64 = 4;
 /// The bodies of these kinds in a large world, in which a step uses several threads by itself: 8,200 with the others.
 const LARGE: u64 = 2_050;
