@@ -204,11 +204,11 @@ compiled! {
     fn hash_tree(world: &World<S>) -> HashTree {
         HashTree::of_inner(world)
     }
-    fn differences(world: &World<S>, other: &World<S>) -> Vec<Difference> {
-        world.differences_inner(other)
+    fn differences(left: &World<S>, right: &World<S>) -> Vec<Difference> {
+        left.differences_inner(right)
     }
-    fn first_difference(world: &World<S>, other: &World<S>) -> Option<Difference> {
-        world.first_difference_inner(other)
+    fn first_difference(left: &World<S>, right: &World<S>) -> Option<Difference> {
+        left.first_difference_inner(right)
     }
     fn kinetic_energy(world: &World<S>) -> Result<<S as Scalar>::Wide, Error> {
         world.kinetic_energy_inner()

@@ -12,13 +12,13 @@ pub(super) struct Sleepers {
 }
 
 impl Sleepers {
-    /// Adds a body to the counts (`by` = 1) or takes it out of them (−1).
-    pub(super) fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, by: i32) {
-        self.count = self.count.wrapping_add_signed(by as isize);
+    /// Adds a body to the counts (`change` = 1) or takes it out of them (−1).
+    pub(super) fn count<S: Scalar>(&mut self, info: &BodyInfo<S>, change: i32) {
+        self.count = self.count.wrapping_add_signed(change as isize);
         let mut force_groups = if info.kind == BodyKind::Dynamic { info.force_groups } else { 0 };
         while force_groups != 0 {
             let group = force_groups.trailing_zeros() as usize;
-            self.by_group[group] = self.by_group[group].wrapping_add_signed(by);
+            self.by_group[group] = self.by_group[group].wrapping_add_signed(change);
             force_groups &= force_groups - 1;
         }
     }

@@ -25,8 +25,8 @@ impl Change {
     }
 
     /// Either change.
-    pub(crate) const fn or(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+    pub(crate) const fn or(self, rhs: Self) -> Self {
+        Self(self.0 | rhs.0)
     }
 }
 

@@ -26,10 +26,10 @@ pub(crate) struct WorldFactors<'a, S: Scalar> {
 
 impl<'a, S: Scalar> WorldFactors<'a, S> {
     pub(crate) fn new(gravity: Vec2<S>, damping: [Damping<S>; 2], spans: &'a [Span], damps: [bool; SPANS]) -> Self {
-        let one = [S::Factor::ONE; SPANS];
-        let mut seconds = one;
+        let unit = [S::Factor::ONE; SPANS];
+        let mut seconds = unit;
         spans.iter().zip(&mut seconds).for_each(|(&span, seconds)| *seconds = S::seconds(span));
-        let world_factors = Self { gravity, spans, seconds, damps, linear: one, angular: one };
+        let world_factors = Self { gravity, spans, seconds, damps, linear: unit, angular: unit };
         let [linear, angular] = damping.map(|damping| world_factors.decays(S::decay_rate(damping.kept())));
         Self { linear, angular, ..world_factors }
     }
@@ -88,11 +88,13 @@ impl<S: Scalar> PartialEq for Key<S> {
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> [u64; 6] {
-        let [linear, angular] = [self.linear, self.angular].map(|own| own.map(Damping::kept));
-        let own = [linear, angular, self.most[0], self.most[1]];
-        let flags = [self.dynamic, self.still[0], self.still[1]].into_iter().chain(own.map(|own| own.is_some()));
+        let [linear, angular] = [self.linear, self.angular].map(|damping| damping.map(Damping::kept));
+        let options = [linear, angular, self.most[0], self.most[1]];
+        let flags =
+            [self.dynamic, self.still[0], self.still[1]].into_iter().chain(options.map(|option| option.is_some()));
         let flags = flags.fold(0, |flags, flag| flags << 1 | u64::from(flag));
-        let [linear, angular, speed, angular_speed] = own.map(|own| own.map_or(0, |own| own.to_bits() as u64));
+        let [linear, angular, speed, angular_speed] =
+            options.map(|option| option.map_or(0, |option| option.to_bits() as u64));
         [flags, self.gravity_scale.to_bits() as u64, linear, angular, speed, angular_speed]
     }
 
@@ -146,9 +148,9 @@ impl<S: Scalar> StepFactors<S> {
     /// Makes the factors anew.
     fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
-        let rates = *self
-            .rates
-            .get_or_insert_with(|| [key.linear, key.angular].map(|own| own.map(|own| S::decay_rate(own.kept()))));
+        let rates = *self.rates.get_or_insert_with(|| {
+            [key.linear, key.angular].map(|damping| damping.map(|damping| S::decay_rate(damping.kept())))
+        });
         *self = Self { version: self.version, rates: self.rates, ..Self::neutral(key) };
         if !key.dynamic {
             return;

@@ -413,10 +413,10 @@ pub(crate) fn check_gravity_scale<S: Scalar>(scale: S) -> Result<(), Error> {
     check(within(scale, limits::GRAVITY_SCALE), Quantity::GravityScale)
 }
 
-pub(crate) fn check_max_speed<S: Scalar>(most: S) -> Result<(), Error> {
-    check(most >= S::ZERO && within(most, limits::SPEED), Quantity::MaxSpeed)
+pub(crate) fn check_max_speed<S: Scalar>(max_speed: S) -> Result<(), Error> {
+    check(max_speed >= S::ZERO && within(max_speed, limits::SPEED), Quantity::MaxSpeed)
 }
 
-pub(crate) fn check_max_angular_speed<S: Scalar>(most: S) -> Result<(), Error> {
-    check(most >= S::ZERO && within(most, limits::ANGULAR_SPEED), Quantity::MaxAngularSpeed)
+pub(crate) fn check_max_angular_speed<S: Scalar>(max_speed: S) -> Result<(), Error> {
+    check(max_speed >= S::ZERO && within(max_speed, limits::ANGULAR_SPEED), Quantity::MaxAngularSpeed)
 }

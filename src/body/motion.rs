@@ -73,15 +73,15 @@ impl<S: Scalar> Motion<S> {
         push(&mut self.ticks_at_rest, 0);
     }
 
-    /// Takes over a body of `other`, to the bit.
-    pub(super) fn copy(&mut self, i: usize, other: &Self, j: usize) {
-        self.position.set(i, other.position.get(j));
-        self.velocity.set(i, other.velocity.get(j));
-        self.angle[i] = other.angle[j];
-        self.angular_velocity[i] = other.angular_velocity[j];
-        self.ticks_at_rest[i] = other.ticks_at_rest[j];
-        if let (Some(own), Some(other)) = (self.last_acceleration.get_mut(i), other.last_acceleration.get(j)) {
-            *own = *other;
+    /// Takes over a body of `source`, to the bit.
+    pub(super) fn copy(&mut self, i: usize, source: &Self, j: usize) {
+        self.position.set(i, source.position.get(j));
+        self.velocity.set(i, source.velocity.get(j));
+        self.angle[i] = source.angle[j];
+        self.angular_velocity[i] = source.angular_velocity[j];
+        self.ticks_at_rest[i] = source.ticks_at_rest[j];
+        if let (Some(last), Some(source_last)) = (self.last_acceleration.get_mut(i), source.last_acceleration.get(j)) {
+            *last = *source_last;
         }
     }
 

@@ -197,8 +197,8 @@ impl<S: Scalar> Bodies<S> {
         motion.angle[dense] = record.angle;
         motion.angular_velocity[dense] = record.angular_velocity;
         motion.ticks_at_rest[dense] = record.ticks_at_rest;
-        if let (Some(own), Some(last)) = (motion.last_acceleration.get_mut(dense), record.last_acceleration) {
-            *own = last;
+        if let (Some(place), Some(last)) = (motion.last_acceleration.get_mut(dense), record.last_acceleration) {
+            *place = last;
         }
         Ok(Some(dense))
     }
@@ -206,19 +206,19 @@ impl<S: Scalar> Bodies<S> {
     /// Adds a copy of a body of another world with the same parameters. Everything is copied but its handle.
     pub(crate) fn adopt(
         &mut self,
-        other: &Self,
+        source: &Self,
         body: BodyId,
         other_factors: &FactorTable<S>,
         factor_table: &mut FactorTable<S>,
     ) -> Result<BodyId, Error> {
-        let from = other.find(body)?;
-        let def = other.record(from, other_factors).def();
-        let adopted = self.insert(&def, other.info(from).collider_mass(), *other.mass(from), factor_table);
+        let from = source.find(body)?;
+        let def = source.record(from, other_factors).def();
+        let adopted = self.insert(&def, source.info(from).collider_mass(), *source.mass(from), factor_table);
         let dense = self.find(adopted)?;
-        let dense = self.set_activity(dense, other.activity(from));
+        let dense = self.set_activity(dense, source.activity(from));
         self.make_last_accelerations();
         self.is_rest_zero = false;
-        self.columns.motion.copy(dense, &other.columns.motion, from);
+        self.columns.motion.copy(dense, &source.columns.motion, from);
         Ok(adopted)
     }
 }

@@ -73,12 +73,12 @@ impl<R: Keyed> SharedRows<R> {
             self.users[row as usize] += 1;
             return row;
         }
-        let made = make(key);
+        let created = make(key);
         let row = if let Some(row) = self.free.pop() {
-            (self.rows[row as usize], self.users[row as usize]) = (made, 1);
+            (self.rows[row as usize], self.users[row as usize]) = (created, 1);
             row
         } else {
-            push(&mut self.rows, made);
+            push(&mut self.rows, created);
             push(&mut self.users, 1);
             (self.rows.len() - 1) as u32
         };
@@ -181,8 +181,8 @@ mod tests {
             let key = u64::from(random >> 16) % if step & 4_096 == 0 { 500 } else { 5 };
             if random >> 8 & 1 == 0 {
                 let row = table.acquire(key, Number);
-                let (own, users) = counts.entry(key).or_insert((row, 0));
-                assert_eq!(*own, row);
+                let (expected, users) = counts.entry(key).or_insert((row, 0));
+                assert_eq!(*expected, row);
                 *users += 1;
             } else if let Some((row, users)) = counts.get_mut(&key) {
                 *users -= 1;

@@ -95,8 +95,9 @@ mod tests {
             } else if let Some(place) = chunks.get_mut(at) {
                 (*place, list[at]) = (step, step);
             }
-            let own = chunks.chunks.iter().zip(&copy.chunks).filter(|(own, other)| !Arc::ptr_eq(own, other)).count();
-            assert!(own <= 2, "{own} chunks were copied");
+            let copies =
+                chunks.chunks.iter().zip(&copy.chunks).filter(|(chunk, copied)| !Arc::ptr_eq(chunk, copied)).count();
+            assert!(copies <= 2, "{copies} chunks were copied");
             assert_eq!((chunks.len(), chunks.get(at)), (list.len(), list.get(at)));
             if step % 500 == 0 {
                 assert!(chunks.iter().eq(&list));

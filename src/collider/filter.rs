@@ -39,11 +39,11 @@ impl Filter {
 
     /// Returns true if two colliders with these filters may meet.
     #[must_use]
-    pub fn agrees(self, other: Self) -> bool {
-        if self.group == other.group && self.group != 0 {
+    pub fn agrees(self, rhs: Self) -> bool {
+        if self.group == rhs.group && self.group != 0 {
             return self.group > 0;
         }
-        self.category & other.mask != 0 && other.category & self.mask != 0
+        self.category & rhs.mask != 0 && rhs.category & self.mask != 0
     }
 
     /// Returns true if the filter agrees with no other: it has no category or no mask, and no positive group.

@@ -166,8 +166,8 @@ impl<S: Scalar> MaterialPair<S> {
     }
 }
 
-fn within<S: Scalar>(value: S, [least, most]: [Fx; 2], quantity: Quantity) -> Result<(), Error> {
-    let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+fn within<S: Scalar>(value: S, [min, max]: [Fx; 2], quantity: Quantity) -> Result<(), Error> {
+    let is_within = value >= S::from_fx(min) && value <= S::from_fx(max);
     if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
 }
 
@@ -197,26 +197,26 @@ impl<S: Scalar> Material<S> {
 
 impl Material {
     /// The coefficients of the contact of two surfaces, by their rules.
-    pub(crate) fn mixed(&self, other: &Self) -> MaterialPair {
-        let [friction, restitution] = self.rules(other);
+    pub(crate) fn mixed(&self, rhs: &Self) -> MaterialPair {
+        let [friction, restitution] = self.rules(rhs);
         MaterialPair {
-            friction: mixed(friction, self.friction, other.friction),
-            restitution: mixed(restitution, self.restitution, other.restitution),
-            rolling_resistance: self.rolling_resistance.max(other.rolling_resistance),
+            friction: mixed(friction, self.friction, rhs.friction),
+            restitution: mixed(restitution, self.restitution, rhs.restitution),
+            rolling_resistance: self.rolling_resistance.max(rhs.rolling_resistance),
         }
     }
 
     /// The velocity that a second body takes up against this one's along the tangent (n.y, −n.x) of a contact with the normal n from this
     /// surface to the other, m/s: within 2^11.
-    pub(crate) fn surface_speed_against(&self, other: &Self) -> Fx {
+    pub(crate) fn surface_speed_against(&self, rhs: &Self) -> Fx {
         // Counter-clockwise is against the tangent on this surface, and along it on the other.
-        -(self.surface_speed + other.surface_speed)
+        -(self.surface_speed + rhs.surface_speed)
     }
 
     /// The rules for friction and restitution with another surface, which are not [`MixRule::Standard`].
-    fn rules(&self, other: &Self) -> [MixRule; 2] {
+    fn rules(&self, rhs: &Self) -> [MixRule; 2] {
         let [friction, restitution] =
-            [self.friction_rule.max(other.friction_rule), self.restitution_rule.max(other.restitution_rule)];
+            [self.friction_rule.max(rhs.friction_rule), self.restitution_rule.max(rhs.restitution_rule)];
         [
             friction.max(MixRule::GeometricMean),
             if restitution == MixRule::Standard { MixRule::Maximum } else { restitution },

@@ -69,10 +69,10 @@ impl<S: Scalar> OneWay<S> {
     /// ```
     pub fn check(&self) -> Result<(), Error> {
         let check = |ok: bool, quantity| if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) };
-        let (least, most) = (S::from_fx(Fx::from_bits(1 << 22)), S::from_fx(Fx::from_bits(1 << 42)));
+        let (min, max) = (S::from_fx(Fx::from_bits(1 << 22)), S::from_fx(Fx::from_bits(1 << 42)));
         let Vec2 { x, y } = self.direction;
-        let is_within = |v: S| v >= -most && v <= most;
-        let is_long = |v: S| v >= least || v <= -least;
+        let is_within = |v: S| v >= -max && v <= max;
+        let is_long = |v: S| v >= min || v <= -min;
         check(is_within(x) && is_within(y) && (is_long(x) || is_long(y)), Quantity::OneWayDirection)?;
         let is_angle = self.tolerance >= S::ZERO && self.tolerance <= S::from_fx(Fx::FRAC_PI_2);
         check(is_angle, Quantity::OneWayTolerance)

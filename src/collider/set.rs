@@ -408,15 +408,15 @@ impl<S: Scalar> Collider<S> {
         let mut outlines = def.shape.outlines_at(def.angle, def.position).map(BodyOutline::new);
         let count = outlines.len() as u32;
         let first = outlines.next().unwrap_or_else(|| BodyOutline::new(def.shape.outlines()[0].clone()));
-        let larger = |most: S, radius: S| if radius > most { radius } else { most };
-        let less = |least: S, width: S| if width < least { width } else { least };
+        let larger = |max: S, radius: S| if radius > max { radius } else { max };
+        let less = |min: S, width: S| if width < min { width } else { min };
         let (others, radius, width) = if count == 1 || def.shape.is_chain() {
             // The segments of a chain share their points, and have no width.
-            (None, outlines.map(|other| other.radius).fold(first.radius, larger), first.width)
+            (None, outlines.map(|outline| outline.radius).fold(first.radius, larger), first.width)
         } else {
             let others: Arc<[BodyOutline<S>]> = outlines.collect();
-            let radius = others.iter().map(|other| other.radius).fold(first.radius, larger);
-            let width = others.iter().map(|other| other.width).fold(first.width, less);
+            let radius = others.iter().map(|outline| outline.radius).fold(first.radius, larger);
+            let width = others.iter().map(|outline| outline.width).fold(first.width, less);
             (Some(others), radius, width)
         };
         let mut sink = StateHasher::new();

@@ -331,8 +331,8 @@ impl<S: Scalar + ToF64> World<S> {
         };
         match &field.kind {
             FieldKind::Spring { near, far, .. } => {
-                if let (Some((_, near)), Some(far)) = (attached(near), end(far)) {
-                    draw.segment([near, far], Role::Spring(id));
+                if let (Some((_, start)), Some(end)) = (attached(near), end(far)) {
+                    draw.segment([start, end], Role::Spring(id));
                 }
             }
             FieldKind::Attractor { centre, .. } => {

@@ -123,7 +123,7 @@ impl Interpolation {
             // The slots that were passed over have no body.
             self.seen[free..slot].fill(None);
             free = slot + 1;
-            let before = self.seen[slot].filter(|seen| goes_on && seen.body == id).map_or(now, |seen| seen.now);
+            let before = self.seen[slot].filter(|look| goes_on && look.body == id).map_or(now, |look| look.now);
             let velocity = if body.activity() == Activity::Awake {
                 (body.velocity().to_f64(), body.angular_velocity().to_f64())
             } else {
@@ -133,8 +133,8 @@ impl Interpolation {
         }
         self.seen.truncate(free);
         for placed in world.last_report().placed {
-            if let Some(Some(seen)) = self.seen.get_mut(placed.parts().0 as usize) {
-                seen.before = seen.now;
+            if let Some(Some(look)) = self.seen.get_mut(placed.parts().0 as usize) {
+                look.before = look.now;
             }
         }
     }
@@ -142,8 +142,8 @@ impl Interpolation {
     /// The pose of a body; `None` if it was not there at the last look.
     #[must_use]
     pub fn pose(&self, body: BodyId, at: Blend) -> Option<Pose> {
-        let seen = self.seen.get(body.parts().0 as usize)?.filter(|seen| seen.body == body)?;
-        Some(seen.pose(at, self.time_step))
+        let look = self.seen.get(body.parts().0 as usize)?.filter(|look| look.body == body)?;
+        Some(look.pose(at, self.time_step))
     }
 
     /// The poses of all bodies of the last look, in the order of their slots.
@@ -162,7 +162,7 @@ impl Interpolation {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn poses(&self, at: Blend) -> impl Iterator<Item = (BodyId, Pose)> {
-        self.seen.iter().flatten().map(move |seen| (seen.body, seen.pose(at, self.time_step)))
+        self.seen.iter().flatten().map(move |look| (look.body, look.pose(at, self.time_step)))
     }
 
     /// Forgets the bodies, to look at another world next. Nothing is blended until the second look from now.

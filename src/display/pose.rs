@@ -66,16 +66,16 @@ impl Pose {
     /// ```
     /// use umbra_physics::Pose;
     ///
-    /// let there = Pose { position: [2.0, 0.0], angle: 6.0 };
-    /// let half = Pose::ORIGIN.between(there, 0.5);
+    /// let end = Pose { position: [2.0, 0.0], angle: 6.0 };
+    /// let half = Pose::ORIGIN.between(end, 0.5);
     /// assert_eq!(half.position, [1.0, 0.0]);
     /// assert!((half.angle - 6.1416).abs() < 1e-4); // back by 0.1416, not on by 3
     /// ```
     #[must_use]
-    pub fn between(self, other: Self, share: f64) -> Self {
-        let position = [0, 1].map(|i| mix(self.position[i], other.position[i], share));
-        let way: f64 = self.angle.way_to(other.angle);
-        let angle = if share < 1.0 { self.angle.turned(way * share) } else { other.angle };
+    pub fn between(self, end: Self, share: f64) -> Self {
+        let position = [0, 1].map(|i| mix(self.position[i], end.position[i], share));
+        let way: f64 = self.angle.way_to(end.angle);
+        let angle = if share < 1.0 { self.angle.turned(way * share) } else { end.angle };
         Self { position, angle }
     }
 }

@@ -32,12 +32,12 @@ impl<S: Scalar> Parts<S> {
     ) -> Option<Submerged<S>> {
         let compute = || {
             let motion = &bodies.columns.motion;
-            let own = colliders.solid_of_slot(bodies.columns.slot[i]);
-            submerged(own, motion.position.get(i).map(Accumulator::value), motion.angle[i], bounds)
+            let own_colliders = colliders.solid_of_slot(bodies.columns.slot[i]);
+            submerged(own_colliders, motion.position.get(i).map(Accumulator::value), motion.angle[i], bounds)
         };
-        let (_, (of, part)) = self.get_or_insert(i, || (i, (fluid, compute())));
-        if *of != fluid {
-            (*of, *part) = (fluid, compute());
+        let (_, (cached, part)) = self.get_or_insert(i, || (i, (fluid, compute())));
+        if *cached != fluid {
+            (*cached, *part) = (fluid, compute());
         }
         *part
     }
@@ -58,9 +58,9 @@ pub(super) fn whole_area<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<
 /// The lift of a part of a body, −density·area·gravity, and its torque about the centre of mass; `None` if either does not fit.
 pub(super) fn lift<S: Scalar>(part: &Submerged<S>, density: S, gravity: Vec2<S>) -> Option<(Offset<S>, S::Wide)> {
     let density = S::Factor::from_scalar(density);
-    let scaled = |value: S::Wide, by: S| {
-        let product = value.times(density)?.times(S::Factor::from_scalar(by))?;
-        Some(if by < S::ZERO { product } else { product.negated() })
+    let scaled = |value: S::Wide, factor: S| {
+        let product = value.times(density)?.times(S::Factor::from_scalar(factor))?;
+        Some(if factor < S::ZERO { product } else { product.negated() })
     };
     let (area, moments) = (part.area.total()?, part.moments.try_map(Sum::total)?);
     let force = Vec2::new(scaled(area, gravity.x)?, scaled(area, gravity.y)?);

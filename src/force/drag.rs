@@ -64,7 +64,7 @@ pub(crate) fn resist<S: Scalar>(
     faults: &mut Vec<(usize, Cause)>,
 ) {
     let fields = fluids.fields;
-    let mut one = |id: FieldId, field: &ForceField<S>| {
+    let mut add_drag = |id: FieldId, field: &ForceField<S>| {
         if !field.kind.has_drag() {
             return;
         }
@@ -79,9 +79,9 @@ pub(crate) fn resist<S: Scalar>(
         }
     };
     if mirrored {
-        fields.iter().rev().for_each(|(id, field)| one(id, field));
+        fields.iter().rev().for_each(|(id, field)| add_drag(id, field));
     } else {
-        fields.iter().for_each(|(id, field)| one(id, field));
+        fields.iter().for_each(|(id, field)| add_drag(id, field));
     }
 }
 

@@ -313,7 +313,9 @@ impl<S: Scalar> ForceField<S> {
         };
         match &self.kind {
             // At least one end has to be on a dynamic body.
-            FieldKind::Spring { near, far: End::Body(far), .. } => dynamic(near.body).or_else(|_| dynamic(far.body)),
+            FieldKind::Spring { near: start, far: End::Body(end), .. } => {
+                dynamic(start.body).or_else(|_| dynamic(end.body))
+            }
             FieldKind::Spring { near: at, .. } | FieldKind::Thrust { at, .. } => dynamic(at.body),
             FieldKind::Attractor { .. }
             | FieldKind::Drag { .. }
@@ -337,8 +339,8 @@ impl<S: Scalar> ForceField<S> {
         match &self.kind {
             FieldKind::Attractor { centre, mu, softening } => {
                 end(centre)?;
-                let most = S::Factor::from_ratio(1 << 32, 1);
-                check(S::Factor::ZERO <= *mu && *mu <= most.times(most), Quantity::Mu)?;
+                let max = S::Factor::from_ratio(1 << 32, 1);
+                check(S::Factor::ZERO <= *mu && *mu <= max.times(max), Quantity::Mu)?;
                 let soft = *softening >= S::ZERO && *softening <= S::from_fx(limits::SIZE_MAX);
                 check(soft, Quantity::Softening)
             }
@@ -401,20 +403,20 @@ impl<S: Scalar> ForceField<S> {
     }
 
     /// The same field with other bodies in place of those it names, as for the same things in another world; `None` where
-    /// `other` gives none.
+    /// `map` gives none.
     ///
     /// ```
     /// use umbra_physics::{Attachment, BodyId, FieldKind, ForceField, vec2};
     ///
-    /// let [here, there] = [1, 2].map(|slot| BodyId::from_parts(slot, 0));
+    /// let [old, new] = [1, 2].map(|slot| BodyId::from_parts(slot, 0));
     /// let engine = |body| FieldKind::Thrust { at: Attachment::centre(body), force: vec2(0, 1) };
-    /// let field: ForceField = engine(here).into();
-    /// assert_eq!(field.map_bodies(|body| (body == here).then_some(there)), Some(engine(there).into()));
+    /// let field: ForceField = engine(old).into();
+    /// assert_eq!(field.map_bodies(|body| (body == old).then_some(new)), Some(engine(new).into()));
     /// assert_eq!(field.map_bodies(|_| None), None);
     /// ```
     #[must_use]
-    pub fn map_bodies(&self, other: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
-        let attachment = |a: &Attachment<S>| Some(Attachment { body: other(a.body)?, ..*a });
+    pub fn map_bodies(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let attachment = |a: &Attachment<S>| Some(Attachment { body: map(a.body)?, ..*a });
         let end = |e: &End<S>| match e {
             End::World(point) => Some(End::World(*point)),
             End::Body(a) => Some(End::Body(attachment(a)?)),

@@ -255,44 +255,44 @@ impl<S: Scalar> Evaluation<'_, S> {
             FieldKind::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre, self.directions) else { return };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
-                self.each_in(field.force_groups, |one, i| {
+                self.each_in(field.force_groups, |evaluation, i| {
                     if carrier == Some(i) {
                         return;
                     }
                     let offset = Anchor::at(scene.position(i)).offset_to(&centre);
                     match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
-                        Some(acceleration) => one.loads.of(i).accelerate(acceleration),
-                        None => one.faults.push((i, Cause::Field { field: id })),
+                        Some(acceleration) => evaluation.loads.of(i).accelerate(acceleration),
+                        None => evaluation.faults.push((i, Cause::Field { field: id })),
                     }
                 });
             }
             FieldKind::Thrust { at, force } => self.thrust(id, at, force),
             FieldKind::Zone { region, acceleration } => {
                 let acceleration = acceleration.map(S::Wide::from_scalar);
-                self.each_in(field.force_groups, |one, i| {
+                self.each_in(field.force_groups, |evaluation, i| {
                     if scene.is_inside(i, region) {
-                        one.loads.of(i).accelerate(acceleration);
+                        evaluation.loads.of(i).accelerate(acceleration);
                     }
                 });
             }
             FieldKind::Custom { id: law } => {
                 let Some(law) = scene.custom_forces.get(law) else { return };
-                self.each_in(field.force_groups, |one, i| match law.push(&scene.state(i)) {
-                    Ok(push) => one.loads.of(i).push_freely(&push),
-                    Err(answer) => one.faults.push((i, Cause::CustomForce { field: id, code: answer.code })),
+                self.each_in(field.force_groups, |evaluation, i| match law.push(&scene.state(i)) {
+                    Ok(push) => evaluation.loads.of(i).push_freely(&push),
+                    Err(answer) => evaluation.faults.push((i, Cause::CustomForce { field: id, code: answer.code })),
                 });
             }
             FieldKind::Buoyancy { min, max, density, .. } if pass == Dependence::Position => {
                 let bounds = Aabb { min: *min, max: *max };
-                self.each_in(field.force_groups, |one, i| {
-                    let part = one.parts.of(scene.bodies, scene.colliders, i, id, bounds);
+                self.each_in(field.force_groups, |evaluation, i| {
+                    let part = evaluation.parts.of(scene.bodies, scene.colliders, i, id, bounds);
                     let Some(part) = part else { return };
                     match lift(&part, *density, scene.gravity) {
                         Some((force, torque)) => {
                             let turns = !scene.bodies.mass(i).locks.rotation;
-                            one.loads.of(i).push_with(force, if turns { torque } else { S::Wide::default() });
+                            evaluation.loads.of(i).push_with(force, if turns { torque } else { S::Wide::default() });
                         }
-                        None => one.faults.push((i, Cause::Field { field: id })),
+                        None => evaluation.faults.push((i, Cause::Field { field: id })),
                     }
                 });
             }
@@ -343,10 +343,10 @@ impl<S: Scalar> Evaluation<'_, S> {
             Dependence::Velocity => SpringConstants { stiffness: S::ZERO, ..*spring },
             _ => SpringConstants { damping: S::ZERO, ..*spring },
         };
-        let (near, far) = (self.scene.attached(near, self.directions), self.scene.end(far, self.directions));
-        let (Some(near), Some(far)) = (near, far) else { return };
-        if self.pull(&near, &far, &law).is_none() {
-            for i in [near.dense, far.dense].into_iter().flatten() {
+        let (start, end) = (self.scene.attached(near, self.directions), self.scene.end(far, self.directions));
+        let (Some(start), Some(end)) = (start, end) else { return };
+        if self.pull(&start, &end, &law).is_none() {
+            for i in [start.dense, end.dense].into_iter().flatten() {
                 if self.is_target(i) {
                     self.faults.push((i, Cause::Field { field: id }));
                 }
@@ -355,20 +355,20 @@ impl<S: Scalar> Evaluation<'_, S> {
     }
 
     /// A spring's force on both its ends, equal and opposite to the bit.
-    fn pull(&mut self, near: &Anchor<S>, far: &Anchor<S>, spring: &SpringConstants<S>) -> Option<()> {
-        let offset = near.offset_to(far)?;
+    fn pull(&mut self, a: &Anchor<S>, b: &Anchor<S>, spring: &SpringConstants<S>) -> Option<()> {
+        let offset = a.offset_to(b)?;
         let velocity = if spring.damping == S::ZERO {
             Offset::<S>::default()
         } else {
-            let (v, w) = (far.point_velocity()?, near.point_velocity()?);
+            let (v, w) = (b.point_velocity()?, a.point_velocity()?);
             Vec2::new(v.x.plus(w.x.negated())?, v.y.plus(w.y.negated())?)
         };
         let force = S::tension(offset, velocity, spring)?;
-        if let Some(i) = near.dense.filter(|&i| self.is_target(i)) {
-            self.loads.of(i).push(near.lever, force)?;
+        if let Some(i) = a.dense.filter(|&i| self.is_target(i)) {
+            self.loads.of(i).push(a.lever, force)?;
         }
-        if let Some(i) = far.dense.filter(|&i| self.is_target(i)) {
-            self.loads.of(i).push(far.lever, force.map(S::Wide::negated))?;
+        if let Some(i) = b.dense.filter(|&i| self.is_target(i)) {
+            self.loads.of(i).push(b.lever, force.map(S::Wide::negated))?;
         }
         Some(())
     }

@@ -108,10 +108,10 @@ fn in_wide<S: Scalar>(value: i128, divisor: u64, exponent: i32) -> Option<S::Wid
     let mut factor = S::Factor::from_ratio((size >> cut) as u64, divisor);
     let mut exponent = exponent + cut as i32;
     while exponent != 0 {
-        let by = exponent.clamp(-63, 63);
-        let power = S::Factor::from_ratio(1 << by.unsigned_abs(), 1);
-        factor = if by > 0 { factor.times(power) } else { factor.over(power) };
-        exponent -= by;
+        let shift = exponent.clamp(-63, 63);
+        let power = S::Factor::from_ratio(1 << shift.unsigned_abs(), 1);
+        factor = if shift > 0 { factor.times(power) } else { factor.over(power) };
+        exponent -= shift;
     }
     S::Wide::from_factor(factor, value < 0)
 }
@@ -122,7 +122,7 @@ fn go_around<S: Scalar>(outline: &Outline<S>, turned: impl Fn(Vec2<S>) -> Point,
     let radius = i128::from(outline.radius().to_fx().to_bits());
     let beside = |[x, y]: Point, [along, up]: Point, radius: i128, scale: u32| {
         // Below 2^45·2^62.
-        let part = |from: i64, by: i64| i128::from(from) + odd_shift(i128::from(by) * radius, scale);
+        let part = |start: i64, direction: i64| i128::from(start) + odd_shift(i128::from(direction) * radius, scale);
         [part(x, along), part(y, up)]
     };
     if radius == 0 {
@@ -184,10 +184,10 @@ impl Cut {
 
     /// The point of the edge on the line, rounded to nearest, ties to even: that of the mirror image is its image, from either end.
     fn point(self, from: Point, to: Point) -> Point {
-        let (own, across) = (self.axis, 1 - self.axis);
-        let (run, rise) = (i128::from(to[own] - from[own]), i128::from(to[across] - from[across]));
+        let (along, across) = (self.axis, 1 - self.axis);
+        let (run, rise) = (i128::from(to[along] - from[along]), i128::from(to[across] - from[across]));
         // Below 2^38·2^38 and 2^37·2^38.
-        let value = i128::from(from[across]) * run + rise * i128::from(self.line - from[own]);
+        let value = i128::from(from[across]) * run + rise * i128::from(self.line - from[along]);
         let (value, run) = if run < 0 { (-value, -run) } else { (value, run) };
         let (floor, rest) = (value.div_euclid(run), value.rem_euclid(run));
         let is_up = 2 * rest > run || 2 * rest == run && floor & 1 == 1;
@@ -217,7 +217,7 @@ impl Walk {
                 if (a < line && line < b) || (b < line && line < a) {
                     let cut = Cut { axis, line, along: [line.abs_diff(a), b.abs_diff(a)] };
                     // Two at the same place are the same point, a corner of the box.
-                    let place = cuts[..count].iter().flatten().take_while(|other| other.is_before(&cut)).count();
+                    let place = cuts[..count].iter().flatten().take_while(|earlier| earlier.is_before(&cut)).count();
                     cuts[place..=count].rotate_right(1);
                     cuts[place] = Some(cut);
                     count += 1;

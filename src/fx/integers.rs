@@ -174,8 +174,8 @@ impl Mul<Fx> for i32 {
 
     #[inline]
     #[track_caller]
-    fn mul(self, other: Fx) -> Fx {
-        other * self
+    fn mul(self, rhs: Fx) -> Fx {
+        rhs * self
     }
 }
 

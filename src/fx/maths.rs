@@ -136,10 +136,10 @@ impl Fx {
     /// ```
     #[must_use]
     #[inline]
-    pub fn checked_hypot(self, other: Self) -> Option<Self> {
+    pub fn checked_hypot(self, rhs: Self) -> Option<Self> {
         // Squares of at most 2^126 each, so the sum fits; and the root of (2^32·x)² is in units of 2^-32 already.
         let square = |x: Self| u128::from(x.to_bits().unsigned_abs()).pow(2);
-        i64::try_from(sqrt::sqrt_round(square(self) + square(other))).ok().map(Self::from_bits)
+        i64::try_from(sqrt::sqrt_round(square(self) + square(rhs))).ok().map(Self::from_bits)
     }
 
     /// The binary logarithm.

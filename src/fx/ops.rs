@@ -34,8 +34,8 @@ impl Fx {
     /// The sum; `None` if it does not fit.
     #[must_use]
     #[inline]
-    pub const fn checked_add(self, other: Self) -> Option<Self> {
-        match self.to_bits().checked_add(other.to_bits()) {
+    pub const fn checked_add(self, rhs: Self) -> Option<Self> {
+        match self.to_bits().checked_add(rhs.to_bits()) {
             Some(bits) => Some(Self::from_bits(bits)),
             None => None,
         }
@@ -44,8 +44,8 @@ impl Fx {
     /// The difference; `None` if it does not fit.
     #[must_use]
     #[inline]
-    pub const fn checked_sub(self, other: Self) -> Option<Self> {
-        match self.to_bits().checked_sub(other.to_bits()) {
+    pub const fn checked_sub(self, rhs: Self) -> Option<Self> {
+        match self.to_bits().checked_sub(rhs.to_bits()) {
             Some(bits) => Some(Self::from_bits(bits)),
             None => None,
         }
@@ -62,15 +62,15 @@ impl Fx {
     /// ```
     #[must_use]
     #[inline]
-    pub const fn checked_mul(self, other: Self) -> Option<Self> {
-        Self::narrow(product(self, other))
+    pub const fn checked_mul(self, rhs: Self) -> Option<Self> {
+        Self::narrow(product(self, rhs))
     }
 
-    /// The quotient, rounded to nearest, ties to even; `None` if it does not fit or `other` is zero.
+    /// The quotient, rounded to nearest, ties to even; `None` if it does not fit or `rhs` is zero.
     #[must_use]
     #[inline]
-    pub const fn checked_div(self, other: Self) -> Option<Self> {
-        if other.to_bits() == 0 { None } else { Self::narrow(quotient(self, other)) }
+    pub const fn checked_div(self, rhs: Self) -> Option<Self> {
+        if rhs.to_bits() == 0 { None } else { Self::narrow(quotient(self, rhs)) }
     }
 
     /// The negative; `None` for [`Fx::MIN`].
@@ -96,15 +96,15 @@ impl Fx {
     /// The sum, or the end of the range it lies beyond.
     #[must_use]
     #[inline]
-    pub const fn saturating_add(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits().saturating_add(other.to_bits()))
+    pub const fn saturating_add(self, rhs: Self) -> Self {
+        Self::from_bits(self.to_bits().saturating_add(rhs.to_bits()))
     }
 
     /// The difference, or the end of the range it lies beyond.
     #[must_use]
     #[inline]
-    pub const fn saturating_sub(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits().saturating_sub(other.to_bits()))
+    pub const fn saturating_sub(self, rhs: Self) -> Self {
+        Self::from_bits(self.to_bits().saturating_sub(rhs.to_bits()))
     }
 
     /// The product, rounded to nearest, ties to even, or the end of the range it lies beyond.
@@ -118,24 +118,24 @@ impl Fx {
     /// ```
     #[must_use]
     #[inline]
-    pub const fn saturating_mul(self, other: Self) -> Self {
-        match self.checked_mul(other) {
+    pub const fn saturating_mul(self, rhs: Self) -> Self {
+        match self.checked_mul(rhs) {
             Some(product) => product,
-            None => end(signs_differ(self, other)),
+            None => end(signs_differ(self, rhs)),
         }
     }
 
     /// The quotient, rounded to nearest, ties to even, or the end of the range it lies beyond.
     ///
     /// # Panics
-    /// When `other` is zero.
+    /// When `rhs` is zero.
     #[must_use]
     #[inline]
     #[track_caller]
-    pub const fn saturating_div(self, other: Self) -> Self {
-        match Self::narrow(quotient(self, nonzero(other))) {
+    pub const fn saturating_div(self, rhs: Self) -> Self {
+        match Self::narrow(quotient(self, nonzero(rhs))) {
             Some(quotient) => quotient,
-            None => end(signs_differ(self, other)),
+            None => end(signs_differ(self, rhs)),
         }
     }
 
@@ -156,15 +156,15 @@ impl Fx {
     /// The sum modulo 2^32.
     #[must_use]
     #[inline]
-    pub const fn wrapping_add(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits().wrapping_add(other.to_bits()))
+    pub const fn wrapping_add(self, rhs: Self) -> Self {
+        Self::from_bits(self.to_bits().wrapping_add(rhs.to_bits()))
     }
 
     /// The difference modulo 2^32.
     #[must_use]
     #[inline]
-    pub const fn wrapping_sub(self, other: Self) -> Self {
-        Self::from_bits(self.to_bits().wrapping_sub(other.to_bits()))
+    pub const fn wrapping_sub(self, rhs: Self) -> Self {
+        Self::from_bits(self.to_bits().wrapping_sub(rhs.to_bits()))
     }
 
     /// The product, rounded to nearest, ties to even, modulo 2^32.
@@ -178,19 +178,19 @@ impl Fx {
     /// ```
     #[must_use]
     #[inline]
-    pub const fn wrapping_mul(self, other: Self) -> Self {
-        Self::from_bits(product(self, other) as i64)
+    pub const fn wrapping_mul(self, rhs: Self) -> Self {
+        Self::from_bits(product(self, rhs) as i64)
     }
 
     /// The quotient, rounded to nearest, ties to even, modulo 2^32.
     ///
     /// # Panics
-    /// When `other` is zero.
+    /// When `rhs` is zero.
     #[must_use]
     #[inline]
     #[track_caller]
-    pub const fn wrapping_div(self, other: Self) -> Self {
-        Self::from_bits(quotient(self, nonzero(other)) as i64)
+    pub const fn wrapping_div(self, rhs: Self) -> Self {
+        Self::from_bits(quotient(self, nonzero(rhs)) as i64)
     }
 
     /// The negative; [`Fx::MIN`] for itself.

@@ -54,11 +54,11 @@ pub(crate) fn damp<S: Scalar>(
     match factors {
         BlockFactors::Alike(row) if !row.is_damped => {}
         BlockFactors::Alike(row) if row.decays => {
-            let one = S::Factor::ONE;
-            if row.linear[span] != one {
+            let unit = S::Factor::ONE;
+            if row.linear[span] != unit {
                 block.velocity.iter_mut().for_each(|v| S::damp_all(v, row.linear[span]));
             }
-            if turns && row.angular[span] != one {
+            if turns && row.angular[span] != unit {
                 S::damp_all(block.angular_velocity, row.angular[span]);
             }
         }
@@ -77,18 +77,18 @@ fn damp_one<S: Scalar>(
     span: usize,
     faults: &mut Vec<(usize, Cause)>,
 ) {
-    let (linear, angular, one) = (row.linear[span], row.angular[span], S::Factor::ONE);
+    let (linear, angular, unit) = (row.linear[span], row.angular[span], S::Factor::ONE);
     // Damping that runs backwards may go too far.
     let damped =
-        |v: S::Accumulator, kept| if row.decays || kept <= one { Some(v.damped(kept)) } else { v.scaled(kept) };
-    if linear != one {
+        |v: S::Accumulator, kept| if row.decays || kept <= unit { Some(v.damped(kept)) } else { v.scaled(kept) };
+    if linear != unit {
         let [x, y] = &mut block.velocity;
         match (damped(x[i], linear), damped(y[i], linear)) {
             (Some(vx), Some(vy)) => (x[i], y[i]) = (vx, vy),
             _ => faults.push((block.first + i, Cause::Velocity)),
         }
     }
-    if angular != one {
+    if angular != unit {
         match damped(block.angular_velocity[i], angular) {
             Some(angular_velocity) => block.angular_velocity[i] = angular_velocity,
             None => faults.push((block.first + i, Cause::AngularVelocity)),
@@ -223,11 +223,11 @@ fn damp_and_accelerate<S: Scalar, const OPENING: bool>(
         }
         if row.is_damped {
             // Without damping not even what is below the public value is lost.
-            let (linear, angular, one) = (row.linear[span], row.angular[span], S::Factor::ONE);
-            if linear != one {
+            let (linear, angular, unit) = (row.linear[span], row.angular[span], S::Factor::ONE);
+            if linear != unit {
                 (*x, *y) = (x.damped(linear), y.damped(linear));
             }
-            if angular != one {
+            if angular != unit {
                 *angular_velocity = angular_velocity.damped(angular);
             }
         }
@@ -254,31 +254,31 @@ pub(crate) fn cap<S: Scalar>(block: &mut Block<'_, S>, factors: BlockFactors<'_,
             BlockFactors::Each(rows) => &rows[row as usize],
         };
         let [speed, angular_velocity] = if row.key.is_capped() { row.key.most } else { continue };
-        if let Some(most) = speed {
+        if let Some(max_speed) = speed {
             let v = Vec2::new(x[i].value(), y[i].value());
             let way = v.map(S::Wide::from_scalar);
-            if !most.reaches(way) {
-                let kept = S::Factor::from_scalar(most).over(S::length(way, S::ZERO));
+            if !max_speed.reaches(way) {
+                let kept = S::Factor::from_scalar(max_speed).over(S::length(way, S::ZERO));
                 let slowed = v.map(|v| S::Accumulator::from_scalar(v).damped(kept));
                 (x[i], y[i]) = (slowed.x, slowed.y);
             }
             // The factor is rounded, and below the ulp the velocity may be above what it is in public.
-            (x[i], y[i]) = (clamp::<S>(x[i], most), clamp::<S>(y[i], most));
+            (x[i], y[i]) = (clamp::<S>(x[i], max_speed), clamp::<S>(y[i], max_speed));
         }
-        if let Some(most) = angular_velocity {
-            block.angular_velocity[i] = clamp::<S>(block.angular_velocity[i], most);
+        if let Some(max_speed) = angular_velocity {
+            block.angular_velocity[i] = clamp::<S>(block.angular_velocity[i], max_speed);
         }
     }
 }
 
-/// The value within ±`most` that is nearest to `value`.
-fn clamp<S: Scalar>(value: S::Accumulator, most: S) -> S::Accumulator {
+/// The value within ±`limit` that is nearest to `value`.
+fn clamp<S: Scalar>(value: S::Accumulator, limit: S) -> S::Accumulator {
     // A float that is no number stays one, to be found.
-    if value.is_within(most) || !value.value().is_finite() {
+    if value.is_within(limit) || !value.value().is_finite() {
         return value;
     }
-    let most = S::Accumulator::from_scalar(most);
-    if value.value() < S::ZERO { most.negated() } else { most }
+    let limit = S::Accumulator::from_scalar(limit);
+    if value.value() < S::ZERO { limit.negated() } else { limit }
 }
 
 /// The sum of two accelerations; `None` if it does not fit.

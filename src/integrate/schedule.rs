@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn free_bodies_go_through_the_stages_of_coupled_ones() {
-        for integrator in Integrator::ALL.into_iter().filter(|own| *own != Integrator::PublishedVerlet) {
+        for integrator in Integrator::ALL.into_iter().filter(|integrator| *integrator != Integrator::PublishedVerlet) {
             for Schedule { coupled, free } in
                 [Some(integrator.schedule()), integrator.inverse_schedule()].into_iter().flatten()
             {

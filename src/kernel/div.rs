@@ -147,11 +147,11 @@ mod tests {
 
     /// Any word, and as often one next to a power of two, or one that ends in zeros.
     fn word() -> impl Strategy<Value = u64> {
-        let near = (0u32..64, 0u64..8, any::<bool>()).prop_map(|(k, off, below)| {
+        let beside_power = (0u32..64, 0u64..8, any::<bool>()).prop_map(|(k, off, below)| {
             let power = 1u64 << k;
             if below { power.wrapping_sub(off) } else { power.wrapping_add(off) }
         });
-        prop_oneof![any::<u64>(), near, (any::<u64>(), 0u32..64).prop_map(|(word, k)| word >> k << k)]
+        prop_oneof![any::<u64>(), beside_power, (any::<u64>(), 0u32..64).prop_map(|(word, k)| word >> k << k)]
     }
 
     /// A divisor with its top bit set.

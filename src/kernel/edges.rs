@@ -61,8 +61,8 @@ fn real(mantissa: i128, exponent: isize) -> Real {
 
 /// Returns true if the magnitude of a value is at most num/den.
 fn is_within(value: &Real, num: i128, den: i128) -> bool {
-    let most = real(num, 0) / real(den, 0);
-    *value <= most && *value >= -most
+    let bound = real(num, 0) / real(den, 0);
+    *value <= bound && *value >= -bound
 }
 
 const SHIFTS: [i32; 17] = [-200, -128, -127, -64, -1, 0, 1, 2, 63, 64, 126, 127, 128, 129, 255, 256, 257];
@@ -173,9 +173,9 @@ fn roots_at_the_borders_of_the_table() {
                 let (root, exact) = (UBig::from(fine) * 1000u32, (UBig::from(x) << 64) * 1_000_000u32);
                 assert!((&root - 501u32).pow(2) < exact && exact < (&root + 501u32).pow(2), "{x:#x}");
                 // y·√v is 1 within 2^-55, and so is its square within 2^-54.
-                let one = UBig::from(reciprocal).pow(2) * UBig::from(x);
+                let product = UBig::from(reciprocal).pow(2) * UBig::from(x);
                 let (exact, apart) = (UBig::ONE << 250, UBig::ONE << 196);
-                assert!(&exact - &apart < one && one < exact + apart, "{x:#x}");
+                assert!(&exact - &apart < product && product < exact + apart, "{x:#x}");
             }
         }
         assert_eq!(u128::from(sqrt_fx(upper >> 1)), sqrt_round(u128::from(upper >> 1) << 32), "{upper:#x}");
@@ -186,12 +186,12 @@ fn roots_at_the_borders_of_the_table() {
 fn rotations_at_the_borders_of_the_table() {
     // An entry holds for half of 2^54 either way.
     for border in (0..1 << 10).map(|entry: u64| (entry << 54).wrapping_add(1 << 53)) {
-        let near = [-2i64, -1, 0, 1].map(|off| sin_cos_turn(border.wrapping_add_signed(off)));
-        for pair in near.windows(2) {
+        let pairs = [-2i64, -1, 0, 1].map(|off| sin_cos_turn(border.wrapping_add_signed(off)));
+        for pair in pairs.windows(2) {
             // A unit of turn moves either by 2π·2^-64, 1.6 of the last place; each errs by two.
             assert!((pair[0].0 - pair[1].0).abs() <= 5 && (pair[0].1 - pair[1].1).abs() <= 5, "{border:#x}");
         }
-        for (sin, cos) in near {
+        for (sin, cos) in pairs {
             let square = (i128::from(sin).pow(2) + i128::from(cos).pow(2)) as u128;
             assert!(square.abs_diff(1 << 124) < 1 << 64, "{border:#x}");
         }
@@ -218,15 +218,15 @@ fn radians_are_the_nearest_turn() {
         let raw = (magnitude as i64).wrapping_neg();
         let nearest = turn_from_radians(raw).wrapping_neg();
         let away = (&per_raw * magnitude + &turn + &half - &unit * nearest) % &turn;
-        let most = &unit * 501u32 / 1000u32;
-        assert!(&half - &most < away && away < &half + &most, "{magnitude:#x}");
+        let bound = &unit * 501u32 / 1000u32;
+        assert!(&half - &bound < away && away < &half + &bound, "{magnitude:#x}");
     }
 }
 
 #[test]
 fn rotations_and_angles_are_within_half_a_unit_of_the_tables_own() {
     // What is added to the entry is half a unit off at most too, and what its terms leave out is a fiftieth of one.
-    let most = (102, 100);
+    let bound = (102, 100);
     let tau = Real::pi(200) * real(2, 0);
     let spread = (0..3_000u64).map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15));
     for turn in (0..129u64).map(|entry| (entry << 54) + (1 << 53)).chain(spread) {
@@ -234,16 +234,16 @@ fn rotations_and_angles_are_within_half_a_unit_of_the_tables_own() {
         let (sin, cos) = sin_cos_turn(turn);
         for (value, exact) in [(sin, exact_sin), (cos, exact_cos)] {
             let units = (exact << 62) - real(value.into(), 0);
-            assert!(is_within(&units, most.0, most.1), "{turn:#x}: {units}");
+            assert!(is_within(&units, bound.0, bound.1), "{turn:#x}: {units}");
         }
         // A vector of any length and steepness, and how far it is on from its angle.
         let (y, x) = (sin >> (turn % 61), cos >> (turn % 59));
-        let near = atan2_turn(y, x);
-        let (near_sin, near_cos) = (&tau * real(near.into(), -64)).sin_cos();
+        let angle = atan2_turn(y, x);
+        let (near_sin, near_cos) = (&tau * real(angle.into(), -64)).sin_cos();
         let (y, x) = (real(y.into(), 0), real(x.into(), 0));
         let (across, along) = (&y * &near_cos - &x * &near_sin, x * near_cos + y * near_sin);
         let units = ((across / along) << 64) / &tau;
-        assert!(is_within(&units, most.0, most.1), "{turn:#x}: {units}");
+        assert!(is_within(&units, bound.0, bound.1), "{turn:#x}: {units}");
     }
 }
 
@@ -253,12 +253,12 @@ fn angles_at_the_borders_of_the_table() {
     for length in (8..63).map(|k| (1i64 << k) - 1).chain([i64::MAX]) {
         for i in 0..128 {
             let across = (i128::from(length) * (2 * i + 1) / 256) as i64;
-            let near = [-1, 0, 1].map(|off| atan2_turn(across + off, length));
-            for pair in near.windows(2) {
+            let turns = [-1, 0, 1].map(|off| atan2_turn(across + off, length));
+            for pair in turns.windows(2) {
                 // At most 1/2π of 1/length of a turn on; each is within two units.
                 let step = i128::from(pair[1].wrapping_sub(pair[0]) as i64);
-                let most = (1i128 << 64) / 6 / i128::from(length) + 4;
-                assert!((-4..=most).contains(&step), "{across} / {length}: {step}");
+                let max_step = (1i128 << 64) / 6 / i128::from(length) + 4;
+                assert!((-4..=max_step).contains(&step), "{across} / {length}: {step}");
             }
         }
     }
@@ -279,9 +279,9 @@ fn angles_at_the_borders_of_the_table() {
 fn logarithms_and_powers_at_the_borders_of_the_tables() {
     let borders = (128..256u64).flat_map(|j| (0..64).map(move |drop| (j << 56) >> drop));
     for raw in borders.chain(words()).filter(|&raw| 1 < raw && raw < u64::MAX) {
-        let near = [raw - 1, raw, raw + 1].map(log2_fine);
+        let logarithms = [raw - 1, raw, raw + 1].map(log2_fine);
         // Apart by log2(1 + 1/raw) >= 2^-64, and within 2^-118 each.
-        assert!(near[0] < near[1] && near[1] < near[2], "{raw:#x}");
+        assert!(logarithms[0] < logarithms[1] && logarithms[1] < logarithms[2], "{raw:#x}");
     }
     let ln2 = real(2, 0).ln();
     // The series is longest at both ends of what an entry of the table is for.

@@ -231,8 +231,8 @@ mod tests {
         let ends = [0, 1, -1, 2, 3, (1 << 62) - 1, 1 << 62, -1 << 62];
         let mut vectors: Vec<(i64, i64)> = ends.iter().flat_map(|&x| ends.map(|y| (x, y))).collect();
         for _ in 0..times(40_000) {
-            let (cut, other) = (2 + next() as u64 % 62, 2 + next() as u64 % 62);
-            vectors.push((next() >> cut, next() >> other));
+            let (cut_x, cut_y) = (2 + next() as u64 % 62, 2 + next() as u64 % 62);
+            vectors.push((next() >> cut_x, next() >> cut_y));
         }
         for (x, y) in vectors.into_iter().filter(|&v| v != (0, 0)) {
             let (unit, length) = direction(x, y);
@@ -265,11 +265,11 @@ mod tests {
             }
         }
         for _ in 0..times(40_000) {
-            let (cut, other, short) = (1 + next() % 63, 1 + next() % 63, 1 + next() % 63);
-            triples.push((next() >> cut, next() >> other, next() >> short));
+            let (cut_x, cut_y, cut_z) = (1 + next() % 63, 1 + next() % 63, 1 + next() % 63);
+            triples.push((next() >> cut_x, next() >> cut_y, next() >> cut_z));
             // The sides of a right triangle, times anything: the root is an integer.
             let (m, n, k) = (next() >> 50, next() >> 50, next() >> 30 >> (next() % 34));
-            triples.push(((m.abs_diff(n) * (m + n) * k) >> 1, m * n * k, next() >> short));
+            triples.push(((m.abs_diff(n) * (m + n) * k) >> 1, m * n * k, next() >> cut_z));
         }
         for (c, d, whole) in triples.into_iter().filter(|(c, d, _)| (*c, *d) != (0, 0)) {
             let squares = u128::from(c).pow(2) + u128::from(d).pow(2);

@@ -156,9 +156,9 @@ mod tests {
 
     /// Turns near every multiple of 1/1024 and spread over all of them.
     fn turns() -> impl Iterator<Item = u64> {
-        let near = (0..1024u64).flat_map(|k| (0..9u64).map(move |d| (k << 54).wrapping_add(d).wrapping_sub(4)));
+        let borders = (0..1024u64).flat_map(|k| (0..9u64).map(move |d| (k << 54).wrapping_add(d).wrapping_sub(4)));
         let spread = (0..200_000u64).map(|k| k.wrapping_mul(0x9e37_79b9_7f4a_7c15));
-        near.chain(spread)
+        borders.chain(spread)
     }
 
     #[test]

@@ -142,10 +142,10 @@ pub(crate) const fn magnitude(a: i128) -> u128 {
     with_sign(a, a) as u128
 }
 
-/// `magnitude` with the sign of `of`. Without a branch: the signs of offsets cannot be predicted.
+/// `magnitude` with the sign of `sign`. Without a branch: the signs of offsets cannot be predicted.
 #[inline]
-pub(crate) const fn with_sign(magnitude: i128, of: i128) -> i128 {
-    let mask = of >> 127;
+pub(crate) const fn with_sign(magnitude: i128, sign: i128) -> i128 {
+    let mask = sign >> 127;
     (magnitude ^ mask).wrapping_sub(mask)
 }
 

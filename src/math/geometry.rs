@@ -38,15 +38,15 @@ impl Vec2 {
     /// When it does not fit; [`checked_distance`](Self::checked_distance) gives `None`.
     #[must_use]
     #[track_caller]
-    pub fn distance(self, other: Self) -> Fx {
-        fitting(self.checked_distance(other), "Vec2: the distance does not fit")
+    pub fn distance(self, point: Self) -> Fx {
+        fitting(self.checked_distance(point), "Vec2: the distance does not fit")
     }
 
     /// The distance between two points; `None` if it does not fit. *Error* ½ ulp.
     #[must_use]
-    pub fn checked_distance(self, other: Self) -> Option<Fx> {
+    pub fn checked_distance(self, point: Self) -> Option<Fx> {
         // A difference that does not fit is a distance that does not.
-        other.checked_sub(self)?.checked_length()
+        point.checked_sub(self)?.checked_length()
     }
 
     /// The distance between two points, squared: (x' − x)² + (y' − y)². *Error* ½ ulp: the exact sum, rounded once, ties to even.
@@ -64,15 +64,15 @@ impl Vec2 {
     /// ```
     #[must_use]
     #[track_caller]
-    pub fn distance_squared(self, other: Self) -> Fx {
-        fitting(self.checked_distance_squared(other), "Vec2: the square of the distance does not fit")
+    pub fn distance_squared(self, point: Self) -> Fx {
+        fitting(self.checked_distance_squared(point), "Vec2: the square of the distance does not fit")
     }
 
     /// The distance between two points, squared; `None` if it does not fit. *Error* ½ ulp.
     #[must_use]
-    pub fn checked_distance_squared(self, other: Self) -> Option<Fx> {
+    pub fn checked_distance_squared(self, point: Self) -> Option<Fx> {
         // A difference that does not fit has a square that does not.
-        other.checked_sub(self)?.checked_length_squared()
+        point.checked_sub(self)?.checked_length_squared()
     }
 
     /// The length squared, x² + y². *Error* ½ ulp: the exact sum, rounded once, ties to even.
@@ -108,19 +108,19 @@ impl Vec2 {
         (self != Self::default()).then(|| self.of_length(Fx::ONE))
     }
 
-    /// The vector itself, or shortened to the length `most` if it is longer.
+    /// The vector itself, or shortened to the length `max` if it is longer.
     ///
-    /// *Domain* most ≥ 0. *Error* ½ ulp in each component: the nearest value, and there are no ties. Rounding may leave a
-    /// shortened vector up to √½ ulp longer than `most`.
+    /// *Domain* max ≥ 0. *Error* ½ ulp in each component: the nearest value, and there are no ties. Rounding may leave a
+    /// shortened vector up to √½ ulp longer than `max`.
     ///
     /// # Panics
-    /// When `most` is negative.
+    /// When `max` is negative.
     #[must_use]
     #[track_caller]
-    pub fn clamp_length(self, most: Fx) -> Self {
-        assert!(most >= Fx::ZERO, "Vec2::clamp_length: a length is not negative");
-        let most_squared = u128::from(most.to_bits().unsigned_abs()).pow(2);
-        if self.squares() <= most_squared { self } else { self.of_length(most) }
+    pub fn clamp_length(self, max: Fx) -> Self {
+        assert!(max >= Fx::ZERO, "Vec2::clamp_length: a length is not negative");
+        let most_squared = u128::from(max.to_bits().unsigned_abs()).pow(2);
+        if self.squares() <= most_squared { self } else { self.of_length(max) }
     }
 
     /// x² + y², at most 2^127, in units of 2^-64.
@@ -139,7 +139,7 @@ impl Vec2 {
         })
     }
 
-    /// The point between two: this one at t = 0, `other` at t = 1, and on the line through both elsewhere.
+    /// The point between two: this one at t = 0, `end` at t = 1, and on the line through both elsewhere.
     ///
     /// *Error* ½ ulp in each component: x + (x' − x)·t exactly, rounded once, ties to even.
     ///
@@ -154,20 +154,20 @@ impl Vec2 {
     /// ```
     #[must_use]
     #[track_caller]
-    pub fn lerp(self, other: Self, t: Fx) -> Self {
-        fitting(self.checked_lerp(other, t), "Vec2: the point does not fit")
+    pub fn lerp(self, end: Self, t: Fx) -> Self {
+        fitting(self.checked_lerp(end, t), "Vec2: the point does not fit")
     }
 
     /// The point between two; `None` if a component does not fit. *Error* ½ ulp. See [`lerp`](Self::lerp).
     #[must_use]
-    pub fn checked_lerp(self, other: Self, t: Fx) -> Option<Self> {
+    pub fn checked_lerp(self, end: Self, t: Fx) -> Option<Self> {
         let component = |from: Fx, to: Fx| {
             let way = i128::from(to.to_bits()) - i128::from(from.to_bits());
             // Below 2^64 times at most 2^63. A sum beyond 2^127 is beyond 2^31 m as well.
             let passed = way * i128::from(t.to_bits());
             Fx::narrow(shr_round(passed.checked_add(i128::from(from.to_bits()) << 32)?, 32))
         };
-        Some(Self { x: component(self.x, other.x)?, y: component(self.y, other.y)? })
+        Some(Self { x: component(self.x, end.x)?, y: component(self.y, end.y)? })
     }
 
     /// The smaller of each component.
@@ -179,14 +179,14 @@ impl Vec2 {
     /// assert_eq!(vec2(0, Fx::MIN).checked_abs(), None);
     /// ```
     #[must_use]
-    pub fn min(self, other: Self) -> Self {
-        Self { x: self.x.min(other.x), y: self.y.min(other.y) }
+    pub fn min(self, rhs: Self) -> Self {
+        Self { x: self.x.min(rhs.x), y: self.y.min(rhs.y) }
     }
 
     /// The larger of each component.
     #[must_use]
-    pub fn max(self, other: Self) -> Self {
-        Self { x: self.x.max(other.x), y: self.y.max(other.y) }
+    pub fn max(self, rhs: Self) -> Self {
+        Self { x: self.x.max(rhs.x), y: self.y.max(rhs.y) }
     }
 
     /// The magnitude of each component.
@@ -214,14 +214,14 @@ impl Vec2 {
     /// assert_eq!((b.checked_scale(fx!(2)), a.checked_div(fx!(0)), a.checked_div(fx!(2))), (None, None, Some(vec2(fx!(0.5), 1))));
     /// ```
     #[must_use]
-    pub fn checked_add(self, other: Self) -> Option<Self> {
-        Some(Self { x: self.x.checked_add(other.x)?, y: self.y.checked_add(other.y)? })
+    pub fn checked_add(self, rhs: Self) -> Option<Self> {
+        Some(Self { x: self.x.checked_add(rhs.x)?, y: self.y.checked_add(rhs.y)? })
     }
 
     /// The difference; `None` if a component does not fit.
     #[must_use]
-    pub fn checked_sub(self, other: Self) -> Option<Self> {
-        Some(Self { x: self.x.checked_sub(other.x)?, y: self.y.checked_sub(other.y)? })
+    pub fn checked_sub(self, rhs: Self) -> Option<Self> {
+        Some(Self { x: self.x.checked_sub(rhs.x)?, y: self.y.checked_sub(rhs.y)? })
     }
 
     /// Each component over `divisor`; `None` if one does not fit or `divisor` is zero. *Error* ½ ulp.

@@ -87,9 +87,9 @@ pub(crate) const FRACTION: u32 = 16;
 
 /// The distance of the origin from the surface of a shape in units of 2^-16 ulp, that is 2^-48 m; 0 in it. *Error* ½ unit and 2^-9.
 /// Below 2^71.
-pub(crate) fn distance(core: &Core, near: Near) -> u128 {
+pub(crate) fn distance(core: &Core, feature: Near) -> u128 {
     let corners = core.corners();
-    let from_core = match near {
+    let from_core = match feature {
         Near::Inside => return 0,
         Near::Corner(i) => {
             let (root, up) = root_of(dot(corners[i], corners[i]) as u128);
@@ -117,9 +117,9 @@ pub(super) fn root_of(x: u128) -> (u128, u32) {
 
 /// The point of the surface of a shape that is nearest to the origin, ulps, and the vector from it towards the origin, of any
 /// length; the origin itself and zero if it is in the shape. *Error* of the point ½ ulp and 2^-7 in each component. Odd.
-pub(crate) fn point(core: &Core, near: Near, distance: u128) -> (Point, Point) {
+pub(crate) fn point(core: &Core, feature: Near, distance: u128) -> (Point, Point) {
     let corners = core.corners();
-    let (towards, square) = match near {
+    let (towards, square) = match feature {
         Near::Inside => return ([0; 2], [0; 2]),
         Near::Corner(i) if core.radius == 0 => return (corners[i], corners[i].map(|part| -part)),
         Near::Corner(i) => (corners[i].map(|part| -part), dot(corners[i], corners[i])),

@@ -68,16 +68,16 @@ impl Line {
     pub(crate) fn misses(&self, corners: &[Point], radius: i64) -> bool {
         let Self { from, ray, length } = *self;
         // Corners in reach are below 2^54: products are below 2^106, that with a radius below 2^99.
-        let (mut least, mut most) = (i128::MAX, i128::MIN);
+        let (mut min, mut max) = (i128::MAX, i128::MIN);
         for corner in corners {
             let (Some(x), Some(y)) = (corner[0].checked_sub(from[0]), corner[1].checked_sub(from[1])) else {
                 return false;
             };
             let side = cross(ray, [x, y]);
-            (least, most) = (least.min(side), most.max(side));
+            (min, max) = (min.min(side), max.max(side));
         }
         let reach = i128::from(radius) * length;
-        least > reach || most < -reach
+        min > reach || max < -reach
     }
 }
 
@@ -189,7 +189,7 @@ fn rounded_hit(core: &Core, ray: Point) -> Option<RayEnd> {
     let square = dot(ray, ray) as u128;
     let mut first: Option<RayEnd> = None;
     let mut add = |fraction: Option<u64>, feature: Feature| {
-        if let Some(fraction) = fraction.filter(|own| first.is_none_or(|first| *own < first.fraction)) {
+        if let Some(fraction) = fraction.filter(|fraction| first.is_none_or(|first| *fraction < first.fraction)) {
             first = Some(RayEnd { fraction, feature });
         }
     };
@@ -310,12 +310,12 @@ pub(crate) fn beyond_seam<S: Scalar>(shape: &Shape<S>, part: u32, end: RayEnd) -
 
 /// [`normal`], and the mean with that of the segment beyond a seam if the ray meets that as well: neither of the two is preferred.
 pub(crate) fn normal_at_seam(core: &Core, beyond: Option<Core>, ray: Point, end: RayEnd) -> Vec2 {
-    let own = normal(core, ray, end);
-    let met = beyond.and_then(|other| {
-        let met = ray_hit(&other, true, ray).filter(|met| met.fraction == end.fraction)?;
-        Some(normal(&other, ray, met))
+    let own_normal = normal(core, ray, end);
+    let met = beyond.and_then(|next| {
+        let met = ray_hit(&next, true, ray).filter(|met| met.fraction == end.fraction)?;
+        Some(normal(&next, ray, met))
     });
-    met.and_then(|met| (own + met).normalize()).unwrap_or(own)
+    met.and_then(|met| (own_normal + met).normalize()).unwrap_or(own_normal)
 }
 
 /// The point at a fraction of a ray, ulps, rounded to nearest, halves away from zero.

@@ -101,10 +101,10 @@ impl<S: Scalar> Shape<S> {
         let mut least: Option<(u128, Point)> = None;
         for core in self.cores(from) {
             let (_, core) = core.ok_or(Error::OutOfRange { quantity: Quantity::Query })?;
-            let near = nearest(core.corners());
-            let away = distance(&core, near);
+            let closest = nearest(core.corners());
+            let away = distance(&core, closest);
             if least.is_none_or(|(least, _)| away < least) {
-                least = Some((away, point(&core, near, away).0));
+                least = Some((away, point(&core, closest, away).0));
             }
         }
         least.ok_or(Error::OutOfRange { quantity: Quantity::Count })
@@ -143,7 +143,7 @@ impl<S: Scalar> Shape<S> {
             Some((end, part, core))
         });
         let Some((end, part, core)) = hits.min_by_key(|&(end, part, _)| (end.fraction, part)) else { return Ok(None) };
-        let beyond = beyond_seam(self, part, end).and_then(|other| self.cores(from).nth(other as usize)?);
+        let beyond = beyond_seam(self, part, end).and_then(|number| self.cores(from).nth(number as usize)?);
         Ok(Some(ShapeHit {
             fraction: in_parts(end.fraction),
             point: if end.fraction == 0 { origin } else { in_scalar(beside(from, at(ray, end.fraction))) },

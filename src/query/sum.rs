@@ -33,23 +33,23 @@ impl Sum {
 
     /// Makes it the sum for two cores, as [`new`](Self::new), in the memory of another one.
     pub(crate) fn set(&mut self, a: &Core, b: &Core) {
-        let (own, other) = (a.corners(), b.corners());
-        let counts = [own, other].map(|corners| if corners.len() > 1 { corners.len() } else { 0 });
-        let starts = [lowest(own, -1), lowest(other, 1)];
+        let (a_corners, b_corners) = (a.corners(), b.corners());
+        let counts = [a_corners, b_corners].map(|corners| if corners.len() > 1 { corners.len() } else { 0 });
+        let starts = [lowest(a_corners, -1), lowest(b_corners, 1)];
         self.pairs.clear();
         self.core.clear();
         self.core.radius = a.radius + b.radius;
         let mut done = [0; 2];
         loop {
-            let [i, j] = [(starts[0] + done[0]) % own.len(), (starts[1] + done[1]) % other.len()];
+            let [i, j] = [(starts[0] + done[0]) % a_corners.len(), (starts[1] + done[1]) % b_corners.len()];
             if done != [0; 2] && done == counts {
                 return;
             }
-            self.core.push(from_to(own[i], other[j]));
+            self.core.push(from_to(a_corners[i], b_corners[j]));
             self.pairs.push([i, j]);
             // The edges of A turn into their opposites. Both lists ascend, and heads are less than half a turn apart.
             let turn = match (done[0] < counts[0], done[1] < counts[1]) {
-                (true, true) => -cross(edge(own, i), edge(other, j)),
+                (true, true) => -cross(edge(a_corners, i), edge(b_corners, j)),
                 (true, false) => 1,
                 (false, true) => -1,
                 (false, false) => return,
@@ -66,7 +66,7 @@ impl Sum {
         let out = |radius: i64| {
             [normal.x, normal.y].map(|n| odd_shift(i128::from(n.to_bits()) * i128::from(radius), 32) as i64)
         };
-        let beside = |p: Point, by: Point| [p[0] + by[0], p[1] + by[1]];
+        let beside = |p: Point, offset: Point| [p[0] + offset[0], p[1] + offset[1]];
         let (k, next) = match end.feature {
             Feature::Inside => return [0; 2],
             Feature::Corner(k) | Feature::Disc(k) => (k, k),

@@ -151,9 +151,9 @@ impl Accumulator<Fx> for FxAccumulator {
     }
 
     #[inline]
-    fn plus(self, other: Self) -> Self {
+    fn plus(self, rhs: Self) -> Self {
         // Positions stay below 2^31 m = 2^127 / 2^96, velocities below 2^26 m/s: see `limits`.
-        Self::from_bits(self.bits().wrapping_add(other.bits()))
+        Self::from_bits(self.bits().wrapping_add(rhs.bits()))
     }
 
     #[inline]

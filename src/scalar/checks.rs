@@ -390,11 +390,11 @@ fn attraction_is_defined_where_the_root_rounds_up_to_the_next_power_of_two() {
     ] {
         let offset = offset(Vec2::new(x.into(), y.into()));
         let mu = FxFactor::new(1, -60);
-        let found = Fx::attraction(mu, offset, Fx::ZERO).expect("it fits");
+        let acceleration = Fx::attraction(mu, offset, Fx::ZERO).expect("it fits");
         let (x, y) = (real(x, -32), real(y, -32));
         let square = x.clone() * &x + y.clone() * &y;
         let cube = square.clone() * square.sqrt();
-        for (component, exact) in [(found.x, x / &cube), (found.y, y / &cube)] {
+        for (component, exact) in [(acceleration.x, x / &cube), (acceleration.y, y / &cube)] {
             let away = (real(component.to_bits(), -124) - exact).to_f64().value() * 2f64.powi(124);
             assert!(away.abs() <= 0.51, "{away}");
         }

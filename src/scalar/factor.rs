@@ -175,46 +175,46 @@ impl FxFactor {
     /// The product. *Error* 2^-64 relative.
     #[must_use]
     #[inline]
-    pub fn times(self, other: Self) -> Self {
-        let product = u128::from(self.mantissa) * u128::from(other.mantissa);
+    pub fn times(self, rhs: Self) -> Self {
+        let product = u128::from(self.mantissa) * u128::from(rhs.mantissa);
         if product == 0 {
             return Self::ZERO;
         }
         // The product of two mantissas with their top bits set lacks at most one bit. Without a branch, as none would be predicted.
         let lacks = (product >> 127) as u32 ^ 1;
         let doubled = u128::from(lacks).wrapping_neg() & product;
-        Self::nearest(product + doubled, self.shift + other.shift + lacks as i32)
+        Self::nearest(product + doubled, self.shift + rhs.shift + lacks as i32)
     }
 
     /// The quotient. *Error* 2^-64 relative.
     ///
     /// # Panics
-    /// When `other` is zero.
+    /// When `rhs` is zero.
     #[must_use]
     #[track_caller]
-    pub fn over(self, other: Self) -> Self {
-        assert!(other.mantissa != 0, "FxFactor: the divisor is zero");
-        self.over_nonzero(other)
+    pub fn over(self, rhs: Self) -> Self {
+        assert!(rhs.mantissa != 0, "FxFactor: the divisor is zero");
+        self.over_nonzero(rhs)
     }
 
-    /// The quotient, without the check, which costs drag a hundredth of its instructions. *Domain* `other` is not zero.
-    pub(super) fn over_nonzero(self, other: Self) -> Self {
+    /// The quotient, without the check, which costs drag a hundredth of its instructions. *Domain* `rhs` is not zero.
+    pub(super) fn over_nonzero(self, rhs: Self) -> Self {
         if self.mantissa == 0 {
             return Self::ZERO;
         }
         // A quotient of 64 bits with its top bit set, whichever mantissa is the larger.
-        let halved = self.mantissa >= other.mantissa;
-        let (q, r) = div_word(u128::from(self.mantissa) << (64 - u32::from(halved)), other.mantissa);
-        let rest = other.mantissa - r;
+        let halved = self.mantissa >= rhs.mantissa;
+        let (q, r) = div_word(u128::from(self.mantissa) << (64 - u32::from(halved)), rhs.mantissa);
+        let rest = rhs.mantissa - r;
         // Of different mantissas the quotient is below 2^64 − 1, that of 2^64 − 2 and 2^64 − 1: there is no carry.
         let rounded = q + u64::from(r > rest - (q & 1));
-        Self::bounded(rounded, self.shift - other.shift + 64 - i32::from(halved))
+        Self::bounded(rounded, self.shift - rhs.shift + 64 - i32::from(halved))
     }
 
     /// The sum. *Error* 2^-64 relative.
     #[must_use]
-    pub fn plus(self, other: Self) -> Self {
-        let (large, small) = if self >= other { (self, other) } else { (other, self) };
+    pub fn plus(self, rhs: Self) -> Self {
+        let (large, small) = if self >= rhs { (self, rhs) } else { (rhs, self) };
         if small.mantissa == 0 {
             return large;
         }
@@ -224,17 +224,17 @@ impl FxFactor {
         Self::new(((u128::from(large.mantissa) << 63) + aligned) | u128::from(lost), large.shift + 63)
     }
 
-    /// The difference, or zero if `other` is the larger. *Error* 2^-64 relative.
+    /// The difference, or zero if `rhs` is the larger. *Error* 2^-64 relative.
     #[must_use]
-    pub fn minus(self, other: Self) -> Self {
-        if self <= other {
+    pub fn minus(self, rhs: Self) -> Self {
+        if self <= rhs {
             return Self::ZERO;
         }
-        if other.mantissa == 0 {
+        if rhs.mantissa == 0 {
             return self;
         }
-        let gap = (other.shift - self.shift).unsigned_abs();
-        let (aligned, lost) = align(other.mantissa, gap);
+        let gap = (rhs.shift - self.shift).unsigned_abs();
+        let (aligned, lost) = align(rhs.mantissa, gap);
         let rest = (u128::from(self.mantissa) << 63) - aligned - u128::from(lost);
         Self::new(rest | u128::from(lost), self.shift + 63)
     }

@@ -222,15 +222,15 @@ impl Natural {
         self.trim();
     }
 
-    /// Subtracts `other` if it is not larger; returns true if it did.
-    fn take(&mut self, other: &Self) -> bool {
-        let larger = self.0.len().cmp(&other.0.len()).then_with(|| self.0.iter().rev().cmp(other.0.iter().rev()));
+    /// Subtracts `rhs` if it is not larger; returns true if it did.
+    fn take(&mut self, rhs: &Self) -> bool {
+        let larger = self.0.len().cmp(&rhs.0.len()).then_with(|| self.0.iter().rev().cmp(rhs.0.iter().rev()));
         if larger.is_lt() {
             return false;
         }
         let mut borrow = false;
         for (i, limb) in self.0.iter_mut().enumerate() {
-            let (rest, first) = limb.overflowing_sub(other.0.get(i).copied().unwrap_or(0));
+            let (rest, first) = limb.overflowing_sub(rhs.0.get(i).copied().unwrap_or(0));
             let (rest, second) = rest.overflowing_sub(u32::from(borrow));
             *limb = rest;
             borrow = first || second;

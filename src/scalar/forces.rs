@@ -173,11 +173,11 @@ impl Forces<Fx> for Fx {
         // which is one too many: 2^-96 relative.
         let (root, inverse) = root_and_reciprocal(s);
         let (cube, _) = mul_128(s, root.min((1 << 96) - 1) << 32);
-        let near = near_share(mantissa, cube, inverse);
+        let approximate = near_share(mantissa, cube, inverse);
         let shift = 96 + mu_shift - 3 * (even as i32) / 2;
         let component = |c: i128| {
             let size = magnitude(c) as u64;
-            let part = match mul_shift_near(near, size, shift) {
+            let part = match mul_shift_near(approximate, size, shift) {
                 Some(part) => part,
                 None => mul_shift_64(share(mantissa, cube) as i128, size, shift)?,
             };

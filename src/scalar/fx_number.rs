@@ -54,14 +54,14 @@ impl Arithmetic<Fx> for Fx {
     }
 
     #[inline]
-    fn product(self, other: Self) -> FxWide {
-        self.wide_mul(other)
+    fn product(self, rhs: Self) -> FxWide {
+        self.wide_mul(rhs)
     }
 
     #[inline]
-    fn offset(self, other: Self) -> FxWide {
+    fn offset(self, rhs: Self) -> FxWide {
         // Below 2^64 ulps.
-        FxWide::from_bits((i128::from(self.to_bits()) - i128::from(other.to_bits())) << 32)
+        FxWide::from_bits((i128::from(self.to_bits()) - i128::from(rhs.to_bits())) << 32)
     }
 
     #[inline]
@@ -71,8 +71,8 @@ impl Arithmetic<Fx> for Fx {
     }
 
     #[inline]
-    fn times(self, other: Self) -> Option<Self> {
-        self.checked_mul(other)
+    fn times(self, rhs: Self) -> Option<Self> {
+        self.checked_mul(rhs)
     }
 }
 
@@ -86,8 +86,8 @@ impl Fx {
     /// ```
     #[inline]
     #[must_use]
-    pub const fn wide_mul(self, other: Self) -> FxWide {
+    pub const fn wide_mul(self, rhs: Self) -> FxWide {
         // At most 2^63 · 2^63.
-        FxWide::from_bits(self.to_bits() as i128 * other.to_bits() as i128)
+        FxWide::from_bits(self.to_bits() as i128 * rhs.to_bits() as i128)
     }
 }

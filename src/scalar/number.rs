@@ -49,7 +49,7 @@ pub trait Accumulator<S: Scalar>: Number {
     fn value(self) -> S;
     /// The sum. *Domain* it fits, as it does within [`limits`](crate::limits).
     #[must_use]
-    fn plus(self, other: Self) -> Self;
+    fn plus(self, rhs: Self) -> Self;
     /// The negative.
     #[must_use]
     fn negated(self) -> Self;
@@ -102,16 +102,16 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
     fn to_scalar(self) -> Option<S>;
     /// The product.
     #[must_use]
-    fn times(self, other: Self) -> Self;
-    /// The quotient. *Domain* `other` is not zero.
+    fn times(self, rhs: Self) -> Self;
+    /// The quotient. *Domain* `rhs` is not zero.
     #[must_use]
-    fn over(self, other: Self) -> Self;
+    fn over(self, rhs: Self) -> Self;
     /// The sum.
     #[must_use]
-    fn plus(self, other: Self) -> Self;
-    /// The difference, or zero if `other` is the larger.
+    fn plus(self, rhs: Self) -> Self;
+    /// The difference, or zero if `rhs` is the larger.
     #[must_use]
-    fn minus(self, other: Self) -> Self;
+    fn minus(self, rhs: Self) -> Self;
 
     /// The factor in fixed point: exactly, also that of a float.
     #[doc(hidden)]
@@ -122,9 +122,9 @@ pub trait Factor<S: Scalar>: PartialOrd + Number {
     /// The magnitude of the difference.
     #[doc(hidden)]
     #[must_use]
-    fn abs_diff(self, other: Self) -> Self {
+    fn abs_diff(self, rhs: Self) -> Self {
         // One of the two is zero.
-        self.minus(other).plus(other.minus(self))
+        self.minus(rhs).plus(rhs.minus(self))
     }
     /// Returns true for zero.
     #[doc(hidden)]
@@ -154,7 +154,7 @@ pub trait Wide<S: Scalar>: PartialOrd + Number {
     /// The nearest scalar, ties to even; `None` if it does not fit.
     fn to_scalar(self) -> Option<S>;
     /// The sum; `None` if it does not fit.
-    fn plus(self, other: Self) -> Option<Self>;
+    fn plus(self, rhs: Self) -> Option<Self>;
     /// The negative.
     #[must_use]
     fn negated(self) -> Self;
@@ -281,11 +281,11 @@ pub trait Arithmetic<S: Scalar>: Sized {
     /// Sine and cosine of an angle in radians.
     fn sin_cos(self) -> (Self, Self);
     /// The product, exactly.
-    fn product(self, other: Self) -> S::Wide;
+    fn product(self, rhs: Self) -> S::Wide;
     /// The difference `self − other`, exactly.
-    fn offset(self, other: Self) -> S::Wide;
+    fn offset(self, rhs: Self) -> S::Wide;
     /// The product of a difference in m and a force in N, in N·m; `None` if it does not fit.
     fn torque(arm: S::Wide, force: S::Wide) -> Option<S::Wide>;
     /// The product, rounded to nearest, ties to even; `None` if it does not fit.
-    fn times(self, other: Self) -> Option<Self>;
+    fn times(self, rhs: Self) -> Option<Self>;
 }

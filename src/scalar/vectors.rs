@@ -16,14 +16,14 @@ impl<S: Scalar> Vec2<S> {
 
     /// The dot product x·x' + y·y', exactly; `None` if it does not fit.
     #[must_use]
-    pub fn wide_dot(self, other: Self) -> Option<S::Wide> {
-        self.x.product(other.x).plus(self.y.product(other.y))
+    pub fn wide_dot(self, rhs: Self) -> Option<S::Wide> {
+        self.x.product(rhs.x).plus(self.y.product(rhs.y))
     }
 
     /// The cross product x·y' − y·x', exactly; `None` if it does not fit.
     #[must_use]
-    pub fn wide_cross(self, other: Self) -> Option<S::Wide> {
-        self.x.product(other.y).plus(self.y.product(other.x).negated())
+    pub fn wide_cross(self, rhs: Self) -> Option<S::Wide> {
+        self.x.product(rhs.y).plus(self.y.product(rhs.x).negated())
     }
 
     /// The length, which always fits. *Error* 2^-64 relative.
@@ -76,17 +76,17 @@ impl Vec2 {
     /// ```
     #[must_use]
     #[track_caller]
-    pub fn dot(self, other: Self) -> Fx {
-        fitting(self.checked_dot(other), "Vec2: the dot product does not fit")
+    pub fn dot(self, rhs: Self) -> Fx {
+        fitting(self.checked_dot(rhs), "Vec2: the dot product does not fit")
     }
 
     /// The dot product; `None` if it does not fit. *Error* ½ ulp.
     #[must_use]
-    pub fn checked_dot(self, other: Self) -> Option<Fx> {
-        self.wide_dot(other)?.to_scalar()
+    pub fn checked_dot(self, rhs: Self) -> Option<Fx> {
+        self.wide_dot(rhs)?.to_scalar()
     }
 
-    /// The cross product x·y' − y·x': positive if `other` is counter-clockwise of this vector.
+    /// The cross product x·y' − y·x': positive if `rhs` is counter-clockwise of this vector.
     ///
     /// *Error* ½ ulp: the exact difference, rounded once, ties to even. [`wide_cross`](Self::wide_cross) is exact.
     ///
@@ -94,14 +94,14 @@ impl Vec2 {
     /// When it does not fit; [`checked_cross`](Self::checked_cross) gives `None`.
     #[must_use]
     #[track_caller]
-    pub fn cross(self, other: Self) -> Fx {
-        fitting(self.checked_cross(other), "Vec2: the cross product does not fit")
+    pub fn cross(self, rhs: Self) -> Fx {
+        fitting(self.checked_cross(rhs), "Vec2: the cross product does not fit")
     }
 
     /// The cross product; `None` if it does not fit. *Error* ½ ulp.
     #[must_use]
-    pub fn checked_cross(self, other: Self) -> Option<Fx> {
-        self.wide_cross(other)?.to_scalar()
+    pub fn checked_cross(self, rhs: Self) -> Option<Fx> {
+        self.wide_cross(rhs)?.to_scalar()
     }
 }
 

@@ -95,8 +95,8 @@ impl FxWide {
     /// The sum, exactly; `None` if it does not fit.
     #[must_use]
     #[inline]
-    pub fn plus(self, other: Self) -> Option<Self> {
-        self.0.checked_add(other.0).map(Self)
+    pub fn plus(self, rhs: Self) -> Option<Self> {
+        self.0.checked_add(rhs.0).map(Self)
     }
 
     /// The negative, exactly; for the least value, whose negative does not fit, the greatest.

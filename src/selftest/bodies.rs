@@ -244,15 +244,15 @@ pub(super) fn sleep(trial: &mut Trial) -> Played {
 pub(super) fn quarantine(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, 8), ..exact() })?;
     let (place, speed, spin) = (limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED);
-    let one = fx!(1);
+    let unit = fx!(1);
     let start =
-        BodyDef { mass: Mass::Explicit { mass: one, inertia: one }, gravity_scale: fx!(0), ..BodyDef::dynamic() };
+        BodyDef { mass: Mass::Explicit { mass: unit, inertia: unit }, gravity_scale: fx!(0), ..BodyDef::dynamic() };
     // 1/8 m/s a tick: 2^20 m/s after eight; a metre a tick: 2^30 m after eight; likewise rad/s.
     let faster =
-        world.add_body(BodyDef { velocity: Vec2::new(fx!(0), speed - one), gravity_scale: one, ..start.clone() })?;
+        world.add_body(BodyDef { velocity: Vec2::new(fx!(0), speed - unit), gravity_scale: unit, ..start.clone() })?;
     let position = Vec2::new(place - fx!(8), fx!(5));
     let farther = world.add_body(BodyDef { position, velocity: vec2(64, 0), ..start.clone() })?;
-    let quicker = world.add_body(BodyDef { angular_velocity: spin - one, ..start.clone() })?;
+    let quicker = world.add_body(BodyDef { angular_velocity: spin - unit, ..start.clone() })?;
     let pulled = world.add_body(BodyDef { position: vec2(0, 1), force_groups: 2, ..start })?;
     let mut last = Vec::new();
     for _ in 0..8 {

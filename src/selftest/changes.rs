@@ -45,8 +45,8 @@ pub(super) fn recycling(trial: &mut Trial) -> Played {
         }
         trial.step(&mut world);
         alone.step();
-        for &(here, there) in &stay {
-            same_body("one that stays", (&world, here), (&alone, there))?;
+        for &(body, twin) in &stay {
+            same_body("one that stays", (&world, body), (&alone, twin))?;
         }
     }
     same("bodies", &(world.body_count(), alone.body_count()), &(10, 5))?;
@@ -86,13 +86,13 @@ fn as_it_became() -> Result<(WorldDef, BodyDef, [ForceField; 2]), Error> {
     Ok((def, body, [zone, attractor.into()]))
 }
 
-fn made_body(made: Created) -> Result<BodyId, Problem> {
-    let body = if let Created::Body(body) = made { Some(body) } else { None };
+fn made_body(created: Created) -> Result<BodyId, Problem> {
+    let body = if let Created::Body(body) = created { Some(body) } else { None };
     there("a body made by a command", body)
 }
 
-fn made_field(made: Created) -> Result<FieldId, Problem> {
-    let field = if let Created::ForceField(field) = made { Some(field) } else { None };
+fn made_field(created: Created) -> Result<FieldId, Problem> {
+    let field = if let Created::ForceField(field) = created { Some(field) } else { None };
     there("a field made by a command", field)
 }
 
@@ -102,11 +102,10 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
     let start = BodyDef { velocity: vec2(9, 9), ..BodyDef::kinematic().with_collider(Shape::circle(fx!(1))?) };
     let body = made_body(world.execute(&Command::AddBody(start))?)?;
     let collider = there("a collider", world.colliders_of(body)?.next())?;
-    let other = made_body(world.execute(&Command::AddBody(BodyDef::dynamic()))?)?;
-    let id =
-        made_field(world.execute(&Command::AddField(
-            FieldKind::Thrust { at: Attachment::centre(other), force: vec2(1, 1) }.into(),
-        ))?)?;
+    let target = made_body(world.execute(&Command::AddBody(BodyDef::dynamic()))?)?;
+    let id = made_field(world.execute(&Command::AddField(
+        FieldKind::Thrust { at: Attachment::centre(target), force: vec2(1, 1) }.into(),
+    ))?)?;
     let last = made_field(world.execute(&Command::AddField(attractor))?)?;
     trial.steps(&mut world, 40);
     let shots = [
@@ -116,16 +115,16 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         ForceOrImpulse::AngularImpulse(fx!(1)),
     ];
     for action in shots {
-        world.execute(&Command::Apply { body: other, action, options: ApplyOptions::BODY })?;
+        world.execute(&Command::Apply { body: target, action, options: ApplyOptions::BODY })?;
     }
     // Out at once, and back.
-    world.execute(&Command::SetPosition { body: other, position: Vec2::new(crate::limits::POSITION, fx!(0)) })?;
-    world.execute(&Command::SetVelocity { body: other, velocity: vec2(1000, 0) })?;
+    world.execute(&Command::SetPosition { body: target, position: Vec2::new(crate::limits::POSITION, fx!(0)) })?;
+    world.execute(&Command::SetVelocity { body: target, velocity: vec2(1000, 0) })?;
     trial.step(&mut world);
-    world.execute(&Command::Release(other))?;
+    world.execute(&Command::Release(target))?;
     let commands = [
-        Command::Disable(other),
-        Command::Enable(other),
+        Command::Disable(target),
+        Command::Enable(target),
         Command::SetLocks { body, locks: like.locks },
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::MoveTo { body, position: like.position, angle: like.angle },
@@ -152,7 +151,7 @@ pub(super) fn setters(trial: &mut Trial) -> Played {
         Command::SetSleepAfter(def.sleep_after),
         Command::Wake(body),
         Command::RemoveField(last),
-        Command::RemoveBody(other),
+        Command::RemoveBody(target),
     ];
     for command in &commands {
         same("what a setter makes", &world.execute(command)?, &Created::Nothing)?;
@@ -210,21 +209,21 @@ fn inputs(world: &mut World, ids: &[BodyId], tick: u32) -> Result<(), Error> {
 
 pub(super) fn going_back(trial: &mut Trial) -> Played {
     let (mut world, ids) = busy()?;
-    let (mut other, _) = busy()?;
+    let (mut rolled_back, _) = busy()?;
     let (mut saved, mut last) = (world.clone(), 0);
     for tick in 0..240 {
         if tick % 8 == 0 && tick > 0 {
             // Eight ticks again from the copy, with the same inputs, in this world's memory and in another's.
             let now = world.state_hash();
-            other.clone_from(&saved);
+            rolled_back.clone_from(&saved);
             world.clone_from(&saved);
             for again in last..tick {
-                for world in [&mut world, &mut other] {
+                for world in [&mut world, &mut rolled_back] {
                     inputs(world, &ids, again)?;
                     world.step();
                 }
             }
-            same("the state after going back", &[world.state_hash(), other.state_hash()], &[now, now])?;
+            same("the state after going back", &[world.state_hash(), rolled_back.state_hash()], &[now, now])?;
             saved.clone_from(&world);
             last = tick;
         }
@@ -232,9 +231,9 @@ pub(super) fn going_back(trial: &mut Trial) -> Played {
         trial.step(&mut world);
     }
     // With an input less it is another future.
-    other.clone_from(&saved);
-    (last..240).for_each(|_| _ = other.step());
-    happened("inputs that matter", other.state_hash() != world.state_hash())
+    rolled_back.clone_from(&saved);
+    (last..240).for_each(|_| _ = rolled_back.step());
+    happened("inputs that matter", rolled_back.state_hash() != world.state_hash())
 }
 
 pub(super) fn looking_ahead(trial: &mut Trial) -> Played {

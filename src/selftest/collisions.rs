@@ -40,7 +40,7 @@ fn shape(number: u64) -> Result<Shape, Error> {
 /// Bodies of all shapes in the air, with different materials.
 fn falling(count: u64) -> Result<Vec<BodyDef>, Error> {
     let mut numbers = Numbers(17);
-    let one = |i: u64| -> Result<BodyDef, Error> {
+    let body = |i: u64| -> Result<BodyDef, Error> {
         let (friction, restitution) = (Fx::from_ratio((i % 4) as i64, 2), Fx::from_ratio((i % 3) as i64, 4));
         let material = Material { friction, restitution, ..Material::default() };
         let collider = ColliderDef { material, key: i, density: fx!(2), ..ColliderDef::new(shape(i)?) };
@@ -53,7 +53,7 @@ fn falling(count: u64) -> Result<Vec<BodyDef>, Error> {
             ..BodyDef::dynamic().with_collider(collider)
         })
     };
-    (0..count).map(one).collect()
+    (0..count).map(body).collect()
 }
 
 /// A pile of all shapes and its mirror image.
@@ -62,14 +62,14 @@ pub(super) fn piles(trial: &mut Trial) -> Played {
     add_all(&mut world, [ground()?].into_iter().chain(falling(40)?))?;
     let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
     let mut image = mirror(&world)?;
-    let mut most = 0;
+    let mut max_contacts = 0;
     for _ in 0..300 {
         trial.step(&mut world);
         image.step();
         same("a pile and its mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
-        most = most.max(world.contacts().count());
+        max_contacts = max_contacts.max(world.contacts().count());
     }
-    happened("most touch something", most > 50)?;
+    happened("most touch something", max_contacts > 50)?;
     let lowest = world.bodies().filter(|body| body.kind() == BodyKind::Dynamic).map(|body| body.position().y).min();
     // A segment has no thickness.
     happened("nobody is deep in the ground", lowest.is_some_and(|y| y > fx!(-0.015625)))
@@ -129,8 +129,8 @@ fn compound(number: u64) -> Result<Shape, Error> {
             [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1)), part(upright, at(fx!(0), fx!(0)), fx!(0), fx!(1))].to_vec()
         }
         1 => {
-            let other = part(bar.clone(), at(fx!(0.375), fx!(0.5)), fx!(1.25), fx!(3));
-            [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1)), other].to_vec()
+            let second = part(bar.clone(), at(fx!(0.375), fx!(0.5)), fx!(1.25), fx!(3));
+            [part(bar, at(fx!(0), fx!(0)), fx!(0), fx!(1)), second].to_vec()
         }
         _ => {
             let ends = [fx!(-0.5), fx!(0.5)].map(|x| part(disc.clone(), at(x, fx!(0)), fx!(0), fx!(1)));
@@ -146,36 +146,36 @@ pub(super) fn compounds(trial: &mut Trial) -> Played {
     add_all(&mut world, [ground()?])?;
     add_all(&mut twin, [ground()?])?;
     let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) };
-    let (mut here, mut there) = (Vec::new(), Vec::new());
+    let (mut single_ids, mut multiple_ids) = (Vec::new(), Vec::new());
     for (i, body) in (0..).zip(falling(30)?) {
         let shape = compound(i)?;
         let Geometry::Compound { parts } = shape.geometry() else { return Err(Error::Inconsistent.into()) };
-        let of = |part: &Part| ColliderDef {
+        let definition = |part: &Part| ColliderDef {
             position: part.position,
             angle: part.angle,
             ..ColliderDef { shape: part.shape.clone(), ..body.colliders[0].clone() }
         };
-        let colliders = parts.iter().map(of).collect();
+        let colliders = parts.iter().map(definition).collect();
         let body = BodyDef { mass, ..body };
-        there.push(twin.add_body(BodyDef { colliders, ..body.clone() })?);
+        multiple_ids.push(twin.add_body(BodyDef { colliders, ..body.clone() })?);
         let collider = ColliderDef { shape: shape.clone(), ..body.colliders[0].clone() };
-        here.push(world.add_body(BodyDef { colliders: [collider].to_vec(), ..body })?);
+        single_ids.push(world.add_body(BodyDef { colliders: [collider].to_vec(), ..body })?);
     }
     let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
     let mut image = mirror(&world)?;
-    let (mut most, mut parts) = (0, 0);
+    let (mut max_contacts, mut parts) = (0, 0);
     for _ in 0..240 {
         trial.step(&mut world);
         twin.step();
         image.step();
         same("a pile of compounds and its mirror image", &mirror(&world)?.state_hash(), &image.state_hash())?;
-        for (&own, &other) in here.iter().zip(&there) {
-            same_body("a compound and colliders in its place", (&world, own), (&twin, other))?;
+        for (&id, &twin_id) in single_ids.iter().zip(&multiple_ids) {
+            same_body("a compound and colliders in its place", (&world, id), (&twin, twin_id))?;
         }
-        most = most.max(world.contacts().count());
+        max_contacts = max_contacts.max(world.contacts().count());
         parts = parts.max(world.contacts().filter(|contact| contact.parts != [0, 0]).count());
     }
-    happened("most touch something, with several parts", most > 40 && parts > 20)
+    happened("most touch something, with several parts", max_contacts > 40 && parts > 20)
 }
 
 /// The points of hills from right to left, between walls.
@@ -196,13 +196,13 @@ pub(super) fn chains(trial: &mut Trial) -> Played {
     twin.add_body(BodyDef::fixed().with_collider(Shape::chain(&[flat[0], flat[800]], false)?))?;
     let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
     let ball = BodyDef { position: Vec2::new(fx!(-95), fx!(0.5)), velocity: vec2(24, 1), ..ball };
-    let (own, other) = (world.add_body(ball.clone())?, twin.add_body(ball)?);
+    let (ball_id, twin_id) = (world.add_body(ball.clone())?, twin.add_body(ball)?);
     let mut last = 0;
     let mut seams = 0;
     for _ in 0..400 {
         trial.step(&mut world);
         twin.step();
-        same_body("a ball on a chain and on one segment", (&world, own), (&twin, other))?;
+        same_body("a ball on a chain and on one segment", (&world, ball_id), (&twin, twin_id))?;
         if let Some(contact) = world.contacts().next() {
             seams += u32::from(contact.parts[0] != last);
             last = contact.parts[0];
@@ -267,8 +267,8 @@ pub(super) fn impacts(trial: &mut Trial) -> Played {
                 highest = highest.max(body.position().y - fx!(0.5));
             }
             if tick < 90 {
-                let [here, there] = [world.body(flies)?, alone.body(twin)?];
-                same("a body that touches nothing", &here.position_exact(), &there.position_exact())?;
+                let [body, twin] = [world.body(flies)?, alone.body(twin)?];
+                same("a body that touches nothing", &body.position_exact(), &twin.position_exact())?;
             }
         }
         // 4 m · e². Integrators of order 1 fall at the wrong speed by a step of gravity.
@@ -276,11 +276,11 @@ pub(super) fn impacts(trial: &mut Trial) -> Played {
         near_fx("the height of a bounce", highest, fx!(1), bound)?;
     }
     let mut world = World::new(WorldDef { gravity: vec2(0, 0), ..def() })?;
-    let of = |x: i32, v: i32, mass: i32| -> Result<BodyDef, Error> {
+    let disc_at = |x: i32, v: i32, mass: i32| -> Result<BodyDef, Error> {
         let body = BodyDef::dynamic().with_collider(disc(fx!(1))?);
         Ok(BodyDef { position: vec2(x, 0), velocity: vec2(v, 0), mass: Mass::Kilograms(mass.into()), ..body })
     };
-    let ids = add_all(&mut world, [of(-2, 3, 1)?, of(2, -1, 3)?])?;
+    let ids = add_all(&mut world, [disc_at(-2, 3, 1)?, disc_at(2, -1, 3)?])?;
     trial.steps(&mut world, 120);
     // (m1 − m2)·u1 + 2·m2·u2 and (m2 − m1)·u2 + 2·m1·u1, over m1 + m2.
     near_fx("the lighter one", world.body(ids[0])?.velocity().x, fx!(-3), 1 << 16)?;
@@ -348,14 +348,14 @@ fn change(world: &mut World, ids: &[BodyId], lift: BodyId, tick: u32) -> Result<
     let position = world.body(lift)?.position() + vec2(0, up);
     world.move_to(lift, position, Fx::ZERO)?;
     let body = ids[1 + tick as usize % (ids.len() - 1)];
-    let own = world.colliders_of(body)?.next();
-    match (tick % 8, own) {
+    let collider = world.colliders_of(body)?.next();
+    match (tick % 8, collider) {
         (0, _) => world.add_collider(body, shape(u64::from(tick))?).map(|_| Some(body)),
-        (2, Some(own)) => world.remove_collider(own).map(|()| Some(body)),
-        (3, Some(own)) => {
-            let def = world.collider(own)?.clone();
+        (2, Some(collider)) => world.remove_collider(collider).map(|()| Some(body)),
+        (3, Some(collider)) => {
+            let def = world.collider(collider)?.clone();
             let filter = Filter { category: 1 << (tick % 3), mask: !(1 << (tick % 5)), group: 0 };
-            world.set_collider(own, ColliderDef { filter, ..def }).map(|()| None)
+            world.set_collider(collider, ColliderDef { filter, ..def }).map(|()| None)
         }
         (4, _) => {
             let kind = if world.body(body)?.kind() == BodyKind::Dynamic { BodyKind::Static } else { BodyKind::Dynamic };
@@ -391,10 +391,10 @@ pub(super) fn touched(trial: &mut Trial) -> Played {
         woken += world.last_report().woke.len();
         crowded += world.last_report().faults.iter().filter(|fault| fault.cause == Cause::Pairs).count();
         for &id in &ids {
-            let [here, there] = [world.body(id)?, awake.body(id)?];
+            let [sleeper, twin] = [world.body(id)?, awake.body(id)?];
             let place =
                 |body: crate::world::BodyRef<'_>| (body.position_exact(), body.velocity_exact(), body.angle_exact());
-            same("one that slept and one that did not", &place(here), &place(there))?;
+            same("one that slept and one that did not", &place(sleeper), &place(twin))?;
         }
     }
     happened("sleepers wake", woken >= 6)?;
@@ -436,10 +436,10 @@ pub(super) fn belts(trial: &mut Trial) -> Played {
             trial.step(&mut right);
             left.step();
         }
-        let [here, there] = [right.body(id)?, left.body(id)?];
-        same("a belt and its mirror image", &here.position_exact().x, &there.position_exact().x.negated())?;
+        let [body, image] = [right.body(id)?, left.body(id)?];
+        same("a belt and its mirror image", &body.position_exact().x, &image.position_exact().x.negated())?;
         // 1 s, within 2^-8 m/s: the first step finds no pressure yet.
-        near_fx("the speed of a box on a belt", here.velocity().x, friction * fx!(9.8125), 1 << 24)?;
+        near_fx("the speed of a box on a belt", body.velocity().x, friction * fx!(9.8125), 1 << 24)?;
     }
     Ok(())
 }

@@ -121,11 +121,11 @@ impl Body {
         }
     }
 
-    fn correct(&mut self, by: &Correction) {
-        self.velocity = sum(self.velocity, by.velocity);
-        self.position = sum(self.position, by.displacement);
-        self.angular_velocity = self.angular_velocity.plus(by.angular_velocity);
-        self.angle = self.angle.turned(by.rotation);
+    fn correct(&mut self, correction: &Correction) {
+        self.velocity = sum(self.velocity, correction.velocity);
+        self.position = sum(self.position, correction.displacement);
+        self.angular_velocity = self.angular_velocity.plus(correction.angular_velocity);
+        self.angle = self.angle.turned(correction.rotation);
     }
 }
 
@@ -196,13 +196,13 @@ impl Bodies {
         let (time_step, options) = (TimeStep::hz(RATE as u32), SolverOptions::default());
         let counts = self.solver.solve(time_step, &options, &flights, &mut [], &mut contacts, &mut self.corrections);
         self.cut += counts.cut;
-        self.bodies.iter_mut().zip(&self.corrections).for_each(|(body, by)| body.correct(by));
+        self.bodies.iter_mut().zip(&self.corrections).for_each(|(body, correction)| body.correct(correction));
         self.touches = contacts.into_iter().zip(features).collect();
     }
 
     /// The contacts at the start poses.
     fn collide(&self, flights: &[Flight]) -> Vec<Touch> {
-        let mut found = Vec::new();
+        let mut touches = Vec::new();
         // No point of the body moves farther.
         let moved = |f: &Flight| f.displacement.x.abs() + f.displacement.y.abs() + f.rotation.abs() * f.radius;
         for (a, of_a) in flights.iter().enumerate() {
@@ -214,11 +214,11 @@ impl Bodies {
                     continue;
                 }
                 if let Some(manifold) = self.cores.collide(a, b, margin.into()) {
-                    found.push(self.touch([a as u32, b as u32], &manifold));
+                    touches.push(self.touch([a as u32, b as u32], &manifold));
                 }
             }
         }
-        found
+        touches
     }
 
     /// A contact that starts with the impulses of the step before where the same features met.
@@ -229,7 +229,7 @@ impl Bodies {
             let (old, old_features) = &self.touches[at];
             impulses.exponent = old.impulses.exponent;
             for (k, feature) in features.iter().enumerate().take(manifold.count) {
-                if let Some(i) = old_features[..old.count].iter().position(|other| other == feature) {
+                if let Some(i) = old_features[..old.count].iter().position(|old_feature| old_feature == feature) {
                     impulses.values[k] = old.impulses.values[i];
                     impulses.values[2] = old.impulses.values[2];
                 }
@@ -253,8 +253,8 @@ impl Bodies {
     /// The sum of m·Δv by the contacts of the last step, and the sum of |m·Δv|, along x and y, in 2^-96 N·s.
     pub(super) fn momentum_gained(&self) -> ([i128; 2], i128) {
         let (mut total, mut moved) = ([0; 2], 0);
-        for (body, by) in self.bodies.iter().zip(&self.corrections) {
-            let gains = [by.velocity.x, by.velocity.y].map(|v| i128::from(body.mass) * v.to_bits());
+        for (body, correction) in self.bodies.iter().zip(&self.corrections) {
+            let gains = [correction.velocity.x, correction.velocity.y].map(|v| i128::from(body.mass) * v.to_bits());
             (0..2).for_each(|i| total[i] += gains[i]);
             moved += gains[0].abs() + gains[1].abs();
         }

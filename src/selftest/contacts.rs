@@ -123,8 +123,8 @@ pub(super) fn extremes(trial: &mut Trial) -> Played {
         bodies.step(trial);
         twin.step_alone();
         mirrored(&bodies.bodies, last)?;
-        for (body, other) in bodies.bodies.iter().zip(twin.bodies.iter().rev()) {
-            same("bodies and those in another order", &body.bits(), &other.bits())?;
+        for (body, twin) in bodies.bodies.iter().zip(twin.bodies.iter().rev()) {
+            same("bodies and those in another order", &body.bits(), &twin.bits())?;
         }
         most_contacts = most_contacts.max(bodies.touches.len());
         were_hit |= bodies.touches.iter().any(|(contact, _)| contact.bodies.contains(&(last as u32 - 1)));

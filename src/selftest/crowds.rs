@@ -26,20 +26,20 @@ fn flying(numbers: &mut Numbers) -> BodyDef {
 
 /// Some bodies of a world, each in a world of its own with the same definition.
 fn alone(world: &World, ids: impl Iterator<Item = BodyId>) -> Result<Vec<(BodyId, World, BodyId)>, Error> {
-    let one = |id: BodyId| {
+    let preview_of = |id: BodyId| {
         let preview = world.preview(id)?;
         Ok((id, preview.world().clone(), preview.id()))
     };
-    ids.map(one).collect()
+    ids.map(preview_of).collect()
 }
 
 fn step_beside(trial: &mut Trial, world: &mut World, alone: &mut [(BodyId, World, BodyId)], ticks: u32) -> Played {
     for _ in 0..ticks {
         trial.step(world);
-        alone.iter_mut().for_each(|(_, own, _)| _ = own.step());
+        alone.iter_mut().for_each(|(_, world, _)| _ = world.step());
     }
-    for (id, own, own_id) in alone {
-        same_body("one in a crowd", (world, *id), (own, *own_id))?;
+    for (id, twin, twin_id) in alone {
+        same_body("one in a crowd", (world, *id), (twin, *twin_id))?;
     }
     Ok(())
 }
@@ -99,11 +99,11 @@ pub(super) fn mixed_blocks(trial: &mut Trial) -> Played {
     // Bodies that are pushed move the same in a world of their own.
     let mut refusals = 0;
     for tick in 0..60u32 {
-        for (id, own, own_id) in &mut few {
+        for (id, twin, twin_id) in &mut few {
             if world.body(*id)?.mass().is_some() && tick % 3 == id.parts().0 % 3 {
                 let force = vec2(Fx::from_int(tick as i32), -3);
                 // The fastest are pushed out of the envelope, and there is no pushing them any more.
-                let (pushed, own_pushed) = (world.apply_force(*id, force), own.apply_force(*own_id, force));
+                let (pushed, own_pushed) = (world.apply_force(*id, force), twin.apply_force(*twin_id, force));
                 same("a push that is refused", &pushed.is_ok(), &own_pushed.is_ok())?;
                 refusals += u32::from(pushed.is_err());
             }

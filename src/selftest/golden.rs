@@ -12,15 +12,15 @@ use super::Outcome;
 /// use umbra_physics::PHYSICS_VERSION;
 /// use umbra_physics::selftest::{Golden, golden, scenes};
 ///
-/// let own: Golden = golden();
-/// assert_eq!((own.physics_version(), own.scenes().count()), (Some(PHYSICS_VERSION), scenes().len()));
-/// assert!(scenes().iter().all(|scene| own.scene(scene.name()).is_some()));
+/// let ours: Golden = golden();
+/// assert_eq!((ours.physics_version(), ours.scenes().count()), (Some(PHYSICS_VERSION), scenes().len()));
+/// assert!(scenes().iter().all(|scene| ours.scene(scene.name()).is_some()));
 ///
 /// // What another machine found, as text, and here again.
 /// let mut sent = String::new();
-/// Golden::write(&mut sent, PHYSICS_VERSION, own.scenes(), own.all().unwrap())?;
+/// Golden::write(&mut sent, PHYSICS_VERSION, ours.scenes(), ours.all().unwrap())?;
 /// let theirs = Golden::parse(&sent);
-/// assert_eq!(theirs.all(), own.all());
+/// assert_eq!(theirs.all(), ours.all());
 /// # Ok::<(), std::fmt::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ impl<'t> Golden<'t> {
     /// Expected outcome of a scene.
     #[must_use]
     pub fn scene(&self, name: &str) -> Option<Outcome> {
-        self.scenes().find(|(own, _)| *own == name).map(|(_, outcome)| outcome)
+        self.scenes().find(|(scene, _)| *scene == name).map(|(_, outcome)| outcome)
     }
 
     /// Expected outcome of all scenes together, as returned by [`run`](super::run).

@@ -148,10 +148,10 @@ pub(super) fn goals(trial: &mut Trial) -> Played {
         }
         // 1.1 rad a tick is the short way; from the last to the first turn as well.
         happened("no way back", !turned)?;
-        let there = bits(&world, lift)?;
+        let before = bits(&world, lift)?;
         trial.steps(&mut world, 8);
         let after = bits(&world, lift)?;
-        same("where it stands", &(after.0, after.2), &(there.0, there.2))?;
+        same("where it stands", &(after.0, after.2), &(before.0, before.2))?;
         same("how it stands", &world.body(lift)?.velocity(), &Vec2::ZERO)?;
         refused("a dynamic body", world.move_to(load, Vec2::ZERO, fx!(0)), Error::NotKinematic { body: load })?;
         happened("a pull on the load", world.body(load)?.position().x > fx!(0.5))?;

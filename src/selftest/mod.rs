@@ -108,9 +108,9 @@ pub fn run() -> Result<Outcome, Failure> {
 ///
 /// ```
 /// use umbra_physics::selftest::{Outcome, Total, scenes};
-/// let one: Outcome = scenes()[0].run()?;
-/// let total: Total = [(scenes()[0].name(), one)].into_iter().collect();
-/// assert_eq!(total.outcome().ticks, one.ticks);
+/// let outcome: Outcome = scenes()[0].run()?;
+/// let total: Total = [(scenes()[0].name(), outcome)].into_iter().collect();
+/// assert_eq!(total.outcome().ticks, outcome.ticks);
 /// # Ok::<(), umbra_physics::selftest::Failure>(())
 /// ```
 pub struct Total {
@@ -256,10 +256,10 @@ mod tests {
         assert_eq!(failing(|_| near("way", -3, 1, 3)), wrong);
         assert_eq!(near("way", -3, 1, 4), Ok(()));
         // Another reason is not the reason; neither is none.
-        let other = || Err::<(), _>(Error::OutOfRange { quantity: Quantity::Mass });
+        let refusal = || Err::<(), _>(Error::OutOfRange { quantity: Quantity::Mass });
         assert_eq!(failing(|_| refused("a call", Ok(()), Error::Full)), Problem::DidNotHappen { what: "a call" });
         assert!(
-            refused("a call", other(), Error::Full).is_err()
+            refused("a call", refusal(), Error::Full).is_err()
                 && refused("a call", Err::<(), _>(Error::Full), Error::Full).is_ok()
         );
     }
@@ -270,14 +270,14 @@ mod tests {
             let outcomes = outcomes.map(|(name, ticks, digest)| (name, Outcome { ticks, digest }));
             outcomes.into_iter().collect::<Total>().outcome().digest
         };
-        let one = total([("a", 1, 2), ("b", 3, 4)]);
-        for other in [
+        let expected = total([("a", 1, 2), ("b", 3, 4)]);
+        for changed in [
             [("b", 3, 4), ("a", 1, 2)],
             [("a", 1, 2), ("c", 3, 4)],
             [("a", 1, 2), ("b", 3, 5)],
             [("a", 2, 2), ("b", 3, 4)],
         ] {
-            assert_ne!(total(other), one, "{other:?}");
+            assert_ne!(total(changed), expected, "{changed:?}");
         }
     }
 }

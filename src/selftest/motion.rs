@@ -96,7 +96,7 @@ pub(super) fn damping(trial: &mut Trial) -> Played {
     let (half, quarter) = (fx!(0.5), fx!(0.25));
     let [linear_damping, angular_damping] = [half, quarter].map(Damping::kept_per_second);
     let mut world = World::new(WorldDef { linear_damping, angular_damping, ..WorldDef::default() })?;
-    let own = [
+    let dampings = [
         (None, None),
         (Some(fx!(1)), None),
         (None, Some(fx!(1))),
@@ -104,7 +104,7 @@ pub(super) fn damping(trial: &mut Trial) -> Played {
         (Some(fx!(0)), Some(fx!(0))),
         (Some(fx!(0.9375)), Some(half)),
     ];
-    let bodies = own.map(|(linear, angular)| BodyDef {
+    let bodies = dampings.map(|(linear, angular)| BodyDef {
         velocity: vec2(1024, -512),
         angular_velocity: fx!(256),
         linear_damping: linear.map(Damping::kept_per_second),
@@ -112,12 +112,12 @@ pub(super) fn damping(trial: &mut Trial) -> Played {
         ..BodyDef::dynamic()
     });
     let ids = add_all(&mut world, bodies)?;
-    let mut left = own.map(|_| (fx!(1), fx!(1)));
+    let mut left = dampings.map(|_| (fx!(1), fx!(1)));
     for _ in 0..4 {
         trial.steps(&mut world, 60);
-        for ((id, left), own) in ids.iter().zip(&mut left).zip(own) {
+        for ((id, left), damping) in ids.iter().zip(&mut left).zip(dampings) {
             // Powers of these have few digits: no product rounds.
-            *left = (left.0 * own.0.unwrap_or(half), left.1 * own.1.unwrap_or(quarter));
+            *left = (left.0 * damping.0.unwrap_or(half), left.1 * damping.1.unwrap_or(quarter));
             let body = world.body(*id)?;
             near_vec("what damping leaves", body.velocity(), Vec2::new(left.0 * fx!(1024), left.0 * fx!(-512)), 1)?;
             near_fx("what damping leaves of spin", body.angular_velocity(), left.1 * fx!(256), 1)?;

@@ -71,8 +71,8 @@ pub(super) fn happened(what: &'static str, yes: bool) -> Played {
 }
 
 /// Checks that two values are equal.
-pub(super) fn same<T: PartialEq>(what: &'static str, found: &T, expected: &T) -> Played {
-    if found == expected { Ok(()) } else { Err(Problem::Differs { what }) }
+pub(super) fn same<T: PartialEq>(what: &'static str, actual: &T, expected: &T) -> Played {
+    if actual == expected { Ok(()) } else { Err(Problem::Differs { what }) }
 }
 
 /// A value is there.
@@ -81,28 +81,32 @@ pub(super) fn there<T>(what: &'static str, value: Option<T>) -> Result<T, Proble
 }
 
 /// Two values of the same unit are no farther apart than `bound`.
-pub(super) fn near(what: &'static str, found: i128, expected: i128, bound: u128) -> Played {
-    if found.abs_diff(expected) <= bound { Ok(()) } else { Err(Problem::Wrong { what, found, expected, bound }) }
+pub(super) fn near(what: &'static str, actual: i128, expected: i128, bound: u128) -> Played {
+    if actual.abs_diff(expected) <= bound {
+        Ok(())
+    } else {
+        Err(Problem::Wrong { what, found: actual, expected, bound })
+    }
 }
 
 /// In ulps.
-pub(super) fn near_fx(what: &'static str, found: Fx, expected: Fx, ulps: u32) -> Played {
-    near(what, found.to_bits().into(), expected.to_bits().into(), ulps.into())
+pub(super) fn near_fx(what: &'static str, actual: Fx, expected: Fx, ulps: u32) -> Played {
+    near(what, actual.to_bits().into(), expected.to_bits().into(), ulps.into())
 }
 
-pub(super) fn near_vec(what: &'static str, found: Vec2, expected: Vec2, ulps: u32) -> Played {
-    near_fx(what, found.x, expected.x, ulps)?;
-    near_fx(what, found.y, expected.y, ulps)
+pub(super) fn near_vec(what: &'static str, actual: Vec2, expected: Vec2, ulps: u32) -> Played {
+    near_fx(what, actual.x, expected.x, ulps)?;
+    near_fx(what, actual.y, expected.y, ulps)
 }
 
 /// In 2^-64 turns, the short way round.
-pub(super) fn near_turn(what: &'static str, found: Turn, expected: Turn, bound: u128) -> Played {
-    near(what, i128::from(found.to_bits().wrapping_sub(expected.to_bits()) as i64), 0, bound)
+pub(super) fn near_turn(what: &'static str, actual: Turn, expected: Turn, bound: u128) -> Played {
+    near(what, i128::from(actual.to_bits().wrapping_sub(expected.to_bits()) as i64), 0, bound)
 }
 
 /// In units of 2^-64.
-pub(super) fn near_wide(what: &'static str, found: FxWide, expected: FxWide, bound: u128) -> Played {
-    near(what, found.to_bits(), expected.to_bits(), bound)
+pub(super) fn near_wide(what: &'static str, actual: FxWide, expected: FxWide, bound: u128) -> Played {
+    near(what, actual.to_bits(), expected.to_bits(), bound)
 }
 
 /// A call is refused, and for this reason.

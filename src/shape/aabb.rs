@@ -33,12 +33,12 @@ impl<S: Scalar> Aabb<S> {
 
     /// The least box that has both in it.
     #[must_use]
-    pub fn union(self, other: Self) -> Self {
+    pub fn union(self, rhs: Self) -> Self {
         let least = |a: S, b: S| if b < a { b } else { a };
         let greatest = |a: S, b: S| if b > a { b } else { a };
         Self {
-            min: Vec2::new(least(self.min.x, other.min.x), least(self.min.y, other.min.y)),
-            max: Vec2::new(greatest(self.max.x, other.max.x), greatest(self.max.y, other.max.y)),
+            min: Vec2::new(least(self.min.x, rhs.min.x), least(self.min.y, rhs.min.y)),
+            max: Vec2::new(greatest(self.max.x, rhs.max.x), greatest(self.max.y, rhs.max.y)),
         }
     }
 
@@ -53,9 +53,9 @@ impl<S: Scalar> Aabb<S> {
     /// assert!(boxes[0].union(boxes[2]).contains(vec2(2, 1)));
     /// ```
     #[must_use]
-    pub fn overlaps(self, other: Self) -> bool {
+    pub fn overlaps(self, rhs: Self) -> bool {
         let meet = |from: S, to: S, other_from: S, other_to: S| from <= other_to && other_from <= to;
-        meet(self.min.x, self.max.x, other.min.x, other.max.x) && meet(self.min.y, self.max.y, other.min.y, other.max.y)
+        meet(self.min.x, self.max.x, rhs.min.x, rhs.max.x) && meet(self.min.y, self.max.y, rhs.min.y, rhs.max.y)
     }
 
     /// Returns true if a point is in the box or on its edges.

@@ -58,8 +58,8 @@ impl<S: Scalar> Write for Shape<S> {
             }
             Geometry::Compound { parts } => {
                 out.leaf(&[COMPOUND], &"compound");
-                let given = parts.iter().map(|part| Part { position: part.position + self.shift, ..part.clone() });
-                let parts: Vec<Part<S>> = given.collect();
+                let shifted = parts.iter().map(|part| Part { position: part.position + self.shift, ..part.clone() });
+                let parts: Vec<Part<S>> = shifted.collect();
                 codec::list(out, parts.iter());
             }
             Geometry::Chain { points, closed } => {
@@ -89,7 +89,7 @@ impl Read for Shape<Fx> {
 
 fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Malformed> {
     let malformed = reader.malformed("a shape");
-    let made = match u8::read(reader)? {
+    let shape = match u8::read(reader)? {
         CIRCLE => Shape::circle(Fx::read(reader)?),
         RECTANGLE => Shape::rectangle(Fx::read(reader)?, Fx::read(reader)?),
         CAPSULE => Shape::capsule(Fx::read(reader)?, Fx::read(reader)?),
@@ -114,14 +114,14 @@ fn read(reader: &mut Reader<'_>, may_be_compound: bool) -> Result<Shape<Fx>, Mal
         }
         _ => return Err(malformed),
     };
-    made.map_err(|_: Error| malformed)
+    shape.map_err(|_: Error| malformed)
 }
 
 /// Reads a polygon, rounded with a radius. Refuses corners in clockwise order.
 fn read_polygon(reader: &mut Reader<'_>, radius: Option<Fx>) -> Result<Result<Shape<Fx>, Error>, Malformed> {
     let malformed = reader.malformed("the corners of a polygon, counter-clockwise");
     let corners = many(reader, CORNERS, 16, Vec2::read)?;
-    let made = match radius {
+    let polygon = match radius {
         Some(radius) => Shape::rounded_polygon(&corners, radius),
         None => Shape::polygon(&corners),
     };
@@ -132,18 +132,18 @@ fn read_polygon(reader: &mut Reader<'_>, radius: Option<Fx>) -> Result<Result<Sh
         }
         _ => false,
     };
-    if made.as_ref().is_ok_and(is_reversed) { Err(malformed) } else { Ok(made) }
+    if polygon.as_ref().is_ok_and(is_reversed) { Err(malformed) } else { Ok(polygon) }
 }
 
 fn many<T>(
     reader: &mut Reader<'_>,
-    most: usize,
+    max: usize,
     least_bytes: usize,
     read: impl Fn(&mut Reader<'_>) -> Result<T, Malformed>,
 ) -> Result<Vec<T>, Malformed> {
     let malformed = reader.malformed("a shape");
     let count = reader.count(least_bytes)?;
-    if count > most {
+    if count > max {
         return Err(malformed);
     }
     (0..count).map(|_| read(reader)).collect()

@@ -24,8 +24,8 @@ struct Span<S> {
 
 /// The order of the sweep.
 fn order<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> Ordering {
-    let by = |a: S, b: S| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
-    by(a.x, b.x).then(by(a.y, b.y))
+    let compare = |a: S, b: S| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
+    compare(a.x, b.x).then(compare(a.y, b.y))
 }
 
 /// From below, where the later one of the two begins. Two that lie on one line from there on are equal.
@@ -58,23 +58,24 @@ impl<S: Scalar> Eq for Span<S> {}
 
 impl<S: Scalar> Span<S> {
     /// Returns true if two segments have a point in common; if an end of one is an end of the other, a second one.
-    fn meets(&self, other: &Self) -> bool {
-        for (own, far) in [(self.from, self.to), (self.to, self.from)] {
-            for (there, other_far) in [(other.from, other.to), (other.to, other.from)] {
-                if own == there {
-                    let is_back = order(own, far) == order(own, other_far);
-                    return is_back && S::orientation(own, far, other_far) == Ordering::Equal;
+    fn meets(&self, rhs: &Self) -> bool {
+        for (end, back) in [(self.from, self.to), (self.to, self.from)] {
+            for (rhs_end, rhs_back) in [(rhs.from, rhs.to), (rhs.to, rhs.from)] {
+                if end == rhs_end {
+                    let is_back = order(end, back) == order(end, rhs_back);
+                    return is_back && S::orientation(end, back, rhs_back) == Ordering::Equal;
                 }
             }
         }
-        let sides = |of: &Self, by: &Self| [by.from, by.to].map(|point| S::orientation(of.from, of.to, point));
-        let (own, others) = (sides(self, other), sides(other, self));
-        if own == [Ordering::Equal; 2] {
+        let sides =
+            |span: &Self, ends: &Self| [ends.from, ends.to].map(|point| S::orientation(span.from, span.to, point));
+        let (rhs_sides, self_sides) = (sides(self, rhs), sides(rhs, self));
+        if rhs_sides == [Ordering::Equal; 2] {
             let begins_within = |a: &Self, b: &Self| order(a.from, b.to) != Ordering::Greater;
-            return begins_within(self, other) && begins_within(other, self);
+            return begins_within(self, rhs) && begins_within(rhs, self);
         }
         let is_across = |[a, b]: [Ordering; 2]| a == Ordering::Equal || b == Ordering::Equal || a != b;
-        is_across(own) && is_across(others)
+        is_across(rhs_sides) && is_across(self_sides)
     }
 }
 
@@ -102,10 +103,10 @@ pub(super) fn crossing<S: Scalar>(points: &[Vec2<S>], is_closed: bool) -> Option
         let at = points[point as usize];
         let point = point as usize;
         let before = if point > 0 { Some(point - 1) } else { is_closed.then(|| count - 1) };
-        let own = [before, (point < count).then_some(point)];
-        let own = own.map(|number| number.map(span));
+        let numbers = [before, (point < count).then_some(point)];
+        let spans = numbers.map(|number| number.map(span));
         // Segments that end here are removed, so that their neighbours become neighbours; then segments that begin are added.
-        for ending in own.iter().flatten().filter(|own| own.to == at) {
+        for ending in spans.iter().flatten().filter(|span| span.to == at) {
             open.remove(ending);
             let [below, above] = neighbours(&open, ending);
             if let (Some(below), Some(above)) = (below, above) {
@@ -114,11 +115,11 @@ pub(super) fn crossing<S: Scalar>(points: &[Vec2<S>], is_closed: bool) -> Option
                 }
             }
         }
-        for beginning in own.iter().flatten().filter(|own| own.from == at) {
+        for beginning in spans.iter().flatten().filter(|span| span.from == at) {
             let same = open.get(beginning).copied();
-            let near = neighbours(&open, beginning).into_iter().chain([same]).flatten();
-            if let Some(other) = near.into_iter().find(|other| other.meets(beginning)) {
-                return Some(pair(other.number, beginning.number));
+            let candidates = neighbours(&open, beginning).into_iter().chain([same]).flatten();
+            if let Some(candidate) = candidates.into_iter().find(|candidate| candidate.meets(beginning)) {
+                return Some(pair(candidate.number, beginning.number));
             }
             open.insert(*beginning);
         }
@@ -161,7 +162,7 @@ mod tests {
     #[test]
     fn crossings_are_those_of_a_look_at_all_pairs() {
         let mut random = Random::seeded(run_seed(11));
-        let mut found = [0; 2];
+        let mut counts = [0; 2];
         for run in 0..60_000 {
             let count = 3 + random.below(9) as usize;
             // A small grid: many points on lines, on segments, and at one place; a wide one: chains that cross rarely.
@@ -179,10 +180,10 @@ mod tests {
             for is_closed in [false, true] {
                 let crossing = crossing(&points, is_closed);
                 assert_eq!(crossing.is_some(), crosses(&points, is_closed), "{points:?} {is_closed} {crossing:?}");
-                found[usize::from(crossing.is_some())] += 1;
+                counts[usize::from(crossing.is_some())] += 1;
             }
         }
-        assert!(found[0] > 10_000 && found[1] > 10_000, "{found:?}");
+        assert!(counts[0] > 10_000 && counts[1] > 10_000, "{counts:?}");
     }
 
     #[test]

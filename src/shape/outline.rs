@@ -130,11 +130,11 @@ impl<S: Scalar> Outlines<S> {
 
 impl<S: Scalar> Links<S> {
     fn new(points: &[Vec2<S>], is_closed: bool) -> Self {
-        let mut own = Vec::with_capacity(points.len() + usize::from(is_closed));
-        own.extend_from_slice(points);
-        own.extend(points.first().filter(|_| is_closed));
-        let normals = own.windows(2).map(|ends| normal(ends[0], ends[1])).map(|normal| [normal, -normal]).collect();
-        Self { points: own, normals, is_closed }
+        let mut closed = Vec::with_capacity(points.len() + usize::from(is_closed));
+        closed.extend_from_slice(points);
+        closed.extend(points.first().filter(|_| is_closed));
+        let normals = closed.windows(2).map(|ends| normal(ends[0], ends[1])).map(|normal| [normal, -normal]).collect();
+        Self { points: closed, normals, is_closed }
     }
 
     fn placed(&self, direction: <S::Angle as Angle<S>>::Direction, position: Vec2<S>) -> Self {
@@ -149,8 +149,8 @@ impl<S: Scalar> Links<S> {
     /// The segments before and after one.
     fn neighbours(&self, number: usize) -> [Neighbour<Vec2<S>>; 2] {
         let count = self.normals.len();
-        let beside = |first: usize, second: usize, other: usize| {
-            let (corner, normal) = (self.points[first + 1], self.normals[other][0]);
+        let beside = |first: usize, second: usize, turn: usize| {
+            let (corner, normal) = (self.points[first + 1], self.normals[turn][0]);
             match S::orientation(self.points[first], corner, self.points[second + 1]) {
                 Ordering::Greater => Neighbour::Outer(normal),
                 _ => Neighbour::Inner(normal),
@@ -240,7 +240,7 @@ impl<S: Scalar> Outline<S> {
     /// The largest distance of a point from the origin of the coordinates, m, rounded up: corners and radius.
     pub(crate) fn reach(&self) -> S {
         let farthest = self.corners().iter().map(|corner| corner.wide_length());
-        let farthest = farthest.fold(S::Factor::ZERO, |most, length| if length > most { length } else { most });
+        let farthest = farthest.fold(S::Factor::ZERO, |max, length| if length > max { length } else { max });
         // Corners are within 2^15 m, so that lengths fit. A length is rounded to nearest: one ulp more is an upper bound.
         let farthest = farthest.to_scalar().unwrap_or(S::ZERO);
         if farthest == S::ZERO { self.radius } else { farthest + S::from_fx(Fx::DELTA) + self.radius }
@@ -252,12 +252,12 @@ impl<S: Scalar> Outline<S> {
         // From either end of an edge, as a normal is rounded: a mirror image has the ends in the opposite order.
         let ends = corners.iter().zip(corners.iter().cycle().skip(1));
         let depths = ends.zip(self.normals()).map(|((start, end), &normal)| {
-            let behind = |(corner, other): (&Vec2<S>, &Vec2<S>)| {
-                let [x, y] = [normal.x.product(corner.x - other.x), normal.y.product(corner.y - other.y)];
+            let behind = |(corner, end): (&Vec2<S>, &Vec2<S>)| {
+                let [x, y] = [normal.x.product(corner.x - end.x), normal.y.product(corner.y - end.y)];
                 x.plus(y).and_then(Wide::to_scalar).unwrap_or(S::ZERO)
             };
-            let all = corners.iter().flat_map(|other| [(start, other), (end, other)]);
-            all.map(behind).fold(S::ZERO, |most, depth| if depth > most { depth } else { most })
+            let all = corners.iter().flat_map(|corner| [(start, corner), (end, corner)]);
+            all.map(behind).fold(S::ZERO, |max, depth| if depth > max { depth } else { max })
         });
         // A segment is behind neither of its sides, a disc has none.
         let least = depths.reduce(|least, depth| if depth < least { depth } else { least }).unwrap_or(S::ZERO);
@@ -333,8 +333,8 @@ pub(super) fn outlines<S: Scalar>(geometry: &Geometry<S>) -> Outlines<S> {
         }
         Geometry::Chain { points, closed } => {
             let links = Arc::new(Links::new(points, *closed));
-            let of = |number| Outline { core: Core::Link(Arc::clone(&links), number), radius: S::ZERO };
-            return Outlines::Parts((0..links.normals.len()).map(of).collect());
+            let link = |number| Outline { core: Core::Link(Arc::clone(&links), number), radius: S::ZERO };
+            return Outlines::Parts((0..links.normals.len()).map(link).collect());
         }
     })
 }

@@ -62,18 +62,18 @@ impl<'de> Deserialize<'de> for NoPart {
 
 /// The arguments that a shape was made from.
 fn spec<S: Scalar, P>(shape: &Shape<S>, part: impl Fn(&Part<S>) -> Option<P>) -> Spec<S, P> {
-    let given = |point: Vec2<S>| point + shape.shift;
+    let unshifted = |point: Vec2<S>| point + shape.shift;
     match shape.geometry {
         Geometry::Circle { radius } => Spec::Circle { radius },
         Geometry::Rectangle { width, height } => Spec::Rectangle { width, height },
         Geometry::Capsule { length, radius } => Spec::Capsule { length, radius },
-        Geometry::Polygon { ref corners } => Spec::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+        Geometry::Polygon { ref corners } => Spec::Polygon { corners: corners.iter().map(|&c| unshifted(c)).collect() },
         Geometry::RoundedPolygon { ref corners, radius } => {
-            Spec::RoundedPolygon { corners: corners.iter().map(|&c| given(c)).collect(), radius }
+            Spec::RoundedPolygon { corners: corners.iter().map(|&c| unshifted(c)).collect(), radius }
         }
-        Geometry::Segment { ends } => Spec::Segment { ends: ends.map(given) },
+        Geometry::Segment { ends } => Spec::Segment { ends: ends.map(unshifted) },
         Geometry::Compound { ref parts } => {
-            let placed = |p: &Part<S>| part(&Part { position: given(p.position), ..p.clone() });
+            let placed = |p: &Part<S>| part(&Part { position: unshifted(p.position), ..p.clone() });
             Spec::Compound { parts: parts.iter().filter_map(placed).collect() }
         }
         Geometry::Chain { ref points, closed } => Spec::Chain { points: points.to_vec(), closed },

@@ -50,7 +50,7 @@ use crate::world::{Command, CommandMap};
 /// world.execute(&push)?;
 /// image.execute(&mirror.command(&push).unwrap())?;
 /// (0..100).for_each(|_| _ = (world.step(), image.step()));
-/// assert_eq!(mirror.world(&world).map(|there| there.state_hash()), Some(image.state_hash()));
+/// assert_eq!(mirror.world(&world).map(|moved| moved.state_hash()), Some(image.state_hash()));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -88,19 +88,19 @@ impl Symmetry {
     #[must_use]
     pub fn about(self, centre: Vec2) -> Option<Self> {
         let image = self.signed(centre, Fx::checked_neg)?;
-        let by = Vec2::new(centre.x.checked_sub(image.x)?, centre.y.checked_sub(image.y)?);
-        Self { shift: Vec2::ZERO, ..self }.shifted(by)
+        let shift = Vec2::new(centre.x.checked_sub(image.x)?, centre.y.checked_sub(image.y)?);
+        Self { shift: Vec2::ZERO, ..self }.shifted(shift)
     }
 
     /// Returns the shift by a vector; `None` unless by an even number of ulps in each coordinate, and by at most 2^26 m.
     #[must_use]
-    pub fn shift(by: Vec2) -> Option<Self> {
-        Self { name: "shift", matrix: [[1, 0], [0, 1]], shift: Vec2::ZERO, quarters: 0 }.shifted(by)
+    pub fn shift(shift: Vec2) -> Option<Self> {
+        Self { name: "shift", matrix: [[1, 0], [0, 1]], shift: Vec2::ZERO, quarters: 0 }.shifted(shift)
     }
 
-    fn shifted(self, by: Vec2) -> Option<Self> {
+    fn shifted(self, shift: Vec2) -> Option<Self> {
         let is_fair = |c: Fx| c.to_bits() % 2 == 0 && c.to_bits().unsigned_abs() <= SHIFT.unsigned_abs();
-        (is_fair(by.x) && is_fair(by.y)).then_some(Self { shift: by, ..self })
+        (is_fair(shift.x) && is_fair(shift.y)).then_some(Self { shift, ..self })
     }
 
     /// The name.
@@ -202,21 +202,21 @@ impl Symmetry {
         if !self.mirrors() {
             return Some(shape.clone());
         }
-        let given = |point: Vec2| self.local(point + shape.shift());
+        let image = |point: Vec2| self.local(point + shape.shift());
         match shape.geometry() {
             Geometry::Circle { .. } | Geometry::Rectangle { .. } | Geometry::Capsule { .. } => Some(shape.clone()),
             Geometry::Polygon { corners } => {
-                let corners: Vec<Vec2> = corners.iter().map(|&corner| given(corner)).collect::<Option<_>>()?;
+                let corners: Vec<Vec2> = corners.iter().map(|&corner| image(corner)).collect::<Option<_>>()?;
                 Shape::polygon(&corners).ok()
             }
             Geometry::RoundedPolygon { corners, radius } => {
-                let corners: Vec<Vec2> = corners.iter().map(|&corner| given(corner)).collect::<Option<_>>()?;
+                let corners: Vec<Vec2> = corners.iter().map(|&corner| image(corner)).collect::<Option<_>>()?;
                 Shape::rounded_polygon(&corners, *radius).ok()
             }
-            Geometry::Segment { ends: [a, b] } => Shape::segment(given(*a)?, given(*b)?).ok(),
+            Geometry::Segment { ends: [a, b] } => Shape::segment(image(*a)?, image(*b)?).ok(),
             Geometry::Compound { parts } => {
                 let part = |part: &Part| {
-                    let (shape, position) = (self.shape(&part.shape)?, given(part.position)?);
+                    let (shape, position) = (self.shape(&part.shape)?, image(part.position)?);
                     Some(Part { shape, position, angle: self.angular_velocity(part.angle)?, ..*part })
                 };
                 let parts: Vec<Part> = parts.iter().map(part).collect::<Option<_>>()?;

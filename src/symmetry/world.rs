@@ -54,14 +54,14 @@ impl Symmetry {
         let mut are_all_images = true;
         let colliders = &image.colliders;
         image.contacts.change_all(|record| {
-            let found = self.contact(record, &world.colliders, colliders);
-            are_all_images &= found.is_some();
-            *record = found.unwrap_or(*record);
+            let image_record = self.contact(record, &world.colliders, colliders);
+            are_all_images &= image_record.is_some();
+            *record = image_record.unwrap_or(*record);
             true
         });
         for record in &mut image.contacts.passes {
             let (OutlineId { slot, part }, body) = record.place();
-            let part = world.colliders.at(slot).map_or(part, |own| image_of_part(&own.def.shape, part));
+            let part = world.colliders.at(slot).map_or(part, |collider| image_of_part(&collider.def.shape, part));
             *record = OneWayAnswer::new((OutlineId { slot, part }, body), record.passes);
         }
         image.contacts.passes.sort_unstable_by_key(OneWayAnswer::place);
@@ -72,22 +72,22 @@ impl Symmetry {
     fn contact(
         &self,
         record: &ContactRecord,
-        here: &ColliderSet<Fx>,
-        there: &ColliderSet<Fx>,
+        original_set: &ColliderSet<Fx>,
+        image_set: &ColliderSet<Fx>,
     ) -> Option<ContactRecord> {
         let pair = record.pair();
         let images = pair.map(|OutlineId { slot, part }| {
-            let shape = here.at(slot).map(|collider| &collider.def.shape);
+            let shape = original_set.at(slot).map(|collider| &collider.def.shape);
             OutlineId { slot, part: shape.map_or(part, |shape| image_of_part(shape, part)) }
         });
         let outlines = [0, 1].map(|side| {
-            let own = own_outline(&here.at(pair[side].slot)?.def.shape, pair[side].part)?;
-            let image = &there.at(images[side].slot)?.def.shape;
-            Some((own, own_outline(image, images[side].part)?))
+            let original = own_outline(&original_set.at(pair[side].slot)?.def.shape, pair[side].part)?;
+            let image = &image_set.at(images[side].slot)?.def.shape;
+            Some((original, own_outline(image, images[side].part)?))
         });
         let corner = |side: usize, number: usize| {
-            let (own, image) = outlines[side]?;
-            let place = self.local(*own.corners().get(number)?)?;
+            let (original, image) = outlines[side]?;
+            let place = self.local(*original.corners().get(number)?)?;
             image.corners().iter().position(|corner| *corner == place)
         };
         record.mirrored(images, corner)
@@ -103,7 +103,7 @@ impl Symmetry {
             return None;
         }
         let position = self.signed(position, negative)?;
-        let moved = |c: FxAccumulator, by: Fx| c.plus(FxAccumulator::from_scalar(by));
+        let moved = |c: FxAccumulator, offset: Fx| c.plus(FxAccumulator::from_scalar(offset));
         motion.position.set(i, Vec2::new(moved(position.x, self.shift.x), moved(position.y, self.shift.y)));
         motion.velocity.set(i, self.signed(motion.velocity.get(i), negative)?);
         motion.angle[i] = self.turn(motion.angle[i]);
@@ -122,8 +122,8 @@ impl Symmetry {
         }
         let info = world.bodies.info(i);
         if self.mirrors() && !info.collider_mass().is_none() {
-            let own = world.colliders.of(world.bodies.id(i)).map(|collider| &collider.def);
-            let colliders = ColliderMass::of(own);
+            let definitions = world.colliders.of(world.bodies.id(i)).map(|collider| &collider.def);
+            let colliders = ColliderMass::of(definitions);
             let properties = info.mass.properties(&colliders, info.kind, self.locks(locks)).ok()?;
             world.bodies.set_collider_mass(i, colliders, properties);
         }
@@ -195,7 +195,7 @@ mod tests {
         let mut met = [0; 3];
         for run in 0..600 {
             let mut world = World::new(WorldDef::default()).expect("a world");
-            let mut number = |most: i32| random.number(Fx::from(-most)..=Fx::from(most));
+            let mut number = |max: i32| random.number(Fx::from(-max)..=Fx::from(max));
             for _ in 0..2 {
                 let corners = [(); 5].map(|()| vec2(number(2), number(2)));
                 let shape = match run % 3 {
@@ -219,15 +219,15 @@ mod tests {
             world.contacts.records = [record(&here, values)].to_vec();
             for symmetry in [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN] {
                 let image = symmetry.world(&world).expect("it has an image");
-                let there = manifold(&image).expect("they meet there too");
+                let image_manifold = manifold(&image).expect("they meet there too");
                 let [a, b, tangent] = values;
-                let values = match (symmetry.mirrors(), there.count) {
+                let values = match (symmetry.mirrors(), image_manifold.count) {
                     (false, _) => values,
                     (true, 2) => [b, a, -tangent],
                     (true, _) => [a, b, -tangent],
                 };
-                assert_eq!(image.contacts.records, [record(&there, values)], "run {run}: {}", symmetry.name());
-                met[there.count] += 1;
+                assert_eq!(image.contacts.records, [record(&image_manifold, values)], "run {run}: {}", symmetry.name());
+                met[image_manifold.count] += 1;
                 // It goes on from there: what is set in both worlds is the same.
                 assert!(image.colliders().all(|(id, def)| {
                     Image(&symmetry)

@@ -332,10 +332,10 @@ impl<S: Scalar> World<S> {
     /// let [ball, wall, door] = [BodyDef::dynamic(), BodyDef::fixed(), BodyDef::fixed()].map(|def| world.add_body(def));
     /// let (ball, door) = (ball?, door?);
     /// world.step();
-    /// let seen = world.tick();
+    /// let tick = world.tick();
     /// world.set_angle(door, umbra_physics::Fx::FRAC_PI_2)?;
     /// world.step();
-    /// assert!(world.changed_since(seen).map(|body| body.id()).eq([ball, door]));
+    /// assert!(world.changed_since(tick).map(|body| body.id()).eq([ball, door]));
     /// assert!(world.changed_since(world.tick()).map(|body| body.id()).eq([ball]));
     /// # wall?;
     /// # Ok::<(), umbra_physics::Error>(())

@@ -181,8 +181,8 @@ impl<S: Scalar> World<S> {
         let motion = &self.bodies.columns.motion;
         // To the last bit, as the end of a step checks it.
         let (velocity, angular_velocity) = (motion.velocity.get(dense), motion.angular_velocity[dense]);
-        let most = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED];
-        within_envelope::<S>(motion.position.get(dense), velocity, angular_velocity, most).map(|()| dense)
+        let bounds = [limits::POSITION, limits::SPEED, limits::ANGULAR_SPEED];
+        within_envelope::<S>(motion.position.get(dense), velocity, angular_velocity, bounds).map(|()| dense)
     }
 
     fn check_own_damping(&self, linear: Option<Damping<S>>, angular: Option<Damping<S>>) -> Result<(), Error> {

@@ -91,10 +91,10 @@ impl<S: Scalar> World<S> {
 
     /// Removes the colliders of a body that is removed, in the order of their slots: the slot that is freed last is taken first.
     pub(super) fn take_colliders(&mut self, body: BodyId) -> Result<(), Error> {
-        let own: Vec<ColliderId> = self.colliders_of(body)?.collect();
-        let slots: Vec<u32> = own.iter().map(|collider| collider.slot).collect();
+        let colliders: Vec<ColliderId> = self.colliders_of(body)?.collect();
+        let slots: Vec<u32> = colliders.iter().map(|collider| collider.slot).collect();
         self.contacts.forget(&self.bodies, self.colliders.fixed(), &slots);
-        for collider in own {
+        for collider in colliders {
             Arc::make_mut(&mut self.colliders).remove(collider)?;
         }
         Ok(())

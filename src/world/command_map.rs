@@ -45,9 +45,9 @@ use alloc::vec::Vec;
 ///     }
 /// }
 ///
-/// let [here, there] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
-/// let command = Command::SetVelocity { body: here, velocity: vec2(1, 0) };
-/// assert_eq!(command.map(&mut Rename), Ok(Command::SetVelocity { body: there, velocity: vec2(1, 0) }));
+/// let [old, new] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
+/// let command = Command::SetVelocity { body: old, velocity: vec2(1, 0) };
+/// assert_eq!(command.map(&mut Rename), Ok(Command::SetVelocity { body: new, velocity: vec2(1, 0) }));
 /// ```
 #[allow(clippy::missing_errors_doc, reason = "every method fails for a value without a counterpart")]
 pub trait CommandMap<S: Scalar, T: Scalar = S> {
@@ -317,9 +317,9 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
         options: ApplyOptions,
     ) -> Result<ForceOrImpulse<T>, Self::Error> {
         let is_local = options.frame == Frame::Body;
-        let vector = |own: &mut Self, v| if is_local { own.local(v) } else { own.vector(v) };
-        let point = |own: &mut Self, point: Option<_>| {
-            point.map(|point| if is_local { own.local(point) } else { own.point(point) }).transpose()
+        let vector = |map: &mut Self, v| if is_local { map.local(v) } else { map.vector(v) };
+        let point = |map: &mut Self, point: Option<_>| {
+            point.map(|point| if is_local { map.local(point) } else { map.point(point) }).transpose()
         };
         Ok(match action {
             ForceOrImpulse::Force { force, point: at } => {

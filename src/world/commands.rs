@@ -431,8 +431,8 @@ impl From<ColliderId> for Created {
     }
 }
 
-fn created(made: Result<impl Into<Created>, Error>) -> Result<Created, Error> {
-    made.map(Into::into)
+fn created(result: Result<impl Into<Created>, Error>) -> Result<Created, Error> {
+    result.map(Into::into)
 }
 
 fn dropped<T>(checked: Result<T, Error>) -> Result<(), Error> {

@@ -44,8 +44,9 @@ impl<S: Scalar> World<S> {
     pub fn contacts_of(&self, body: BodyId) -> Result<impl Iterator<Item = Contact<S>> + use<'_, S>, Error> {
         self.bodies.find(body)?;
         let is_of = move |slot| self.colliders.at(slot).is_some_and(|collider| collider.body == body);
-        let own = self.contacts.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
-        Ok(own.filter_map(|record| self.contact(record)))
+        let records =
+            self.contacts.iter().filter(move |record| record.pair().iter().any(|outline| is_of(outline.slot)));
+        Ok(records.filter_map(|record| self.contact(record)))
     }
 
     /// The sensors with the colliders that overlapped them at the end of the last step, the sensor first; sorted by the slots of the
@@ -122,9 +123,9 @@ fn nearest_segment<T>(
         parts[side] = part % count;
         touch(parts)
     };
-    let own = parts[side];
+    let part = parts[side];
     (1..=SEGMENTS.min(count)).find_map(|way| {
-        let before = if own < way && is_closed { Some(own + count - way) } else { own.checked_sub(way) };
-        at(Some(own + way)).or_else(|| at(before))
+        let before = if part < way && is_closed { Some(part + count - way) } else { part.checked_sub(way) };
+        at(Some(part + way)).or_else(|| at(before))
     })
 }

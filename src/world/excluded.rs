@@ -25,12 +25,12 @@ impl<S: Scalar> World<S> {
     /// let mut world = World::new(WorldDef::default())?;
     /// let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.5))?);
     /// let ghost = world.add_body(BodyDef { velocity: vec2(6, 0), ..ball.clone() })?;
-    /// let other = world.add_body(BodyDef { position: vec2(3, 0), ..ball })?;
-    /// world.exclude_pair(ghost, other, Exclusion::Always)?;
+    /// let post = world.add_body(BodyDef { position: vec2(3, 0), ..ball })?;
+    /// world.exclude_pair(ghost, post, Exclusion::Always)?;
     /// (0..60).for_each(|_| _ = world.step());
-    /// assert_eq!((world.body(ghost)?.position(), world.body(other)?.position()), (vec2(6, 0), vec2(3, 0)));
-    /// assert!(world.excluded_pairs().eq([([ghost, other], Exclusion::Always)]));
-    /// world.allow_pair(ghost, other)?;
+    /// assert_eq!((world.body(ghost)?.position(), world.body(post)?.position()), (vec2(6, 0), vec2(3, 0)));
+    /// assert!(world.excluded_pairs().eq([([ghost, post], Exclusion::Always)]));
+    /// world.allow_pair(ghost, post)?;
     /// assert_eq!(world.excluded_pairs().count(), 0);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```

@@ -32,13 +32,13 @@ use crate::slots::BodyId;
 ///
 /// let mut world = World::new(WorldDef::default())?;
 /// let def = BodyDef { mass: Mass::Kilograms(fx!(2)), ..BodyDef::dynamic().with_collider(Shape::rectangle(1, 3)?) };
-/// let near = world.add_body(BodyDef { position: vec2(2, 0), ..def.clone() })?;
+/// let box_beside = world.add_body(BodyDef { position: vec2(2, 0), ..def.clone() })?;
 /// let far = world.add_body(BodyDef { position: vec2(-5, 0), ..def })?;
 ///
 /// // 4 N·s a metre up to 2 m, and less up to 7 m. The sides that face it are 3 m wide.
 /// let blast = Explosion { radius: fx!(2), falloff: fx!(5), ..Explosion::new(vec2(0, 0), fx!(4)) };
 /// world.explode(&blast)?;
-/// assert_eq!(world.body(near)?.velocity(), vec2(6, 0));
+/// assert_eq!(world.body(box_beside)?.velocity(), vec2(6, 0));
 /// assert_eq!(world.body(far)?.velocity(), vec2(-3, 0)); // 4.5 m away: a half of it
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -86,8 +86,8 @@ impl<S: Scalar> Explosion<S> {
     /// [`Error::OutOfRange`] with [`Quantity::Position`], [`Quantity::ExplosionRadius`] (radius and falloff) or
     /// [`Quantity::ExplosionImpulse`].
     pub fn check(&self) -> Result<(), Error> {
-        let within = |value: S, least: Fx, most: Fx, quantity| {
-            let is_within = value >= S::from_fx(least) && value <= S::from_fx(most);
+        let within = |value: S, min: Fx, max: Fx, quantity| {
+            let is_within = value >= S::from_fx(min) && value <= S::from_fx(max);
             if is_within { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
         };
         checked_point(self.position)?;
@@ -112,13 +112,13 @@ impl<S: Scalar> Explosion<S> {
     ///
     /// *Error* of a component of the impulse 2^-32 of it and 2 ulps.
     fn impulse_on(&self, core: &Core, from: Point, towards: Point) -> Option<(Point, Point)> {
-        let near = nearest(core.corners());
-        let away = distance(core, near);
+        let closest = nearest(core.corners());
+        let away = distance(core, closest);
         let strength = self.strength(away);
         if strength == 0 {
             return None;
         }
-        let (at, back) = point(core, near, away);
+        let (at, back) = point(core, closest, away);
         let out = if away == 0 { towards } else { back.map(|part| -part) };
         let direction = Vec2::new(Fx::from_bits(out[0]), Fx::from_bits(out[1])).normalize()?;
         let direction = [direction.x.to_bits(), direction.y.to_bits()];
@@ -169,8 +169,8 @@ impl<S: Scalar> World<S> {
         let from = checked_point(explosion.position)?;
         let asleep = self.bodies.any_asleep().then(|| self.bodies.asleep());
         let may_move = (0..self.bodies.moving()).chain(asleep.into_iter().flatten());
-        let near = may_move.filter(|&dense| self.is_near(explosion, from, dense));
-        let mut bodies: Vec<(BodyId, usize)> = near.map(|dense| (self.bodies.id(dense), dense)).collect();
+        let reached = may_move.filter(|&dense| self.is_near(explosion, from, dense));
+        let mut bodies: Vec<(BodyId, usize)> = reached.map(|dense| (self.bodies.id(dense), dense)).collect();
         bodies.sort_unstable();
         let mut effects = Vec::new();
         for (body, dense) in bodies {

@@ -121,15 +121,15 @@ impl<S: Scalar> World<S> {
         let carried = carried.filter_map(|(_, field)| Some((field.force_groups, field.bodies().next()?)));
         let carried: Vec<(u32, BodyId)> = carried.collect();
         let (mut company, mut to_ask, mut felt) = (BTreeSet::from([body]), Vec::from([body]), 0);
-        while let Some(one) = to_ask.pop() {
-            let Ok(i) = self.bodies.find(one) else { continue };
+        while let Some(member) = to_ask.pop() {
+            let Ok(i) = self.bodies.find(member) else { continue };
             let info = self.bodies.info(i);
             // A static body passes nothing on from one spring to another.
             if info.kind != BodyKind::Static {
                 let springs =
-                    self.fields.attached_to(one).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }));
+                    self.fields.attached_to(member).filter(|(_, field)| matches!(field.kind, FieldKind::Spring { .. }));
                 let joined = springs.flat_map(|(_, field)| field.bodies());
-                to_ask.extend(joined.filter(|&other| company.insert(other)));
+                to_ask.extend(joined.filter(|&member| company.insert(member)));
             }
             // At most 32 times, as there are 32 groups.
             let more = if info.kind == BodyKind::Dynamic { info.force_groups & !felt } else { 0 };
@@ -149,6 +149,6 @@ fn acts_on_any<S: Scalar>(field: &ForceField<S>, bodies: &BTreeSet<BodyId>, felt
     if field.kind.acts_by_groups() {
         field.force_groups & felt != 0
     } else {
-        field.bodies().any(|own| bodies.contains(&own))
+        field.bodies().any(|body| bodies.contains(&body))
     }
 }

@@ -78,9 +78,9 @@ impl<S: Scalar> World<S> {
     pub fn momentum(&self) -> Result<Vec2<S::Wide>, Error> {
         let (mut x, mut y) = (S::Sum::default(), S::Sum::default());
         for i in self.counted_bodies() {
-            let own = self.momentum_term(i);
-            x.add(own.x);
-            y.add(own.y);
+            let term = self.momentum_term(i);
+            x.add(term.x);
+            y.add(term.y);
         }
         Ok(Vec2::new(total::<S>(Some(x))?, total::<S>(Some(y))?))
     }
@@ -207,12 +207,12 @@ impl<S: Scalar> World<S> {
         let mu = if mutual { mu.times(S::Factor::from_ratio(1, 2)) } else { mu };
         for i in self.counted_bodies() {
             let info = self.bodies.info(i);
-            let own = End::Body(Attachment { body: self.bodies.id(i), point: Vec2::ZERO });
+            let end = End::Body(Attachment { body: self.bodies.id(i), point: Vec2::ZERO });
             if carrier == Some(i) || info.force_groups & force_groups == 0 {
                 continue;
             }
             // An attractor on a quarantined or disabled body attracts nothing.
-            let Some(offset) = scene.offset_between(&own, centre, directions) else { continue };
+            let Some(offset) = scene.offset_between(&end, centre, directions) else { continue };
             let distance = S::length(offset, softening);
             if distance.is_zero() {
                 return None;
@@ -236,12 +236,12 @@ impl<S: Scalar> World<S> {
 /// The energy ½·k·(length − rest)² of a spring; zero for a spring on a quarantined or disabled body.
 fn spring_energy<S: Scalar>(
     scene: Scene<'_, S>,
-    near: &Attachment<S>,
-    far: &End<S>,
+    start: &Attachment<S>,
+    end: &End<S>,
     spring: &SpringConstants<S>,
     directions: &mut Directions<S>,
 ) -> Option<S::Wide> {
-    let Some(offset) = scene.offset_between(&End::Body(*near), far, directions) else {
+    let Some(offset) = scene.offset_between(&End::Body(*start), end, directions) else {
         return Some(S::Wide::default());
     };
     let stretch = S::length(offset, S::ZERO).abs_diff(S::Factor::from_scalar(spring.rest));

@@ -97,7 +97,7 @@ impl Case {
 }
 
 fn shapes(random: &mut Random, size: Fx) -> Vec<Shape> {
-    let mut number = |least: Fx, most: Fx| random.number(least * size..=most * size);
+    let mut number = |min: Fx, max: Fx| random.number(min * size..=max * size);
     let corners: [Vec2; 3] = [
         vec2(number(fx!(-1), fx!(-0.5)), number(fx!(-1), fx!(0))),
         vec2(number(fx!(0.3), fx!(1)), number(fx!(-1), fx!(0))),
@@ -118,14 +118,14 @@ fn each_case(count: u32, size: Fx, mut see: impl FnMut(&Case, bool)) {
     let mut random = Random::seeded(run_seed(7));
     for _ in 0..count {
         let shapes = shapes(&mut random, size);
-        let mut number = |most: Fx| random.number(-most * size..=most * size);
+        let mut number = |max: Fx| random.number(-max * size..=max * size);
         let at = vec2(number(fx!(3)), number(fx!(3)));
         let offset = vec2(number(fx!(0.5)), number(fx!(0.5)));
         let [a, b] = [(); 2].map(|()| at + vec2(number(fx!(1.7)), number(fx!(1.7))));
         let region = Aabb { min: vec2(a.x.min(b.x), a.y.min(b.y)), max: vec2(a.x.max(b.x), a.y.max(b.y)) };
-        let [angle, own] = [(); 2].map(|()| number(fx!(1)) * fx!(3) / size);
+        let [angle, own_angle] = [(); 2].map(|()| number(fx!(1)) * fx!(3) / size);
         for (i, shape) in shapes.into_iter().enumerate() {
-            let def = ColliderDef { position: offset, angle: own, ..ColliderDef::new(shape) };
+            let def = ColliderDef { position: offset, angle: own_angle, ..ColliderDef::new(shape) };
             see(&Case { def, position: at, angle: Turn::from_radians(angle), region }, i > 1);
         }
     }
@@ -136,12 +136,12 @@ fn areas_and_moments_are_those_of_a_dense_polygon() {
     for (size, ulps) in [(fx!(1), 1.0), (fx!(0.125), 1.0), (fx!(1000), 32.0)] {
         let (mut worst, mut round, mut cut) = (0.0_f64, [0.0_f64; 2], 0);
         each_case(400, size, |case, is_round| {
-            let found = case.found().map(|bits| bits as f64 / 2.0_f64.powi(64));
+            let actual = case.found().map(|bits| bits as f64 / 2.0_f64.powi(64));
             let dense = case.dense(4_096);
             let length = 8.0 * size.to_f64();
             let unit = ulps / 2.0_f64.powi(32);
-            cut += u32::from(found[0] > 0.0);
-            let off = [0, 1, 2].map(|k| (found[k] - dense[k]).abs());
+            cut += u32::from(actual[0] > 0.0);
+            let off = [0, 1, 2].map(|k| (actual[k] - dense[k]).abs());
             if is_round {
                 let radius = case.def.shape.outlines()[0].radius().to_f64();
                 let shared = unit * length + radius * radius * 3e-6;
@@ -168,8 +168,8 @@ fn the_image_of_an_area_is_the_same_to_the_bit() {
     each_case(200, fx!(1), |case, _| {
         let [area, x, y] = case.found();
         for (turn, mirror) in [(false, true), (true, false), (true, true)] {
-            let of = |v: Vec2| flip(v, turn, mirror);
-            let (a, b) = (of(case.region.min), of(case.region.max));
+            let moved = |v: Vec2| flip(v, turn, mirror);
+            let (a, b) = (moved(case.region.min), moved(case.region.max));
             let region = Aabb { min: vec2(a.x.min(b.x), a.y.min(b.y)), max: vec2(a.x.max(b.x), a.y.max(b.y)) };
             // The mirror image of a polygon is made from its image's corners: those that are their own image are enough.
             if mirror
@@ -189,7 +189,7 @@ fn the_image_of_an_area_is_the_same_to_the_bit() {
             } else {
                 (bits, case.def.clone())
             };
-            let image = Case { def, position: of(case.position), angle: Turn::from_bits(angle), region };
+            let image = Case { def, position: moved(case.position), angle: Turn::from_bits(angle), region };
             let expected = {
                 let (x, y) = if turn { (-y, x) } else { (x, y) };
                 if mirror { [area, -x, y] } else { [area, x, y] }

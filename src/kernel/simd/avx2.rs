@@ -198,8 +198,8 @@ impl Lanes for Avx2 {
 
     #[inline(always)]
     fn capped(self, a: __m256i) -> __m256i {
-        let most = self.words(i64::from(i32::MAX));
-        unsafe { _mm256_blendv_epi8(a, most, _mm256_cmpgt_epi64(a, most)) }
+        let max = self.words(i64::from(i32::MAX));
+        unsafe { _mm256_blendv_epi8(a, max, _mm256_cmpgt_epi64(a, max)) }
     }
 
     #[inline(always)]

@@ -156,8 +156,8 @@ impl Lanes for Simd128 {
 
     #[inline(always)]
     fn capped(self, a: v128) -> v128 {
-        let most = i64x2_splat(i64::from(i32::MAX));
-        self.low(v128_bitselect(most, a, i64x2_gt(a, most)))
+        let max = i64x2_splat(i64::from(i32::MAX));
+        self.low(v128_bitselect(max, a, i64x2_gt(a, max)))
     }
 
     #[inline(always)]
@@ -223,8 +223,8 @@ impl Lanes for Simd128 {
     fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<v128> {
         let [a, b] = part(index, at).map(|i| &rows[i as usize]);
         // SAFETY: four components fill a vector.
-        let of = |words: &[i32; 4]| unsafe { v128_load(words.as_ptr().cast()) };
-        let (v, w, d, e) = (of(&a.velocity), of(&b.velocity), of(&a.displacement), of(&b.displacement));
+        let load = |words: &[i32; 4]| unsafe { v128_load(words.as_ptr().cast()) };
+        let (v, w, d, e) = (load(&a.velocity), load(&b.velocity), load(&a.displacement), load(&b.displacement));
         let (linear, angular) = (i32x4_shuffle::<0, 4, 1, 5>(v, w), i32x4_shuffle::<2, 6, 3, 7>(v, w));
         let moved = i32x4_shuffle::<0, 4, 1, 5>(d, e);
         let [y, angle, dy] = [linear, angular, moved].map(|both| i64x2_shuffle::<1, 1>(both, both));

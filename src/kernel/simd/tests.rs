@@ -88,12 +88,12 @@ impl Job for Narrows {
         let mut results: Results = names.map(|name| (name, [0; GROUP])).collect();
         let mut is_none_positive = true;
         for at in (0..GROUP).step_by(L::WIDTH) {
-            let ((a, _), (b, other)) = (lanes.pair(&self.small[0], at), lanes.pair(&self.small[1], at));
+            let ((a, _), (b, b_second)) = (lanes.pair(&self.small[0], at), lanes.pair(&self.small[1], at));
             let ((c, d), (e, f)) = (lanes.pair(&self.any[0], at), lanes.pair(&self.any[1], at));
             let low = lanes.low(lanes.wide(&self.words, at));
             // The sums of these bring a carry, or a borrow, into the upper halves.
-            narrow(lanes, &mut results[0].1, at, lanes.plus(lanes.plus(a, b), other));
-            narrow(lanes, &mut results[1].1, at, lanes.minus(lanes.minus(a, b), other));
+            narrow(lanes, &mut results[0].1, at, lanes.plus(lanes.plus(a, b), b_second));
+            narrow(lanes, &mut results[1].1, at, lanes.minus(lanes.minus(a, b), b_second));
             narrow(lanes, &mut results[2].1, at, lanes.at_least(c, d));
             narrow(lanes, &mut results[3].1, at, lanes.at_most(c, d));
             narrow(lanes, &mut results[4].1, at, lanes.if_positive(c, e, f));
@@ -158,22 +158,22 @@ impl Job for Wides {
             }};
         }
         let [a, b, c] = [0, 1, 2].map(|k| move |at: usize, any: &[[i64; GROUP]; 3]| lanes.wide(&any[k], at));
-        let of = |words: &[i64; GROUP], at: usize| lanes.wide(words, at);
-        operation!("add", |at| lanes.add(of(&self.sum[0], at), of(&self.sum[1], at)));
-        operation!("sub", |at| lanes.sub(of(&self.sum[0], at), of(&self.sum[1], at)));
+        let words_at = |words: &[i64; GROUP], at: usize| lanes.wide(words, at);
+        operation!("add", |at| lanes.add(words_at(&self.sum[0], at), words_at(&self.sum[1], at)));
+        operation!("sub", |at| lanes.sub(words_at(&self.sum[0], at), words_at(&self.sum[1], at)));
         operation!("if_negative", |at| lanes.if_negative(a(at, &self.any), b(at, &self.any), c(at, &self.any)));
         operation!("positive", |at| lanes.positive(a(at, &self.any)));
-        operation!("clamped", |at| lanes.clamped(a(at, &self.any), of(&self.limit, at)));
-        operation!(narrow "capped", |at| lanes.capped(of(&self.limit, at)));
+        operation!("clamped", |at| lanes.clamped(a(at, &self.any), words_at(&self.limit, at)));
+        operation!(narrow "capped", |at| lanes.capped(words_at(&self.limit, at)));
         operation!("floored 28", |at| lanes.floored::<28>(a(at, &self.any)));
         operation!("floored 30", |at| lanes.floored::<30>(a(at, &self.any)));
-        operation!("floored_by", |at| lanes.floored_by(a(at, &self.any), of(&self.shift, at)));
-        operation!(narrow "rounded", |at| lanes.rounded(of(&self.rounded, at)));
-        operation!("rounded_oddly 24", |at| lanes.rounded_oddly::<24>(of(&self.rounded, at)));
-        operation!("rounded_oddly 27", |at| lanes.rounded_oddly::<27>(of(&self.rounded, at)));
-        operation!("rounded_oddly 30", |at| lanes.rounded_oddly::<30>(of(&self.rounded, at)));
-        operation!("raised_by", |at| lanes.raised_by(of(&self.raised[0], at), of(&self.raised[1], at)));
-        operation!("share", |at| lanes.share(lanes.pair(&self.factor, at).0, of(&self.load, at)));
+        operation!("floored_by", |at| lanes.floored_by(a(at, &self.any), words_at(&self.shift, at)));
+        operation!(narrow "rounded", |at| lanes.rounded(words_at(&self.rounded, at)));
+        operation!("rounded_oddly 24", |at| lanes.rounded_oddly::<24>(words_at(&self.rounded, at)));
+        operation!("rounded_oddly 27", |at| lanes.rounded_oddly::<27>(words_at(&self.rounded, at)));
+        operation!("rounded_oddly 30", |at| lanes.rounded_oddly::<30>(words_at(&self.rounded, at)));
+        operation!("raised_by", |at| lanes.raised_by(words_at(&self.raised[0], at), words_at(&self.raised[1], at)));
+        operation!("share", |at| lanes.share(lanes.pair(&self.factor, at).0, words_at(&self.load, at)));
         results
     }
 }
@@ -210,11 +210,11 @@ impl Job for Bounds {
     fn run<L: Lanes>(self, lanes: L) -> [bool; 4] {
         let mut is_any = [false; 4];
         for at in (0..GROUP).step_by(L::WIDTH) {
-            let of = |words: [[i64; GROUP]; 2]| words.map(|words| lanes.wide(&words, at));
+            let wides = |words: [[i64; GROUP]; 2]| words.map(|words| lanes.wide(&words, at));
             is_any[0] |= lanes.is_beyond(lanes.wide(&self.any[0], at));
             is_any[2] |= !lanes.is_zero(lanes.wide(&self.few, at));
-            is_any[1] |= lanes.are_beyond(of(self.any), of(self.low));
-            is_any[3] |= !lanes.are_pushes(of(self.impulses), of(self.any));
+            is_any[1] |= lanes.are_beyond(wides(self.any), wides(self.low));
+            is_any[3] |= !lanes.are_pushes(wides(self.impulses), wides(self.any));
         }
         is_any
     }

@@ -29,12 +29,12 @@ pub(super) struct Case {
     pub(super) ray: Point,
 }
 
-fn within(random: &mut Random, most: i64) -> i64 {
-    random.bits().cast_signed().rem_euclid(2 * most + 1) - most
+fn within(random: &mut Random, bound: i64) -> i64 {
+    random.bits().cast_signed().rem_euclid(2 * bound + 1) - bound
 }
 
-fn vector(random: &mut Random, most: i64) -> Point {
-    [within(random, most), within(random, most)]
+fn vector(random: &mut Random, bound: i64) -> Point {
+    [within(random, bound), within(random, bound)]
 }
 
 /// A case of one of three kinds: on a lattice of few points, where all ties and grazes occur; of like sizes; at the ends of the ranges.
@@ -62,9 +62,9 @@ pub(super) fn case(random: &mut Random) -> Case {
         let radius = if random.bits() % 2 == 0 { 0 } else { within(random, radius).abs() * unit };
         Core::of(&points, radius)
     };
-    let (core, other) = (core(away), core(away / 2));
-    let most = far.min((1 << 52) / unit);
-    let mut ray = vector(random, most).map(|part| part * unit);
+    let (core, second) = (core(away), core(away / 2));
+    let max = far.min((1 << 52) / unit);
+    let mut ray = vector(random, max).map(|part| part * unit);
     match random.bits() % 8 {
         0 => ray[0] = 0,
         1 => ray[1] = 0,
@@ -77,5 +77,5 @@ pub(super) fn case(random: &mut Random) -> Case {
         }
         _ => {}
     }
-    Case { core, other, ray }
+    Case { core, other: second, ray }
 }

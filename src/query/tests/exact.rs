@@ -99,10 +99,10 @@ fn entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
             planes.extend((0..2).map(|k| (&ray[k] * int(sign), &only[k] * int(sign))));
         }
     }
-    for (along, most) in planes {
-        let bound = || Ratio::new(most.clone(), along.clone());
+    for (along, limit) in planes {
+        let bound = || Ratio::new(limit.clone(), along.clone());
         match along.cmp(&IBig::ZERO) {
-            Ordering::Equal if most < IBig::ZERO => return None,
+            Ordering::Equal if limit < IBig::ZERO => return None,
             Ordering::Equal => {}
             Ordering::Less => first = if bound().cmp(&first).is_gt() { bound() } else { first },
             Ordering::Greater => last = if bound().cmp(&last).is_lt() { bound() } else { last },
@@ -126,9 +126,9 @@ fn containment_and_the_nearest_point_are_those_of_the_definition() {
         assert_eq!(contains(core), order.is_le(), "{i}: {core:?}");
         inside += u32::from(order.is_lt());
         border += u32::from(order.is_eq());
-        let near = nearest(core.corners());
-        let away = distance(core, near);
-        let (surface, towards) = point(core, near, away);
+        let closest = nearest(core.corners());
+        let away = distance(core, closest);
+        let (surface, towards) = point(core, closest, away);
         if order.is_le() {
             assert_eq!((away, surface), (0, [0; 2]), "{i}: {core:?}");
             continue;
@@ -136,8 +136,8 @@ fn containment_and_the_nearest_point_are_those_of_the_definition() {
         // Within 0.51 units of 2^-16 ulp.
         let from_core = int(away + ((core.radius as u128) << 16)) * int(100);
         let exact = Ratio((square.0 << 32) * int(10_000), square.1);
-        for (by, wanted) in [(-51, Ordering::Less), (51, Ordering::Greater)] {
-            let bound: IBig = &from_core + IBig::from(by);
+        for (ulps, wanted) in [(-51, Ordering::Less), (51, Ordering::Greater)] {
+            let bound: IBig = &from_core + IBig::from(ulps);
             assert!(
                 bound < IBig::ZERO || Ratio(squared(bound.clone()), IBig::ONE).cmp(&exact) == wanted,
                 "{i}: {core:?}"
@@ -146,11 +146,11 @@ fn containment_and_the_nearest_point_are_those_of_the_definition() {
         // Twice the point: within √½ and a little of the surface, and as far from the origin as is said.
         let p = big(surface);
         let near_surface = square_from(&p, &corners);
-        let most = Ratio(squared(int(core.radius) * int(4) + int(3)), IBig::from(16));
-        assert!(near_surface.cmp(&most).is_le(), "{i}: {core:?} {surface:?}");
+        let bound = Ratio(squared(int(core.radius) * int(4) + int(3)), IBig::from(16));
+        assert!(near_surface.cmp(&bound).is_le(), "{i}: {core:?} {surface:?}");
         let whole = dot(&p, &p) << 32;
-        let (least, most) = ((away as i128) - 49_152, away as i128 + 49_152);
-        assert!(whole >= squared(least.max(0)) && whole <= squared(most), "{i}: {core:?} {surface:?}");
+        let (min, max) = ((away as i128) - 49_152, away as i128 + 49_152);
+        assert!(whole >= squared(min.max(0)) && whole <= squared(max), "{i}: {core:?} {surface:?}");
         assert!(cross(&big(towards), &p).is_zero() || core.corners().len() > 1 || core.radius > 0);
     }
     assert!(inside > cases() / 50 && border > cases() / 200, "{inside}, {border}");
@@ -197,8 +197,8 @@ fn compare_least(core: &Core, ray: Point, more: i64) -> Ordering {
         return Ordering::Less;
     }
     let ends = [&start, &end].map(|p| square_from(p, &corners));
-    let own = corners.iter().map(|corner| square_from_segment(corner, &start, &end));
-    let Ratio(num, den) = own.chain(ends).min_by(Ratio::cmp).expect("a corner");
+    let distances = corners.iter().map(|corner| square_from_segment(corner, &start, &end));
+    let Ratio(num, den) = distances.chain(ends).min_by(Ratio::cmp).expect("a corner");
     let reach = (int(core.radius) << 20) + int(more);
     if reach < IBig::ZERO {
         return Ordering::Greater;
@@ -248,10 +248,10 @@ fn a_sum_has_the_hull_of_all_differences() {
         let all: Vec<Point> =
             b.corners().iter().flat_map(|q| a.corners().iter().map(|p| [q[0] - p[0], q[1] - p[1]])).collect();
         let hull = Core::of(&all, a.radius + b.radius);
-        let mut own = sum.core.corners().to_vec();
-        let first = own.iter().position(|corner| *corner == hull.corners()[0]).expect("a corner of the hull");
-        own.rotate_left(first);
-        assert_eq!((own.as_slice(), sum.core.radius), (hull.corners(), hull.radius), "{i}: {case:?}");
+        let mut corners = sum.core.corners().to_vec();
+        let first = corners.iter().position(|corner| *corner == hull.corners()[0]).expect("a corner of the hull");
+        corners.rotate_left(first);
+        assert_eq!((corners.as_slice(), sum.core.radius), (hull.corners(), hull.radius), "{i}: {case:?}");
         for (corner, [j, k]) in sum.core.corners().iter().zip(&sum.pairs) {
             assert_eq!(*corner, [0, 1].map(|axis| b.corners()[*k][axis] - a.corners()[*j][axis]));
         }
@@ -286,10 +286,10 @@ fn shapes_that_are_cast_touch_where_they_are_said_to() {
         let slack = 4 + ((a.radius + b.radius) >> 31);
         for (corners, radius) in [(corners_of(b), b.radius), (moved, a.radius)] {
             let square = square_from(&p, &corners);
-            let most = squared(radius + slack);
-            assert!(square.cmp(&Ratio(most, IBig::ONE)).is_le(), "{i}: {case:?} {touch:?}");
-            let least = squared((radius - slack).max(0));
-            assert!(square.cmp(&Ratio(least, IBig::ONE)).is_ge(), "{i}: {case:?} {touch:?}");
+            let max = squared(radius + slack);
+            assert!(square.cmp(&Ratio(max, IBig::ONE)).is_le(), "{i}: {case:?} {touch:?}");
+            let min = squared((radius - slack).max(0));
+            assert!(square.cmp(&Ratio(min, IBig::ONE)).is_ge(), "{i}: {case:?} {touch:?}");
         }
     }
     assert!(hits > cases() / 10, "{hits}");

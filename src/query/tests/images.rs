@@ -23,10 +23,10 @@ fn core_image(core: &Core, signs: [i64; 2], swap: bool, first: usize) -> Core {
     }
     let count = corners.len();
     corners.rotate_left(first % count);
-    let mut own = Core::default();
-    own.radius = core.radius;
-    corners.into_iter().for_each(|corner| own.push(corner));
-    own
+    let mut rotated = Core::default();
+    rotated.radius = core.radius;
+    corners.into_iter().for_each(|corner| rotated.push(corner));
+    rotated
 }
 
 fn unit_image(v: Vec2, signs: [i64; 2], swap: bool) -> Vec2 {
@@ -43,32 +43,32 @@ fn images_of_cores_and_rays_have_the_images_of_all_results() {
         let (signs, swap, first) =
             ([1, -1].map(|s| if bits & 1 == 0 { 1 } else { s }), bits & 2 == 0, (bits >> 8) as usize % 64);
         let signs = if bits & 4 == 0 { signs } else { signs.map(|sign| -sign) };
-        let of = |core: &Core| core_image(core, signs, swap, first);
-        let [a, b] = [of(&case.core), of(&case.other)];
+        let image_of = |core: &Core| core_image(core, signs, swap, first);
+        let [a, b] = [image_of(&case.core), image_of(&case.other)];
         let ray = image(case.ray, signs, swap);
         assert_eq!(contains(&a), contains(&case.core));
-        let near = [&case.core, &a].map(|core| {
-            let near = nearest(core.corners());
-            let away = distance(core, near);
-            (away, point(core, near, away).0)
+        let distances = [&case.core, &a].map(|core| {
+            let closest = nearest(core.corners());
+            let away = distance(core, closest);
+            (away, point(core, closest, away).0)
         });
-        assert_eq!(near[1], (near[0].0, image(near[0].1, signs, swap)), "{i}: {case:?}");
+        assert_eq!(distances[1], (distances[0].0, image(distances[0].1, signs, swap)), "{i}: {case:?}");
 
         let sums = [Sum::new(&case.core, &case.other), Sum::new(&a, &b)];
-        for [own, other] in [[&case.core, &a], [&sums[0].core, &sums[1].core]] {
-            let ends = [first_hit(own, case.ray), first_hit(other, ray)];
+        for [left, right] in [[&case.core, &a], [&sums[0].core, &sums[1].core]] {
+            let ends = [first_hit(left, case.ray), first_hit(right, ray)];
             assert_eq!(ends[0].map(|end| end.fraction), ends[1].map(|end| end.fraction), "{i}: {case:?}");
             let [Some(end), Some(other_end)] = ends else { continue };
             hits += 1;
-            let normals = [normal(own, case.ray, end), normal(other, ray, other_end)];
+            let normals = [normal(left, case.ray, end), normal(right, ray, other_end)];
             assert_eq!(normals[1], unit_image(normals[0], signs, swap), "{i}: {case:?}");
             assert_eq!(at(ray, other_end.fraction), image(at(case.ray, end.fraction), signs, swap));
         }
         if let [Some(end), Some(other_end)] = [first_hit(&sums[0].core, case.ray), first_hit(&sums[1].core, ray)] {
             let normals = [normal(&sums[0].core, case.ray, end), normal(&sums[1].core, ray, other_end)];
             let touch = sums[0].touch_point([&case.core, &case.other], case.ray, end, normals[0]);
-            let other = sums[1].touch_point([&a, &b], ray, other_end, normals[1]);
-            assert_eq!(other, image(touch, signs, swap), "{i}: {case:?}");
+            let image_touch = sums[1].touch_point([&a, &b], ray, other_end, normals[1]);
+            assert_eq!(image_touch, image(touch, signs, swap), "{i}: {case:?}");
         }
     }
     assert!(hits > cases() / 10, "{hits}");

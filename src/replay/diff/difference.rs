@@ -85,15 +85,15 @@ impl Read for TickPhase {
 ///
 /// let mut world = World::new(WorldDef::default())?;
 /// let body = world.add_body(BodyDef { key: 7, ..BodyDef::dynamic() })?;
-/// let mut other = world.clone();
-/// other.set_gravity(vec2(0, -10))?;
-/// other.set_velocity(body, vec2(1, 0))?;
-/// let found: Vec<Difference> = world.differences(&other);
-/// assert_eq!((found[0].owner, &found[0].field[..]), (Owner::World, "settings.gravity.y"));
-/// assert_eq!((found[1].owner, found[1].right.as_deref()), (Owner::Body(body), Some("1")));
-/// assert_eq!((found[1].tick, found[1].phase), (0, TickPhase::Start));
-/// assert_eq!(found[1].to_string(), "tick 0, start, body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
-/// assert_eq!(format!("{:#}", found[1]), "body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
+/// let mut changed = world.clone();
+/// changed.set_gravity(vec2(0, -10))?;
+/// changed.set_velocity(body, vec2(1, 0))?;
+/// let differences: Vec<Difference> = world.differences(&changed);
+/// assert_eq!((differences[0].owner, &differences[0].field[..]), (Owner::World, "settings.gravity.y"));
+/// assert_eq!((differences[1].owner, differences[1].right.as_deref()), (Owner::Body(body), Some("1")));
+/// assert_eq!((differences[1].tick, differences[1].phase), (0, TickPhase::Start));
+/// assert_eq!(differences[1].to_string(), "tick 0, start, body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
+/// assert_eq!(format!("{:#}", differences[1]), "body 0 (key 7), velocity.x: 0 and 1 m/s (differ by 1 m/s)");
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -131,12 +131,12 @@ impl Difference {
     ///
     /// let mut world: World = World::new(WorldDef::default())?;
     /// let body = world.add_body(BodyDef::dynamic())?;
-    /// let mut other = world.clone();
-    /// other.set_velocity(body, vec2(Fx::DELTA, Fx::ZERO))?;
-    /// let found = world.first_difference(&other).unwrap();
+    /// let mut changed = world.clone();
+    /// changed.set_velocity(body, vec2(Fx::DELTA, Fx::ZERO))?;
+    /// let difference = world.first_difference(&changed).unwrap();
     /// let exact = "body 0, velocity.x: 0 and 0.00000000023283064365386962890625 m/s (differ by 1 ulp, 2.3e-10 m/s)";
-    /// assert_eq!(format!("{:#}", found.exact()), exact);
-    /// assert_eq!(format!("{found:#}"), "body 0, velocity.x: 0 and 0.00000000023 m/s (differ by 1 ulp, 2.3e-10 m/s)");
+    /// assert_eq!(format!("{:#}", difference.exact()), exact);
+    /// assert_eq!(format!("{difference:#}"), "body 0, velocity.x: 0 and 0.00000000023 m/s (differ by 1 ulp, 2.3e-10 m/s)");
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn exact(&self) -> impl fmt::Display {
@@ -188,7 +188,7 @@ impl fmt::Display for Exact<'_> {
 
 /// The name of a field for a sentence: the calls and inputs of a tick are counted from 1.
 fn spoken(field: &str) -> String {
-    for (list, one) in [("calls", "call"), ("inputs", "input")] {
+    for (list, singular) in [("calls", "call"), ("inputs", "input")] {
         let Some(rest) = field.strip_prefix(list) else { continue };
         if rest == ".count" {
             return format!("number of {list}");
@@ -197,7 +197,7 @@ fn spoken(field: &str) -> String {
         if let Some((Ok(index), within)) = entry.map(|(index, within)| (index.parse::<u32>(), within)) {
             let within = within.strip_prefix('.').unwrap_or(within);
             let comma = if within.is_empty() { "" } else { ", " };
-            return format!("{one} {}{comma}{within}", u64::from(index) + 1);
+            return format!("{singular} {}{comma}{within}", u64::from(index) + 1);
         }
     }
     field.to_string()

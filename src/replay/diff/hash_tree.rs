@@ -19,16 +19,16 @@ use crate::world::{Trace, World};
 /// ```
 /// use umbra_physics::{BodyDef, HashTree, World, WorldDef, vec2};
 ///
-/// let mut here = World::new(WorldDef::default())?;
-/// let body = here.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
-/// let mut there = here.clone();
-/// there.set_velocity(body, vec2(2, 0))?;
-/// let (ours, theirs) = (HashTree::of(&here), HashTree::of(&there));
+/// let mut world = World::new(WorldDef::default())?;
+/// let body = world.add_body(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() })?;
+/// let mut peer = world.clone();
+/// peer.set_velocity(body, vec2(2, 0))?;
+/// let (ours, theirs) = (HashTree::of(&world), HashTree::of(&peer));
 /// assert_eq!(ours.first_difference(&theirs).unwrap().join("."), "tick 0.bodies.0.velocity.x");
 ///
 /// // The tree of a step has the state after each stage. Trees of many ticks can be grouped into one.
-/// let trace = here.step_traced();
-/// let step = HashTree::of_step(&trace, &here);
+/// let trace = world.step_traced();
+/// let step = HashTree::of_step(&trace, &world);
 /// assert_eq!(step.parts.len(), trace.stages().len() + 1);
 /// let match_so_far = HashTree::group("match".into(), vec![ours, step]);
 /// assert_eq!(match_so_far.first_difference(&match_so_far), None);
@@ -93,13 +93,13 @@ impl HashTree {
                 continue;
             };
             let count = rest.iter().take_while(|leaf| leaf.path.get(depth) == Some(part)).count();
-            let (own, others) = rest.split_at(count);
+            let (children, siblings) = rest.split_at(count);
             let name = match part {
                 Part::Name(name) => (*name).to_string(),
                 Part::Entry(index) => index.to_string(),
             };
-            parts.push(Self::over(name, own, depth + 1));
-            rest = others;
+            parts.push(Self::over(name, children, depth + 1));
+            rest = siblings;
         }
         match <[Self; 1]>::try_from(parts) {
             // A node over a single value is that value.
@@ -111,12 +111,12 @@ impl HashTree {
 
     /// The names on the path to the first value in which two trees differ; `None` if they are equal.
     #[must_use]
-    pub fn first_difference<'a>(&'a self, other: &'a Self) -> Option<Vec<&'a str>> {
-        if self.hash == other.hash {
+    pub fn first_difference<'a>(&'a self, rhs: &'a Self) -> Option<Vec<&'a str>> {
+        if self.hash == rhs.hash {
             return None;
         }
         let mut path = alloc::vec![&self.name[..]];
-        let (mut left, mut right) = (self, other);
+        let (mut left, mut right) = (self, rhs);
         loop {
             let here = left.parts.iter().zip(&right.parts).find(|(a, b)| a.hash != b.hash || a.name != b.name);
             match here {
@@ -148,8 +148,8 @@ mod tests {
     fn a_part_that_only_one_of_two_trees_has_is_named() {
         let leaf = |name: &str| HashTree::group(name.to_string(), Vec::new());
         let all = |parts: Vec<HashTree>| HashTree::group("all".to_string(), parts);
-        let (one, two) = (all(alloc::vec![leaf("a")]), all(alloc::vec![leaf("a"), leaf("b")]));
-        for (left, right) in [(&one, &two), (&two, &one)] {
+        let (shorter, longer) = (all(alloc::vec![leaf("a")]), all(alloc::vec![leaf("a"), leaf("b")]));
+        for (left, right) in [(&shorter, &longer), (&longer, &shorter)] {
             assert_eq!(left.first_difference(right), Some(alloc::vec!["all", "b"]));
         }
         // Parts with different names are not compared further.

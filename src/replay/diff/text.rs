@@ -51,10 +51,10 @@ impl Number {
     }
 
     /// |self − other|, which fits: both are below 2^63.
-    fn distance(self, other: Self) -> Self {
+    fn distance(self, rhs: Self) -> Self {
         let (large, small) =
-            if (self.whole, self.fraction) < (other.whole, other.fraction) { (other, self) } else { (self, other) };
-        let (whole, fraction) = if self.negative == other.negative {
+            if (self.whole, self.fraction) < (rhs.whole, rhs.fraction) { (rhs, self) } else { (self, rhs) };
+        let (whole, fraction) = if self.negative == rhs.negative {
             let (fraction, borrow) = large.fraction.overflowing_sub(small.fraction);
             (large.whole - small.whole - u64::from(borrow), fraction)
         } else {
@@ -169,11 +169,12 @@ mod tests {
 
     #[test]
     fn values_are_shown_with_enough_digits_to_differ() {
-        let one = "47.489193077948099626087907429704257946731928269652072728546077229339061887003481388092041015625";
-        let two = "47.489193078157647202480210041208484806319913840503061015253793986090613543638028204441070556640625";
+        let first = "47.489193077948099626087907429704257946731928269652072728546077229339061887003481388092041015625";
+        let second =
+            "47.489193078157647202480210041208484806319913840503061015253793986090613543638028204441070556640625";
         let ulp = "0.00000000023283064365386962890625";
         for (field, left, right, expected) in [
-            ("position.x", one, two, "47.48919307795 and 47.48919307816 m (differ by 0.9 ulp, 2.1e-10 m)"),
+            ("position.x", first, second, "47.48919307795 and 47.48919307816 m (differ by 0.9 ulp, 2.1e-10 m)"),
             ("velocity.y", "0", ulp, "0 and 0.00000000023 m/s (differ by 1 ulp, 2.3e-10 m/s)"),
             ("velocity.y", ulp, "-1", "0.000 and -1 m/s (differ by 1 m/s)"),
             ("angular_velocity", "-0.5", "0.5", "-0.5 and 0.5 rad/s (differ by 1 rad/s)"),
@@ -189,8 +190,8 @@ mod tests {
         ] {
             assert_eq!(said(field, left, right, false), expected);
         }
-        let exact = said("position.x", one, two, true);
-        assert_eq!(exact, format!("{one} and {two} m (differ by 0.9 ulp, 2.1e-10 m)"));
+        let exact = said("position.x", first, second, true);
+        assert_eq!(exact, format!("{first} and {second} m (differ by 0.9 ulp, 2.1e-10 m)"));
     }
 
     #[test]

@@ -18,22 +18,22 @@ impl<S: Scalar> World<S> {
     ///
     /// This is a tool for debugging: it is slow, and builds the names of all values.
     #[must_use]
-    pub fn differences(&self, other: &Self) -> Vec<Difference> {
-        S::differences(self, other)
+    pub fn differences(&self, rhs: &Self) -> Vec<Difference> {
+        S::differences(self, rhs)
     }
 
-    pub(crate) fn differences_inner(&self, other: &Self) -> Vec<Difference> {
-        let (left, right) = (FieldIndex::of(&State(self)).leaves, FieldIndex::of(&State(other)).leaves);
+    pub(crate) fn differences_inner(&self, rhs: &Self) -> Vec<Difference> {
+        let (left, right) = (FieldIndex::of(&State(self)).leaves, FieldIndex::of(&State(rhs)).leaves);
         let mut rest: BTreeMap<&[Part], &FieldValue> = right.iter().map(|leaf| (&leaf.path[..], leaf)).collect();
-        let mut found = Vec::new();
+        let mut differences = Vec::new();
         for leaf in &left {
-            let there = rest.remove(&leaf.path[..]);
-            if there.is_none_or(|there| there.bytes != leaf.bytes) {
-                found.push(self.difference(self, &leaf.path, Some(leaf), there));
+            let counterpart = rest.remove(&leaf.path[..]);
+            if counterpart.is_none_or(|twin| twin.bytes != leaf.bytes) {
+                differences.push(self.difference(self, &leaf.path, Some(leaf), counterpart));
             }
         }
-        found.extend(rest.into_iter().map(|(path, there)| self.difference(other, path, None, Some(there))));
-        found
+        differences.extend(rest.into_iter().map(|(path, leaf)| self.difference(rhs, path, None, Some(leaf))));
+        differences
     }
 
     /// The first of the [`differences`](Self::differences), found in little memory however much differs.
@@ -45,24 +45,24 @@ impl<S: Scalar> World<S> {
     /// for x in 0..1_000 {
     ///     world.add_body(BodyDef { position: vec2(x, 0), velocity: vec2(0, 1), ..BodyDef::dynamic() })?;
     /// }
-    /// let mut other = world.clone();
-    /// assert_eq!(world.first_difference(&other), None);
-    /// other.step();
-    /// let first = world.first_difference(&other).unwrap();
+    /// let mut ahead = world.clone();
+    /// assert_eq!(world.first_difference(&ahead), None);
+    /// ahead.step();
+    /// let first = world.first_difference(&ahead).unwrap();
     /// assert_eq!(first.to_string(), "tick 0, start, the world, tick: 0 and 1");
-    /// assert_eq!(world.differences(&other).first(), Some(&first));
+    /// assert_eq!(world.differences(&ahead).first(), Some(&first));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     #[must_use]
-    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
-        S::first_difference(self, other)
+    pub fn first_difference(&self, rhs: &Self) -> Option<Difference> {
+        S::first_difference(self, rhs)
     }
 
-    pub(crate) fn first_difference_inner(&self, other: &Self) -> Option<Difference> {
-        let (left, right) = codec::first_difference(&State(self), &State(other))?;
+    pub(crate) fn first_difference_inner(&self, rhs: &Self) -> Option<Difference> {
+        let (left, right) = codec::first_difference(&State(self), &State(rhs))?;
         let (with, path) = match (&left, &right) {
             (Some(leaf), _) => (self, &leaf.path),
-            (None, Some(leaf)) => (other, &leaf.path),
+            (None, Some(leaf)) => (rhs, &leaf.path),
             (None, None) => return None,
         };
         let right = right.as_ref().filter(|leaf| leaf.path == *path);
@@ -157,21 +157,21 @@ impl<S: Scalar> BodyRef<'_, S> {
     /// let mut world = World::new(WorldDef::default())?;
     /// let [a, b] = [1, 2].map(|x| world.add_body(BodyDef { velocity: vec2(x, 0), ..BodyDef::dynamic() }));
     /// let (a, b) = (world.body(a?)?, world.body(b?)?);
-    /// let found = a.first_difference(&b).unwrap();
-    /// assert_eq!((found.owner, &found.field[..]), (Owner::Body(a.id()), "velocity.x"));
+    /// let difference = a.first_difference(&b).unwrap();
+    /// assert_eq!((difference.owner, &difference.field[..]), (Owner::Body(a.id()), "velocity.x"));
     /// assert_eq!(a.first_difference(&a), None);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     #[must_use]
-    pub fn first_difference(&self, other: &BodyRef<'_, S>) -> Option<Difference> {
+    pub fn first_difference(&self, rhs: &BodyRef<'_, S>) -> Option<Difference> {
         let leaves = |body: &BodyRef<'_, S>| {
             let (world, dense) = body.parts();
             let mut leaves = FieldIndex::of(&world.bodies.record(dense, &world.factor_table)).leaves;
             leaves.extend(FieldIndex::of(&CollidersByKey::of(body)).leaves);
             leaves
         };
-        let found = first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(other))?;
-        Some(Difference { key: self.key(), ..found })
+        let difference = first_unlike(self.parts().0.tick(), Owner::Body(self.id()), &leaves(self), &leaves(rhs))?;
+        Some(Difference { key: self.key(), ..difference })
     }
 }
 
@@ -189,10 +189,10 @@ fn difference(
 
 /// The first value in which two records of one body or field differ.
 fn first_unlike(tick: u64, owner: Owner, left: &[FieldValue], right: &[FieldValue]) -> Option<Difference> {
-    let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|there| there.path == leaf.path)));
-    let mut unlike = pairs.filter(|(leaf, there)| there.is_none_or(|there| there.bytes != leaf.bytes));
-    if let Some((leaf, there)) = unlike.next() {
-        return Some(difference(tick, owner, &leaf.path, Some(leaf), there));
+    let pairs = left.iter().map(|leaf| (leaf, right.iter().find(|twin| twin.path == leaf.path)));
+    let mut unlike = pairs.filter(|(leaf, twin)| twin.is_none_or(|twin| twin.bytes != leaf.bytes));
+    if let Some((leaf, twin)) = unlike.next() {
+        return Some(difference(tick, owner, &leaf.path, Some(leaf), twin));
     }
     let more = right.iter().find(|leaf| left.iter().all(|here| here.path != leaf.path));
     more.map(|leaf| difference(tick, owner, &leaf.path, None, Some(leaf)))
@@ -212,12 +212,12 @@ mod tests {
             bytes: alloc::vec![1],
             text: "1".to_string(),
         };
-        let found = |left: &[FieldValue], right: &[FieldValue]| {
+        let named = |left: &[FieldValue], right: &[FieldValue]| {
             first_unlike(0, Owner::World, left, right).map(|Difference { field, left, right, .. }| (field, left, right))
         };
-        let (b, one) = ("b".to_string(), Some("1".to_string()));
-        assert_eq!(found(&[leaf("a")], &[leaf("a")]), None);
-        assert_eq!(found(&[leaf("a")], &[leaf("a"), leaf("b")]), Some((b.clone(), None, one.clone())));
-        assert_eq!(found(&[leaf("a"), leaf("b")], &[leaf("a")]), Some((b, one, None)));
+        let (b, value) = ("b".to_string(), Some("1".to_string()));
+        assert_eq!(named(&[leaf("a")], &[leaf("a")]), None);
+        assert_eq!(named(&[leaf("a")], &[leaf("a"), leaf("b")]), Some((b.clone(), None, value.clone())));
+        assert_eq!(named(&[leaf("a"), leaf("b")], &[leaf("a")]), Some((b, value, None)));
     }
 }

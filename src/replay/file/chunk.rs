@@ -25,11 +25,11 @@ pub(in crate::replay) struct Chunk {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::replay) enum Damage {
     /// The word with tag and length was changed, or its inverted double.
-    Word { recorded: u64, found: u64, double: bool },
+    Word { recorded: u64, computed: u64, double: bool },
     /// A word of the bytes was changed; `at` is the index of its first byte.
-    Bytes { at: usize, found: u64 },
+    Bytes { at: usize, word: u64 },
     /// A part of the seal was changed.
-    Seal { part: &'static str, recorded: u128, found: u128 },
+    Seal { part: &'static str, recorded: u128, computed: u128 },
     /// More than one word was changed.
     Unknown,
 }
@@ -93,8 +93,8 @@ pub(in crate::replay) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
         body(&mut attempt, word).ok()?
     } else {
         let changed = [
-            (double, Damage::Word { recorded: double, found: word, double: false }),
-            (word, Damage::Word { recorded: !word, found: !double, double: true }),
+            (double, Damage::Word { recorded: double, computed: word, double: false }),
+            (word, Damage::Word { recorded: !word, computed: !double, double: true }),
         ];
         changed.into_iter().find_map(|(right, damage)| {
             let mut after = attempt.clone();
@@ -110,27 +110,27 @@ pub(in crate::replay) fn read(reader: &mut Reader<'_>) -> Option<Chunk> {
 fn body(reader: &mut Reader<'_>, word: u64) -> Result<Chunk, Malformed> {
     let tag = Tag((word as u32).to_le_bytes());
     let mut bytes = reader.take((word >> 32) as usize)?.to_vec();
-    let (recorded, found) = (Seal::read(reader)?, Seal::of(word, &bytes));
-    let damage = (recorded != found).then(|| repair(word, &mut bytes, recorded, found));
+    let (recorded, computed) = (Seal::read(reader)?, Seal::of(word, &bytes));
+    let damage = (recorded != computed).then(|| repair(word, &mut bytes, recorded, computed));
     Ok(Chunk { tag, bytes, damage })
 }
 
 /// Finds the word that was changed, and recovers the recorded one.
-fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
-    if recorded.hash == found.hash {
-        let (part, found, recorded) = if recorded.sum == found.sum {
-            ("weighted_sum", recorded.weighted, found.weighted)
+fn repair(word: u64, bytes: &mut [u8], recorded: Seal, computed: Seal) -> Damage {
+    if recorded.hash == computed.hash {
+        let (part, computed, recorded) = if recorded.sum == computed.sum {
+            ("weighted_sum", recorded.weighted, computed.weighted)
         } else {
-            ("sum", recorded.sum, found.sum)
+            ("sum", recorded.sum, computed.sum)
         };
         // The bytes are right: the sum they give is the recorded one.
-        return Damage::Seal { part, recorded, found };
+        return Damage::Seal { part, recorded, computed };
     }
-    if recorded.sum == found.sum && recorded.weighted == found.weighted {
-        return Damage::Seal { part: "hash", recorded: found.hash.into(), found: recorded.hash.into() };
+    if recorded.sum == computed.sum && recorded.weighted == computed.weighted {
+        return Damage::Seal { part: "hash", recorded: computed.hash.into(), computed: recorded.hash.into() };
     }
-    let change = found.sum.wrapping_sub(recorded.sum) as i128;
-    let weighted = found.weighted.wrapping_sub(recorded.weighted) as i128;
+    let change = computed.sum.wrapping_sub(recorded.sum) as i128;
+    let weighted = computed.weighted.wrapping_sub(recorded.weighted) as i128;
     let Some(k) = weighted.checked_div(change).filter(|k| k.checked_mul(change) == Some(weighted)) else {
         return Damage::Unknown;
     };
@@ -143,7 +143,7 @@ fn repair(word: u64, bytes: &mut [u8], recorded: Seal, found: Seal) -> Damage {
     let length = 8.min(bytes.len() - at);
     bytes[at..at + length].copy_from_slice(&was.to_le_bytes()[..length]);
     if Seal::of(word, bytes) == recorded {
-        return Damage::Bytes { at, found: is };
+        return Damage::Bytes { at, word: is };
     }
     bytes[at..at + length].copy_from_slice(&is.to_le_bytes()[..length]);
     Damage::Unknown

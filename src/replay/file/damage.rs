@@ -48,35 +48,35 @@ pub(super) fn check_unchanged(
         right,
     };
     let difference = match damage {
-        Damage::Word { recorded, found, double } => {
-            let [left, right] = [recorded, found].map(|word| Some(format!("{word:016x}")));
+        Damage::Word { recorded, computed, double } => {
+            let [left, right] = [recorded, computed].map(|word| Some(format!("{word:016x}")));
             in_frame(if double { "word again" } else { "word" }, left, right)
         }
-        Damage::Seal { part, recorded, found } => {
-            in_frame(&format!("seal.{part}"), Some(recorded.to_string()), Some(found.to_string()))
+        Damage::Seal { part, recorded, computed } => {
+            in_frame(&format!("seal.{part}"), Some(recorded.to_string()), Some(computed.to_string()))
         }
-        Damage::Bytes { at, found } => {
+        Damage::Bytes { at, word } => {
             let malformed = Malformed { at: at as u64, expected: "a chunk of this format" };
             let error = ReplayError::Malformed { chunk: number, malformed };
-            changed_value(chunk, at, found, tick, custom_forces).ok_or(error)?
+            changed_value(chunk, at, word, tick, custom_forces).ok_or(error)?
         }
         Damage::Unknown => in_frame("bytes", None, None),
     };
     Err(ReplayError::Tampered(Box::new(difference)))
 }
 
-/// Names the value that was changed in the word at `at`, where the file has `found`. The bytes of the chunk are the recorded
+/// Names the value that was changed in the word at `at`, where the file has `word`. The bytes of the chunk are the recorded
 /// ones.
 fn changed_value(
     chunk: &Chunk,
     at: usize,
-    found: u64,
+    word: u64,
     tick: u64,
     custom_forces: &[Arc<dyn CustomForce>],
 ) -> Option<Difference> {
     let mut changed = chunk.bytes.clone();
     let length = 8.min(changed.len() - at);
-    changed[at..at + length].copy_from_slice(&found.to_le_bytes()[..length]);
+    changed[at..at + length].copy_from_slice(&word.to_le_bytes()[..length]);
     let first = (at..at + length).find(|&i| changed[i] != chunk.bytes[i])?;
     let (value, content) = find_value(chunk, &chunk.bytes, custom_forces, Wanted::At(first))?;
     let value = value?;

@@ -22,21 +22,21 @@ use crate::world::{Command, Inputs, World};
 /// ```
 /// use umbra_physics::{BodyDef, Dump, Inputs, TickPhase, StageKind, World, WorldDef, fx, vec2};
 ///
-/// let mut here = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
-/// let ball = here.add_body(BodyDef::dynamic())?;
-/// let mut there = here.clone();
-/// there.set_gravity(vec2(0, -9))?; // a peer with another level
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let ball = world.add_body(BodyDef::dynamic())?;
+/// let mut peer = world.clone();
+/// peer.set_gravity(vec2(0, -9))?; // a peer with another level
 ///
-/// let [before_here, before_there] = [here.snapshot(), there.snapshot()];
-/// here.step();
-/// there.step();
-/// assert_ne!(here.state_hash(), there.state_hash());
-/// let ours = Dump::of_tick(before_here.world(), &[], &Inputs::new(), &here);
-/// let theirs = Dump::of_tick(before_there.world(), &[], &Inputs::new(), &there);
-/// let found = ours.first_difference(&theirs).unwrap();
-/// assert_eq!((found.tick, found.phase), (0, TickPhase::Start));
-/// assert_eq!(found.field, "settings.gravity.y");
-/// assert_eq!(found.left.as_deref(), Some("-10"));
+/// let [before, peer_before] = [world.snapshot(), peer.snapshot()];
+/// world.step();
+/// peer.step();
+/// assert_ne!(world.state_hash(), peer.state_hash());
+/// let ours = Dump::of_tick(before.world(), &[], &Inputs::new(), &world);
+/// let theirs = Dump::of_tick(peer_before.world(), &[], &Inputs::new(), &peer);
+/// let difference = ours.first_difference(&theirs).unwrap();
+/// assert_eq!((difference.tick, difference.phase), (0, TickPhase::Start));
+/// assert_eq!(difference.field, "settings.gravity.y");
+/// assert_eq!(difference.left.as_deref(), Some("-10"));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -122,25 +122,26 @@ impl Dump {
     /// The first value in which two machines differed in this tick: in the world before, in calls and inputs, after a stage,
     /// or only at the end, if one of them computes another result now than in the match. `None` if they were the same.
     #[must_use]
-    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
+    pub fn first_difference(&self, rhs: &Self) -> Option<Difference> {
         let tick = self.tick();
-        let mut theirs = other.phases.iter();
+        let mut theirs = rhs.phases.iter();
         for (phase, world) in &self.phases {
             if *phase == TickPhase::Calls {
                 // These bytes were written by a tick, or read as one.
-                let [ours, theirs] = [self, other].map(|dump| Tick::read(&mut Reader::new(&dump.done)));
-                let found = ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| tick_difference(tick, &ours, &theirs));
-                if found.is_some() {
-                    return found;
+                let [ours, theirs] = [self, rhs].map(|dump| Tick::read(&mut Reader::new(&dump.done)));
+                let difference =
+                    ours.ok().zip(theirs.ok()).and_then(|(ours, theirs)| tick_difference(tick, &ours, &theirs));
+                if difference.is_some() {
+                    return difference;
                 }
             }
-            let Some((there, other)) = theirs.next() else { break };
+            let Some((their_phase, their_world)) = theirs.next() else { break };
             // The stages differ only if the settings do, and those were compared before.
-            if phase != there {
+            if phase != their_phase {
                 break;
             }
-            if let Some(found) = world.first_difference(other) {
-                return Some(found.at(tick, *phase));
+            if let Some(difference) = world.first_difference(their_world) {
+                return Some(difference.at(tick, *phase));
             }
         }
         None
@@ -188,7 +189,7 @@ impl Dump {
         let (chunk, at) = chunks.next_of(VERSION)?;
         match read_whole(&chunk, at, u32::read)? {
             PHYSICS_VERSION => {}
-            found => return Err(ReplayError::PhysicsVersion { found, own: PHYSICS_VERSION }),
+            version => return Err(ReplayError::PhysicsVersion { found: version, own: PHYSICS_VERSION }),
         }
         let (chunk, at) = chunks.next_of(TICKS)?;
         let mut hash = None;

@@ -35,8 +35,8 @@ impl Kind {
             return Err(ReplayError::Foreign);
         }
         match u32::read(reader) {
-            Ok(found) if found == self.format => Ok(()),
-            Ok(found) => Err(ReplayError::Format { found, known: self.format }),
+            Ok(format) if format == self.format => Ok(()),
+            Ok(format) => Err(ReplayError::Format { found: format, known: self.format }),
             Err(_) => Err(ReplayError::CutOff { tick: 0 }),
         }
     }

@@ -47,7 +47,7 @@ impl Replay {
     ///     recorder.step(&mut world, &Inputs::new());
     /// }
     /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
-    /// let most = ReplayLimits {
+    /// let limits = ReplayLimits {
     ///     ticks: 60 * 60 * 30,
     ///     bodies: 1_000,
     ///     fields: 200,
@@ -55,8 +55,8 @@ impl Replay {
     ///     pairs: 1 << 20,
     ///     commands: 100_000,
     /// };
-    /// assert_eq!(replay.verify_within(most), Ok(()));
-    /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..most }).unwrap_err();
+    /// assert_eq!(replay.verify_within(limits), Ok(()));
+    /// let error = replay.verify_within(ReplayLimits { bodies: 60, ..limits }).unwrap_err();
     /// assert_eq!(error, VerifyError::Bodies { tick: 60, most: 60 });
     /// assert_eq!(error.to_string(), "more than 60 bodies at tick 60");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -239,16 +239,16 @@ impl<'a> Playback<'a> {
         let (tick, computed) = (self.world.tick(), self.world.state_hash());
         let head = &self.replay.head;
         let mut ahead = self.clone();
-        let found = self.replay.snapshots_from(self.ticks).find_map(|(after, snapshot)| {
+        let finding = self.replay.snapshots_from(self.ticks).find_map(|(after, snapshot)| {
             ahead.seek_on(after);
             if ahead.exceeded.is_some() {
                 return None;
             }
-            let found = snapshot.first_difference(&ahead.world)?;
-            Some(found.at(head.tick_after(after - 1), TickPhase::End))
+            let difference = snapshot.first_difference(&ahead.world)?;
+            Some(difference.at(head.tick_after(after - 1), TickPhase::End))
         });
         let last = head.tick_after(self.ticks - 1);
-        let difference = found.unwrap_or_else(|| Difference::of_hashes(last, recorded, computed));
+        let difference = finding.unwrap_or_else(|| Difference::of_hashes(last, recorded, computed));
         let difference = self.replay.labels.name(difference, &self.world);
         Divergence { tick, recorded, computed, difference }
     }

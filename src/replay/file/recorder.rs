@@ -108,9 +108,9 @@ impl Recorder {
     /// The errors of [`World::execute`]; then nothing is recorded.
     pub fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let before = self.before_calls.get_or_insert_with(|| BeforeCalls::new(world, &self.restless_sleepers));
-        let made = before.during(world, command, |world| world.execute(command))?;
+        let created = before.during(world, command, |world| world.execute(command))?;
         self.calls.push(command.clone());
-        Ok(made)
+        Ok(created)
     }
 
     /// Carries out the inputs of a tick and steps.

@@ -34,8 +34,8 @@ use crate::world::World;
 ///     Ok::<_, umbra_physics::Error>(recorder.finish(&world))
 /// };
 /// let [ours, theirs] = [record(1)?, record(2)?].map(|file| Replay::from_bytes(&file, &[]));
-/// let found = ours?.first_difference(&theirs?).unwrap();
-/// assert_eq!((found.tick, found.left.as_deref(), found.right.as_deref()), (4, Some("1"), Some("2")));
+/// let difference = ours?.first_difference(&theirs?).unwrap();
+/// assert_eq!((difference.tick, difference.left.as_deref(), difference.right.as_deref()), (4, Some("1"), Some("2")));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -337,38 +337,37 @@ impl Replay {
     /// recorded results. `None` if they are the same as far as both go. Names are not compared; the difference has the name that its body
     /// or force field has in either, this replay first.
     #[must_use]
-    pub fn first_difference(&self, other: &Self) -> Option<Difference> {
-        let found = self.first_unnamed_difference(other)?;
-        Some(other.labels.name(self.labels.name(found, &self.start), &other.start))
+    pub fn first_difference(&self, rhs: &Self) -> Option<Difference> {
+        let difference = self.first_unnamed_difference(rhs)?;
+        Some(rhs.labels.name(self.labels.name(difference, &self.start), &rhs.start))
     }
 
-    fn first_unnamed_difference(&self, other: &Self) -> Option<Difference> {
-        if let Some(found) = self.start.first_difference(&other.start) {
-            return Some(found.at(self.head.tick, TickPhase::Start));
+    fn first_unnamed_difference(&self, rhs: &Self) -> Option<Difference> {
+        if let Some(difference) = self.start.first_difference(&rhs.start) {
+            return Some(difference.at(self.head.tick, TickPhase::Start));
         }
-        for (before, (ours, theirs)) in (0..).zip(self.each().zip(other.each())) {
+        for (before, (ours, theirs)) in (0..).zip(self.each().zip(rhs.each())) {
             let tick = self.head.tick_after(before);
-            if let Some(found) = tick_difference(tick, &ours, &theirs) {
-                return Some(found);
+            if let Some(difference) = tick_difference(tick, &ours, &theirs) {
+                return Some(difference);
             }
-            let (ours, theirs) =
-                (self.hashes_after(before + 1, ours.hash), other.hashes_after(before + 1, theirs.hash));
+            let (ours, theirs) = (self.hashes_after(before + 1, ours.hash), rhs.hashes_after(before + 1, theirs.hash));
             // The two may have recorded the hash of this tick in different places.
             let first = |hashes: [Option<u64>; 3]| hashes.into_iter().flatten().next();
             let pairs = ours.into_iter().zip(theirs).chain([(first(ours), first(theirs))]);
             if let Some((a, b)) = pairs.filter_map(|(a, b)| a.zip(b)).find(|(a, b)| a != b) {
-                let found = self.first_snapshot_difference(other, before + 1);
-                return Some(found.unwrap_or_else(|| Difference::of_hashes(tick, a, b)));
+                let difference = self.first_snapshot_difference(rhs, before + 1);
+                return Some(difference.unwrap_or_else(|| Difference::of_hashes(tick, a, b)));
             }
         }
         None
     }
 
     /// The first value in which the snapshots of two replays differ after `ticks` ticks or more.
-    fn first_snapshot_difference(&self, other: &Self, ticks: u64) -> Option<Difference> {
+    fn first_snapshot_difference(&self, rhs: &Self, ticks: u64) -> Option<Difference> {
         self.snapshots_from(ticks).find_map(|(after, world)| {
-            let found = world.first_difference(other.snapshot_after(after)?)?;
-            Some(found.at(self.head.tick_after(after - 1), TickPhase::End))
+            let difference = world.first_difference(rhs.snapshot_after(after)?)?;
+            Some(difference.at(self.head.tick_after(after - 1), TickPhase::End))
         })
     }
 }

@@ -74,8 +74,8 @@ impl<'a, T: Read> List<'a, T> {
     }
 
     /// Says whether two lists have the same bytes.
-    fn is_same(&self, other: &Self) -> bool {
-        self.bytes == other.bytes
+    fn is_same(&self, rhs: &Self) -> bool {
+        self.bytes == rhs.bytes
     }
 }
 

@@ -67,8 +67,8 @@ impl ReplayLimits {
         commands: u64::MAX,
     };
 
-    pub(super) fn check_ticks(&self, found: u64) -> Result<(), VerifyError> {
-        if found > self.ticks { Err(VerifyError::Ticks { found, most: self.ticks }) } else { Ok(()) }
+    pub(super) fn check_ticks(&self, ticks: u64) -> Result<(), VerifyError> {
+        if ticks > self.ticks { Err(VerifyError::Ticks { found: ticks, most: self.ticks }) } else { Ok(()) }
     }
 
     pub(super) fn check(&self, world: &World) -> Result<(), VerifyError> {

@@ -100,12 +100,12 @@ impl<S: Scalar> World<S> {
     fn hash_contacts(&self, sink: &mut StateHasher) {
         self.contacts.pushed_at.write(sink);
         let key = |slot: u32| self.colliders.at(slot).map_or(0, |collider| collider.def.key);
-        let one = |record: &ContactRecord| {
+        let contact_digest = |record: &ContactRecord| {
             let keys = record.pair().map(|outline| key(outline.slot));
             let digest = |record: ContactRecord| {
-                let mut own = StateHasher::new();
-                record.write_impulses(&mut own);
-                own.finish()
+                let mut sink = StateHasher::new();
+                record.write_impulses(&mut sink);
+                sink.finish()
             };
             // Whichever slot is the lower one: the contact is hashed from the collider with the lower key; of equal keys, from the side
             // with the lower digest.
@@ -116,7 +116,7 @@ impl<S: Scalar> World<S> {
             };
             (keys[0].min(keys[1]), keys[0].max(keys[1]), digest)
         };
-        let mut contacts: Vec<(u64, u64, u64)> = self.contacts.iter().map(one).collect();
+        let mut contacts: Vec<(u64, u64, u64)> = self.contacts.iter().map(contact_digest).collect();
         contacts.sort_unstable();
         for (first, second, digest) in contacts {
             [first, second, digest].iter().for_each(|word| word.write(sink));
@@ -173,10 +173,11 @@ impl<S: Scalar> World<S> {
         force.write(&mut sink);
         torque.write(&mut sink);
         self.targets.of(self.bodies.id(dense)).copied().write(&mut sink);
-        let own = self.colliders.of(self.bodies.id(dense)).map(|collider| (collider.def.key, collider.physics_digest));
-        let mut own: Vec<(u64, u64)> = own.collect();
-        own.sort_unstable();
-        sink.all(&own, |(_, digest)| digest.to_le_bytes());
+        let keyed =
+            self.colliders.of(self.bodies.id(dense)).map(|collider| (collider.def.key, collider.physics_digest));
+        let mut digests: Vec<(u64, u64)> = keyed.collect();
+        digests.sort_unstable();
+        sink.all(&digests, |(_, digest)| digest.to_le_bytes());
         (self.bodies.info(dense).key, sink.finish())
     }
 }

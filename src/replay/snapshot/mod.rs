@@ -59,11 +59,11 @@ pub(super) use write::{Saved, State};
 ///
 /// // The same over the network or from a file.
 /// let bytes = saved.to_bytes();
-/// let mut there = Snapshot::from_bytes(&bytes, &[])?.into_world();
+/// let mut restored = Snapshot::from_bytes(&bytes, &[])?.into_world();
 /// for _ in 0..60 {
-///     there.step();
+///     restored.step();
 /// }
-/// assert_eq!(there.state_hash(), after);
+/// assert_eq!(restored.state_hash(), after);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Snapshot<S: Scalar = Fx> {
@@ -128,8 +128,8 @@ impl Snapshot {
     /// world.add_body(BodyDef::dynamic())?;
     /// let mut message = b"state: ".to_vec();
     /// world.snapshot().write_to(&mut message);
-    /// let there = Snapshot::from_bytes(&message[7..], &[])?.into_world();
-    /// assert_eq!(there.state_hash(), world.state_hash());
+    /// let restored = Snapshot::from_bytes(&message[7..], &[])?.into_world();
+    /// assert_eq!(restored.state_hash(), world.state_hash());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn write_to(&self, bytes: &mut Vec<u8>) {

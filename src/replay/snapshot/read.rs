@@ -56,11 +56,11 @@ fn read_world(reader: &mut Reader<'_>, custom_forces: &[Arc<dyn CustomForce>]) -
     }
     match u32::read(reader)? {
         FORMAT => {}
-        found => return Err(SnapshotError::Format { found, known: FORMAT }),
+        format => return Err(SnapshotError::Format { found: format, known: FORMAT }),
     }
     match u32::read(reader)? {
         PHYSICS_VERSION => {}
-        found => return Err(SnapshotError::PhysicsVersion { found, own: PHYSICS_VERSION }),
+        version => return Err(SnapshotError::PhysicsVersion { found: version, own: PHYSICS_VERSION }),
     }
     read_state(reader, custom_forces)
 }
@@ -172,9 +172,9 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
     let passes: Vec<OneWayAnswer> = read_list(reader, 11, OneWayAnswer::read)?;
     let is_there = |slot| world.bodies.index_in(slot).is_some();
     let is_one_way = |record: &OneWayAnswer| {
-        let (outline, other) = record.place();
+        let (outline, answerer) = record.place();
         let side = world.colliders.at(outline.slot).is_some_and(|collider| collider.side.is_some());
-        side && is_there(other) && body(outline).is_some_and(|own| own.slot != other)
+        side && is_there(answerer) && body(outline).is_some_and(|id| id.slot != answerer)
     };
     if !passes.iter().all(is_one_way) || !passes.is_sorted_by(|a, b| a.place() < b.place()) {
         return Err(malformed.into());
@@ -217,7 +217,7 @@ fn read_woken(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
 /// Reads which custom forces a world has, by their ids: each must be among those given, in the same version.
 fn read_custom_forces(
     reader: &mut Reader<'_>,
-    given: &[Arc<dyn CustomForce>],
+    available: &[Arc<dyn CustomForce>],
 ) -> Result<CustomForces<Fx>, SnapshotError> {
     let mut custom_forces = CustomForces::new();
     for _ in 0..reader.count(12)? {
@@ -226,7 +226,7 @@ fn read_custom_forces(
         if custom_forces.last_key_value().is_some_and(|(&last, _)| last >= id) {
             return Err(malformed.into());
         }
-        let force = given.iter().find(|force| force.id() == id && force.version() == version);
+        let force = available.iter().find(|force| force.id() == id && force.version() == version);
         let force = force.ok_or(SnapshotError::CustomForce { id, version })?;
         custom_forces.insert(id, force.clone());
     }
@@ -264,10 +264,10 @@ fn read_body(
     let invalid = |error| SnapshotError::Invalid { owner: Owner::Body(body), error };
     let record = Record::read(reader)?;
     check_among(&record, def).map_err(invalid)?;
-    let own = colliders.of(body).filter(|own| own.body == body).map(|own| &own.def);
+    let definitions = colliders.of(body).filter(|collider| collider.body == body).map(|collider| &collider.def);
     let is_dynamic = record.kind == BodyKind::Dynamic;
-    own.clone().try_for_each(|def| def.check_on(is_dynamic)).map_err(invalid)?;
-    let collider_mass = ColliderMass::of(own);
+    definitions.clone().try_for_each(|def| def.check_on(is_dynamic)).map_err(invalid)?;
+    let collider_mass = ColliderMass::of(definitions);
     let dense = bodies.rebuild(generation, Some((record, collider_mass)), factor_table).map_err(invalid)?;
     if let Some(AppliedSums { force, torque }) = Option::read(reader)? {
         let feels = |dense| bodies.info(dense).kind == BodyKind::Dynamic && bodies.activity(dense) == Activity::Awake;

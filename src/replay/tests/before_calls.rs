@@ -23,12 +23,12 @@ use crate::world::{Command, Inputs, World, WorldDef};
 fn calls_leave_no_trace(world: &World, commands: &[Command], chance: u64, random: &mut Random) -> u32 {
     let mut world = world.clone();
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 0 });
-    let mut made = 0;
+    let mut calls = 0;
     for _ in 0..3 {
         let expected = recorder.clone().finish(&world);
         for command in commands {
             if random.below(8) < chance {
-                made += u32::from(recorder.execute(&mut world, command).is_ok());
+                calls += u32::from(recorder.execute(&mut world, command).is_ok());
                 assert!(recorder.clone().finish(&world) == expected, "after {command:?}");
             }
         }
@@ -36,7 +36,7 @@ fn calls_leave_no_trace(world: &World, commands: &[Command], chance: u64, random
     }
     let file = recorder.finish(&world);
     assert_eq!(Replay::from_bytes(&file, &custom_forces()).expect("it is whole").verify(), Ok(()));
-    made
+    calls
 }
 
 #[test]
@@ -47,8 +47,8 @@ fn calls_of_every_kind_after_the_last_step_leave_no_trace() {
         for command in commands() {
             calls_leave_no_trace(&world, &[command], 8, &mut random);
         }
-        let made: u32 = (0..20).map(|_| calls_leave_no_trace(&world, &commands(), 3, &mut random)).sum();
-        assert!(made > 500, "{made}");
+        let calls: u32 = (0..20).map(|_| calls_leave_no_trace(&world, &commands(), 3, &mut random)).sum();
+        assert!(calls > 500, "{calls}");
     }
 }
 
@@ -117,8 +117,8 @@ fn calls_that_wake_bodies_after_the_last_step_leave_no_trace() {
     for command in disturbing() {
         calls_leave_no_trace(&world, &[command], 8, &mut random);
     }
-    let made: u32 = (0..40).map(|_| calls_leave_no_trace(&world, &disturbing(), 1, &mut random)).sum();
-    assert!(made > 300, "{made}");
+    let calls: u32 = (0..40).map(|_| calls_leave_no_trace(&world, &disturbing(), 1, &mut random)).sum();
+    assert!(calls > 300, "{calls}");
 }
 
 /// A file may say that a sleeping body has rested for some ticks, which no step leaves it with.

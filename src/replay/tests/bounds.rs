@@ -63,8 +63,8 @@ fn lives_on(start: &World, ticks: u64) {
         rollback.add_input(before.tick(), 0, inputs).expect("a player");
         match rollback.advance(&mut over, make) {
             Ok(report) => {
-                let made: Vec<u64> = report.confirmed().map(|tick| tick.after.state_hash()).collect();
-                assert_eq!((report.redone, &made[..]), (1, &[hash][..]), "made again");
+                let hashes: Vec<u64> = report.confirmed().map(|tick| tick.after.state_hash()).collect();
+                assert_eq!((report.redone, &hashes[..]), (1, &[hash][..]), "made again");
             }
             // The count of ticks ends, and a rollback with it.
             Err(error) => {
@@ -82,7 +82,7 @@ fn lives_on(start: &World, ticks: u64) {
         assert!(replay.to_bytes() == file && (replay.end(), replay.ticks()) == (world.tick(), ticks));
         assert_eq!(replay.verify(), Ok(()), "{hash_every}, {snapshot_every}");
         assert_eq!(replay.first_difference(&replay), None);
-        let most = ReplayLimits {
+        let replay_limits = ReplayLimits {
             ticks,
             bodies: u32::MAX,
             fields: u32::MAX,
@@ -90,8 +90,8 @@ fn lives_on(start: &World, ticks: u64) {
             pairs: u32::MAX,
             commands: u64::MAX,
         };
-        assert_eq!(replay.verify_within(most), Ok(()));
-        let less = ReplayLimits { ticks: ticks - 1, ..most };
+        assert_eq!(replay.verify_within(replay_limits), Ok(()));
+        let less = ReplayLimits { ticks: ticks - 1, ..replay_limits };
         assert_eq!(replay.verify_within(less), Err(VerifyError::Ticks { found: ticks, most: ticks - 1 }));
         let mut playback = replay.play();
         for (tick, hash) in [(u64::MAX, world.state_hash()), (0, start.state_hash()), (u64::MAX, world.state_hash())] {
@@ -307,16 +307,16 @@ fn at_the_edge_of_the_envelope_a_body_goes_on_or_is_quarantined() {
 fn time_goes_on_where_no_other_time_step_fits() {
     let def = WorldDef { time_step: TimeStep::hz(64), ..WorldDef::default() };
     // With 2^64 − 1 steps more the numerator is the largest there is.
-    let (most, den) = (u128::MAX - (u128::from(u64::MAX) << 57), 1 << 63);
-    let end = Elapsed { num: most, den }.plus(u64::MAX, def.time_step);
+    let (largest, den) = (u128::MAX - (u128::from(u64::MAX) << 57), 1 << 63);
+    let end = Elapsed { num: largest, den }.plus(u64::MAX, def.time_step);
     assert_eq!(end, Some(Elapsed { num: u128::MAX, den }));
     let at = |num: u128| {
         let mut world = with(def, [BodyDef::dynamic()]);
         world.counted.0 = Elapsed { num, den };
         Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).map(Snapshot::into_world)
     };
-    assert!(at(most + 2).is_err(), "one more");
-    let mut world = at(most).expect("it fits");
+    assert!(at(largest + 2).is_err(), "one more");
+    let mut world = at(largest).expect("it fits");
     lives_on(&world, 5);
     for time_step in [TimeStep::hz(7), TimeStep::hz(61), TimeStep::ratio(1001, 60_000)] {
         let hash = world.state_hash();
@@ -332,9 +332,9 @@ fn time_goes_on_where_no_other_time_step_fits() {
 #[test]
 fn user_data_and_blob_may_have_their_largest_values() {
     let mut world = with(WorldDef::default(), [BodyDef::dynamic()]);
-    let most = Command::<Fx>::SetBlob(vec![7; limits::BLOB]);
+    let command = Command::<Fx>::SetBlob(vec![7; limits::BLOB]);
     let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 1 });
-    recorder.execute(&mut world, &most).expect("as many bytes as can be");
+    recorder.execute(&mut world, &command).expect("as many bytes as can be");
     recorder.step(&mut world, &Inputs::new());
     read_again(&world);
     let file = recorder.finish(&world);

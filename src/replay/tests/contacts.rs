@@ -34,12 +34,12 @@ fn a_tampered_impulse_is_named_by_tick_stage_contact_point_and_value() {
     let (mut named, mut stages) = (0, Vec::new());
     for (at, phase) in phases.into_iter().enumerate() {
         let tampered = dump.with_world(at, |world| world.contacts.records[0].impulses[1] += 1);
-        let found = dump.first_difference(&tampered).expect("they differ");
-        assert_eq!((found.tick, found.phase, found.owner), (9, phase, contact), "{found}");
-        assert_eq!(found.field, "points[1].normal_impulse");
+        let difference = dump.first_difference(&tampered).expect("they differ");
+        assert_eq!((difference.tick, difference.phase, difference.owner), (9, phase, contact), "{difference}");
+        assert_eq!(difference.field, "points[1].normal_impulse");
         let [left, right] =
-            [&found.left, &found.right].map(|value| value.as_deref().and_then(|v| v.parse::<i64>().ok()));
-        assert_eq!(left.map(|value| value + 1), right, "{found}");
+            [&difference.left, &difference.right].map(|value| value.as_deref().and_then(|v| v.parse::<i64>().ok()));
+        assert_eq!(left.map(|value| value + 1), right, "{difference}");
         stages.extend(match phase {
             TickPhase::Stage { kind, .. } => Some(kind),
             _ => None,
@@ -61,7 +61,7 @@ fn the_stages_of_contacts_write_impulses_and_then_motion() {
     let impulses = |world: &World| world.contacts.records.clone();
     let place = |world: &World| world.bodies().map(|body| body.position_exact()).collect::<Vec<_>>();
     let stages: Vec<(StageKind, &World)> = trace.stages().map(|(stage, world)| (stage.kind, world)).collect();
-    let after = |kind| stages.iter().rfind(|(own, _)| *own == kind).expect("a stage").1;
+    let after = |kind| stages.iter().rfind(|(stage_kind, _)| *stage_kind == kind).expect("a stage").1;
     let [flown, detected, solved, pushed] =
         [StageKind::Damp, StageKind::Detect, StageKind::Solve, StageKind::Push].map(after);
     assert_eq!((impulses(flown), place(flown)), (impulses(&before), place(detected)));

@@ -26,13 +26,13 @@ fn parted(act: impl FnOnce(&mut World), end: impl FnOnce(&mut World)) -> [Dump; 
     push(&mut here);
     here.step();
     let ours = Dump::of_game(&before, push, &here);
-    let mut there = before.clone();
-    push(&mut there);
-    act(&mut there);
-    let acted = there.clone();
-    there.step();
-    end(&mut there);
-    let theirs = Dump::of_game(&before, |world| world.clone_from(&acted), &there);
+    let mut replica = before.clone();
+    push(&mut replica);
+    act(&mut replica);
+    let acted = replica.clone();
+    replica.step();
+    end(&mut replica);
+    let theirs = Dump::of_game(&before, |world| world.clone_from(&acted), &replica);
     [ours, theirs].map(|dump| {
         let bytes = dump.to_bytes();
         let read = Dump::from_bytes(&bytes, &custom_forces()).expect("it is whole");
@@ -50,9 +50,13 @@ fn dumps_of_a_desync_name_where_it_begins() {
 
     // Another call.
     let [ours, theirs] = parted(|world| world.apply_force(body, vec2(0, Fx::DELTA)).expect("it is dynamic"), |_| {});
-    let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!((found.tick, found.phase, found.owner), (9, TickPhase::Calls, Owner::Body(body)), "{found}");
-    assert_eq!(found.field, "applied.force.y");
+    let difference = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(
+        (difference.tick, difference.phase, difference.owner),
+        (9, TickPhase::Calls, Owner::Body(body)),
+        "{difference}"
+    );
+    assert_eq!(difference.field, "applied.force.y");
 
     // A machine with another result, or a memory fault.
     let nudge = |world: &mut World| {
@@ -60,10 +64,10 @@ fn dumps_of_a_desync_name_where_it_begins() {
         world.set_position(body, place + vec2(Fx::DELTA, 0)).expect("near");
     };
     let [ours, theirs] = parted(|_| {}, nudge);
-    let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!((found.phase, found.owner), (TickPhase::End, Owner::Body(body)), "{found}");
-    assert_eq!(found.field, "position.x");
-    assert!(found.left.is_some() && found.right.is_some() && found.left != found.right);
+    let difference = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!((difference.phase, difference.owner), (TickPhase::End, Owner::Body(body)), "{difference}");
+    assert_eq!(difference.field, "position.x");
+    assert!(difference.left.is_some() && difference.right.is_some() && difference.left != difference.right);
 }
 
 /// A force that differs between two builds.
@@ -97,9 +101,9 @@ fn a_machine_that_computes_another_force_is_found_at_the_stage_it_acts_in() {
         (Dump::of_tick(&before, &[], &Inputs::new(), &world), second)
     };
     let ((ours, body), (theirs, _)) = (dump(fx!(1)), dump(fx!(1.5)));
-    let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!(found.phase, TickPhase::Stage { index: 1, kind: StageKind::Kick }, "{found}");
-    assert_eq!((found.owner, &found.field[..]), (Owner::Body(body), "velocity.y"), "{found}");
+    let difference = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(difference.phase, TickPhase::Stage { index: 1, kind: StageKind::Kick }, "{difference}");
+    assert_eq!((difference.owner, &difference.field[..]), (Owner::Body(body), "velocity.y"), "{difference}");
 }
 
 #[test]
@@ -111,12 +115,12 @@ fn a_flipped_bit_in_a_dump_is_named() {
         let mut changed = whole.clone();
         changed[at] ^= 1 << (i % 8);
         match Dump::from_bytes(&changed, &custom_forces()) {
-            Err(ReplayError::Tampered(found)) => {
-                assert!(found.left != found.right && found.right.is_some(), "{at}: {found}");
+            Err(ReplayError::Tampered(difference)) => {
+                assert!(difference.left != difference.right && difference.right.is_some(), "{at}: {difference}");
                 named += 1;
             }
             Err(ReplayError::Foreign | ReplayError::Format { .. }) => assert!(at < 12, "{at}"),
-            other => panic!("{at}: {other:?}"),
+            reply => panic!("{at}: {reply:?}"),
         }
         assert!(Dump::from_bytes(&whole[..at], &custom_forces()).is_err());
     }
@@ -135,8 +139,8 @@ fn a_changed_chunk_of_a_dump_is_named_by_its_number() {
         let mut changed = whole.clone();
         changed[at] ^= 1;
         let error = Dump::from_bytes(&changed, &[]).expect_err("it was changed");
-        let ReplayError::Tampered(found) = error else { panic!("{error}") };
-        assert_eq!(found.field, alloc::format!("chunk {number}.word"));
+        let ReplayError::Tampered(difference) = error else { panic!("{error}") };
+        assert_eq!(difference.field, alloc::format!("chunk {number}.word"));
         let length = u32::from_le_bytes(whole[at + 4..at + 8].try_into().expect("four bytes"));
         (at, number) = (at + 16 + length as usize + 40, number + 1);
     }
@@ -165,8 +169,8 @@ fn an_error_in_a_dump_is_of_its_tick() {
             let mut changed = whole.clone();
             changed[at.min(whole.len() - 1)] ^= 1;
             match Dump::from_bytes(&changed, &custom_forces()) {
-                Err(ReplayError::Tampered(found)) => assert_eq!(found.tick, 9, "{at}: {found}"),
-                other => panic!("{at}: {other:?}"),
+                Err(ReplayError::Tampered(difference)) => assert_eq!(difference.tick, 9, "{at}: {difference}"),
+                reply => panic!("{at}: {reply:?}"),
             }
         }
     }
@@ -206,12 +210,12 @@ fn a_dump_tells_a_world_once_and_its_end_in_each_place() {
         told += 1;
     }
     assert!(told > 3, "{told}");
-    let [bare, other] = [None, Some(world.state_hash() ^ 1)].map(|hash: Option<u64>| {
+    let [bare, foreign] = [None, Some(world.state_hash() ^ 1)].map(|hash: Option<u64>| {
         let mut bytes = all[1].1[..20].to_vec();
         hash.write(&mut bytes);
         bytes
     });
-    for ticks in [bare, other] {
+    for ticks in [bare, foreign] {
         let mut parts = all.clone();
         parts[1].1 = ticks;
         let error = Dump::from_bytes(&dump_of(&whole[..12], &parts), &[]).expect_err("it is another end");

@@ -20,18 +20,18 @@ use crate::world::{Command, Inputs, World, WorldDef};
 pub(super) fn expected<T>(read: Result<T, SnapshotError>) -> &'static str {
     match read.err() {
         Some(SnapshotError::Malformed(Malformed { expected, .. })) => expected,
-        other => panic!("{other:?}"),
+        error => panic!("{error:?}"),
     }
 }
 
 /// Puts the corners in these bytes into another order.
-fn reorder(bytes: &[u8], corners: &[Vec2], other: &[Vec2]) -> Vec<u8> {
+fn reorder(bytes: &[u8], corners: &[Vec2], order: &[Vec2]) -> Vec<u8> {
     let as_bytes = |corners: &[Vec2]| {
         let mut bytes = Vec::new();
         corners.iter().for_each(|corner| corner.write(&mut bytes));
         bytes
     };
-    let (old, new) = (as_bytes(corners), as_bytes(other));
+    let (old, new) = (as_bytes(corners), as_bytes(order));
     let at = bytes.windows(old.len()).position(|bytes| *bytes == old).expect("they are there");
     [&bytes[..at], &new, &bytes[at + old.len()..]].concat()
 }
@@ -108,11 +108,11 @@ impl CustomForce for NumberedForce {
 
 #[test]
 fn custom_forces_are_listed_by_their_ids() {
-    let given = [7, 3, 1 << 40].map(|id| Arc::new(NumberedForce(id)) as Arc<dyn CustomForce>);
+    let forces = [7, 3, 1 << 40].map(|id| Arc::new(NumberedForce(id)) as Arc<dyn CustomForce>);
     let mut world = World::new(WorldDef::default()).expect("a world");
-    given.iter().for_each(|force| world.register_custom_force(force.clone()).expect("its id is free"));
+    forces.iter().for_each(|force| world.register_custom_force(force.clone()).expect("its id is free"));
     let whole = world.snapshot().to_bytes();
-    assert_eq!(Snapshot::from_bytes(&whole, &given).expect("its own bytes").to_bytes(), whole);
+    assert_eq!(Snapshot::from_bytes(&whole, &forces).expect("its own bytes").to_bytes(), whole);
     let entry = |id: u64| [&id.to_le_bytes()[..], &1u32.to_le_bytes()].concat();
     let first = entry(3);
     let at = whole.windows(12).rposition(|bytes| bytes == first).expect("it is there");
@@ -120,7 +120,7 @@ fn custom_forces_are_listed_by_their_ids() {
         let mut bytes = whole.clone();
         bytes[at..at + 36].copy_from_slice(&ids.map(entry).concat());
         reseal(&mut bytes);
-        let error = Snapshot::from_bytes(&bytes, &given);
+        let error = Snapshot::from_bytes(&bytes, &forces);
         assert_eq!(expected(error), "a custom force with a larger id than the one before", "{ids:?}");
     }
 }
@@ -133,7 +133,8 @@ fn chunk_of(bytes: Vec<u8>) -> Chunk {
 /// A snapshot with the value of this name replaced by these bytes, its hash and seal made right again.
 pub(super) fn replaced(snapshot: &[u8], name: &str, more: usize, bytes: &[u8]) -> Vec<u8> {
     let all = values(&chunk_of(snapshot.to_vec()));
-    let (at, length, ..) = all.iter().find(|(_, _, there, _)| there == name).unwrap_or_else(|| panic!("{name}"));
+    let (at, length, ..) =
+        all.iter().find(|(_, _, value_name, _)| value_name == name).unwrap_or_else(|| panic!("{name}"));
     let mut forged = [&snapshot[..*at], bytes, &snapshot[at + length + more..]].concat();
     reseal(&mut forged);
     forged
@@ -170,7 +171,7 @@ pub(super) fn parts(file: &[u8]) -> Parts {
 pub(super) fn instead(error: &ReplayError) -> (u32, &'static str) {
     match error {
         ReplayError::Malformed { chunk, malformed } => (*chunk, malformed.expected),
-        other => panic!("{other:?}"),
+        error => panic!("{error:?}"),
     }
 }
 

@@ -41,7 +41,7 @@ fn expected(bytes: &[u8]) -> &'static str {
     parts.insert(parts.len() - 1, (NAMES, bytes.to_vec()));
     match Replay::from_bytes(&file(&parts), &[]) {
         Err(ReplayError::Malformed { malformed: Malformed { expected, .. }, .. }) => expected,
-        other => panic!("{:?}", other.map(drop)),
+        result => panic!("{:?}", result.map(drop)),
     }
 }
 
@@ -54,9 +54,9 @@ fn names_are_kept_and_change_nothing_else() {
     assert!(same && with.len() == without.len() + 1, "all other chunks are the same");
     let replay = Replay::from_bytes(&named, &[]).expect("it is whole");
     assert_eq!((replay.verify(), replay.to_bytes() == named), (Ok(()), true));
-    let [one, two, three] = [0, 1, 2].map(|slot| BodyId::from_parts(slot, 0));
+    let [first, second, third] = [0, 1, 2].map(|slot| BodyId::from_parts(slot, 0));
     let labels = replay.labels();
-    assert_eq!([one, two, three].map(|body| labels.body(body)), [Some("left"), Some("right"), None]);
+    assert_eq!([first, second, third].map(|body| labels.body(body)), [Some("left"), Some("right"), None]);
     assert!(Replay::from_bytes(&plain, &[]).is_ok_and(|replay| replay.labels().is_empty()));
     // Cut off behind the names, and before.
     let (_, end) = with.last().expect("the end");
@@ -71,7 +71,7 @@ fn a_difference_has_the_name_of_its_body_in_either_replay() {
     let read = |velocity, names: &[&str]| Replay::from_bytes(&recorded(velocity, names), &[]).expect("it is whole");
     let (named, plain) = (read(1, &["left", "right"]), read(2, &[]));
     let text = "tick 10, calls, body 1 \"right\" (key 7), call 1, velocity.x: 1 and 2 m/s (differ by 1 m/s)";
-    assert_eq!(named.first_difference(&plain).map(|found| found.to_string()).as_deref(), Some(text));
+    assert_eq!(named.first_difference(&plain).map(|difference| difference.to_string()).as_deref(), Some(text));
     let other_way = plain.first_difference(&named).expect("they differ");
     assert_eq!((other_way.name.as_deref(), other_way.key), (Some("right"), 7));
     // Names themselves are not compared.
@@ -99,11 +99,12 @@ fn a_difference_has_the_names_of_its_colliders() {
         }
         (Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole"), world)
     };
-    let ((named, world), (plain, other)) = (recorded(fx!(0.5), ["", "ice"]), recorded(fx!(0), ["", ""]));
-    let found = plain.first_difference(&named).expect("they differ");
+    let ((named, world), (plain, other_world)) = (recorded(fx!(0.5), ["", "ice"]), recorded(fx!(0), ["", ""]));
+    let difference = plain.first_difference(&named).expect("they differ");
     let text = "collider 1 \"ice\" (key 5), call 1, def.material.friction: 0 and 0.5";
-    assert_eq!(format!("{found:#}"), text);
-    let mut contacts = world.differences(&other).into_iter().filter(|found| matches!(found.owner, Owner::Contact(..)));
+    assert_eq!(format!("{difference:#}"), text);
+    let mut contacts =
+        world.differences(&other_world).into_iter().filter(|difference| matches!(difference.owner, Owner::Contact(..)));
     let contact = contacts.next().expect("one touches").owner;
     assert_eq!(named.labels().owner(contact).as_deref(), Some("collider 0 and ice"));
     assert_eq!(plain.labels().owner(contact), None);
@@ -113,19 +114,19 @@ fn a_difference_has_the_names_of_its_colliders() {
 fn a_changed_name_is_named_with_both() {
     let whole = recorded(1, &["left", "right"]);
     let (chunk, start) = chunks(&whole).into_iter().find(|(chunk, _)| chunk.tag == NAMES).expect("names");
-    let mut seen = 0;
+    let mut count = 0;
     for (at, length, name, text) in values(&chunk) {
         for bit in 0..8 * length {
             let mut changed = whole.clone();
             changed[start + at + bit / 8] ^= 1 << (bit % 8);
-            let Err(ReplayError::Tampered(found)) = Replay::from_bytes(&changed, &[]) else { panic!("{name}") };
-            assert_eq!((&found.field, found.left.as_deref()), (&name, Some(&text[..])));
-            assert!(found.right.is_some_and(|right| right != text), "{name}");
-            seen += 1;
+            let Err(ReplayError::Tampered(difference)) = Replay::from_bytes(&changed, &[]) else { panic!("{name}") };
+            assert_eq!((&difference.field, difference.left.as_deref()), (&name, Some(&text[..])));
+            assert!(difference.right.is_some_and(|right| right != text), "{name}");
+            count += 1;
         }
     }
     // Three lists with their numbers, and two entries of a handle, a length and a name.
-    assert_eq!(seen, 8 * (4 + 4 + 4 + 2 * (8 + 4) + "leftright".len()));
+    assert_eq!(count, 8 * (4 + 4 + 4 + 2 * (8 + 4) + "leftright".len()));
 }
 
 #[test]

@@ -44,7 +44,7 @@ fn every_command_is_recorded_and_played_alike() {
 #[test]
 fn a_flipped_bit_in_any_value_is_named_with_both_values() {
     let whole = recording();
-    let mut seen = 0;
+    let mut count = 0;
     for (number, (chunk, start)) in chunks(&whole).into_iter().enumerate() {
         for (at, length, name, text) in values(&chunk) {
             for bit in [0, 8 * length - 1] {
@@ -52,25 +52,25 @@ fn a_flipped_bit_in_any_value_is_named_with_both_values() {
                 changed[start + at + bit / 8] ^= 1 << (bit % 8);
                 let what = format!("chunk {number}, {name}, bit {bit}");
                 match Replay::from_bytes(&changed, &custom_forces()) {
-                    Err(ReplayError::Tampered(found)) => {
-                        assert!(name.ends_with(&found.field), "{what}: {found}");
-                        assert_eq!(found.left.as_deref(), Some(&text[..]), "{what}: {found}");
-                        assert!(found.right.as_deref().is_some_and(|right| right != text), "{what}: {found}");
+                    Err(ReplayError::Tampered(difference)) => {
+                        assert!(name.ends_with(&difference.field), "{what}: {difference}");
+                        assert_eq!(difference.left.as_deref(), Some(&text[..]), "{what}: {difference}");
+                        assert!(difference.right.as_deref().is_some_and(|right| right != text), "{what}: {difference}");
                         if let Some(rest) = name.strip_prefix("bodies[") {
                             let slot = rest.split(']').next().and_then(|slot| slot.parse::<u32>().ok());
                             assert!(
-                                matches!(found.owner, Owner::Body(body) if Some(body.parts().0) == slot),
-                                "{what}: {found}"
+                                matches!(difference.owner, Owner::Body(body) if Some(body.parts().0) == slot),
+                                "{what}: {difference}"
                             );
                         }
-                        seen += 1;
+                        count += 1;
                     }
-                    other => panic!("{what}: {other:?}"),
+                    reply => panic!("{what}: {reply:?}"),
                 }
             }
         }
     }
-    assert!(seen > 1_000, "{seen}");
+    assert!(count > 1_000, "{count}");
 }
 
 #[test]
@@ -126,8 +126,8 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
             match forged(&whole, number, at, 4 * length + 3) {
                 Err(Ok(divergence)) if divergence.difference.field == "hash" => by_hash += 1,
                 Err(Ok(divergence)) => {
-                    let found = &divergence.difference;
-                    assert!(found.left != found.right, "{found}");
+                    let difference = &divergence.difference;
+                    assert!(difference.left != difference.right, "{difference}");
                     named += 1;
                 }
                 Err(Err(_)) => refused += 1,
@@ -158,10 +158,10 @@ fn the_first_difference_is_the_first_of_all() {
         .collect();
     let world = |bytes: &[u8]| Snapshot::from_bytes(bytes, &custom_forces()).map(Snapshot::into_world);
     let worlds: Vec<World> = snapshots.iter().map(|bytes| world(bytes).expect("a snapshot")).collect();
-    let mut seen = 0;
+    let mut differing = 0;
     let mut compare = |a: &World, b: &World| {
         assert_eq!(a.first_difference(b), a.differences(b).into_iter().next());
-        seen += usize::from(a.first_difference(b).is_some());
+        differing += usize::from(a.first_difference(b).is_some());
     };
     for (a, b) in worlds.iter().flat_map(|a| worlds.iter().map(move |b| (a, b))) {
         compare(a, b);
@@ -170,12 +170,12 @@ fn the_first_difference_is_the_first_of_all() {
         let mut changed = snapshots[0].clone();
         changed[at] ^= 1;
         reseal(&mut changed);
-        if let Ok(other) = world(&changed) {
-            compare(&worlds[0], &other);
-            compare(&other, &worlds[0]);
+        if let Ok(changed_world) = world(&changed) {
+            compare(&worlds[0], &changed_world);
+            compare(&changed_world, &worlds[0]);
         }
     }
-    assert!(seen > 1_000, "{seen}");
+    assert!(differing > 1_000, "{differing}");
 }
 
 #[test]
@@ -196,15 +196,15 @@ fn whom_calls_woke_is_in_a_snapshot() {
     while world.step().fell_asleep.is_empty() {}
     world.wake(body).expect("it is there");
     let bytes = world.snapshot().to_bytes();
-    let mut there = Snapshot::from_bytes(&bytes, &[]).expect("a snapshot").into_world();
-    assert_eq!(there.step().woke, [body]);
+    let mut reread = Snapshot::from_bytes(&bytes, &[]).expect("a snapshot").into_world();
+    assert_eq!(reread.step().woke, [body]);
     let file = Recorder::new(&world, RecordOptions::default()).finish(&world);
     let (chunk, start) = chunks(&file).remove(1);
     let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name == "woken[0]").expect("it is there");
     let mut changed = file;
     changed[start + at] ^= 1;
-    let Err(ReplayError::Tampered(found)) = Replay::from_bytes(&changed, &[]) else { panic!("it was changed") };
-    assert_eq!((&found.field[..], found.left.as_deref()), ("woken[0]", Some("body 0")));
+    let Err(ReplayError::Tampered(difference)) = Replay::from_bytes(&changed, &[]) else { panic!("it was changed") };
+    assert_eq!((&difference.field[..], difference.left.as_deref()), ("woken[0]", Some("body 0")));
 }
 
 #[test]
@@ -219,9 +219,9 @@ fn the_first_difference_of_two_replays_is_named() {
     let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name.ends_with("action.force.x")).expect("one");
     parts[number].1[at] ^= 1;
     let theirs = Replay::from_bytes(&file(&parts), &custom_forces()).expect("it is a replay");
-    let found = ours.first_difference(&theirs).expect("they differ");
-    assert_eq!(found.owner, Owner::Body(BodyId::from_parts(1, 0)));
-    assert!(matches!(found.phase, TickPhase::Calls | TickPhase::Inputs));
-    assert!(found.field.ends_with("action.force.x"), "{found}");
-    assert_eq!((found.left.as_deref(), found.right.is_some()), (Some("1"), true));
+    let difference = ours.first_difference(&theirs).expect("they differ");
+    assert_eq!(difference.owner, Owner::Body(BodyId::from_parts(1, 0)));
+    assert!(matches!(difference.phase, TickPhase::Calls | TickPhase::Inputs));
+    assert!(difference.field.ends_with("action.force.x"), "{difference}");
+    assert_eq!((difference.left.as_deref(), difference.right.is_some()), (Some("1"), true));
 }

@@ -72,11 +72,11 @@ fn the_chunks_of_a_replay_are_those_of_a_recorder() {
     };
     let ends = "another chunk: of ticks, or the snapshot of this tick";
     let has_room = "the last snapshot: the chunk of ticks before has room for more";
-    let other = |start: usize, end: usize| segment(start as u64, &ticks[start..end]);
-    check("split", &|parts| drop(parts.splice(2..3, [other(0, 30), other(30, 64)])), (3, has_room));
-    check("shifted", &|parts| drop(parts.splice(2..4, [other(0, 63), other(63, 100)])), (3, has_room));
-    check("together", &|parts| drop(parts.splice(2..4, [other(0, 100)])), (2, ends));
-    check("over a snapshot", &|parts| drop(parts.splice(3..6, [other(64, 128)])), (3, ends));
+    let resized = |start: usize, end: usize| segment(start as u64, &ticks[start..end]);
+    check("split", &|parts| drop(parts.splice(2..3, [resized(0, 30), resized(30, 64)])), (3, has_room));
+    check("shifted", &|parts| drop(parts.splice(2..4, [resized(0, 63), resized(63, 100)])), (3, has_room));
+    check("together", &|parts| drop(parts.splice(2..4, [resized(0, 100)])), (2, ends));
+    check("over a snapshot", &|parts| drop(parts.splice(3..6, [resized(64, 128)])), (3, ends));
     check("none", &|parts| parts.insert(5, segment(100, &[])), (5, "one tick at least"));
     check("no snapshot on the way", &|parts| drop(parts.remove(4)), (4, "the snapshot of this tick"));
     check("a snapshot twice", &|parts| parts.insert(5, parts[4].clone()), (5, "no other snapshot of this tick"));

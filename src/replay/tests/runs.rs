@@ -69,11 +69,14 @@ fn replays_with_unlike_numbers_of_calls_or_inputs_say_so() {
         Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole")
     };
     let even = record(1, 1);
-    for (other, phase, field) in
+    for (replay, phase, field) in
         [(record(2, 1), TickPhase::Calls, "calls.count"), (record(1, 3), TickPhase::Inputs, "inputs.count")]
     {
-        let found = even.first_difference(&other).expect("they differ");
-        assert_eq!((found.tick, found.phase, found.owner, &found.field[..]), (2, phase, Owner::World, field));
+        let difference = even.first_difference(&replay).expect("they differ");
+        assert_eq!(
+            (difference.tick, difference.phase, difference.owner, &difference.field[..]),
+            (2, phase, Owner::World, field)
+        );
     }
 }
 
@@ -96,8 +99,12 @@ fn replays_that_part_name_the_value_in_the_snapshot_after() {
     };
     let sound = record(u64::MAX);
     for (parts_at, named_at) in [(0, 3), (3, 3), (4, 7), (7, 7), (8, 10), (10, 10)] {
-        let found = sound.first_difference(&record(parts_at)).expect("they part");
-        assert_eq!((found.tick, found.phase, &found.field[..]), (named_at, TickPhase::End, "angle"), "from {parts_at}");
+        let difference = sound.first_difference(&record(parts_at)).expect("they part");
+        assert_eq!(
+            (difference.tick, difference.phase, &difference.field[..]),
+            (named_at, TickPhase::End, "angle"),
+            "from {parts_at}"
+        );
     }
 }
 
@@ -184,9 +191,10 @@ fn replays_that_part_where_no_tick_has_a_hash_are_compared_by_snapshots_and_the_
         (record(60, 0, 90, never), record(1, 7, 100, never), None, ""),
     ] {
         for (a, b) in [(&ours, &theirs), (&theirs, &ours)] {
-            let found = a.first_difference(b);
-            let found = found.as_ref().map(|found| (found.tick, found.phase, &found.field[..]));
-            assert_eq!(found, found_at.map(|tick| (tick, TickPhase::End, field)));
+            let difference = a.first_difference(b);
+            let difference =
+                difference.as_ref().map(|difference| (difference.tick, difference.phase, &difference.field[..]));
+            assert_eq!(difference, found_at.map(|tick| (tick, TickPhase::End, field)));
         }
     }
 }

@@ -32,7 +32,7 @@ fn a_word_before_a_chunk_is_named_with_what_it_was_and_what_it_is() {
         let chunk = read_chunk(&mut Reader::new(&changed)).expect("the other word is right");
         assert_eq!((chunk.tag, &chunk.bytes[..]), (TICKS, &b"some bytes"[..]));
         let (at, double) = (bit / 64 * 8, bit >= 64);
-        let damage = Damage::Word { recorded: word(&whole, at), found: word(&changed, at), double };
+        let damage = Damage::Word { recorded: word(&whole, at), computed: word(&changed, at), double };
         assert_eq!(chunk.damage, Some(damage), "bit {bit}");
     }
 }
@@ -46,9 +46,9 @@ fn a_chunk_with_two_changes_is_refused_without_naming_a_value() {
     bytes[at] += 1;
     bytes[at + 8] += 1;
     let error = Replay::from_bytes(&bytes, &[]).expect_err("it was changed");
-    let ReplayError::Tampered(found) = error else { panic!("{error}") };
-    assert_eq!((found.left, found.right), (None, None));
-    assert_eq!(found.field, "chunk 1.bytes");
+    let ReplayError::Tampered(difference) = error else { panic!("{error}") };
+    assert_eq!((difference.left, difference.right), (None, None));
+    assert_eq!(difference.field, "chunk 1.bytes");
 }
 
 /// A chunk whose sums say that its one word was changed by `change`, and by `weighted` times its place.
@@ -66,9 +66,9 @@ fn sealed_otherwise(word: u64, change: i128, weighted: i128) -> Vec<u8> {
 
 #[test]
 fn no_seal_is_too_odd_to_be_judged() {
-    let most = [i128::MIN, i128::MIN + 1, -1, 1, 2, i128::MAX];
+    let extremes = [i128::MIN, i128::MIN + 1, -1, 1, 2, i128::MAX];
     for word in [0, 1, u64::MAX] {
-        for (change, weighted) in most.iter().flat_map(|&a| most.map(|b| (a, b))) {
+        for (change, weighted) in extremes.iter().flat_map(|&a| extremes.map(|b| (a, b))) {
             let bytes = sealed_otherwise(word, change, weighted);
             let chunk = read_chunk(&mut Reader::new(&bytes)).expect("its word is whole");
             assert_eq!(chunk.damage, Some(Damage::Unknown), "{word} {change} {weighted}");
@@ -119,7 +119,8 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
         kind: FieldKind::Drag { linear: Fx::ZERO, quadratic: Fx::ZERO, wind: vec2(0, 0) },
         force_groups: 1,
     };
-    let most = ReplayLimits { ticks: 4, bodies: 10, fields: 10, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
+    let replay_limits =
+        ReplayLimits { ticks: 4, bodies: 10, fields: 10, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
     for (many, by_a_player) in [
         (vec![Command::AddBody(BodyDef::dynamic()); 10], false),
         (vec![Command::AddBody(BodyDef::dynamic()); 10], true),
@@ -128,18 +129,19 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
     ] {
         let named = |limits| match forged_run(&many, by_a_player).verify_within(limits) {
             Err(VerifyError::Divergence(divergence)) => (divergence.tick, divergence.difference.field),
-            other => panic!("{other:?}"),
+            result => panic!("{result:?}"),
         };
         // The snapshot at the end has the difference, if the limits allow to play that far.
-        assert_eq!(named(ReplayLimits { bodies: 11, fields: 11, ..most }), (1, "position.x".to_string()));
-        assert_eq!(named(most), (1, "hash".to_string()));
+        assert_eq!(named(ReplayLimits { bodies: 11, fields: 11, ..replay_limits }), (1, "position.x".to_string()));
+        assert_eq!(named(replay_limits), (1, "hash".to_string()));
         assert_eq!(forged_run(&many, by_a_player).verify().expect_err("it parts").difference.field, "position.x");
     }
 }
 
 #[test]
 fn replays_beyond_the_limits_are_refused_before_they_are_stepped() {
-    let most = ReplayLimits { ticks: 3, bodies: 5, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
+    let replay_limits =
+        ReplayLimits { ticks: 3, bodies: 5, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 100 };
     let mut world = World::new(WorldDef::default()).expect("a world");
     (0..2).for_each(|_| _ = world.add_body(BodyDef::dynamic()).expect("a body"));
     let mut recorder = Recorder::new(&world, RecordOptions::default());
@@ -152,21 +154,21 @@ fn replays_beyond_the_limits_are_refused_before_they_are_stepped() {
     recorder.execute(&mut world, &Command::RemoveBody(BodyId::from_parts(5, 0))).expect("it is there");
     recorder.step(&mut world, &Inputs::new());
     let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("it is whole");
-    assert_eq!(replay.verify_within(ReplayLimits { ticks: 4, bodies: 6, ..most }), Ok(()));
+    assert_eq!(replay.verify_within(ReplayLimits { ticks: 4, bodies: 6, ..replay_limits }), Ok(()));
     let refused = |limits| replay.verify_within(limits).expect_err("it is more");
-    assert_eq!(refused(most), VerifyError::Ticks { found: 4, most: 3 });
-    let most = ReplayLimits { ticks: 4, ..most };
-    assert_eq!(refused(most), VerifyError::Bodies { tick: 3, most: 5 });
-    assert_eq!(refused(ReplayLimits { bodies: 4, ..most }), VerifyError::Bodies { tick: 2, most: 4 });
-    assert_eq!(refused(ReplayLimits { bodies: 1, ..most }), VerifyError::Bodies { tick: 0, most: 1 });
+    assert_eq!(refused(replay_limits), VerifyError::Ticks { found: 4, most: 3 });
+    let replay_limits = ReplayLimits { ticks: 4, ..replay_limits };
+    assert_eq!(refused(replay_limits), VerifyError::Bodies { tick: 3, most: 5 });
+    assert_eq!(refused(ReplayLimits { bodies: 4, ..replay_limits }), VerifyError::Bodies { tick: 2, most: 4 });
+    assert_eq!(refused(ReplayLimits { bodies: 1, ..replay_limits }), VerifyError::Bodies { tick: 0, most: 1 });
     // Four bodies are added, and the last one is removed.
-    let most = ReplayLimits { bodies: 6, ..most };
-    assert_eq!(replay.verify_within(ReplayLimits { commands: 5, ..most }), Ok(()));
-    assert_eq!(refused(ReplayLimits { commands: 4, ..most }), VerifyError::Commands { tick: 3, most: 4 });
-    assert_eq!(refused(ReplayLimits { commands: 0, ..most }), VerifyError::Commands { tick: 0, most: 0 });
+    let replay_limits = ReplayLimits { bodies: 6, ..replay_limits };
+    assert_eq!(replay.verify_within(ReplayLimits { commands: 5, ..replay_limits }), Ok(()));
+    assert_eq!(refused(ReplayLimits { commands: 4, ..replay_limits }), VerifyError::Commands { tick: 3, most: 4 });
+    assert_eq!(refused(ReplayLimits { commands: 0, ..replay_limits }), VerifyError::Commands { tick: 0, most: 0 });
     // Colliders that bodies bring along, and settings for more pairs.
     assert_eq!(
-        refused(ReplayLimits { pairs: (1 << 20) - 1, ..most }),
+        refused(ReplayLimits { pairs: (1 << 20) - 1, ..replay_limits }),
         VerifyError::Pairs { tick: 0, most: (1 << 20) - 1 }
     );
     let tick = world.tick();
@@ -195,7 +197,7 @@ fn forged_from(bytes: Vec<u8>, changes: &[(&str, &[u8])]) -> Vec<u8> {
     let all = values(&chunk);
     let mut bytes = chunk.bytes;
     for (name, value) in changes {
-        let (at, length, ..) = all.iter().find(|(_, _, there, _)| there == name).expect("a value");
+        let (at, length, ..) = all.iter().find(|(_, _, value_name, _)| value_name == name).expect("a value");
         assert_eq!(*length, value.len());
         bytes[*at..at + length].copy_from_slice(value);
     }

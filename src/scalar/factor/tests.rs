@@ -14,13 +14,13 @@ fn nearest(num: &UBig, den: &UBig, shift: i32) -> FxFactor {
     }
     // A quotient of 130 bits or more: its last bit says whether anything is below, which is far from any tie.
     let up = 130 + den.bit_len();
-    let (n, one) = (num << up, UBig::ONE);
+    let (n, unit) = (num << up, UBig::ONE);
     let (quotient, rest) = (&n / den, &n % den);
-    let quotient = if rest == UBig::ZERO { quotient } else { quotient | &one };
+    let quotient = if rest == UBig::ZERO { quotient } else { quotient | &unit };
     let cut = quotient.bit_len() - 64;
-    let (floor, rest, half) = (&quotient >> cut, &quotient % (&one << cut), &one << (cut - 1));
-    let is_odd = &floor % UBig::from(2u8) == one;
-    let rounded = if rest > half || (rest == half && is_odd) { floor + one } else { floor };
+    let (floor, rest, half) = (&quotient >> cut, &quotient % (&unit << cut), &unit << (cut - 1));
+    let is_odd = &floor % UBig::from(2u8) == unit;
+    let rounded = if rest > half || (rest == half && is_odd) { floor + unit } else { floor };
     let shift = shift + up as i32 - cut as i32;
     match u64::try_from(&rounded) {
         Ok(mantissa) => FxFactor { mantissa, shift },

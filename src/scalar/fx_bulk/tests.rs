@@ -11,8 +11,8 @@ use crate::cases::cases;
 fn accumulators() -> impl Strategy<Value = Vec<FxAccumulator>> {
     let low = prop_oneof![any::<u64>(), Just(0), Just(1), Just(TIE - 1), Just(TIE), Just(TIE + 1), Just(u64::MAX)];
     let high = (any::<i64>(), 6u32..64).prop_map(|(bits, cut)| bits >> cut);
-    let one = (high, low).prop_map(|(high, low)| FxAccumulator { high, low });
-    prop::collection::vec(one, 33)
+    let accumulator = (high, low).prop_map(|(high, low)| FxAccumulator { high, low });
+    prop::collection::vec(accumulator, 33)
 }
 
 fn factor(mantissa: u64, shift: i32) -> FxFactor {
@@ -23,9 +23,9 @@ fn factor(mantissa: u64, shift: i32) -> FxFactor {
 fn alike<T: Copy + PartialEq + core::fmt::Debug>(
     values: &[T],
     many: impl Fn(usize, &mut [T]),
-    one: impl Fn(usize, T) -> T,
+    single: impl Fn(usize, T) -> T,
 ) -> Result<(), TestCaseError> {
-    let expected: Vec<T> = values.iter().enumerate().map(|(i, v)| one(i, *v)).collect();
+    let expected: Vec<T> = values.iter().enumerate().map(|(i, v)| single(i, *v)).collect();
     let (mut long, mut short) = (values.to_vec(), values.to_vec());
     many(0, &mut long);
     short.chunks_mut(5).enumerate().for_each(|(k, few)| many(5 * k, few));

@@ -46,8 +46,8 @@ impl<'a, S: Scalar> Queries<'a, S> {
         filter: &QueryFilter<'_, S>,
     ) -> Result<(Point, Vec<Neighbour>), Error> {
         let (from, parts) = checked_shape(shape, position, S::ZERO)?;
-        let mut found = Vec::new();
-        for (own, part) in (0_u32..).zip(&parts) {
+        let mut ranked = Vec::new();
+        for (own_part, part) in (0_u32..).zip(&parts) {
             let [min, max] = part.bounds().map(|corner| beside(from, corner));
             let bounds = [min.map(|part| part - reach), max.map(|part| part + reach)];
             self.in_box(bounds, filter, |outline| {
@@ -72,13 +72,13 @@ impl<'a, S: Scalar> Queries<'a, S> {
                         side,
                         is_dynamic: self.kind(target.collider.body) == Some(BodyKind::Dynamic),
                     };
-                    found.push(((def.key, target.id, target.part, own), neighbour));
+                    ranked.push(((def.key, target.id, target.part, own_part), neighbour));
                 }
                 true
             });
         }
-        found.sort_unstable_by_key(|&(rank, _)| rank);
-        let found = found.into_iter().map(|(_, neighbour)| neighbour);
-        Ok((from, found.filter(|neighbour| self.accepts(neighbour.collider, filter)).collect()))
+        ranked.sort_unstable_by_key(|&(rank, _)| rank);
+        let neighbours = ranked.into_iter().map(|(_, neighbour)| neighbour);
+        Ok((from, neighbours.filter(|neighbour| self.accepts(neighbour.collider, filter)).collect()))
     }
 }

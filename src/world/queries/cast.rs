@@ -82,35 +82,35 @@ impl Cast {
 
     /// The first point on the way to a collider.
     #[inline]
-    fn meet<S: Scalar>(&self, found: &Found<'_, S>, line: Option<&Line>) -> Option<Met> {
-        if line.is_some_and(|line| found.is_beside(line)) {
+    fn meet<S: Scalar>(&self, outline: &Found<'_, S>, line: Option<&Line>) -> Option<Met> {
+        if line.is_some_and(|line| outline.is_beside(line)) {
             return None;
         }
-        let (core, is_link) = found.core(self.from)?;
+        let (core, is_link) = outline.core(self.from)?;
         match &self.shape {
             None => ray_hit(&core, is_link, self.translation).map(|end| (0, end)),
             Some(parts) => {
                 let hits = (0..)
                     .zip(parts)
-                    .filter_map(|(own, part)| Some((own, cast_hit(part, &core, is_link, self.translation)?)));
-                hits.min_by_key(|&(own, end)| (end.fraction, own))
+                    .filter_map(|(own_part, part)| Some((own_part, cast_hit(part, &core, is_link, self.translation)?)));
+                hits.min_by_key(|&(own_part, end)| (end.fraction, own_part))
             }
         }
     }
 
     /// The result for a collider that is met.
-    fn hit<S: Scalar>(&self, found: &Found<'_, S>, own: u32, end: RayEnd) -> Option<CastHit<S>> {
-        let Target { collider, id, part } = found.target()?;
-        let (ray, (target, _)) = (self.translation, found.core(self.from)?);
+    fn hit<S: Scalar>(&self, outline: &Found<'_, S>, own_part: u32, end: RayEnd) -> Option<CastHit<S>> {
+        let Target { collider, id, part } = outline.target()?;
+        let (ray, (target, _)) = (self.translation, outline.core(self.from)?);
         let (offset, normal) = match &self.shape {
             None => {
                 let beyond = beyond_seam(&collider.def.shape, part, end);
-                let core = |part| found.world.core(OutlineId { slot: id.slot, part }, self.from);
+                let core = |part| outline.world.core(OutlineId { slot: id.slot, part }, self.from);
                 let beyond = beyond.and_then(core).map(|(core, _)| core);
                 (at(ray, end.fraction), normal_at_seam(&target, beyond, ray, end))
             }
             Some(parts) => {
-                let moving = &parts[own as usize];
+                let moving = &parts[own_part as usize];
                 let sum = Sum::new(moving, &target);
                 let normal = normal(&sum.core, ray, end);
                 (sum.touch_point([moving, &target], ray, end, normal), normal)
@@ -143,38 +143,38 @@ impl<S: Scalar> Queries<'_, S> {
             return self.all(cast, filter, 1).pop();
         }
         let (mut least, line): (Option<(Found<'_, S>, Met)>, _) = (None, cast.line());
-        self.on_path(&mut cast.path(), filter, |found, path| {
-            let Some(met) = cast.meet(&found, line.as_ref()) else { return true };
+        self.on_path(&mut cast.path(), filter, |outline, path| {
+            let Some(met) = cast.meet(&outline, line.as_ref()) else { return true };
             let fraction = met.1.fraction;
             // Keys and handles are looked up only where fractions tie.
             let is_first = match &least {
-                Some((other, (_, end))) if end.fraction == fraction => found.rank(0) < other.rank(0),
+                Some((first, (_, end))) if end.fraction == fraction => outline.rank(0) < first.rank(0),
                 Some((_, (_, end))) => fraction < end.fraction,
                 None => true,
             };
             if is_first {
                 path.shorten(fraction);
-                least = Some((found, met));
+                least = Some((outline, met));
             }
             true
         });
-        let (found, (own, end)) = least?;
-        cast.hit(&found, own, end)
+        let (outline, (own_part, end)) = least?;
+        cast.hit(&outline, own_part, end)
     }
 
     /// The first so many hits in their order.
-    fn all(&self, cast: &Cast, filter: &QueryFilter<'_, S>, most: usize) -> Vec<CastHit<S>> {
+    fn all(&self, cast: &Cast, filter: &QueryFilter<'_, S>, limit: usize) -> Vec<CastHit<S>> {
         self.ranked(cast, filter, false)
             .into_iter()
             .map(|(_, hit)| hit)
             .filter(|hit| self.accepts(hit.collider, filter))
-            .take(most)
+            .take(limit)
             .collect()
     }
 
     /// All hits in their order, or those that tie for the first place.
     fn ranked(&self, cast: &Cast, filter: &QueryFilter<'_, S>, are_first: bool) -> Vec<(Rank, CastHit<S>)> {
-        let (mut found, mut least, line) = (Vec::new(), u64::MAX, cast.line());
+        let (mut hits, mut least, line) = (Vec::new(), u64::MAX, cast.line());
         self.on_path(&mut cast.path(), filter, |outline, path| {
             let Some(met) = cast.meet(&outline, line.as_ref()) else { return true };
             let fraction = met.1.fraction;
@@ -183,17 +183,18 @@ impl<S: Scalar> Queries<'_, S> {
                 path.shorten(least);
             }
             if !are_first || fraction == least {
-                found.extend(outline.rank(fraction.into()).map(|rank| (rank, (outline, met))));
+                hits.extend(outline.rank(fraction.into()).map(|rank| (rank, (outline, met))));
             }
             true
         });
         if are_first {
-            found.retain(|((fraction, ..), _)| *fraction == u128::from(least));
+            hits.retain(|((fraction, ..), _)| *fraction == u128::from(least));
         }
-        sort_by_rank(&mut found);
-        let hit =
-            |(rank, (outline, (own, end))): (Rank, (Found<'_, S>, Met))| Some((rank, cast.hit(&outline, own, end)?));
-        found.into_iter().filter_map(hit).collect()
+        sort_by_rank(&mut hits);
+        let hit = |(rank, (outline, (own_part, end))): (Rank, (Found<'_, S>, Met))| {
+            Some((rank, cast.hit(&outline, own_part, end)?))
+        };
+        hits.into_iter().filter_map(hit).collect()
     }
 
     /// The hits that tie for the first place.
@@ -288,8 +289,8 @@ impl<S: Scalar> Queries<'_, S> {
             return Ok(self.first(&cast, filter).is_some());
         }
         let (mut is_met, line) = (false, cast.line());
-        self.on_path(&mut cast.path(), filter, |found, _| {
-            is_met = cast.meet(&found, line.as_ref()).is_some();
+        self.on_path(&mut cast.path(), filter, |outline, _| {
+            is_met = cast.meet(&outline, line.as_ref()).is_some();
             !is_met
         });
         Ok(is_met)

@@ -235,24 +235,24 @@ impl<S: Scalar> Queries<'_, S> {
         }
     }
 
-    /// Calls `found` with the outlines whose boxes meet a box, until it returns false.
+    /// Calls `visit` with the outlines whose boxes meet a box, until it returns false.
     fn in_box<'q>(
         &'q self,
         [min, max]: [Point; 2],
         filter: &QueryFilter<'_, S>,
-        mut found: impl FnMut(Found<'q, S>) -> bool,
+        mut visit: impl FnMut(Found<'q, S>) -> bool,
     ) {
-        self.on_path(&mut Path::new(min, max, [0; 2]), filter, |outline, _| found(outline));
+        self.on_path(&mut Path::new(min, max, [0; 2]), filter, |outline, _| visit(outline));
     }
 
-    /// Calls `found` with the outlines that a filter lets through and whose boxes may meet a path, until it returns false. It may shorten
+    /// Calls `visit` with the outlines that a filter lets through and whose boxes may meet a path, until it returns false. It may shorten
     /// the path. All bodies in the trees take part.
     #[inline]
     fn on_path<'q>(
         &'q self,
         path: &mut Path,
         filter: &QueryFilter<'_, S>,
-        mut found: impl FnMut(Found<'q, S>, &mut Path) -> bool,
+        mut visit: impl FnMut(Found<'q, S>, &mut Path) -> bool,
     ) {
         let names_some = !filter.without_bodies.is_empty() || !filter.without_colliders.is_empty();
         for (which, tree) in self.trees.iter().enumerate() {
@@ -264,7 +264,7 @@ impl<S: Scalar> Queries<'_, S> {
                 let placed = (!placed.corners.is_empty()).then_some(placed);
                 let outline = Found { world: self.world, outline, placed };
                 let is_left_out = names_some && outline.target().is_none_or(|target| filter.leaves_out(&target));
-                is_left_out || found(outline, path)
+                is_left_out || visit(outline, path)
             });
             if !goes_on {
                 return;
@@ -274,8 +274,8 @@ impl<S: Scalar> Queries<'_, S> {
 }
 
 /// Sorts results, and keeps the first one of each collider.
-fn sort_by_rank<T>(found: &mut Vec<(Rank, T)>) {
-    found.sort_unstable_by_key(|&((first, _, id, part), _)| (id, first, part));
-    found.dedup_by_key(|((_, _, id, _), _)| *id);
-    found.sort_unstable_by_key(|(rank, _)| *rank);
+fn sort_by_rank<T>(results: &mut Vec<(Rank, T)>) {
+    results.sort_unstable_by_key(|&((first, _, id, part), _)| (id, first, part));
+    results.dedup_by_key(|((_, _, id, _), _)| *id);
+    results.sort_unstable_by_key(|(rank, _)| *rank);
 }

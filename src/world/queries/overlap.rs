@@ -22,9 +22,9 @@ use crate::slots::{BodyId, ColliderId};
 ///
 /// let mut world = World::new(WorldDef::default())?;
 /// let ground = world.add_body(BodyDef::fixed().with_collider(Shape::rectangle(20, 2)?))?;
-/// let near: Option<ClosestPoint> = world.queries().closest_point(vec2(3, 5), fx!(10), &QueryFilter::default())?;
-/// let near = near.unwrap();
-/// assert_eq!((near.body, near.distance, near.point, near.part), (ground, fx!(4), vec2(3, 1), 0));
+/// let closest: Option<ClosestPoint> = world.queries().closest_point(vec2(3, 5), fx!(10), &QueryFilter::default())?;
+/// let closest = closest.unwrap();
+/// assert_eq!((closest.body, closest.distance, closest.point, closest.part), (ground, fx!(4), vec2(3, 1), 0));
 /// assert_eq!(world.queries().closest_point(vec2(3, 5), fx!(3), &QueryFilter::default())?, None);
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
@@ -90,8 +90,8 @@ impl<S: Scalar> Queries<'_, S> {
         let (from, max) = (checked_point(bounds.min)?, checked_point(bounds.max)?);
         // Below 2^63.
         let [width, height] = [max[0] - from[0], max[1] - from[1]];
-        let most = limits::QUERY.to_bits();
-        if !(0..=most).contains(&width) || !(0..=most).contains(&height) {
+        let max_size = limits::QUERY.to_bits();
+        if !(0..=max_size).contains(&width) || !(0..=max_size).contains(&height) {
             return Err(Error::OutOfRange { quantity: Quantity::Query });
         }
         let corners = [[0, 0], [width, 0], [width, height], [0, height]];
@@ -107,24 +107,24 @@ impl<S: Scalar> Queries<'_, S> {
     }
 
     fn overlap(&self, from: Point, parts: &[Core], filter: &QueryFilter<'_, S>) -> Vec<ColliderId> {
-        let mut found = Vec::new();
+        let mut hits = Vec::new();
         for part in parts {
             self.in_box(part.bounds().map(|corner| beside(from, corner)), filter, |outline| {
                 if outline.core(from).is_some_and(|(core, _)| contains(&Sum::new(part, &core).core)) {
-                    found.extend(outline.rank(0).map(|rank| (rank, ())));
+                    hits.extend(outline.rank(0).map(|rank| (rank, ())));
                 }
                 true
             });
         }
-        sort_by_rank(&mut found);
-        found.into_iter().map(|((_, _, id, _), ())| id).filter(|&id| self.accepts(id, filter)).collect()
+        sort_by_rank(&mut hits);
+        hits.into_iter().map(|((_, _, id, _), ())| id).filter(|&id| self.accepts(id, filter)).collect()
     }
 
-    /// The collider nearest to a point, up to `most` m, 0 to 2^20. Where several are at the same distance, the one with the least key, then
-    /// handle. No point is inside of a chain, closed or not: the distance to the nearest segment counts.
+    /// The collider nearest to a point, up to `max_distance` m, 0 to 2^20. Where several are at the same distance, the one with the
+    /// least key, then handle. No point is inside of a chain, closed or not: the distance to the nearest segment counts.
     ///
     /// *Cost* in proportion to the colliders whose boxes are within 1 m, or within twice the distance of the one that is found if that is
-    /// more; with no result, within `most`.
+    /// more; with no result, within `max_distance`.
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Query`] for a distance that is not from 0 to 2^20 m, and with [`Quantity::Position`] for
@@ -132,21 +132,22 @@ impl<S: Scalar> Queries<'_, S> {
     pub fn closest_point(
         &self,
         point: Vec2<S>,
-        most: S,
+        max_distance: S,
         filter: &QueryFilter<'_, S>,
     ) -> Result<Option<ClosestPoint<S>>, Error> {
-        let (from, most) = checked_reach(point, most)?;
-        let mut reach = FIRST_REACH.min(most);
+        let (from, max_distance) = checked_reach(point, max_distance)?;
+        let mut reach = FIRST_REACH.min(max_distance);
         loop {
-            let near = self.within(from, reach, filter, 1).pop();
-            if near.is_some() || reach == most {
-                return Ok(near);
+            let nearest_point = self.within(from, reach, filter, 1).pop();
+            if nearest_point.is_some() || reach == max_distance {
+                return Ok(nearest_point);
             }
-            reach = reach.saturating_mul(2).min(most);
+            reach = reach.saturating_mul(2).min(max_distance);
         }
     }
 
-    /// All colliders up to `most` m, 0 to 2^20, from a point, each with its nearest point, sorted by distance, then by key, then by handle.
+    /// All colliders up to `max_distance` m, 0 to 2^20, from a point, each with its nearest point, sorted by distance, then by key,
+    /// then by handle.
     ///
     /// # Errors
     /// As [`closest_point`](Self::closest_point).
@@ -159,58 +160,63 @@ impl<S: Scalar> Queries<'_, S> {
     ///     let disc = umbra_physics::ColliderDef { key, ..Shape::circle(1)?.into() };
     ///     world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic().with_collider(disc) })?;
     /// }
-    /// let near = world.queries().closest_points(vec2(0, 0), fx!(10), &QueryFilter::default())?;
-    /// let keys = near.iter().map(|near| world.collider(near.collider).unwrap().key);
+    /// let points = world.queries().closest_points(vec2(0, 0), fx!(10), &QueryFilter::default())?;
+    /// let keys = points.iter().map(|point| world.collider(point.collider).unwrap().key);
     /// assert!(keys.eq([2, 3, 1])); // two at the same distance
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn closest_points(
         &self,
         point: Vec2<S>,
-        most: S,
+        max_distance: S,
         filter: &QueryFilter<'_, S>,
     ) -> Result<Vec<ClosestPoint<S>>, Error> {
-        let (from, most) = checked_reach(point, most)?;
-        Ok(self.within(from, most, filter, usize::MAX))
+        let (from, max_distance) = checked_reach(point, max_distance)?;
+        Ok(self.within(from, max_distance, filter, usize::MAX))
     }
 
     /// The first so many colliders within a distance in ulps.
-    fn within(&self, from: Point, reach: i64, filter: &QueryFilter<'_, S>, most: usize) -> Vec<ClosestPoint<S>> {
-        let mut found = Vec::new();
+    fn within(&self, from: Point, reach: i64, filter: &QueryFilter<'_, S>, limit: usize) -> Vec<ClosestPoint<S>> {
+        let mut points = Vec::new();
         self.in_box([from.map(|part| part - reach), from.map(|part| part + reach)], filter, |outline| {
-            found.extend(closest(from, reach, &outline));
+            points.extend(closest(from, reach, &outline));
             true
         });
-        sort_by_rank(&mut found);
-        found.into_iter().map(|(_, near)| near).filter(|near| self.accepts(near.collider, filter)).take(most).collect()
+        sort_by_rank(&mut points);
+        points
+            .into_iter()
+            .map(|(_, point)| point)
+            .filter(|point| self.accepts(point.collider, filter))
+            .take(limit)
+            .collect()
     }
 }
 
 /// A point and a distance in ulps.
-fn checked_reach<S: Scalar>(point: Vec2<S>, most: S) -> Result<(Point, i64), Error> {
-    if !(most >= S::ZERO && most <= S::from_fx(limits::QUERY)) {
+fn checked_reach<S: Scalar>(point: Vec2<S>, max_distance: S) -> Result<(Point, i64), Error> {
+    if !(max_distance >= S::ZERO && max_distance <= S::from_fx(limits::QUERY)) {
         return Err(Error::OutOfRange { quantity: Quantity::Query });
     }
-    Ok((checked_point(point)?, most.to_fx().to_bits()))
+    Ok((checked_point(point)?, max_distance.to_fx().to_bits()))
 }
 
 /// The nearest point of an outline, if it is within a distance in ulps.
 fn closest<S: Scalar>(from: Point, reach: i64, outline: &Found<'_, S>) -> Option<(super::Rank, ClosestPoint<S>)> {
     let (core, _) = outline.core(from)?;
-    let near = nearest(core.corners());
-    let away = distance(&core, near);
+    let nearest_feature = nearest(core.corners());
+    let away = distance(&core, nearest_feature);
     if away > (reach as u128) << 16 {
         return None;
     }
-    let (offset, _) = surface_point(&core, near, away);
+    let (offset, _) = surface_point(&core, nearest_feature, away);
     let target = outline.target()?;
     let rank = (away, target.collider.def.key, target.id, target.part);
-    let near = ClosestPoint {
+    let closest_point = ClosestPoint {
         collider: target.id,
         body: target.collider.body,
         distance: in_metres(away),
         point: in_scalar(beside(from, offset)),
         part: target.part,
     };
-    Some((rank, near))
+    Some((rank, closest_point))
 }

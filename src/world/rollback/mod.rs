@@ -93,7 +93,7 @@ pub struct Rollback<I, S: Scalar = Fx> {
     /// The made ticks in order, and after them memory for others. The first is the first one that is not confirmed, or that was
     /// handed out by the last report.
     rows: VecDeque<Row<I, S>>,
-    made: usize,
+    simulated: usize,
     /// The number of ticks at the front that the last report handed out.
     handed_out: usize,
     /// The tick of the first row.
@@ -119,8 +119,8 @@ struct Row<I, S: Scalar> {
 
 impl<I, S: Scalar> core::fmt::Debug for Rollback<I, S> {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { window, made, first, .. } = self;
-        let ticks = *first..*first + *made as u64;
+        let Self { window, simulated, first, .. } = self;
+        let ticks = *first..*first + *simulated as u64;
         f.debug_struct("Rollback").field("window", window).field("ticks", &ticks).finish_non_exhaustive()
     }
 }
@@ -137,7 +137,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
             players: Players::new(world.tick(), players),
             window,
             rows: VecDeque::new(),
-            made: 0,
+            simulated: 0,
             handed_out: 0,
             first: world.tick(),
             rewinds: None,
@@ -178,7 +178,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     /// The tick that is made next.
     #[must_use]
     pub fn present(&self) -> u64 {
-        self.first + self.made as u64
+        self.first + self.simulated as u64
     }
 
     /// The first tick that is not confirmed.
@@ -218,7 +218,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         let unconfirmed = self.present() - self.first_unconfirmed();
         let is_known = unconfirmed == 0 && self.players.known_up_to(self.present() + 1) > self.present();
         let waits_for = if is_known || unconfirmed < self.window as u64 {
-            let index = self.made;
+            let index = self.simulated;
             match self.rows.get_mut(index) {
                 Some(row) => row.events.clear(),
                 None => {
@@ -226,7 +226,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
                     self.rows.push_back(Row { before: world.clone(), inputs, commands, events });
                 }
             }
-            self.made += 1;
+            self.simulated += 1;
             S::keep(&mut self.rows[index].before, world);
             self.make(index, world, tick)?;
             None
@@ -235,7 +235,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         };
         self.handed_out = (self.first_unconfirmed() - self.first) as usize;
         // While the first tick waits, the world's journal may still have changes from before.
-        if self.made > 0 || self.rewinds.is_some() {
+        if self.simulated > 0 || self.rewinds.is_some() {
             self.rewinds = Some(world.rewinds());
         }
         Ok(RollbackReport::new(
@@ -244,7 +244,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
             self.first,
             &self.rows,
             self.handed_out,
-            self.made,
+            self.simulated,
             &self.events,
             world,
         ))
@@ -254,7 +254,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     /// between ticks on which all peers agree. Inputs that have arrived for its tick and later ones count, unless the world is
     /// at a tick before the ones that were kept: then all inputs are dropped.
     pub fn restart(&mut self, world: &World<S>) {
-        (self.made, self.handed_out, self.rewinds) = (0, 0, None);
+        (self.simulated, self.handed_out, self.rewinds) = (0, 0, None);
         self.first = world.tick();
         self.players.restart(world.tick());
     }
@@ -263,7 +263,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
     #[must_use]
     pub fn confirmed_world<'a>(&'a self, world: &'a World<S>) -> &'a World<S> {
         // Inputs that were added since may have confirmed more ticks, which are not made with them yet.
-        if self.handed_out < self.made { &self.rows[self.handed_out].before } else { world }
+        if self.handed_out < self.simulated { &self.rows[self.handed_out].before } else { world }
     }
 
     fn check_unchanged(&self, world: &World<S>) -> Result<(), Error> {
@@ -285,7 +285,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
             let row = self.rows.pop_front();
             self.rows.extend(row);
         }
-        self.made -= self.handed_out;
+        self.simulated -= self.handed_out;
         self.first += self.handed_out as u64;
         self.handed_out = 0;
         self.players.forget_before(self.first);
@@ -296,7 +296,7 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         let Some(from) = self.players.take_first_new() else { return Ok(0) };
         let from = from.max(self.first) - self.first;
         let mut first_wrong = None;
-        for (index, row) in self.rows.iter().enumerate().take(self.made).skip(from as usize) {
+        for (index, row) in self.rows.iter().enumerate().take(self.simulated).skip(from as usize) {
             if !self.players.are_inputs(self.first + index as u64, &row.inputs) {
                 first_wrong = Some(index);
                 break;
@@ -306,11 +306,11 @@ impl<I: Clone + Default + PartialEq, S: Scalar> Rollback<I, S> {
         let before = &self.rows[first_wrong].before;
         S::restore(world, before);
         self.make(first_wrong, world, tick)?;
-        for index in first_wrong + 1..self.made {
+        for index in first_wrong + 1..self.simulated {
             S::keep(&mut self.rows[index].before, world);
             self.make(index, world, tick)?;
         }
-        Ok((self.made - first_wrong) as u64)
+        Ok((self.simulated - first_wrong) as u64)
     }
 
     /// Makes a tick whose state before it is stored: calls the tick function, steps, and compares the events with those reported.

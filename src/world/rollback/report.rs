@@ -66,7 +66,7 @@ pub struct RollbackReport<'a, I, S: Scalar = Fx> {
     first: u64,
     rows: &'a VecDeque<Row<I, S>>,
     confirmed: usize,
-    made: usize,
+    simulated: usize,
     world: &'a World<S>,
 }
 
@@ -77,19 +77,19 @@ impl<'a, I, S: Scalar> RollbackReport<'a, I, S> {
         first: u64,
         rows: &'a VecDeque<Row<I, S>>,
         confirmed: usize,
-        made: usize,
+        simulated: usize,
         events: &'a [TickEvent<S>],
         world: &'a World<S>,
     ) -> Self {
-        Self { redone, waits_for, events, first, rows, confirmed, made, world }
+        Self { redone, waits_for, events, first, rows, confirmed, simulated, world }
     }
 
     /// The ticks that were confirmed since the last report, in order. Each is handed out once.
     pub fn confirmed(&self) -> impl ExactSizeIterator<Item = ConfirmedTick<'a, I, S>> + use<'a, I, S> {
-        let Self { first, rows, confirmed, made, world, .. } = *self;
+        let Self { first, rows, confirmed, simulated, world, .. } = *self;
         (0..confirmed).map(move |index| {
             let Row { inputs, commands, .. } = &rows[index];
-            let after = if index + 1 < made { &rows[index + 1].before } else { world };
+            let after = if index + 1 < simulated { &rows[index + 1].before } else { world };
             ConfirmedTick { tick: first + index as u64, inputs, commands, after }
         })
     }
@@ -114,15 +114,15 @@ impl<I, S: Scalar> core::fmt::Debug for RollbackReport<'_, I, S> {
 type Key = (u8, Option<BodyId>, Option<([ColliderId; 2], [u32; 2])>);
 
 fn key<S>(event: &Event<S>) -> Key {
-    let of = |kind, body| (kind, Some(body), None);
+    let key_of = |kind, body| (kind, Some(body), None);
     let of_pair = |kind, pair: &ColliderPair, parts| (kind, None, Some((pair.colliders, parts)));
     match event {
-        Event::Removed(body) => of(0, *body),
-        Event::Added(body) => of(1, *body),
-        Event::Placed(body) => of(2, *body),
-        Event::Woke(body) => of(3, *body),
-        Event::Quarantined(fault) => of(4, fault.body),
-        Event::FellAsleep(body) => of(5, *body),
+        Event::Removed(body) => key_of(0, *body),
+        Event::Added(body) => key_of(1, *body),
+        Event::Placed(body) => key_of(2, *body),
+        Event::Woke(body) => key_of(3, *body),
+        Event::Quarantined(fault) => key_of(4, fault.body),
+        Event::FellAsleep(body) => key_of(5, *body),
         Event::ContactEnded(pair) => of_pair(6, pair, [0; 2]),
         Event::ContactBegan(pair) => of_pair(7, pair, [0; 2]),
         Event::ContactHit(hit) => of_pair(8, &hit.pair, hit.parts),
@@ -148,8 +148,8 @@ pub(super) fn compare<S: Scalar>(
     let differs = before != *reported;
     let is_in = |others: &[Event<S>], event: &Event<S>| {
         // Sorted: a search for each event takes a logarithm.
-        let found = others.binary_search_by_key(&key(event), key);
-        found.is_ok_and(|index| is_same(&others[index], event))
+        let place = others.binary_search_by_key(&key(event), key);
+        place.is_ok_and(|index| is_same(&others[index], event))
     };
     let sorted = |events: &[Event<S>]| {
         let mut sorted = events.to_vec();

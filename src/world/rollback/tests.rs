@@ -140,13 +140,13 @@ fn changes_outside_of_the_tick_function_are_noticed() {
         rollback.advance(&mut world, |_, _| ()).expect("the first tick");
         (world, rollback)
     };
-    let other = level();
+    let foreign = level();
     let changes: [&dyn Fn(&mut World); 7] = [
         &|world| world.set_velocity(ship(0), vec2(1, 0)).expect("a velocity"),
         &|world| world.set_blob(&[1]).expect("a blob"),
         &|world| _ = world.random_mut().below(3),
         &|world| _ = world.step(),
-        &|world| world.restore(&other.snapshot()),
+        &|world| world.restore(&foreign.snapshot()),
         &|world| world.clear_forces(),
         // Nobody can tell whether it was changed before.
         &|world| *world = world.clone(),
@@ -203,9 +203,9 @@ fn a_player_who_leaves_is_not_waited_for() {
     rollback.add_input(1, 1, 1).expect("a player");
     assert_eq!(rollback.add_input(2, 1, 1), Ok(false));
     let report = rollback.advance(&mut world, tick).expect("unchanged");
-    let seen: Vec<Vec<u32>> =
+    let players: Vec<Vec<u32>> =
         report.confirmed().map(|tick| tick.inputs.iter().map(|(player, _)| *player).collect()).collect();
-    assert_eq!(seen, [vec![0, 1], vec![0, 1], vec![0]]);
+    assert_eq!(players, [vec![0, 1], vec![0, 1], vec![0]]);
     // A player who is gone does not come back by a later end.
     rollback.remove_player(1, 9).expect("gone already");
     assert_eq!(rollback.add_input(5, 1, 1), Ok(false));
@@ -255,12 +255,12 @@ fn a_restart_may_be_followed_by_waiting() {
 #[test]
 fn predictions_are_the_last_input_or_what_the_game_says() {
     let predicted = |rollback: Rollback<Buttons>| {
-        let (mut world, mut rollback, mut seen) = (level(), rollback, Vec::new());
+        let (mut world, mut rollback, mut predictions) = (level(), rollback, Vec::new());
         rollback.add_input(0, 0, 3).expect("a player");
         for _ in 0..3 {
-            rollback.advance(&mut world, |_, inputs| seen.push(inputs[0].1)).expect("unchanged");
+            rollback.advance(&mut world, |_, inputs| predictions.push(inputs[0].1)).expect("unchanged");
         }
-        seen
+        predictions
     };
     assert_eq!(predicted(Rollback::new(&level(), [0], 8)), [3, 3, 3]);
     assert_eq!(predicted(Rollback::new(&level(), [0], 8).with_prediction(|last| last & 1)), [3, 1, 1]);
