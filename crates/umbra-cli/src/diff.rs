@@ -48,8 +48,10 @@ impl Content {
     fn load(file: &Path) -> Result<Self, Failure> {
         let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
         match &bytes {
-            _ if bytes.starts_with(load::REPLAY) => load::replay(&bytes, file).map(|it| Self::Replay(Box::new(it))),
-            _ if bytes.starts_with(load::DUMP) => load::dump(&bytes, file).map(|it| Self::Dump(Box::new(it))),
+            _ if bytes.starts_with(load::REPLAY) => {
+                load::replay(&bytes, file).map(|replay| Self::Replay(Box::new(replay)))
+            }
+            _ if bytes.starts_with(load::DUMP) => load::dump(&bytes, file).map(|dump| Self::Dump(Box::new(dump))),
             _ => Err(Failure::Foreign { file: file.into(), is_scene: bytes.trim_ascii_start().starts_with(b"{") }),
         }
     }
@@ -110,11 +112,12 @@ fn report(
         // Texts and numbers always have a form in JSON.
         text::print(serde_json::to_string(&outcome).unwrap_or_default())?;
     } else {
-        text::print(finding.as_ref().map_or_else(|| same(ends, options), |found| said(found, options.exact)))?;
+        text::print(finding.as_ref().map_or_else(|| same(ends, options), |finding| said(finding, options.exact)))?;
         if let Some(all) = differences {
             text::print(format_args!("values that differ after that: {}", all.len()))?;
-            for found in &all {
-                let line = if options.exact { format!("  {:#}", found.exact()) } else { format!("  {found:#}") };
+            for difference in &all {
+                let line =
+                    if options.exact { format!("  {:#}", difference.exact()) } else { format!("  {difference:#}") };
                 text::print(line)?;
             }
         }
@@ -125,8 +128,8 @@ fn report(
     })
 }
 
-fn said(found: &Difference, exact: bool) -> String {
-    if exact { found.exact().to_string() } else { found.to_string() }
+fn said(difference: &Difference, exact: bool) -> String {
+    if exact { difference.exact().to_string() } else { difference.to_string() }
 }
 
 /// The values in which the worlds of two dumps differ at the moment of a finding.
@@ -145,8 +148,8 @@ fn after(a: &Replay, b: &Replay, finding: &Difference) -> Vec<Difference> {
         playback.world().clone()
     };
     let mut all = world(a).differences(&world(b));
-    for found in &mut all {
-        found.name = [a, b].into_iter().find_map(|replay| replay.labels().owner(found.owner));
+    for difference in &mut all {
+        difference.name = [a, b].into_iter().find_map(|replay| replay.labels().owner(difference.owner));
     }
     all
 }

@@ -28,8 +28,8 @@ pub enum Failure {
     File { file: PathBuf, doing: &'static str, error: io::Error },
     /// An option does not go with the scene.
     Option { what: String },
-    /// `bad` files of `of` are not as recorded.
-    Verify { bad: usize, of: usize, status: u8 },
+    /// `bad` files of `files` are not as recorded.
+    Verify { bad: usize, files: usize, status: u8 },
     /// A file is nothing that can be compared.
     Foreign { file: PathBuf, is_scene: bool },
     /// An output would go over an input or another output, which `with` says.
@@ -112,7 +112,7 @@ impl Failure {
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
             Self::Option { what } | Self::Usage { what } | Self::Check { what } => f.write_str(what),
-            Self::Verify { bad, of, .. } => write!(f, "{bad} of {of} files are not as recorded"),
+            Self::Verify { bad, files, .. } => write!(f, "{bad} of {files} files are not as recorded"),
             Self::Foreign { file, is_scene } => {
                 let file = text::path(file);
                 write!(f, "{file}: expected a replay or a desync dump of umbra-physics")?;

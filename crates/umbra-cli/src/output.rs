@@ -29,7 +29,8 @@ impl<'a> Destinations<'a> {
     /// Takes the inputs, and the standard output: where that goes to a file, it is a destination like others.
     pub fn beside(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
         let inputs: Vec<&Path> = inputs.into_iter().map(PathBuf::as_path).collect();
-        let stdout = Handle::stdout().ok().filter(|it| it.as_file().metadata().is_ok_and(|it| it.is_file()));
+        let stdout =
+            Handle::stdout().ok().filter(|stream| stream.as_file().metadata().is_ok_and(|metadata| metadata.is_file()));
         let mut all = Self { inputs, taken: Vec::new() };
         if let Some(stdout) = stdout {
             all.take(Path::new(text::STDOUT), Identity::Existing(stdout))?;
@@ -57,8 +58,9 @@ impl<'a> Destinations<'a> {
         let clash = |with| Err(Failure::Clash { file: file.into(), with });
         if let Identity::Existing(handle) = &identity {
             // A pipe is not opened: closing it again would break it for whoever writes to it.
-            let is_file = |input: &Path| fs::metadata(input).is_ok_and(|it| it.is_file());
-            let is_same = |input: &&Path| is_file(input) && Handle::from_path(input).is_ok_and(|it| it == *handle);
+            let is_file = |input: &Path| fs::metadata(input).is_ok_and(|metadata| metadata.is_file());
+            let is_same =
+                |input: &&Path| is_file(input) && Handle::from_path(input).is_ok_and(|opened| opened == *handle);
             if self.inputs.iter().any(is_same) {
                 return clash("an input");
             }
@@ -98,11 +100,11 @@ impl Target {
             return Ok((Self::Stdout, Identity::Path("/dev/stdout".into())));
         }
         match fs::metadata(file) {
-            Ok(found) if found.is_dir() => Err(ErrorKind::IsADirectory.into()),
-            Ok(found) if found.is_file() => {
+            Ok(metadata) if metadata.is_dir() => Err(ErrorKind::IsADirectory.into()),
+            Ok(metadata) if metadata.is_file() => {
                 // Opened for writing, though it will be replaced: a write-protected file is to stay.
                 let handle = Handle::from_file(OpenOptions::new().write(true).open(file)?)?;
-                let target = Self::File { path: resolved(file)?, permissions: Some(found.permissions()) };
+                let target = Self::File { path: resolved(file)?, permissions: Some(metadata.permissions()) };
                 Ok((target, Identity::Existing(handle)))
             }
             Ok(_) => Ok((Self::Stream, Identity::Path(resolved(file)?))),
@@ -120,7 +122,8 @@ impl Target {
 fn resolved(file: &Path) -> io::Result<PathBuf> {
     /// The number of links that Linux follows.
     const LINKS: usize = 40;
-    let folder = |path: &Path| path.parent().filter(|it| *it != Path::new("")).unwrap_or(Path::new(".")).to_owned();
+    let folder =
+        |path: &Path| path.parent().filter(|parent| *parent != Path::new("")).unwrap_or(Path::new(".")).to_owned();
     let mut path = file.to_owned();
     for _ in 0..LINKS {
         let Ok(next) = fs::read_link(&path) else { break };

@@ -51,11 +51,11 @@ impl Totals {
         S::Wide: ToF64,
     {
         let value = |wide: S::Wide| Value { exact: wide.to_string(), near: wide.to_f64() };
-        let one = |wide: Result<S::Wide, Error>| wide.ok().map(value);
+        let total = |wide: Result<S::Wide, Error>| wide.ok().map(value);
         Self {
-            energy: one(world.energy()),
+            energy: total(world.energy()),
             momentum: world.momentum().ok().map(|p| [value(p.x), value(p.y)]),
-            angular_momentum: one(world.angular_momentum()),
+            angular_momentum: total(world.angular_momentum()),
         }
     }
 }

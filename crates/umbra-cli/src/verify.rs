@@ -219,7 +219,7 @@ pub(crate) fn verify(options: &Options) -> Result<(), Failure> {
         },
     )?;
     bar.finish_and_clear();
-    if status == 0 { Ok(()) } else { Err(Failure::Verify { bad, of: files.len(), status }) }
+    if status == 0 { Ok(()) } else { Err(Failure::Verify { bad, files: files.len(), status }) }
 }
 
 /// Does a job for each file, so many at once, and hands on what comes of it in the order of the files, as long as it is

@@ -59,10 +59,10 @@ pub(crate) struct Chart<'a> {
 }
 
 impl Scale {
-    /// Powers of ten around all positive values, none of them beyond `most`.
-    pub(crate) fn log(values: impl Iterator<Item = f64>, most: f64) -> Self {
+    /// Powers of ten around all positive values, none of them beyond `max`.
+    pub(crate) fn log(values: impl Iterator<Item = f64>, max: f64) -> Self {
         let (mut from, mut to) = (f64::INFINITY, f64::NEG_INFINITY);
-        for value in values.filter(|value| *value > 0.0).map(|value| value.min(most).log10()) {
+        for value in values.filter(|value| *value > 0.0).map(|value| value.min(max).log10()) {
             (from, to) = (from.min(value), to.max(value));
         }
         if from > to {

@@ -180,23 +180,23 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     }
 
     /// A number usually from `low` to `high`, of few bits half of the time, so that sums come to ties; else, as the taste
-    /// says, at one of the limits `least` and `most`, beyond them, or of any size.
+    /// says, at one of the limits `min` and `max`, beyond them, or of any size.
     ///
     /// # Panics
-    /// If `least` is more than `most` and the taste has values near limits.
-    pub fn number(&mut self, [low, high]: [Fx; 2], [least, most]: [Fx; 2]) -> Fx {
-        let (near, wild) = (u64::from(self.taste.near), u64::from(self.taste.wild));
+    /// If `min` is more than `max` and the taste has values near limits.
+    pub fn number(&mut self, [low, high]: [Fx; 2], [min, max]: [Fx; 2]) -> Fx {
+        let (near_share, wild) = (u64::from(self.taste.near), u64::from(self.taste.wild));
         let style = self.choices.draw(8);
-        let inside = |limit: Fx, by: i64| {
-            Fx::from_bits(limit.to_bits().saturating_add(by).clamp(least.to_bits(), most.to_bits()))
+        let inside = |limit: Fx, ulps: i64| {
+            Fx::from_bits(limit.to_bits().saturating_add(ulps).clamp(min.to_bits(), max.to_bits()))
         };
-        if style < near {
-            return [least, most, inside(least, 1), inside(most, -1)][self.choices.choose(4) as usize];
+        if style < near_share {
+            return [min, max, inside(min, 1), inside(max, -1)][self.choices.choose(4) as usize];
         }
-        if style < near + wild {
+        if style < near_share + wild {
             return match self.choices.choose(8) {
-                0 => Fx::from_bits(least.to_bits().saturating_sub(1)),
-                1 => Fx::from_bits(most.to_bits().saturating_add(1)),
+                0 => Fx::from_bits(min.to_bits().saturating_sub(1)),
+                1 => Fx::from_bits(max.to_bits().saturating_add(1)),
                 2 => Fx::MIN,
                 3 => Fx::MAX,
                 4 => Fx::ZERO,
@@ -346,11 +346,11 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     }
 
     fn spring(&mut self) -> FieldKind {
-        let (near, far) = (self.attachment(), self.end());
-        let far = match far {
+        let (start, end) = (self.attachment(), self.end());
+        let far = match end {
             // A spring from a body to itself would be refused.
-            End::Body(at) if at.body == near.body && self.taste.wild == 0 && self.bodies.len() > 1 => {
-                let index = self.bodies.iter().position(|&body| body == near.body).unwrap_or(0);
+            End::Body(at) if at.body == start.body && self.taste.wild == 0 && self.bodies.len() > 1 => {
+                let index = self.bodies.iter().position(|&body| body == start.body).unwrap_or(0);
                 End::Body(Attachment { body: self.bodies[(index + 1) % self.bodies.len()], ..at })
             }
             far => far,
@@ -361,7 +361,7 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
             stiffness: self.not_negative(fx!(9), Fx::MAX),
             damping: if is_damped { self.not_negative(fx!(1), Fx::MAX) } else { Fx::ZERO },
         };
-        FieldKind::Spring { near, far, spring }
+        FieldKind::Spring { near: start, far, spring }
     }
 
     fn region(&mut self) -> Region {

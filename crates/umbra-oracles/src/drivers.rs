@@ -99,19 +99,19 @@ impl Stepper for Undoing {
         let applied = world.step().applied.to_vec();
         let after = world.clone();
         let is_undone = world.step_back(&applied).is_ok();
-        let mut seen;
+        let mut fault;
         if is_undone {
             self.has_undone = true;
-            seen = unlike("a step that was undone", &before, world);
+            fault = unlike("a step that was undone", &before, world);
             world.step();
-            seen = seen.or_else(|| unlike("a step that was undone and made again", &after, world));
+            fault = fault.or_else(|| unlike("a step that was undone and made again", &after, world));
         } else {
-            seen = unlike("a step that could not be undone", &after, world);
+            fault = unlike("a step that could not be undone", &after, world);
         }
-        if seen.is_none() && world.last_report() != after.last_report() {
-            seen = Some(Seen { beside: "the report of a step that was undone", difference: None });
+        if fault.is_none() && world.last_report() != after.last_report() {
+            fault = Some(Seen { beside: "the report of a step that was undone", difference: None });
         }
-        self.seen = self.seen.take().or(seen);
+        self.seen = self.seen.take().or(fault);
     }
 }
 
@@ -151,9 +151,9 @@ impl Stepper for Detours {
         world.step();
         // Only an awake body slows one that is pushed towards it, before they touch.
         let is_awake = is_awake && !was_near && !nears_sleeper(world);
-        let seen = unlike("a step that was traced", world, &traced)
+        let fault = unlike("a step that was traced", world, &traced)
             .or_else(|| moved_unlike("a step with all bodies awake", world, &awake).filter(|_| is_awake));
-        self.seen = self.seen.take().or(seen);
+        self.seen = self.seen.take().or(fault);
     }
 }
 
@@ -196,9 +196,9 @@ pub(super) struct Noting {
 
 impl Stepper for Noting {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
-        let made = world.execute(command)?;
-        self.made.extend(all_made(world, made));
-        Ok(made)
+        let created = world.execute(command)?;
+        self.made.extend(all_made(world, created));
+        Ok(created)
     }
 
     fn step(&mut self, world: &mut World) {
@@ -219,13 +219,13 @@ pub(super) struct Pairing<'a, D> {
 impl<D: Stepper> Stepper for Pairing<'_, D> {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
         let renamed = self.translates.then(|| self.handles.command(command));
-        let made = self.inner.execute(world, renamed.as_ref().unwrap_or(command))?;
-        for made in all_made(world, made) {
+        let created = self.inner.execute(world, renamed.as_ref().unwrap_or(command))?;
+        for object in all_made(world, created) {
             if let Some(first) = self.made.next() {
-                self.handles.pair(first, made);
+                self.handles.pair(first, object);
             }
         }
-        Ok(made)
+        Ok(created)
     }
 
     fn step(&mut self, world: &mut World) {

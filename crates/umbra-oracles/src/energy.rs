@@ -33,9 +33,9 @@ pub(super) struct EnergyBound {
 
 impl Stepper for EnergyBound {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
-        let made = world.execute(command)?;
+        let created = world.execute(command)?;
         self.bound = None;
-        Ok(made)
+        Ok(created)
     }
 
     fn step(&mut self, world: &mut World) {
@@ -91,8 +91,8 @@ fn bound(world: &World) -> Result<FxWide, &'static str> {
         leftover += (mass >> ROUNDING) + ((mass * kept) >> 33);
     }
     let allowed = kinetic / SHARE + (potential / SHARE).abs() + weight / LIFT + leftover;
-    let most = kinetic.checked_add(potential).and_then(|energy| energy.checked_add(allowed));
-    most.map(FxWide::from_bits).ok_or(TOO_LARGE)
+    let bound = kinetic.checked_add(potential).and_then(|energy| energy.checked_add(allowed));
+    bound.map(FxWide::from_bits).ok_or(TOO_LARGE)
 }
 
 /// The length of a vector in units of 2^-32, rounded down. Squares are below 2^97: gravity is at most 2^16 m/s² along each axis.

@@ -144,7 +144,7 @@ pub(super) trait Subject {
     fn arranged(
         &self,
         course: &Course<Self::Input>,
-        made: &Self::Made,
+        created: &Self::Made,
         order: Vec<(u64, usize)>,
         ticks: u64,
     ) -> Course<Self::Input>;
@@ -237,8 +237,8 @@ impl Subject for Commands {
         let centre = Vec2::new(c, fx!(-1) + ulp + ulp + ulp);
         let about = |symmetry: Symmetry| symmetry.about(centre);
         let kinds = [Symmetry::MIRROR, Symmetry::FLIP, Symmetry::DIAGONAL, Symmetry::TURN];
-        let by = |metres: i64, ulps: i64| Fx::from_bits((metres << 32) + ulps);
-        let shift = Symmetry::shift(Vec2::new(by(1_000, 2), by(-777, -4)));
+        let length = |metres: i64, ulps: i64| Fx::from_bits((metres << 32) + ulps);
+        let shift = Symmetry::shift(Vec2::new(length(1_000, 2), length(-777, -4)));
         kinds.into_iter().chain(kinds.into_iter().filter_map(about)).chain(shift).collect()
     }
 
@@ -270,11 +270,11 @@ impl Subject for Commands {
     fn arranged(
         &self,
         course: &Course<Command>,
-        made: &Self::Made,
+        created: &Self::Made,
         order: Vec<(u64, usize)>,
         ticks: u64,
     ) -> Course<Command> {
-        let Script { commands, ticks, .. } = self.script(course).arranged(made, order, ticks);
+        let Script { commands, ticks, .. } = self.script(course).arranged(created, order, ticks);
         Course { inputs: commands, ticks }
     }
 

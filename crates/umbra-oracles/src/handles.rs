@@ -73,22 +73,22 @@ impl Handles {
     }
 
     /// Notes that what was made in one run is the counterpart of what was made in the other.
-    pub(super) fn pair(&mut self, here: Created, there: Created) {
-        match (here, there) {
-            (Created::Body(here), Created::Body(there)) => _ = self.bodies.insert(here, there),
-            (Created::ForceField(here), Created::ForceField(there)) => _ = self.fields.insert(here, there),
-            (Created::Collider(here), Created::Collider(there)) => _ = self.colliders.insert(here, there),
+    pub(super) fn pair(&mut self, first: Created, second: Created) {
+        match (first, second) {
+            (Created::Body(body), Created::Body(twin)) => _ = self.bodies.insert(body, twin),
+            (Created::ForceField(field), Created::ForceField(twin)) => _ = self.fields.insert(field, twin),
+            (Created::Collider(collider), Created::Collider(twin)) => _ = self.colliders.insert(collider, twin),
             _ => {}
         }
     }
 }
 
 /// Returns what a command made in a world: a body is followed by the colliders that it was added with, in the order of its definition.
-pub(super) fn all_made(world: &World, made: Created) -> Vec<Created> {
-    let body = if let Created::Body(body) = made { Some(body) } else { None };
+pub(super) fn all_made(world: &World, created: Created) -> Vec<Created> {
+    let body = if let Created::Body(body) = created { Some(body) } else { None };
     let colliders = body.and_then(|body| world.colliders_of(body).ok()).into_iter().flatten();
-    let made = if made == Created::Nothing { None } else { Some(made) };
-    made.into_iter().chain(colliders.map(Created::Collider)).collect()
+    let object = if created == Created::Nothing { None } else { Some(created) };
+    object.into_iter().chain(colliders.map(Created::Collider)).collect()
 }
 
 /// Returns the command with other handles in place of those that it names.
@@ -97,8 +97,8 @@ pub(super) fn all_made(world: &World, made: Created) -> Vec<Created> {
 /// use umbra_oracles::rename;
 /// use umbra_physics::{BodyId, Command};
 ///
-/// let [here, there] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
-/// assert_eq!(rename(&Command::Wake(here), |_| there, |field| field, |collider| collider), Command::Wake(there));
+/// let [old, new] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
+/// assert_eq!(rename(&Command::Wake(old), |_| new, |field| field, |collider| collider), Command::Wake(new));
 /// ```
 #[must_use]
 pub fn rename(

@@ -131,22 +131,22 @@ impl Script {
 
     /// The bodies, fields and colliders that the commands make, by the places of the commands in the list.
     pub(super) fn made(&self) -> BTreeMap<usize, Vec<Created>> {
-        let mut made = BTreeMap::new();
-        let mut given: Vec<(u64, usize)> = self.commands.iter().enumerate().map(|(i, (tick, _))| (*tick, i)).collect();
-        given.sort_by_key(|(tick, _)| *tick);
-        self.walk(&given, self.ticks, |world, index| {
+        let mut created = BTreeMap::new();
+        let mut order: Vec<(u64, usize)> = self.commands.iter().enumerate().map(|(i, (tick, _))| (*tick, i)).collect();
+        order.sort_by_key(|(tick, _)| *tick);
+        self.walk(&order, self.ticks, |world, index| {
             if let Ok(new) = world.execute(&self.commands[index].1) {
-                made.insert(index, all_made(world, new));
+                created.insert(index, all_made(world, new));
             }
         });
-        made
+        created
     }
 
     /// Makes a script of some of the commands, by their places in the list, at other ticks and in another order, with the
-    /// handles that they have there. `made` is what [`Self::made`] returns.
+    /// handles that they have there. `created` is what [`Self::made`] returns.
     pub(super) fn arranged(
         &self,
-        made: &BTreeMap<usize, Vec<Created>>,
+        created: &BTreeMap<usize, Vec<Created>>,
         mut order: Vec<(u64, usize)>,
         ticks: u64,
     ) -> Self {
@@ -155,7 +155,7 @@ impl Script {
         let mut commands = Vec::with_capacity(order.len());
         self.walk(&order, ticks, |world, index| {
             let command = handles.command(&self.commands[index].1);
-            if let (Some(was), Ok(new)) = (made.get(&index), world.execute(&command)) {
+            if let (Some(was), Ok(new)) = (created.get(&index), world.execute(&command)) {
                 was.iter().zip(all_made(world, new)).for_each(|(was, new)| handles.pair(*was, new));
             }
             commands.push(command);

@@ -200,9 +200,18 @@ fn smallest<S: Subject>(
     tries: u32,
     fails: &mut dyn FnMut(&Course<S::Input>) -> Option<u64>,
 ) -> Option<(Course<S::Input>, u32)> {
-    let made = subject.made(course);
-    let mut search =
-        Search { subject, course, made, fails, order: Vec::new(), ticks: 0, found: None, tries: 0, most: tries };
+    let created = subject.made(course);
+    let mut search = Search {
+        subject,
+        course,
+        made: created,
+        fails,
+        order: Vec::new(),
+        ticks: 0,
+        found: None,
+        tries: 0,
+        most: tries,
+    };
     search.attempt(course.order(), course.ticks);
     while search.drop_inputs() | search.drop_ticks() {}
     Some((search.found?, search.tries))

@@ -79,14 +79,14 @@ impl<'a, S: Subject> Trial<'a, S> {
         self.subject.tick(&mut run.game, &mut run.world, Self::inputs_of(&self.inputs, tick), driver);
     }
 
-    fn violation(&self, tick: u64, seen: Seen) -> Box<Violation> {
-        let Seen { beside, difference } = seen;
+    fn violation(&self, tick: u64, fault: Seen) -> Box<Violation> {
+        let Seen { beside, difference } = fault;
         Box::new(Violation { oracle: self.oracle, tick, beside, difference })
     }
 
     /// Turns a fault that was seen into a violation.
-    fn clear(&self, tick: u64, seen: Option<Seen>) -> Result<(), Box<Violation>> {
-        seen.map_or(Ok(()), |seen| Err(self.violation(tick, seen)))
+    fn clear(&self, tick: u64, fault: Option<Seen>) -> Result<(), Box<Violation>> {
+        fault.map_or(Ok(()), |fault| Err(self.violation(tick, fault)))
     }
 
     /// Two matches side by side, the second with its own inputs and driver.
@@ -97,19 +97,19 @@ impl<'a, S: Subject> Trial<'a, S> {
         beside: &'static str,
         driver: &mut D,
     ) -> Judged {
-        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+        let (Some(mut run), Some(mut twin)) = (self.begin(), self.begin()) else {
             return inapplicable(REFUSED);
         };
-        let compare = |run: &World, other: &World| match likeness {
-            Likeness::State => unlike(beside, run, other),
-            Likeness::Motion => moves_unlike(beside, run, other),
+        let compare = |run: &World, twin: &World| match likeness {
+            Likeness::State => unlike(beside, run, twin),
+            Likeness::Motion => moves_unlike(beside, run, twin),
         };
-        self.clear(0, compare(&run.world, &other.world))?;
+        self.clear(0, compare(&run.world, &twin.world))?;
         for tick in 0..self.course.ticks {
             self.tick(&mut run, tick, &mut ());
-            self.subject.tick(&mut other.game, &mut other.world, Self::inputs_of(inputs, tick), driver);
+            self.subject.tick(&mut twin.game, &mut twin.world, Self::inputs_of(inputs, tick), driver);
             self.clear(tick, driver.seen())?;
-            self.clear(tick, compare(&run.world, &other.world))?;
+            self.clear(tick, compare(&run.world, &twin.world))?;
         }
         driver.idle().map_or_else(|| self.held(), inapplicable)
     }
@@ -199,20 +199,20 @@ impl<'a, S: Subject> Trial<'a, S> {
 
     /// Returns whether there was anything to compare.
     fn image(&self, symmetry: &Symmetry) -> Result<bool, Box<Violation>> {
-        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else { return Ok(false) };
+        let (Some(mut run), Some(mut twin)) = (self.begin(), self.begin()) else { return Ok(false) };
         let Some(world) = symmetry.world(&run.world) else { return Ok(false) };
-        other.world = world;
+        twin.world = world;
         for tick in 0..self.course.ticks {
             let images = Self::inputs_of(&self.inputs, tick).iter().map(|input| self.subject.image(input, symmetry));
             let Some(images) = images.collect::<Option<Vec<S::Input>>>() else { return Ok(tick > 0) };
             self.tick(&mut run, tick, &mut ());
-            self.subject.tick(&mut other.game, &mut other.world, &images, &mut ());
+            self.subject.tick(&mut twin.game, &mut twin.world, &images, &mut ());
             let Some(mut image) = symmetry.world(&run.world) else { return Ok(tick > 0) };
             // The game's own, and mirrored only as it sees fit.
-            *image.random_mut() = *other.world.random();
+            *image.random_mut() = *twin.world.random();
             // A world holds it already: it is not too long.
-            _ = image.set_blob(other.world.blob());
-            self.clear(tick, unlike(symmetry.name(), &image, &other.world))?;
+            _ = image.set_blob(twin.world.blob());
+            self.clear(tick, unlike(symmetry.name(), &image, &twin.world))?;
         }
         Ok(self.course.ticks > 0)
     }
@@ -264,7 +264,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         enter: impl FnOnce(&mut World) -> Option<Bystanders>,
         driver: impl Fn() -> D,
     ) -> Judged {
-        let (Some(mut run), Some(mut other)) = (self.begin(), self.begin()) else {
+        let (Some(mut run), Some(mut twin)) = (self.begin(), self.begin()) else {
             return inapplicable(REFUSED);
         };
         let mut handles = Handles::default();
@@ -272,7 +272,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
         run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
         run.world.colliders().for_each(|(id, _)| handles.pair(Created::Collider(id), Created::Collider(id)));
-        let Some(mut bystanders) = enter(&mut other.world) else {
+        let Some(mut bystanders) = enter(&mut twin.world) else {
             return inapplicable("the world has no room for bystanders");
         };
         for tick in 0..self.course.ticks {
@@ -289,7 +289,7 @@ impl<'a, S: Subject> Trial<'a, S> {
                 translates: S::IS_COMMANDS,
                 inner: driver(),
             };
-            self.subject.tick(&mut other.game, &mut other.world, &inputs, &mut pairing);
+            self.subject.tick(&mut twin.game, &mut twin.world, &inputs, &mut pairing);
             if run.world.bodies().any(|body| !handles.knows(body.id())) {
                 return inapplicable("a body was added past the driver");
             }
@@ -302,8 +302,8 @@ impl<'a, S: Subject> Trial<'a, S> {
             if run.world.def().contacts.max_pairs < super::bystanders::PAIRS {
                 return inapplicable("the world has no room for pairs of bystanders");
             }
-            self.clear(tick, self.disturbed(beside, &run.world, &other.world, &bystanders, &handles))?;
-            bystanders.pass(&mut other.world);
+            self.clear(tick, self.disturbed(beside, &run.world, &twin.world, &bystanders, &handles))?;
+            bystanders.pass(&mut twin.world);
         }
         self.held()
     }
@@ -313,44 +313,47 @@ impl<'a, S: Subject> Trial<'a, S> {
         &self,
         beside: &'static str,
         run: &World,
-        other: &World,
+        twin: &World,
         bystanders: &Bystanders,
         handles: &Handles,
     ) -> Option<Seen> {
-        for here in run.bodies() {
-            let there = other.body(handles.body(here.id()));
-            if there.is_ok_and(|there| there.physics_hash() == here.physics_hash()) {
+        for body in run.bodies() {
+            let counterpart = twin.body(handles.body(body.id()));
+            if counterpart.is_ok_and(|counterpart| counterpart.physics_hash() == body.physics_hash()) {
                 continue;
             }
-            return Some(Seen { beside, difference: there.ok().and_then(|there| here.first_difference(&there)) });
+            return Some(Seen {
+                beside,
+                difference: counterpart.ok().and_then(|counterpart| body.first_difference(&counterpart)),
+            });
         }
         for (id, field) in run.fields() {
             let meant = field.map_bodies(|body| Some(handles.body(body))).unwrap_or(*field);
-            let there = handles.field(id);
-            if other.field(there) != Ok(&meant) {
-                return Some(Seen { beside, difference: field_difference(id, meant, other, there) });
+            let counterpart = handles.field(id);
+            if twin.field(counterpart) != Ok(&meant) {
+                return Some(Seen { beside, difference: field_difference(id, meant, twin, counterpart) });
             }
         }
         for (id, def) in run.colliders() {
-            if other.collider(handles.collider(id)) != Ok(def) {
+            if twin.collider(handles.collider(id)) != Ok(def) {
                 return Some(Seen { beside, difference: None });
             }
         }
-        let is_same = other.body_count() == run.body_count() + bystanders.count()
-            && other.fields().count() == run.fields().count() + bystanders.field_count()
-            && other.collider_count() == run.collider_count() + bystanders.collider_count()
-            && (run.def(), run.random(), run.blob()) == (other.def(), other.random(), other.blob());
+        let is_same = twin.body_count() == run.body_count() + bystanders.count()
+            && twin.fields().count() == run.fields().count() + bystanders.field_count()
+            && twin.collider_count() == run.collider_count() + bystanders.collider_count()
+            && (run.def(), run.random(), run.blob()) == (twin.def(), twin.random(), twin.blob());
         (!is_same).then_some(Seen { beside, difference: None })
     }
 }
 
 /// The first value in which the field of a handle in a world is not the one that is meant; `None` if the world has none there.
-fn field_difference(id: FieldId, meant: ForceField, world: &World, there: FieldId) -> Option<Difference> {
+fn field_difference(id: FieldId, meant: ForceField, world: &World, field: FieldId) -> Option<Difference> {
     let mut expected = world.clone();
-    expected.set_field(there, meant).ok()?;
-    let is_of_it = |difference: &Difference| difference.owner == Owner::ForceField(there);
-    let found = expected.differences(world).into_iter().find(is_of_it)?;
-    Some(Difference { owner: Owner::ForceField(id), ..found })
+    expected.set_field(field, meant).ok()?;
+    let is_of_it = |difference: &Difference| difference.owner == Owner::ForceField(field);
+    let difference = expected.differences(world).into_iter().find(is_of_it)?;
+    Some(Difference { owner: Owner::ForceField(id), ..difference })
 }
 
 /// The custom forces that may act in a world.
@@ -379,15 +382,16 @@ fn moves_unlike(beside: &'static str, left: &World, right: &World) -> Option<See
     let digests = |world: &World| -> BTreeMap<(u64, u64), BodyId> {
         world.bodies().map(|body| ((body.key(), body.physics_hash()), body.id())).collect()
     };
-    let (mut here, mut there) = (digests(left), digests(right));
-    let both: Vec<(u64, u64)> = here.keys().filter(|digest| there.contains_key(digest)).copied().collect();
+    let (mut left_digests, mut right_digests) = (digests(left), digests(right));
+    let both: Vec<(u64, u64)> =
+        left_digests.keys().filter(|digest| right_digests.contains_key(digest)).copied().collect();
     for digest in both {
-        here.remove(&digest);
-        there.remove(&digest);
+        left_digests.remove(&digest);
+        right_digests.remove(&digest);
     }
-    let difference: Option<Difference> = here.iter().find_map(|((key, _), body)| {
-        let (_, other) = there.iter().find(|((other, _), _)| other == key)?;
-        left.body(*body).ok()?.first_difference(&right.body(*other).ok()?)
+    let difference: Option<Difference> = left_digests.iter().find_map(|((key, _), body)| {
+        let (_, right_body) = right_digests.iter().find(|((right_key, _), _)| right_key == key)?;
+        left.body(*body).ok()?.first_difference(&right.body(*right_body).ok()?)
     });
     Some(Seen { beside, difference })
 }

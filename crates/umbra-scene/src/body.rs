@@ -138,8 +138,8 @@ pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Damping>, Option<Da
         );
     }
     let object = node.object()?;
-    let own = |name| object.or(name, None, |node| damping(node).map(Some));
-    let dampings = (own("linear"), own("angular"));
+    let damping_of = |name| object.or(name, None, |node| damping(node).map(Some));
+    let dampings = (damping_of("linear"), damping_of("angular"));
     object.finish()?;
     Ok(dampings)
 }
@@ -147,8 +147,8 @@ pub(super) fn own_damping(node: &Node<'_>) -> Result<(Option<Damping>, Option<Da
 /// {linear, angular}, both of which may be left out.
 pub(super) fn max_speeds(node: &Node<'_>) -> Result<(Option<Fx>, Option<Fx>)> {
     let object = node.object()?;
-    let most = |name| object.or(name, None, |node| node.number().map(Some));
-    let speeds = (most("linear"), most("angular"));
+    let limit_of = |name| object.or(name, None, |node| node.number().map(Some));
+    let speeds = (limit_of("linear"), limit_of("angular"));
     object.finish()?;
     Ok(speeds)
 }

@@ -61,8 +61,8 @@ pub(super) fn collider(object: &Object<'_>, symbol: ColliderId, tables: &mut Tab
 pub(super) fn read(object: &Object<'_>) -> Result<SceneCollider> {
     let name = object.or("name", None, |node| node.string().map(Some));
     let shape = object.need("shape", shape).and_then(|def: ShapeDef| {
-        let made: Shape = def.make().map_err(|error| object.at(&["shape"]).fault(error))?;
-        Ok(made)
+        let shape: Shape = def.make().map_err(|error| object.at(&["shape"]).fault(error))?;
+        Ok(shape)
     });
     let (material, filter) = (Material::default(), Filter::default());
     let (position, angle) =
@@ -191,10 +191,10 @@ pub(super) fn material_pair(object: &Object<'_>, may_remove: bool) -> Result<([u
 }
 
 /// Reads a coefficient from 0, if it is there.
-fn coefficient(object: &Object<'_>, name: &'static str, set: impl FnOnce(Fx), most: Fx, quantity: Quantity) {
+fn coefficient(object: &Object<'_>, name: &'static str, set: impl FnOnce(Fx), max: Fx, quantity: Quantity) {
     object.or(name, (), |node| {
         let value = node.number()?;
-        if value < Fx::ZERO || value > most {
+        if value < Fx::ZERO || value > max {
             return Err(node.fault(Error::OutOfRange { quantity }));
         }
         set(value);

@@ -96,9 +96,9 @@ impl Writer {
         }
         // The start has bodies, then force fields: neither kind's handles depend on the other kind.
         let starts = tick == 0 && self.scene.inputs.is_empty();
-        let Ok(made) = self.world.execute(command) else { return Ok(()) };
+        let Ok(created) = self.world.execute(command) else { return Ok(()) };
         let is_full = |len: usize| len >= Scene::MOST as usize;
-        let action = match (command, made) {
+        let action = match (command, created) {
             (Command::AddBody(def), Created::Body(body)) => {
                 if is_full(self.scene.bodies.len()) || is_full(self.colliders.len() + def.colliders.len()) {
                     return Err(ExportError::Many { command: index });
@@ -159,8 +159,8 @@ impl Writer {
         let (name, place) = (format!("body {}", index + 1), Place::default());
         let starting_colliders = def.colliders.len();
         let colliders = Vec::with_capacity(starting_colliders);
-        let own = BodyDef { colliders: Vec::new(), ..def.clone() };
-        self.scene.bodies.push(SceneBody { name, def: own, colliders, starting_colliders, place });
+        let bare = BodyDef { colliders: Vec::new(), ..def.clone() };
+        self.scene.bodies.push(SceneBody { name, def: bare, colliders, starting_colliders, place });
         // In the order of the definition.
         let handles: Vec<ColliderId> = self.world.colliders_of(body).into_iter().flatten().collect();
         for (def, handle) in def.colliders.into_iter().zip(handles) {

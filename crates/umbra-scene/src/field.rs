@@ -141,13 +141,17 @@ pub(super) fn factor_text(factor: FxFactor) -> String {
 }
 
 fn spring(object: &Object<'_>, names: &Names) -> Result<FieldKind> {
-    let near = object.need("from", |node| attachment(node, names));
-    let far = object.need("to", |node| end(node, names));
+    let start = object.need("from", |node| attachment(node, names));
+    let end_point = object.need("to", |node| end(node, names));
     let rest = object.or("rest", Fx::ZERO, Node::number);
     let stiffness = object.need("stiffness", |node| not_negative(node, Quantity::Stiffness));
     let damping = object.or("damping", Fx::ZERO, |node| not_negative(node, Quantity::Drag));
     object.finish()?;
-    Ok(FieldKind::Spring { near: near?, far: far?, spring: SpringConstants { rest, stiffness: stiffness?, damping } })
+    Ok(FieldKind::Spring {
+        near: start?,
+        far: end_point?,
+        spring: SpringConstants { rest, stiffness: stiffness?, damping },
+    })
 }
 
 fn drag(object: &Object<'_>) -> Result<FieldKind> {
@@ -244,10 +248,10 @@ pub(super) fn convert_factor<S: Scalar>(factor: FxFactor) -> S::Factor {
     let (mantissa, mut shift) = factor.parts();
     let mut value = S::Factor::from_ratio(mantissa, 1);
     while shift != 0 {
-        let by = shift.clamp(-63, 63);
-        let power = S::Factor::from_ratio(1 << by.unsigned_abs(), 1);
-        value = if by > 0 { value.over(power) } else { value.times(power) };
-        shift -= by;
+        let part = shift.clamp(-63, 63);
+        let power = S::Factor::from_ratio(1 << part.unsigned_abs(), 1);
+        value = if part > 0 { value.over(power) } else { value.times(power) };
+        shift -= part;
     }
     value
 }

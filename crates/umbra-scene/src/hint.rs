@@ -92,30 +92,30 @@ pub(super) fn is_of_collider(field: &str) -> bool {
 }
 
 /// The one of our own words that was probably meant: one that means the same elsewhere, or the nearest.
-pub(super) fn word<'n>(found: &str, words: &[&'n str]) -> Option<&'n str> {
-    let short = plain(found);
-    let same = SYNONYMS.iter().find(|(other, ours)| plain(other) == short && words.contains(ours));
+pub(super) fn word<'n>(input: &str, words: &[&'n str]) -> Option<&'n str> {
+    let short = plain(input);
+    let same = SYNONYMS.iter().find(|(synonym, ours)| plain(synonym) == short && words.contains(ours));
     let same = same.and_then(|(_, ours)| words.iter().find(|word| *word == ours).copied());
-    same.or_else(|| nearest(found, words.iter().copied()))
+    same.or_else(|| nearest(input, words.iter().copied()))
 }
 
 /// The name that differs least from a text: by a letter if the text has three or four, by two from five on. The first
 /// of several.
-pub(super) fn nearest<'n>(found: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
-    let found = plain(found);
-    if found.is_empty() || found.len() > LONGEST {
+pub(super) fn nearest<'n>(input: &str, names: impl Iterator<Item = &'n str>) -> Option<&'n str> {
+    let input = plain(input);
+    if input.is_empty() || input.len() > LONGEST {
         return None;
     }
-    let allowed = (2 * found.len() / 5).min(2);
-    let near = names.take(MOST).filter_map(|name| {
+    let allowed = (2 * input.len() / 5).min(2);
+    let candidates = names.take(MOST).filter_map(|name| {
         // No text within two letters is longer by more, and a letter has at most four bytes.
         if name.len() > 5 * (LONGEST + 2) {
             return None;
         }
         let letters = plain(name);
-        (letters.len().abs_diff(found.len()) <= allowed).then(|| (distance(&found, &letters), name))
+        (letters.len().abs_diff(input.len()) <= allowed).then(|| (distance(&input, &letters), name))
     });
-    near.filter(|(distance, _)| *distance <= allowed).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
+    candidates.filter(|(distance, _)| *distance <= allowed).min_by_key(|(distance, _)| *distance).map(|(_, name)| name)
 }
 
 /// The letters of a name, without what separates its words: `gravityScale` is `gravity_scale`.
@@ -167,7 +167,7 @@ mod tests {
     #[test]
     fn words_that_are_near_or_mean_the_same_are_found() {
         let body = ["name", "kind", "position", "mass", "gravity_scale", "at", "to"];
-        for (found, meant) in [
+        for (input, meant) in [
             ("nmae", Some("name")),
             ("type", Some("kind")),
             ("gravityScale", Some("gravity_scale")),
@@ -177,7 +177,7 @@ mod tests {
             ("colour", None),
             ("", None),
         ] {
-            assert_eq!(word(found, &body), meant, "{found}");
+            assert_eq!(word(input, &body), meant, "{input}");
         }
         assert_eq!(word("box", &["circle", "rectangle"]), Some("rectangle"));
         assert_eq!(word("bax", &["disc", "box"]), Some("box"));

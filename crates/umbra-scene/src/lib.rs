@@ -176,9 +176,9 @@ impl Scene {
     /// assert_eq!(error.to_string(), "2: bodies[0].repeat: out of range: at most 1000 can be made");
     /// # Ok::<(), umbra_scene::SceneErrors>(())
     /// ```
-    pub fn parse_within(text: &str, most: u32) -> Result<Self, SceneErrors> {
+    pub fn parse_within(text: &str, limit: u32) -> Result<Self, SceneErrors> {
         let source = Source::new(text);
-        let scene = Self::read(&source, most);
+        let scene = Self::read(&source, limit);
         source.found.finish()?;
         // A mark of a value that was refused has its error beside it.
         let scene = scene.map_err(|_| Place::default().fault(Flaw::NotJson.of("not a scene")))?;
@@ -190,7 +190,7 @@ impl Scene {
 
     /// Reads as much as there is. What is refused is among the errors of the source, and the scene is then good for nothing but to
     /// find more of them.
-    fn read(source: &Source<'_>, most: u32) -> node::Result<Self> {
+    fn read(source: &Source<'_>, limit: u32) -> node::Result<Self> {
         let root = Node::document(source)?;
         let object = root.object()?;
         let mut scene = Self {
@@ -207,10 +207,10 @@ impl Scene {
             plot: Plot::default(),
             place: root.place(),
         };
-        let mut tables = Tables::new(most.into());
+        let mut tables = Tables::new(limit.into());
         scene.read_start(&object, &mut tables)?;
         object.or("inputs", (), |list| {
-            repeat::each(list, most.into(), |object| input::input(object, &mut scene, &mut tables))
+            repeat::each(list, limit.into(), |object| input::input(object, &mut scene, &mut tables))
         });
         object.or("material_pairs", (), |list| scene.read_material_pairs(list, tables.most));
         scene.plot = object.or("plot", Plot::default(), |node| settings::plot(node, &tables.bodies));
@@ -257,10 +257,10 @@ impl Scene {
     }
 
     /// The coefficients of pairs of materials, which colliders of the scene have.
-    fn read_material_pairs(&mut self, list: &Node<'_>, most: u64) -> node::Result<()> {
+    fn read_material_pairs(&mut self, list: &Node<'_>, limit: u64) -> node::Result<()> {
         let colliders = self.bodies.iter().flat_map(|body| &body.colliders);
         let known: BTreeSet<u32> = colliders.map(|collider| collider.def.material.id).collect();
-        repeat::each(list, most, |object| {
+        repeat::each(list, limit, |object| {
             let place = object.node.place();
             let (materials, pair) = collider::material_pair(object, false)?;
             let unknown = |id: &u32| !known.contains(id);
@@ -270,8 +270,8 @@ impl Scene {
                         .of(format_args!("no collider has the material {id}: expected a `material_id` of one")),
                 ));
             }
-            let is_twin = |other: &SceneMaterialPair| {
-                other.materials == materials || other.materials == [materials[1], materials[0]]
+            let is_twin = |pair: &SceneMaterialPair| {
+                pair.materials == materials || pair.materials == [materials[1], materials[0]]
             };
             if self.material_pairs.iter().any(is_twin) {
                 let message = "there is an entry for these two materials already";
@@ -359,9 +359,9 @@ impl Scene {
 }
 
 impl Tables {
-    fn new(most: u64) -> Self {
+    fn new(limit: u64) -> Self {
         let (bodies, fields, colliders) = Default::default();
-        Self { bodies, fields, colliders, collider_symbols: Vec::new(), most }
+        Self { bodies, fields, colliders, collider_symbols: Vec::new(), most: limit }
     }
 
     /// Takes in a collider of a body, by the indices of both, with a name if it has one. The node is that of the collider.

@@ -147,7 +147,7 @@ impl<'a> Node<'a> {
             return Err(self.wrong_kind("a list"));
         }
         let (mut index, mut result) = (0, Ok(()));
-        let one = |raw: &'a RawValue| {
+        let visit = |raw: &'a RawValue| {
             let node = self.child(raw, format_args!("[{index}]"));
             index += 1;
             let Err(refused) = read(node) else { return ControlFlow::Continue(()) };
@@ -155,17 +155,17 @@ impl<'a> Node<'a> {
             if refused.ends_list { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let mut text = serde_json::Deserializer::from_str(self.text);
-        let visited = text.deserialize_seq(&mut Visit(one));
+        let visited = text.deserialize_seq(&mut Visit(visit));
         // A list that was left before its end is no error of its text.
         result?;
         visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))
     }
 
     /// The values of a list of at most so many; one more is refused as `too_many` says.
-    pub(super) fn list(&self, most: usize, too_many: impl Reason) -> Result<Vec<Self>> {
+    pub(super) fn list(&self, limit: usize, too_many: impl Reason) -> Result<Vec<Self>> {
         let mut nodes = Vec::new();
         self.each(|node| {
-            if nodes.len() == most {
+            if nodes.len() == limit {
                 return Err(self.fault(&too_many).ending_list());
             }
             nodes.push(node);
@@ -184,8 +184,9 @@ impl<'a> Node<'a> {
             }
             Ok(())
         })?;
-        let other = |_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N} values, found {count}")));
-        if count > N { Err(other(nodes)) } else { nodes.try_into().map_err(other) }
+        let wrong_count =
+            |_| self.fault(Flaw::WrongKind.of(format_args!("expected a list of {N} values, found {count}")));
+        if count > N { Err(wrong_count(nodes)) } else { nodes.try_into().map_err(wrong_count) }
     }
 
     /// A text; in a repetition with its indices put in for `{i}`, `{j}`, `{i+1}` and the like.
@@ -217,12 +218,12 @@ impl<'a> Node<'a> {
     /// Reads one of the given names.
     pub(super) fn choice<T: Copy>(&self, choices: &[(&str, T)]) -> Result<T> {
         let text = self.string()?;
-        let found = choices.iter().find(|(name, _)| *name == text);
-        found.map(|(_, value)| *value).ok_or_else(|| {
+        let choice = choices.iter().find(|(name, _)| *name == text);
+        choice.map(|(_, value)| *value).ok_or_else(|| {
             let names: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
             let meant = hint::word(&text, &names).map_or_else(String::new, |name| format!(": did you mean `{name}`?"));
-            let (names, found) = (names.join(", "), quoted(&text));
-            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {found}{meant}")))
+            let (names, input) = (names.join(", "), quoted(&text));
+            self.fault(Flaw::WrongKind.of(format_args!("expected one of {names}, found {input}{meant}")))
         })
     }
 }

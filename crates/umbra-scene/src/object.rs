@@ -40,7 +40,7 @@ impl<'a> Node<'a> {
         }
         let errors_before = self.source.found.count();
         let mut entries: Vec<Entry<'a>> = Vec::new();
-        let one = |name: String, raw: &'a RawValue| {
+        let add = |name: String, raw: &'a RawValue| {
             let dot = if self.field.is_empty() { "" } else { "." };
             let node = self.child(raw, format_args!("{dot}{}", in_a_line(&name)));
             if entries.iter().any(|entry| entry.name == name) {
@@ -55,7 +55,7 @@ impl<'a> Node<'a> {
             ControlFlow::Continue(())
         };
         let mut text = serde_json::Deserializer::from_str(self.raw());
-        let visited = text.deserialize_map(&mut Visit(one));
+        let visited = text.deserialize_map(&mut Visit(add));
         if self.source.found.count() == errors_before {
             visited.map_err(|e| self.fault(Flaw::NotJson.of(e)))?;
         }
@@ -98,16 +98,16 @@ impl<'a> Object<'a> {
 
     /// The one field of these that is there. It is asked for last: if there is none, all unknown fields are reported.
     pub(super) fn one_of(&self, names: &[&'static str]) -> Result<(&'static str, &Node<'a>)> {
-        let mut found = None;
+        let mut present = None;
         for name in names {
             if let Some(node) = self.get(name) {
-                if let Some((other, _)) = found {
-                    return Err(node.fault(format_args!("`{other}` is given already: give only one of the two")));
+                if let Some((first, _)) = present {
+                    return Err(node.fault(format_args!("`{first}` is given already: give only one of the two")));
                 }
-                found = Some((*name, node));
+                present = Some((*name, node));
             }
         }
-        found.ok_or_else(|| {
+        present.ok_or_else(|| {
             if self.entries.iter().all(|entry| entry.used.get()) {
                 let names = names.join(", ");
                 self.node.fault(Flaw::Missing.of(format_args!("one of the fields {names} is missing")));

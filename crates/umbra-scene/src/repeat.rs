@@ -66,11 +66,11 @@ const BYTES_EACH: u64 = 512;
 
 /// Reads a list of at most so many things, in which an object with the field `repeat` stands for many. Where one of these is refused,
 /// the others are not read: they would be refused alike.
-pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
-    let (mut made, mut bytes) = (0u64, 0u64);
+pub(super) fn each<'a>(list: &Node<'a>, limit: u64, mut read: impl FnMut(&Object<'a>) -> Result<()>) -> Result<()> {
+    let (mut entries, mut bytes) = (0u64, 0u64);
     list.each(|node| {
-        made = made.saturating_add(1);
-        check_count(&node, made, most)?;
+        entries = entries.saturating_add(1);
+        check_count(&node, entries, limit)?;
         let object = node.object()?;
         let Some(repeat) = object.get("repeat") else { return read(&object) };
         let counts = repeat.object()?;
@@ -80,14 +80,15 @@ pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<
         // Each range has at most 2^32 in it.
         let count = |(first, last): (i64, i64)| last.abs_diff(first) + 1;
         let rounds = count(i).saturating_mul(count(j));
-        made = made.saturating_add(rounds - 1);
-        check_count(repeat, made, most)?;
+        entries = entries.saturating_add(rounds - 1);
+        check_count(repeat, entries, limit)?;
         bytes = bytes.saturating_add(rounds.saturating_mul(node.raw().len() as u64));
-        if bytes > most.saturating_mul(BYTES_EACH) {
-            let most = most.saturating_mul(BYTES_EACH);
+        if bytes > limit.saturating_mul(BYTES_EACH) {
+            let max_bytes = limit.saturating_mul(BYTES_EACH);
             return Err(repeat
                 .fault(
-                    Flaw::TooMany.of(format_args!("out of range: written out, this would be more than {most} bytes")),
+                    Flaw::TooMany
+                        .of(format_args!("out of range: written out, this would be more than {max_bytes} bytes")),
                 )
                 .ending_list());
         }
@@ -105,11 +106,11 @@ pub(super) fn each<'a>(list: &Node<'a>, most: u64, mut read: impl FnMut(&Object<
 }
 
 /// Refuses where there are more than may be.
-pub(super) fn check_count(node: &Node<'_>, made: u64, most: u64) -> Result<()> {
-    if made <= most {
+pub(super) fn check_count(node: &Node<'_>, count: u64, limit: u64) -> Result<()> {
+    if count <= limit {
         return Ok(());
     }
-    let refused = node.fault(Flaw::TooMany.of(format_args!("out of range: at most {most} can be made")));
+    let refused = node.fault(Flaw::TooMany.of(format_args!("out of range: at most {limit} can be made")));
     Err(refused.ending_list())
 }
 
@@ -150,13 +151,13 @@ impl Exact {
         Some(Self { mantissa: self.mantissa.checked_mul(factor.into())?, ..self })
     }
 
-    fn plus(self, other: Self) -> Option<Self> {
-        let exponent = self.exponent.min(other.exponent);
+    fn plus(self, rhs: Self) -> Option<Self> {
+        let exponent = self.exponent.min(rhs.exponent);
         let aligned = |number: Self| {
             let up = number.exponent.abs_diff(exponent);
             number.mantissa.checked_mul(10i128.checked_pow(up)?)
         };
-        Some(Self { mantissa: aligned(self)?.checked_add(aligned(other)?)?, exponent })
+        Some(Self { mantissa: aligned(self)?.checked_add(aligned(rhs)?)?, exponent })
     }
 }
 
@@ -217,16 +218,16 @@ impl Node<'_> {
         if let Some(bounds) = object.get("random") {
             let seed = object.need("seed", Node::whole::<u64>);
             object.finish()?;
-            let (seed, [least, most]) = (seed?, bounds.tuple()?.map(|bound: Node<'_>| bound.number()));
-            let (least, most) = (least?, most?);
-            if least > most {
+            let (seed, [min, max]) = (seed?, bounds.tuple()?.map(|bound: Node<'_>| bound.number()));
+            let (min, max) = (min?, max?);
+            if min > max {
                 return Err(bounds.fault(Flaw::OutOfRange.of("out of range: the first is larger than the second")));
             }
             // least + ⌊(most − least + 1 ulp)·random / 2^64⌋; at most 2^64 ulps times below 2^64 fits in 128 bits.
-            let ulps = (i128::from(most.to_bits()) - i128::from(least.to_bits())) as u128 + 1;
+            let ulps = (i128::from(max.to_bits()) - i128::from(min.to_bits())) as u128 + 1;
             let random = u128::from(split_mix(seed, round.n));
             let above = (ulps * random) >> 64;
-            return Ok(Fx::from_bits((i128::from(least.to_bits()) + above as i128) as i64));
+            return Ok(Fx::from_bits((i128::from(min.to_bits()) + above as i128) as i64));
         }
         let Exact { mantissa, exponent } = self.progression(&object, round)?;
         Fx::parse(&format!("{mantissa}e{exponent}")).map_err(|error| self.unread(error))

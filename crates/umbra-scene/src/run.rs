@@ -123,8 +123,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 labels.set_field(*id, name);
             }
         }
-        for (&(index, own), id) in &self.colliders {
-            let collider = self.scene.bodies[index as usize].colliders.get(own as usize);
+        for (&(index, collider_index), id) in &self.colliders {
+            let collider = self.scene.bodies[index as usize].colliders.get(collider_index as usize);
             if let Some(name) = collider.and_then(|collider| collider.name.as_deref()) {
                 labels.set_collider(*id, name);
             }
@@ -215,7 +215,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
 
     /// Tries the inputs in their order, on a world that does not move on. One that is refused changes nothing, and the next are tried.
     pub(super) fn rehearse(mut self) -> Result<(), SceneErrors> {
-        let found = Found::default();
+        let faults = Found::default();
         for index in core::mem::take(&mut self.order) {
             let Input { from, action, place, .. } = &self.scene.inputs[index];
             // What these are refused for depends on the motion before.
@@ -231,23 +231,23 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             );
             if !depends {
                 if let Err(error) = self.carry_out(action, &mut ()) {
-                    found.add(|| self.blame(place, *from, error));
+                    faults.add(|| self.blame(place, *from, error));
                 }
             }
         }
-        found.finish()
+        faults.finish()
     }
 
     fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {
         let command = self.command(action)?;
-        let made = driver.execute(&mut self.world, &command)?;
-        match (action, made) {
+        let created = driver.execute(&mut self.world, &command)?;
+        match (action, created) {
             (SceneAction::AddBody(index), Created::Body(body)) => {
                 self.bodies[*index] = Some(body);
                 self.indices.insert(body, *index);
                 // In the order of the definition.
-                let own = (0u32..).zip(self.world.colliders_of(body)?);
-                self.colliders.extend(own.map(|(own, collider)| ((*index as u32, own), collider)));
+                let created_colliders = (0u32..).zip(self.world.colliders_of(body)?);
+                self.colliders.extend(created_colliders.map(|(place, collider)| ((*index as u32, place), collider)));
             }
             (SceneAction::AddField(index), Created::ForceField(field)) => self.fields[*index] = Some(field),
             (SceneAction::AddCollider(symbol), Created::Collider(collider)) => {
@@ -271,10 +271,10 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 Command::AddField(convert_field(field, &|body| self.body(body))?)
             }
             SceneAction::AddCollider(symbol) => {
-                let (index, own) = symbol.parts();
+                let (index, collider_index) = symbol.parts();
                 let symbol_body = BodyId::from_parts(index, 0);
                 let body = self.scene.bodies.get(index as usize);
-                let collider = body.and_then(|body| body.colliders.get(own as usize));
+                let collider = body.and_then(|body| body.colliders.get(collider_index as usize));
                 let def = collider.ok_or(Error::NoSuchCollider { collider: *symbol })?.def()?;
                 Command::AddCollider { body: self.body(symbol_body)?, def }
             }
@@ -325,14 +325,14 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::NotDisabled { body } => (body, "is not disabled"),
             Error::NotKinematic { body } => (body, "is not kinematic"),
             Error::SameBody { body } => (body, "is named twice, where two bodies are needed"),
-            other => return other.to_string(),
+            error => return error.to_string(),
         };
         format!("{} {what}", quoted(self.name(body)))
     }
 }
 
 /// A part of a time step; what has none is refused by the world.
-fn divided(time_step: TimeStep, by: u32) -> TimeStep {
+fn divided(time_step: TimeStep, divisor: u32) -> TimeStep {
     let (num, den) = time_step.seconds();
-    TimeStep::ratio(num, den.checked_mul(by).unwrap_or(0))
+    TimeStep::ratio(num, den.checked_mul(divisor).unwrap_or(0))
 }

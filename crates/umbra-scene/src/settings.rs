@@ -120,12 +120,12 @@ const EXPOSURES: u32 = 1000;
 pub(super) fn plot(node: &Node<'_>, bodies: &Names) -> Result<Plot> {
     let object = node.object()?;
     let view = object.get("view").map(|node| {
-        let [least, most] = node.tuple()?.map(|corner: Node<'_>| corner.point());
-        let (least, most) = (least?, most?);
-        if least.x >= most.x || least.y >= most.y {
+        let [min, max] = node.tuple()?.map(|corner: Node<'_>| corner.point());
+        let (min, max) = (min?, max?);
+        if min.x >= max.x || min.y >= max.y {
             return Err(node.fault("expected the lower left corner, then the upper right one"));
         }
-        Ok([least, most])
+        Ok([min, max])
     });
     let trails = |node: &Node<'_>| match node.kind() {
         Kind::Text => {

@@ -102,26 +102,26 @@ impl From<&Shape> for ShapeDef {
     /// Recovers what the shape was made from, exactly: the values it keeps and its shift are small multiples of an ulp. A polygon
     /// has its corners counter-clockwise.
     fn from(shape: &Shape) -> Self {
-        let given = |point: Vec2| point + shape.shift();
+        let unshifted = |point: Vec2| point + shape.shift();
         match shape.geometry() {
             &Geometry::Circle { radius } => Self::Circle { radius },
             &Geometry::Rectangle { width, height } => Self::Rectangle { width, height },
             &Geometry::Capsule { length, radius } => Self::Capsule { length, radius },
-            Geometry::Polygon { corners } => Self::Polygon { corners: corners.iter().map(|&c| given(c)).collect() },
+            Geometry::Polygon { corners } => Self::Polygon { corners: corners.iter().map(|&c| unshifted(c)).collect() },
             Geometry::RoundedPolygon { corners, radius } => {
-                Self::RoundedPolygon { corners: corners.iter().map(|&c| given(c)).collect(), radius: *radius }
+                Self::RoundedPolygon { corners: corners.iter().map(|&c| unshifted(c)).collect(), radius: *radius }
             }
-            &Geometry::Segment { ends } => Self::Segment { ends: ends.map(given) },
+            &Geometry::Segment { ends } => Self::Segment { ends: ends.map(unshifted) },
             Geometry::Compound { parts } => {
                 let part = |part: &Part| {
                     let Part { ref shape, position, angle, density } = *part;
-                    PartDef { shape: shape.into(), position: given(position), angle, density }
+                    PartDef { shape: shape.into(), position: unshifted(position), angle, density }
                 };
                 Self::Compound { parts: parts.iter().map(part).collect() }
             }
             Geometry::Chain { points, closed } => Self::Chain { points: points.to_vec(), closed: *closed },
             // All there are stand above: `tests/layers.rs` compares the lists.
-            other => unreachable!("a scene has no words for {other:?}"),
+            geometry => unreachable!("a scene has no words for {geometry:?}"),
         }
     }
 }

@@ -46,7 +46,7 @@ impl Scene {
         object.unless((linear_damping, angular_damping) == (Damping::NONE, Damping::NONE), "damping", damping);
         object.unless(sleep_after == standard.sleep_after, "sleep_after", ticks(sleep_after));
         object.unless(contacts == standard.contacts, "contacts", contacts_text(&contacts));
-        let pairs = self.material_pairs.iter().map(|of| material_pair_text(of.materials, Some(&of.pair)));
+        let pairs = self.material_pairs.iter().map(|pair| material_pair_text(pair.materials, Some(&pair.pair)));
         object.unless(self.material_pairs.is_empty(), "material_pairs", lines(pairs));
         object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
         object.unless(self.starting_fields == 0, "fields", lines(fields));
@@ -66,8 +66,8 @@ impl Scene {
     }
 
     fn collider(&self, symbol: ColliderId) -> Option<&SceneCollider> {
-        let (body, own) = symbol.parts();
-        self.bodies.get(body as usize)?.colliders.get(own as usize)
+        let (body, collider_index) = symbol.parts();
+        self.bodies.get(body as usize)?.colliders.get(collider_index as usize)
     }
 
     fn collider_name(&self, symbol: ColliderId) -> String {
@@ -231,9 +231,9 @@ impl Scene {
             Command::SetKind { body, kind } => self.set_body(object, body, "kind", text(kind_name(kind))),
             Command::SetMass { body, mass } => {
                 object.put("body", self.body_name(body));
-                let mut given = Fields::default();
-                given.mass(mass);
-                object.put("set", given.line());
+                let mut fields = Fields::default();
+                fields.mass(mass);
+                object.put("set", fields.line());
             }
             Command::SetPosition { body, position } => self.set_body(object, body, "position", point(position)),
             Command::SetAngle { body, angle } => self.set_body(object, body, "angle", angle),
@@ -267,13 +267,13 @@ impl Scene {
             Command::ClearForces => object.put("do", text("clear_forces")),
             Command::Explode(explosion) => {
                 let standard = Explosion::new(explosion.position, explosion.impulse);
-                let mut given = Fields::default();
-                given.put("position", point(explosion.position));
-                given.unless(explosion.radius == standard.radius, "radius", explosion.radius);
-                given.unless(explosion.falloff == standard.falloff, "falloff", explosion.falloff);
-                given.put("impulse", explosion.impulse);
-                given.unless(explosion.mask == standard.mask, "mask", bits(explosion.mask));
-                object.put("explode", given.line());
+                let mut fields = Fields::default();
+                fields.put("position", point(explosion.position));
+                fields.unless(explosion.radius == standard.radius, "radius", explosion.radius);
+                fields.unless(explosion.falloff == standard.falloff, "falloff", explosion.falloff);
+                fields.put("impulse", explosion.impulse);
+                fields.unless(explosion.mask == standard.mask, "mask", bits(explosion.mask));
+                object.put("explode", fields.line());
             }
             Command::SetTimeStep(time_step) => set(object, "time_step", ratio(time_step)),
             Command::SetGravity(gravity) => set(object, "gravity", point(gravity)),
@@ -317,8 +317,8 @@ impl Scene {
     fn plot_text(&self) -> String {
         let Plot { view, trails, exposures } = &self.plot;
         let mut object = Fields::default();
-        if let Some([least, most]) = view {
-            object.put("view", list([point(*least), point(*most)]));
+        if let Some([min, max]) = view {
+            object.put("view", list([point(*min), point(*max)]));
         }
         match trails {
             Trails::All => {}
@@ -351,10 +351,10 @@ fn body_text(mut object: Fields, def: &BodyDef, colliders: impl ExactSizeIterato
         object.mass(def.mass);
     }
     object.unless(def.gravity_scale == Fx::ONE, "gravity_scale", def.gravity_scale);
-    let own = (def.linear_damping, def.angular_damping);
-    object.unless(own == (None, None), "damping", dampings(own.0, own.1));
-    let most = (def.max_speed, def.max_angular_speed);
-    object.unless(most == (None, None), "max_speeds", linear_angular(most.0, most.1));
+    let own_dampings = (def.linear_damping, def.angular_damping);
+    object.unless(own_dampings == (None, None), "damping", dampings(own_dampings.0, own_dampings.1));
+    let max_speeds = (def.max_speed, def.max_angular_speed);
+    object.unless(max_speeds == (None, None), "max_speeds", linear_angular(max_speeds.0, max_speeds.1));
     object.unless(def.locks == Locks::NONE, "locks", locked(def.locks));
     object.unless(def.dominance == 0, "dominance", def.dominance);
     object.unless(!def.bullet, "bullet", def.bullet);

@@ -21,10 +21,10 @@ pub(super) fn line(points: &[Point], window: &Window) -> Vec<Vec<Point>> {
 /// The part of a straight piece that is inside.
 ///
 /// *Source* Liang, Barsky, ACM Trans. Graph. 3, 1 (1984).
-fn segment(a: Point, b: Point, [least, most]: &Window) -> Option<(Point, Point)> {
+fn segment(a: Point, b: Point, [min, max]: &Window) -> Option<(Point, Point)> {
     let (dx, dy) = (b.0 - a.0, b.1 - a.1);
     let (mut enters, mut leaves) = (0.0f64, 1.0f64);
-    let edges = [(-dx, a.0 - least.0), (dx, most.0 - a.0), (-dy, a.1 - least.1), (dy, most.1 - a.1)];
+    let edges = [(-dx, a.0 - min.0), (dx, max.0 - a.0), (-dy, a.1 - min.1), (dy, max.1 - a.1)];
     for (speed, room) in edges {
         if speed == 0.0 {
             if room < 0.0 {
@@ -46,11 +46,10 @@ fn segment(a: Point, b: Point, [least, most]: &Window) -> Option<(Point, Point)>
 /// The part of a polygon that is inside.
 ///
 /// *Source* Sutherland, Hodgman, Commun. ACM 17, 32 (1974).
-pub(super) fn polygon(ring: &[Point], [least, most]: &Window) -> Vec<Point> {
+pub(super) fn polygon(ring: &[Point], [min, max]: &Window) -> Vec<Point> {
     let mut ring = ring.to_vec();
     // For each edge: how far inside a point is.
-    let edges: [&dyn Fn(Point) -> f64; 4] =
-        [&|p| p.0 - least.0, &|p| most.0 - p.0, &|p| p.1 - least.1, &|p| most.1 - p.1];
+    let edges: [&dyn Fn(Point) -> f64; 4] = [&|p| p.0 - min.0, &|p| max.0 - p.0, &|p| p.1 - min.1, &|p| max.1 - p.1];
     for inside in edges {
         let mut cut = Vec::with_capacity(ring.len() + 2);
         for (i, &b) in ring.iter().enumerate() {

@@ -55,8 +55,8 @@ impl Contacts {
     /// The length of an arrow of an impulse, m for each N·s, if the longest one is to be this long, m.
     pub(super) fn scale(&self, longest: f64) -> f64 {
         self.impulse_scale.unwrap_or_else(|| {
-            let most = self.impulses.iter().map(|[_, impulse]| length(*impulse)).fold(0.0, f64::max);
-            if most > 0.0 { longest / most } else { 1.0 }
+            let largest = self.impulses.iter().map(|[_, impulse]| length(*impulse)).fold(0.0, f64::max);
+            if largest > 0.0 { longest / largest } else { 1.0 }
         })
     }
 }

@@ -267,8 +267,8 @@ impl Drawing {
             BodyClass::Disabled => 0.0,
             _ => 0.22,
         };
-        let seen = body.outline.rings.iter().flatten().chain(body.outline.strokes.iter().flatten());
-        let reach = seen.map(|p| length((p.0 - body.at.0, p.1 - body.at.1))).fold(0.0, f64::max);
+        let points = body.outline.rings.iter().flatten().chain(body.outline.strokes.iter().flatten());
+        let reach = points.map(|p| length((p.0 - body.at.0, p.1 - body.at.1))).fold(0.0, f64::max);
         let reach = reach * self.layout.scale();
         if reach >= 2.0 {
             self.outline(&body.outline, paint, filled, 1.3);

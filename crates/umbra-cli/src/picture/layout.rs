@@ -20,21 +20,21 @@ pub(super) struct Layout {
 
 impl Layout {
     pub(super) fn of(picture: &Picture<'_>) -> Self {
-        let [mut least, mut most] = picture.view.unwrap_or_else(|| around(picture));
-        let (width, height) = (most.0 - least.0, most.1 - least.1);
+        let [mut min, mut max] = picture.view.unwrap_or_else(|| around(picture));
+        let (width, height) = (max.0 - min.0, max.1 - min.1);
         let scale = LONG / width.max(height);
         let mut size = (width * scale, height * scale);
         let short = if picture.view.is_some() { SHORTEST } else { SHORT };
         // A thin picture is widened on both sides of what is in it.
-        let widen = |size: &mut f64, least: &mut f64, most: &mut f64| {
+        let widen = |size: &mut f64, min: &mut f64, max: &mut f64| {
             if *size < short {
                 let more = (short - *size) / scale / 2.0;
-                (*least, *most, *size) = (*least - more, *most + more, short);
+                (*min, *max, *size) = (*min - more, *max + more, short);
             }
         };
-        widen(&mut size.0, &mut least.0, &mut most.0);
-        widen(&mut size.1, &mut least.1, &mut most.1);
-        Self { least, most, width: size.0.round(), height: size.1.round() }
+        widen(&mut size.0, &mut min.0, &mut max.0);
+        widen(&mut size.1, &mut min.1, &mut max.1);
+        Self { least: min, most: max, width: size.0.round(), height: size.1.round() }
     }
 
     /// px per m.
@@ -66,11 +66,11 @@ fn around(picture: &Picture<'_>) -> [Point; 2] {
     let springs = picture.scenery.springs.iter().flatten();
     let mut bounds: Option<[Point; 2]> = None;
     for &(x, y) in ways.chain(outlines).chain(rest).chain(springs) {
-        let [least, most] = bounds.get_or_insert([(x, y); 2]);
-        *least = (least.0.min(x), least.1.min(y));
-        *most = (most.0.max(x), most.1.max(y));
+        let [min, max] = bounds.get_or_insert([(x, y); 2]);
+        *min = (min.0.min(x), min.1.min(y));
+        *max = (max.0.max(x), max.1.max(y));
     }
-    let [least, most] = bounds.unwrap_or([(-1.0, -1.0), (1.0, 1.0)]);
-    let margin = 0.06 * (most.0 - least.0).max(most.1 - least.1).max(1e-3);
-    [(least.0 - margin, least.1 - margin), (most.0 + margin, most.1 + margin)]
+    let [min, max] = bounds.unwrap_or([(-1.0, -1.0), (1.0, 1.0)]);
+    let margin = 0.06 * (max.0 - min.0).max(max.1 - min.1).max(1e-3);
+    [(min.0 - margin, min.1 - margin), (max.0 + margin, max.1 + margin)]
 }

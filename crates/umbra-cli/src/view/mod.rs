@@ -99,13 +99,13 @@ fn of_replay(replay: &Replay, options: &Options) -> Recording {
     let mut recording = Recording::new(Budget::default()).with_contacts(options.contacts);
     let progress = progress(ticks, "tick");
     recording.see(playback.world(), None, name);
-    for made in 0..ticks {
+    for tick in 0..ticks {
         for command in playback.commands() {
-            recording.input(start + made, words::command(&command, &names));
+            recording.input(start + tick, words::command(&command, &names));
         }
         let divergence = playback.step().err();
         recording.see(playback.world(), divergence.as_ref().map(|divergence| divergence.recorded), name);
-        progress.set_position(made + 1);
+        progress.set_position(tick + 1);
         if let Some(divergence) = divergence {
             warn(divergence.to_string());
             break;

@@ -260,8 +260,8 @@ impl Recording {
 
     fn shape_number(&mut self, life: usize, world: &World<Fx>, body: &BodyRef<'_>) -> Option<usize> {
         let colliders = || {
-            let own = world.colliders_of(body.id()).into_iter().flatten();
-            own.filter_map(|collider| world.collider(collider).ok())
+            let colliders_of_body = world.colliders_of(body.id()).into_iter().flatten();
+            colliders_of_body.filter_map(|collider| world.collider(collider).ok())
         };
         let before = self.lives[life].looks.last().and_then(|(_, look)| look.shape);
         if before.is_some_and(|before| self.shapes[before].0.iter().eq(colliders())) {
@@ -292,9 +292,9 @@ impl Recording {
     }
 
     fn see_fields(&mut self, world: &World<Fx>) {
-        let (tick, mut there) = (world.tick(), std::mem::take(&mut self.fields_there));
+        let (tick, mut gone) = (world.tick(), std::mem::take(&mut self.fields_there));
         for (id, field) in world.fields() {
-            let known = there.remove(&id).filter(|(known, _)| known == field);
+            let known = gone.remove(&id).filter(|(known, _)| known == field);
             let number = known.map_or_else(
                 || {
                     let drawing = drawing::field(field, |body| known_life(&self.alive, &self.lives, body));

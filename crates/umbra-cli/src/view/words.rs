@@ -20,46 +20,54 @@ where
     F: Fn(FieldId) -> String,
     C: Fn(ColliderId) -> String,
 {
-    let of = |body: &BodyId| (names.body)(*body);
+    let name_of = |body: &BodyId| (names.body)(*body);
     match command {
         Command::AddBody(def) => format!("add a {} body at {} m", kind(def.kind), vector(def.position)),
-        Command::RemoveBody(body) => format!("remove {}", of(body)),
+        Command::RemoveBody(body) => format!("remove {}", name_of(body)),
         Command::Apply { body, action, options } => {
             let frame = if options.frame == Frame::Body { ", in its frame" } else { "" };
             let wake = if options.wake { "" } else { ", without waking it" };
-            format!("{} on {}{frame}{wake}", act(action), of(body))
+            format!("{} on {}{frame}{wake}", act(action), name_of(body))
         }
-        Command::SetPosition { body, position } => format!("put {} at {} m", of(body), vector(*position)),
-        Command::SetAngle { body, angle } => format!("turn {} to {} rad", of(body), short(*angle)),
-        Command::SetVelocity { body, velocity } => format!("velocity of {}: {} m/s", of(body), vector(*velocity)),
+        Command::SetPosition { body, position } => format!("put {} at {} m", name_of(body), vector(*position)),
+        Command::SetAngle { body, angle } => format!("turn {} to {} rad", name_of(body), short(*angle)),
+        Command::SetVelocity { body, velocity } => format!("velocity of {}: {} m/s", name_of(body), vector(*velocity)),
         Command::SetAngularVelocity { body, velocity } => {
-            format!("angular velocity of {}: {} rad/s", of(body), short(*velocity))
+            format!("angular velocity of {}: {} rad/s", name_of(body), short(*velocity))
         }
-        Command::SetMass { body, mass } => format!("mass of {}: {}", of(body), weight(*mass)),
-        Command::SetKind { body, kind: to } => format!("make {} {}", of(body), kind(*to)),
-        Command::SetGravityScale { body, scale } => format!("gravity scale of {}: {}", of(body), short(*scale)),
+        Command::SetMass { body, mass } => format!("mass of {}: {}", name_of(body), weight(*mass)),
+        Command::SetKind { body, kind: to } => format!("make {} {}", name_of(body), kind(*to)),
+        Command::SetGravityScale { body, scale } => format!("gravity scale of {}: {}", name_of(body), short(*scale)),
         Command::SetBodyDamping { body, linear, angular } => {
-            let own = |damping: Option<Damping>| damping.map_or("the world's".to_owned(), damped);
-            format!("damping of {}: linear {}, angular {}", of(body), own(*linear), own(*angular))
+            let damping_text = |damping: Option<Damping>| damping.map_or("the world's".to_owned(), damped);
+            format!(
+                "damping of {}: linear {}, angular {}",
+                name_of(body),
+                damping_text(*linear),
+                damping_text(*angular)
+            )
         }
         Command::SetMaxSpeeds { body, linear, angular } => {
-            let most = |most: Option<Fx>, unit| most.map_or("any".to_owned(), |most| format!("{} {unit}", short(most)));
-            format!("largest speeds of {}: {}, {}", of(body), most(*linear, "m/s"), most(*angular, "rad/s"))
+            let limit =
+                |limit: Option<Fx>, unit| limit.map_or("any".to_owned(), |limit| format!("{} {unit}", short(limit)));
+            format!("largest speeds of {}: {}, {}", name_of(body), limit(*linear, "m/s"), limit(*angular, "rad/s"))
         }
-        Command::SetLocks { body, locks } => format!("locks of {}: {}", of(body), locked(*locks)),
-        Command::SetDominance { body, dominance } => format!("dominance of {}: {dominance}", of(body)),
-        Command::SetBullet { body, bullet: true } => format!("make {} a bullet", of(body)),
-        Command::SetBullet { body, bullet: false } => format!("make {} no bullet", of(body)),
-        Command::SetForceGroups { body, force_groups } => format!("force groups of {}: {force_groups:#x}", of(body)),
-        Command::SetKey { body, key } => format!("key of {}: {key}", of(body)),
-        Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", of(body)),
-        Command::Wake(body) => format!("wake {}", of(body)),
-        Command::Release(body) => format!("release {}", of(body)),
+        Command::SetLocks { body, locks } => format!("locks of {}: {}", name_of(body), locked(*locks)),
+        Command::SetDominance { body, dominance } => format!("dominance of {}: {dominance}", name_of(body)),
+        Command::SetBullet { body, bullet: true } => format!("make {} a bullet", name_of(body)),
+        Command::SetBullet { body, bullet: false } => format!("make {} no bullet", name_of(body)),
+        Command::SetForceGroups { body, force_groups } => {
+            format!("force groups of {}: {force_groups:#x}", name_of(body))
+        }
+        Command::SetKey { body, key } => format!("key of {}: {key}", name_of(body)),
+        Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", name_of(body)),
+        Command::Wake(body) => format!("wake {}", name_of(body)),
+        Command::Release(body) => format!("release {}", name_of(body)),
         Command::MoveTo { body, position, angle } => {
-            format!("move {} to {} m, {} rad", of(body), vector(*position), short(*angle))
+            format!("move {} to {} m, {} rad", name_of(body), vector(*position), short(*angle))
         }
-        Command::Disable(body) => format!("disable {}", of(body)),
-        Command::Enable(body) => format!("enable {}", of(body)),
+        Command::Disable(body) => format!("disable {}", name_of(body)),
+        Command::Enable(body) => format!("enable {}", name_of(body)),
         Command::AddField(field) => format!("add {}", field_words(field)),
         Command::SetField { id, field } => format!("in place of {}: {}", (names.field)(*id), field_words(field)),
         Command::RemoveField(field) => format!("remove {}", (names.field)(*field)),
@@ -79,16 +87,18 @@ where
         Command::SetSleepAfter(None) => "no sleep".to_owned(),
         Command::SetRandom(_) => "another state of the generator".to_owned(),
         Command::SetBlob(bytes) => format!("a blob of {} bytes", bytes.len()),
-        Command::AddCollider { body, def } => format!("add a collider to {} at {} m", of(body), vector(def.position)),
+        Command::AddCollider { body, def } => {
+            format!("add a collider to {} at {} m", name_of(body), vector(def.position))
+        }
         Command::SetCollider { collider, .. } => {
             format!("another definition for {}", (names.collider)(*collider))
         }
         Command::RemoveCollider(collider) => format!("remove {}", (names.collider)(*collider)),
         Command::ExcludePair { a, b, exclusion } => {
             let until = if *exclusion == Exclusion::UntilApart { " until they are apart" } else { "" };
-            format!("no contacts of {} and {}{until}", of(a), of(b))
+            format!("no contacts of {} and {}{until}", name_of(a), name_of(b))
         }
-        Command::AllowPair { a, b } => format!("contacts of {} and {} again", of(a), of(b)),
+        Command::AllowPair { a, b } => format!("contacts of {} and {} again", name_of(a), name_of(b)),
         Command::SetContactSettings(contacts) => format!("contacts: {} sub-steps", contacts.substeps),
         Command::SetMaterialPair { first, second, pair: Some(pair) } => {
             format!("materials {first} and {second}: friction {}", pair.friction)
@@ -97,7 +107,7 @@ where
             format!("materials {first} and {second}: no coefficients of their own")
         }
         // One that this version does not know; its name at least.
-        other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
+        command => format!("{command:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
 }
 
@@ -110,9 +120,9 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         name.unwrap_or_else(|| id.to_string())
     };
     let collider_name = |id: ColliderId| {
-        let (index, own) = id.parts();
+        let (index, part) = id.parts();
         let colliders = scene.bodies.get(index as usize).map(|body| &body.colliders);
-        colliders.and_then(|colliders| colliders.get(own as usize)?.name.clone())
+        colliders.and_then(|colliders| colliders.get(part as usize)?.name.clone())
     };
     let collider = |id: ColliderId| collider_name(id).unwrap_or_else(|| "a collider".to_owned());
     match action {
@@ -128,7 +138,7 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         SceneAction::AddCollider(symbol) => {
             format!("add {} to {}", collider(*symbol), body(BodyId::from_parts(symbol.parts().0, 0)))
         }
-        other => format!("{other:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
+        action => format!("{action:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
     }
 }
 
@@ -185,11 +195,11 @@ fn damped(damping: Damping) -> String {
 }
 
 fn short(value: Fx) -> String {
-    let (exact, near) = (value.to_string(), format!("{value:.6}"));
-    if exact.len() <= 9 || !near.contains(|digit| ('1'..='9').contains(&digit)) {
+    let (exact, rounded) = (value.to_string(), format!("{value:.6}"));
+    if exact.len() <= 9 || !rounded.contains(|digit| ('1'..='9').contains(&digit)) {
         return exact;
     }
-    near.trim_end_matches('0').trim_end_matches('.').to_owned()
+    rounded.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]

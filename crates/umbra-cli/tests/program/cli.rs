@@ -41,7 +41,7 @@ fn refused(name: &str, scene: impl AsRef<[u8]>) -> String {
     assert_eq!(error.lines().count(), 1, "{name}: {error}");
     let rest = error.trim_end().strip_prefix(file.path()).unwrap_or_else(|| panic!("{name}: no file in {error}"));
     let (rest, number) = rest.rsplit_once(" [E").unwrap_or_else(|| panic!("{name}: no number in {error}"));
-    assert!(number.strip_suffix(']').is_some_and(|it| it.parse::<u16>().is_ok()), "{name}: {error}");
+    assert!(number.strip_suffix(']').is_some_and(|digits| digits.parse::<u16>().is_ok()), "{name}: {error}");
     rest.to_owned()
 }
 
@@ -440,9 +440,9 @@ fn contacts_are_drawn_if_asked_for() {
     };
     // Dots at two corners of the crate; two arrows of a line and a head each; two areas of the colliders.
     let marks = |svg: &str| {
-        let of =
+        let count_of =
             |element: &str| svg.split('<').filter(|tag| tag.starts_with(element) && tag.contains("#A50F15")).count();
-        [of("circle"), of("polyline"), svg.matches("<polygon").count()]
+        [count_of("circle"), count_of("polyline"), svg.matches("<polygon").count()]
     };
     assert_eq!(marks(&svg(&[])), [0, 0, 2]);
     let lines = |svg: &str| svg.matches("<polyline").count();

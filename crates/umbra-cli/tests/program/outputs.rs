@@ -60,7 +60,8 @@ impl Folder {
 
     /// Asserts that the program fails with status 2, prints nothing, leaves the folder as it was, and says this.
     fn refuses(&self, arguments: &[&str], said: &str) {
-        let content = |name: &String| Some(self.path(name)).filter(|it| it.is_file()).and_then(|it| fs::read(it).ok());
+        let content =
+            |name: &String| Some(self.path(name)).filter(|file| file.is_file()).and_then(|file| fs::read(file).ok());
         let contents = || -> Vec<_> { self.names().into_iter().map(|name| (content(&name), name)).collect() };
         let before = contents();
         let output = self.umbra(arguments);
@@ -298,7 +299,7 @@ fn a_recording_that_is_killed_leaves_the_old_file_and_what_there_is() {
     let endless = ["run", "s.json", "--ticks", "4000000000", "--record", "r.umbrarep"];
     let mut child = folder.command(endless).stdout(Stdio::null()).spawn().expect("the program starts");
     let began = Instant::now();
-    let has_some = |part: &PathBuf| fs::metadata(part).is_ok_and(|it| it.len() > 100_000);
+    let has_some = |part: &PathBuf| fs::metadata(part).is_ok_and(|metadata| metadata.len() > 100_000);
     while !folder.parts().iter().any(has_some) {
         assert!(began.elapsed() < Duration::from_secs(60), "nothing is recorded");
         assert!(child.try_wait().expect("a child").is_none(), "it ended");

@@ -225,7 +225,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     for _ in 0..5 {
         run.advance().expect("it goes on");
     }
-    let (hash, other) = (run.world().state_hash(), run.world().state_hash() ^ 1);
+    let (hash, wrong_hash) = (run.world().state_hash(), run.world().state_hash() ^ 1);
 
     // The lowest bit of the impulse's x is in the first of the last 19 bytes: x and y, no point, frame, wake.
     let push = Order::Apply {
@@ -244,22 +244,22 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
         (at + x, 2, "calls", "body 1", "calls[0].action.impulse.x", "3", ulp_more),
         (marks[0], 0, "start", "body 0", "user_data", "1234605616436508552", "1234605616436508553"),
         (marks[1], 100, "start", "body 0", "user_data", "1234605616436508552", "1234605616436508553"),
-        (hashes[0], 4, "end", "the world", "hash", &hash.to_string(), &other.to_string()),
+        (hashes[0], 4, "end", "the world", "hash", &hash.to_string(), &wrong_hash.to_string()),
     ];
-    for (at, tick, phase, place, field, recorded, found) in cases {
+    for (at, tick, phase, place, field, recorded, value) in cases {
         let (status, line) = verified(&folder, "changed.umbrarep", &flipped(&bytes, at));
         let finding = &line["finding"];
         assert_eq!((status, line["status"].as_str()), (1, Some("tampered")), "{line}");
         assert_eq!((finding["tick"].as_u64(), finding["phase"].as_str()), (Some(tick), Some(phase)), "{line}");
         assert_eq!((finding["owner"].as_str(), finding["field"].as_str()), (Some(place), Some(field)), "{line}");
         let values = (finding["recorded"].as_str(), finding["found"].as_str());
-        assert_eq!(values, (Some(recorded), Some(found)), "{line}");
+        assert_eq!(values, (Some(recorded), Some(value)), "{line}");
     }
     let changed = folder.write("changed.umbrarep", flipped(&bytes, at + x));
     let output = umbra(&["verify", &changed]);
-    let expected = |found: &str| {
+    let expected = |value: &str| {
         let what = format!(
-            "tick 2, calls, body 1, call 1, action.impulse.x: 3 and {found} N·s (differ by 1 ulp, 2.3e-10 N·s)"
+            "tick 2, calls, body 1, call 1, action.impulse.x: 3 and {value} N·s (differ by 1 ulp, 2.3e-10 N·s)"
         );
         format!("tampered  {changed}  changed after it was recorded: {what} [E405]\n")
     };
@@ -339,10 +339,10 @@ fn files_come_in_the_order_given_whatever_is_done_at_once() {
     for jobs in ["1", "4", "1024"] {
         let (status, lines) = verify(&files, &["--jobs", jobs]);
         assert_eq!(status, 1, "{jobs} at once");
-        let seen: Vec<_> = lines.iter().map(|line| (&line["file"], &line["status"])).collect();
+        let statuses: Vec<_> = lines.iter().map(|line| (&line["file"], &line["status"])).collect();
         let wanted: Vec<_> =
             files.iter().zip(expected).map(|(file, is)| (Value::from(*file), Value::from(is))).collect();
-        assert_eq!(seen, wanted.iter().map(|(file, is)| (file, is)).collect::<Vec<_>>(), "{jobs} at once");
+        assert_eq!(statuses, wanted.iter().map(|(file, is)| (file, is)).collect::<Vec<_>>(), "{jobs} at once");
     }
     // The highest status counts, wherever it stands.
     assert_eq!(verify(&[&folder.path("none"), &bad, &short], &[]).0, 2);
@@ -354,7 +354,10 @@ fn files_come_in_the_order_given_whatever_is_done_at_once() {
     let factor = ok
         .strip_prefix(&format!("ok  {short}  16 ticks, 16 hashes, "))
         .and_then(|rest| rest.strip_suffix("× real time"));
-    assert!(factor.is_some_and(|factor| factor.replace(',', "").parse::<f64>().is_ok_and(|it| it > 0.0)), "{ok}");
+    assert!(
+        factor.is_some_and(|factor| factor.replace(',', "").parse::<f64>().is_ok_and(|number| number > 0.0)),
+        "{ok}"
+    );
     assert_eq!(text(&output.stderr), "1 of 2 files are not as recorded\n", "no progress but on a terminal");
 }
 

@@ -109,14 +109,14 @@ impl Task<'_> {
     /// The scene in f64 with many steps to a tick, and how far it is from one with half as many. By Yoshida's rule, unless
     /// the scene has something without an inverse.
     fn reference(&self, finer: u32) -> Result<(Reference, Way), SceneError> {
-        let by = |integrator| {
+        let reference = |integrator| {
             let scene = self.with(integrator);
             let (way, _) = self.way::<f64>(&scene, finer)?;
             let (rough, _) = self.way::<f64>(&scene, finer / 2)?;
             let gaps = way.gaps(&rough);
             Ok((Reference::new(integrator, finer, gaps), way))
         };
-        by(Integrator::Yoshida4).or_else(|_: SceneError| by(Integrator::VelocityVerlet))
+        reference(Integrator::Yoshida4).or_else(|_: SceneError| reference(Integrator::VelocityVerlet))
     }
 
     /// Runs a way; returns where the bodies are in the course of it, and how many were quarantined.
@@ -169,9 +169,9 @@ impl Task<'_> {
 
 /// The largest and the last of gaps.
 fn largest_and_last(gaps: &[Gap]) -> (Gap, Gap) {
-    let largest = gaps.iter().fold(Gap::default(), |most, gap| Gap {
-        position: most.position.max(gap.position),
-        angle: most.angle.max(gap.angle),
+    let largest = gaps.iter().fold(Gap::default(), |largest, gap| Gap {
+        position: largest.position.max(gap.position),
+        angle: largest.angle.max(gap.angle),
         ..*gap
     });
     (largest, gaps.last().copied().unwrap_or_default())

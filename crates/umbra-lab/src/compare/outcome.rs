@@ -64,12 +64,12 @@ struct Errors {
 
 impl Errors {
     fn new(over_time: Vec<Gap>) -> Self {
-        let (most, end) = largest_and_last(&over_time);
+        let (largest, end) = largest_and_last(&over_time);
         Self {
             position_at_end: end.position,
-            position_at_most: most.position,
+            position_at_most: largest.position,
             angle_at_end: end.angle,
-            angle_at_most: most.angle,
+            angle_at_most: largest.angle,
             over_time,
         }
     }

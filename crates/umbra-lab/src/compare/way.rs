@@ -59,7 +59,7 @@ impl Way {
     }
 
     /// From a way with the same moments. A body that is in one of them only is in no gap.
-    pub(super) fn gaps(&self, other: &Self) -> Vec<Gap> {
+    pub(super) fn gaps(&self, rhs: &Self) -> Vec<Gap> {
         let gap = |((time, a), (_, b)): (&(f64, Places), &(f64, Places))| {
             let mut gap = Gap { time: *time, ..Gap::default() };
             for ([x, y, angle], [to_x, to_y, to_angle]) in a.iter().zip(b).filter_map(|(a, b)| (*a).zip(*b)) {
@@ -69,7 +69,7 @@ impl Way {
             }
             gap
         };
-        self.0.iter().zip(&other.0).map(gap).collect()
+        self.0.iter().zip(&rhs.0).map(gap).collect()
     }
 }
 

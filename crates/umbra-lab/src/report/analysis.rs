@@ -57,10 +57,10 @@ impl Results {
 
     /// The first rate at which an integrator errs more than twice as much in a scalar as in f64.
     pub(crate) fn end_of(&self, scalar: &str, integrator: Integrator) -> Option<u32> {
-        let (own, double) = (self.line(integrator, scalar)?, self.line(integrator, "f64")?);
+        let (line, double) = (self.line(integrator, scalar)?, self.line(integrator, "f64")?);
         let worse =
-            own.runs.iter().zip(&double.runs).find(
-                |(own, double)| matches!((own.error, double.error), (Some(own), Some(double)) if own > 2.0 * double),
+            line.runs.iter().zip(&double.runs).find(
+                |(run, twin)| matches!((run.error, twin.error), (Some(error), Some(twin_error)) if error > 2.0 * twin_error),
             );
         worse.map(|(run, _)| run.rate)
     }
@@ -68,7 +68,7 @@ impl Results {
     /// The cheapest run in a scalar that errs by no more than this, where the next finer one does not either: a run may
     /// be right by chance.
     pub(crate) fn cheapest(&self, scalar: &str, error: f64) -> Option<(Integrator, Measured)> {
-        let within = |run: &Measured| run.error.is_some_and(|found| found <= error);
+        let within = |run: &Measured| run.error.is_some_and(|run_error| run_error <= error);
         let of_line = |line: &Line| {
             let first = (0..line.runs.len()).find(|&i| line.runs[i..].iter().take(2).all(within))?;
             Some((line.integrator, line.runs[first]))

@@ -95,8 +95,8 @@ fn what_fixed_point_costs(problems: &[Results]) -> String {
     let ratio = |ratio: Option<f64>| ratio.map_or("–".to_owned(), |ratio| format!("{ratio:.1}"));
     let row = |results: &Results| {
         let double = results.cost_of_fixed_point("f64");
-        let most = double.iter().copied().max_by(f64::total_cmp);
-        vec![link(results), ratio(median(double)), ratio(most), ratio(median(results.cost_of_fixed_point("f32")))]
+        let largest = double.iter().copied().max_by(f64::total_cmp);
+        vec![link(results), ratio(median(double)), ratio(largest), ratio(median(results.cost_of_fixed_point("f32")))]
     };
     text + &table(&head, problems.iter().map(row))
 }

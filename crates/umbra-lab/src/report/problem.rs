@@ -236,8 +236,8 @@ impl Problem {
             let at = body.position_exact();
             vec![at.x.exact(), at.y.exact()]
         };
-        let found: Vec<Real> = world.bodies().flat_map(coordinates).collect();
-        self.distance(&found, &truth.at_end)
+        let positions: Vec<Real> = world.bodies().flat_map(coordinates).collect();
+        self.distance(&positions, &truth.at_end)
     }
 
     fn distance(&self, a: &[Real], b: &[Real]) -> f64 {
@@ -257,11 +257,11 @@ pub(crate) fn largest_distance(a: &[Real], b: &[Real]) -> f64 {
 
 /// (x, y, v_x, v_y) of each body.
 pub(crate) fn state(world: &World) -> Vec<Real> {
-    let one = |body: BodyRef<'_>| {
+    let body_state = |body: BodyRef<'_>| {
         let (x, v) = (body.position_exact(), body.velocity_exact());
         [x.x, x.y, v.x, v.y].map(Exact::exact)
     };
-    world.bodies().flat_map(one).collect()
+    world.bodies().flat_map(body_state).collect()
 }
 
 /// (x, y) of each body of a state.

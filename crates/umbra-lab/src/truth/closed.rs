@@ -121,10 +121,10 @@ mod tests {
             let (x, v) = (body.position(), body.velocity());
             let mut state: Vec<Real> = [x.x, x.y, v.x, v.y].map(Exact::exact).into();
             solve(&equations, &mut state, &(real(1) / real(32)), 5 * 32);
-            let found = closed(formula, &world, 5, MORE_BITS).expect("a scene of its kind");
-            for (solved, found) in state.iter().zip(&found) {
+            let values = closed(formula, &world, 5, MORE_BITS).expect("a scene of its kind");
+            for (solved, value) in state.iter().zip(&values) {
                 // The solution errs by some 1e-25.
-                assert!(to_f64(&(solved - found)).abs() < 1e-20, "{formula:?}: {solved} for {found}");
+                assert!(to_f64(&(solved - value)).abs() < 1e-20, "{formula:?}: {solved} for {value}");
             }
         }
     }
@@ -132,8 +132,8 @@ mod tests {
     #[test]
     fn formulas_give_what_other_means_give() {
         let at = |formula, text: &str, seconds| {
-            let found = closed(formula, &world(text), seconds, BITS).expect("a scene of its kind");
-            found.iter().map(to_f64).collect::<Vec<_>>()
+            let values = closed(formula, &world(text), seconds, BITS).expect("a scene of its kind");
+            values.iter().map(to_f64).collect::<Vec<_>>()
         };
         let circle = r#"{"bodies": [{"name": "a", "position": [10, 0], "velocity": [0, 10]}],
             "fields": [{"attractor": {"at": [0, 0], "mu": 1000}}]}"#;

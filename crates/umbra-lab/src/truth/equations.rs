@@ -50,8 +50,8 @@ impl Equations {
     pub(crate) fn of(world: &World) -> Option<Self> {
         let bodies: Vec<_> = world.bodies().collect();
         let index = |at: &Attachment| {
-            let of = |id: BodyId| bodies.iter().position(|body| body.id() == id);
-            if at.point == umbra_physics::Vec2::ZERO { of(at.body) } else { None }
+            let index_of = |id: BodyId| bodies.iter().position(|body| body.id() == id);
+            if at.point == umbra_physics::Vec2::ZERO { index_of(at.body) } else { None }
         };
         let centre = |end: &End| match end {
             End::World(at) => Some(Centre::Point([at.x.exact(), at.y.exact()])),
@@ -109,12 +109,17 @@ impl Equations {
         let body = |i: usize| &state[4 * i..4 * i + 4];
         // Position and velocity relative to a body's.
         let offset = |i: usize, centre: &Centre| {
-            let own = body(i);
+            let coordinates = body(i);
             match centre {
-                Centre::Point(at) => ([&at[0] - &own[0], &at[1] - &own[1]], [-&own[2], -&own[3]]),
-                Centre::Body(other) => {
-                    let at = body(*other);
-                    ([&at[0] - &own[0], &at[1] - &own[1]], [&at[2] - &own[2], &at[3] - &own[3]])
+                Centre::Point(at) => {
+                    ([&at[0] - &coordinates[0], &at[1] - &coordinates[1]], [-&coordinates[2], -&coordinates[3]])
+                }
+                Centre::Body(partner) => {
+                    let at = body(*partner);
+                    (
+                        [&at[0] - &coordinates[0], &at[1] - &coordinates[1]],
+                        [&at[2] - &coordinates[2], &at[3] - &coordinates[3]],
+                    )
                 }
             }
         };
@@ -165,8 +170,8 @@ pub(crate) fn solve(equations: &Equations, state: &mut Vec<Real>, step: &Real, s
             let mut entry = midpoint(equations, state, &first, step, 2 * k);
             // Aitken and Neville's table in the square of the substep, row by row.
             for (j, above) in (1..).zip(row.iter_mut()) {
-                let other = (k - j) * (k - j);
-                let weight = real(other) / real(k * k - other);
+                let square = (k - j) * (k - j);
+                let weight = real(square) / real(k * k - square);
                 let better = entry.iter().zip(above.iter()).map(|(e, a)| e + (e - a) * &weight).collect();
                 *above = core::mem::replace(&mut entry, better);
             }
@@ -210,13 +215,13 @@ mod tests {
         // The second is 4 m to the right of the first, and goes away from it at 1 m/s.
         let state = [0, 0, 0, 0, 4, 0, 1, 0].map(real);
         let slope: Vec<f64> = equations(text).expect("known laws").slope(&state).iter().map(to_f64).collect();
-        let (drag, other) = (1.0 + 0.5 * 5.0, 1.0 + 0.5 * 20f64.sqrt());
+        let (first_drag, second_drag) = (1.0 + 0.5 * 5.0, 1.0 + 0.5 * 20f64.sqrt());
         // 125·4/5³ = 4 towards the second; 2·(4 − 1) + 8·1 = 14 N between them.
-        let first = [drag * 3.0 / 2.0 + 4.0 + 14.0 / 2.0, drag * 4.0 / 2.0 - 10.0];
-        let second = [other * 2.0 / 4.0 - 14.0 / 4.0 - 2f64.ln(), other * 4.0 / 4.0 - 10.0];
+        let first = [first_drag * 3.0 / 2.0 + 4.0 + 14.0 / 2.0, first_drag * 4.0 / 2.0 - 10.0];
+        let second = [second_drag * 2.0 / 4.0 - 14.0 / 4.0 - 2f64.ln(), second_drag * 4.0 / 4.0 - 10.0];
         let expected = [0.0, 0.0, first[0], first[1], 1.0, 0.0, second[0], second[1]];
-        for (found, expected) in slope.iter().zip(expected) {
-            assert!((found - expected).abs() < 1e-14, "{slope:?} for {expected}");
+        for (actual, expected) in slope.iter().zip(expected) {
+            assert!((actual - expected).abs() < 1e-14, "{slope:?} for {expected}");
         }
     }
 

@@ -43,22 +43,28 @@ impl OnPlane {
         let wide = |value: Fx| value.exact().with_precision(bits).value();
         let pair = |v: Vec2| [wide(v.x), wide(v.y)];
         let colliders: Vec<_> = world.colliders().map(|(_, collider)| collider).collect();
-        let [own, other] = &colliders[..] else { return None };
-        let are_centred =
-            [own, other].iter().all(|collider| collider.position == Vec2::ZERO && collider.angle == Fx::ZERO);
+        let [body_collider, ground_collider] = &colliders[..] else { return None };
+        let are_centred = [body_collider, ground_collider]
+            .iter()
+            .all(|collider| collider.position == Vec2::ZERO && collider.angle == Fx::ZERO);
         let are_level = [body, ground].iter().all(|body| body.angle() == Fx::ZERO);
         let is_fixed = ground.kind() == BodyKind::Static;
-        let are_alike = own.material.friction == other.material.friction;
+        let are_alike = body_collider.material.friction == ground_collider.material.friction;
         let is_free = world.def().linear_damping == Damping::NONE && world.fields().next().is_none();
         if !(are_centred && are_level && is_fixed && are_alike && is_free) {
             return None;
         }
-        let ([outline], [edges]) = (own.shape.outlines(), other.shape.outlines()) else { return None };
+        let ([outline], [edges]) = (body_collider.shape.outlines(), ground_collider.shape.outlines()) else {
+            return None;
+        };
         let (start, velocity, gravity) = (pair(body.position()), pair(body.velocity()), pair(world.def().gravity));
         let from = pair(ground.position());
         let height = |corner: &[Real; 2], away: &[Real; 2]| {
-            let lowest =
-                outline.corners().iter().map(|&own| dot(&pair(own), away)).reduce(|a, b| if a < b { a } else { b })?;
+            let lowest = outline
+                .corners()
+                .iter()
+                .map(|&corner| dot(&pair(corner), away))
+                .reduce(|a, b| if a < b { a } else { b })?;
             Some(lowest + dot(&start, away) - dot(&from, away) - dot(corner, away) - wide(outline.radius()))
         };
         let corners: Vec<[Real; 2]> = edges.corners().iter().map(|&corner| pair(corner)).collect();
@@ -76,7 +82,7 @@ impl OnPlane {
             rise: dot(&velocity, &away),
             downhill: dot(&gravity, &along),
             pull: -dot(&gravity, &away),
-            friction: wide(own.material.friction),
+            friction: wide(body_collider.material.friction),
             along,
             away,
             start,
@@ -93,20 +99,20 @@ impl OnPlane {
 /// The place of a block that slides along the plane it stands on, until friction stops it for good. `None` if it does not touch the plane
 /// along all of a side, does not slide, or would slide back.
 pub(super) fn slide(world: &World, time: &Real, bits: usize) -> Option<Vec<Real>> {
-    let on = OnPlane::of(world, bits)?;
-    let touches = to_f64(&on.height).abs() < 1e-30 && to_f64(&on.rise).abs() < 1e-30;
-    if !touches || sign(&on.v) == real(0) {
+    let contact = OnPlane::of(world, bits)?;
+    let touches = to_f64(&contact.height).abs() < 1e-30 && to_f64(&contact.rise).abs() < 1e-30;
+    if !touches || sign(&contact.v) == real(0) {
         return None;
     }
-    let grip = &on.friction * &on.pull;
-    let slowing = &on.downhill - sign(&on.v) * &grip;
-    let stop = -(&on.v / &slowing);
-    let stays = is_positive(&stop) && is_positive(&(grip.sqr() - on.downhill.sqr()));
+    let grip = &contact.friction * &contact.pull;
+    let slowing = &contact.downhill - sign(&contact.v) * &grip;
+    let stop = -(&contact.v / &slowing);
+    let stays = is_positive(&stop) && is_positive(&(grip.sqr() - contact.downhill.sqr()));
     if is_positive(&stop) && stop < *time && !stays {
         return None;
     }
     let until = if stays && stop < *time { &stop } else { time };
-    Some(on.place(&(&on.v * until + &slowing * until.sqr() / real(2)), &real(0)))
+    Some(contact.place(&(&contact.v * until + &slowing * until.sqr() / real(2)), &real(0)))
 }
 
 /// A disc above a plane or on it.
@@ -129,7 +135,7 @@ struct Disc {
 /// towards the plane, and friction acts in it as Coulomb's law has it. `None` for a disc that spins or slides where it bounces, or that
 /// slides down where it should roll.
 pub(super) fn disc(world: &World, time: &Real, bits: usize) -> Option<Vec<Real>> {
-    let on = OnPlane::of(world, bits)?;
+    let contact = OnPlane::of(world, bits)?;
     let (body, wide) = (world.bodies().next()?, |value: Real| value.with_precision(bits).value());
     let colliders = || world.colliders().map(|(_, collider)| collider);
     let outlines = colliders().next()?.shape.outlines();
@@ -143,7 +149,7 @@ pub(super) fn disc(world: &World, time: &Real, bits: usize) -> Option<Vec<Real>>
         moved: wide(real(0)),
         risen: wide(real(0)),
         left: time.clone(),
-        on,
+        on: contact,
     };
     disc.place()
 }
@@ -201,9 +207,9 @@ impl Disc {
         let slip = self.slip();
         // The friction that ends the slip, and what there is of it.
         let needed = sign(&slip) * &slip / (real(1) + real(1) / &self.inertia);
-        let most = &self.on.friction * speed;
-        let sticks = needed <= most;
-        let push = sign(&slip) * if sticks { needed } else { most };
+        let limit = &self.on.friction * speed;
+        let sticks = needed <= limit;
+        let push = sign(&slip) * if sticks { needed } else { limit };
         self.on.v -= &push;
         self.rim += push / &self.inertia;
         if sticks {

@@ -22,8 +22,8 @@ fn a_bounce_is_late_by_a_step_at_most() {
     for scalar in ["fx", "f64"] {
         for (error, rate) in errors("bouncing-ball", VERLET, scalar).into_iter().zip(RATES) {
             let late = 4.0 / rate;
-            let most = speed * late + 5.0 * late * late;
-            assert!(error < most, "{error} of {most} at {rate}");
+            let bound = speed * late + 5.0 * late * late;
+            assert!(error < bound, "{error} of {bound} at {rate}");
         }
     }
 }

@@ -63,19 +63,20 @@ static PAGE: LazyLock<Page> = LazyLock::new(|| {
 });
 
 fn measure<'a>(data: &'a Value, scene: &str, name: &str) -> &'a Value {
-    let scene = list(&data["scenes"]).iter().find(|it| it["name"] == scene).unwrap_or_else(|| panic!("no {scene}"));
-    list(&scene["measures"]).iter().find(|it| it["name"] == name).unwrap_or_else(|| panic!("no {name}"))
+    let scene =
+        list(&data["scenes"]).iter().find(|entry| entry["name"] == scene).unwrap_or_else(|| panic!("no {scene}"));
+    list(&scene["measures"]).iter().find(|entry| entry["name"] == name).unwrap_or_else(|| panic!("no {name}"))
 }
 
 #[test]
 fn every_scene_is_measured_and_every_promise_is_kept() {
     let Page { data, output, .. } = &*PAGE;
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let found: Vec<(&str, usize)> = list(&data["scenes"])
+    let counts: Vec<(&str, usize)> = list(&data["scenes"])
         .iter()
         .map(|scene| (scene["name"].as_str().expect("text"), list(&scene["measures"]).len()))
         .collect();
-    assert_eq!(found, scenes().collect::<Vec<_>>());
+    assert_eq!(counts, scenes().collect::<Vec<_>>());
     let text = String::from_utf8_lossy(&output.stdout);
     assert_eq!(text.lines().count(), scenes().map(|(_, count)| count).sum::<usize>());
     for line in text.lines() {
@@ -100,9 +101,9 @@ fn every_figure_of_other_engines_stands_beside_a_measure() {
 #[test]
 fn known_figures_hold() {
     let value = |scene, name| measure(&PAGE.data, scene, name)["value"].as_f64().expect("a number");
-    let is = |scene, name, about: f64, by: f64| {
-        let found = value(scene, name);
-        assert!((found - about).abs() <= by, "{scene} {name}: {found}");
+    let is = |scene, name, about: f64, tolerance: f64| {
+        let actual = value(scene, name);
+        assert!((actual - about).abs() <= tolerance, "{scene} {name}: {actual}");
     };
     is("tower_100x", "top_sink", 0.0253, 0.001);
     is("tower_1000x", "overlap_worst", 0.0418, 0.001);
@@ -134,8 +135,8 @@ fn known_figures_hold() {
 #[test]
 fn the_page_needs_nothing_else_and_is_the_same_each_time() {
     let options = ["--scene", "flat_drop", "break", "bounce"];
-    let [one, two] = [page("same", &options), page("same", &options)];
-    assert_eq!((&one.html, &one.data, &one.output.stdout), (&two.html, &two.data, &two.output.stdout));
+    let [first, second] = [page("same", &options), page("same", &options)];
+    assert_eq!((&first.html, &first.data, &first.output.stdout), (&second.html, &second.data, &second.output.stdout));
     let html = &PAGE.html;
     assert!(html.starts_with("<!DOCTYPE html>") && html.trim_end().ends_with("</html>"));
     // But for the names of its files.

@@ -62,7 +62,7 @@ pub(crate) fn errors(name: &str, integrator: Integrator, scalar: &str) -> Vec<f6
 }
 
 fn has_everything(data: &Value) {
-    let names = |of: &str| list(&data[of]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
+    let names = |key: &str| list(&data[key]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
     assert_eq!(names("problems"), PROBLEMS);
     assert_eq!(names("contacts"), CONTACTS);
     for name in PROBLEMS.into_iter().chain(CONTACTS) {
@@ -160,16 +160,16 @@ fn scalars_part_in_the_order_of_their_bits() {
     let parting = &REPORT.data["parting"];
     assert!(parting["reference_error"].as_f64() < Some(1e-6), "{}", parting["reference_error"]);
     let pair = |a: &str, b: &str| {
-        let found = list(&parting["pairs"]).iter().find(|pair| pair["a"] == a && pair["b"] == b);
-        found.unwrap_or_else(|| panic!("no {a} and {b}"))
+        let row = list(&parting["pairs"]).iter().find(|pair| pair["a"] == a && pair["b"] == b);
+        row.unwrap_or_else(|| panic!("no {a} and {b}"))
     };
-    for found in list(&parting["pairs"]) {
-        let distance = list(&found["distance"]);
+    for row in list(&parting["pairs"]) {
+        let distance = list(&row["distance"]);
         assert_eq!(distance.len(), list(&parting["times"]).len());
         assert_eq!(distance[0], 0.0, "all start alike");
         let first = |limit: f64| distance.iter().position(|d| d.as_f64() > Some(limit));
         let time = first(1e-3).map(|at| &list(&parting["times"])[at]);
-        assert_eq!(time.unwrap_or(&Value::Null), &found["beyond_millimetre"]);
+        assert_eq!(time.unwrap_or(&Value::Null), &row["beyond_millimetre"]);
     }
     let last = |a, b| list(&pair(a, b)["distance"]).last().and_then(Value::as_f64).expect("a number");
     assert!(last("fx", "f64") < 1e-3 * last("fx", "f32"));
@@ -231,7 +231,7 @@ fn problems_can_be_chosen() {
     ]);
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let data: Value = serde_json::from_str(&taken(&data)).expect("JSON");
-    let names = |of: &str| list(&data[of]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
+    let names = |key: &str| list(&data[key]).iter().map(|problem| &problem["name"]).collect::<Vec<_>>();
     assert_eq!(names("problems"), ["spin", "damped-fall"]);
     assert_eq!(names("contacts"), ["rolling-disc"]);
     let command = data["command"].as_str().expect("text");

@@ -78,7 +78,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         let speed = [Fx::ZERO, fx!(1024)];
         // Few pairs are too few for some.
         let is_short = self.is_wild();
-        let count = |of: u64, all: u32| if is_short { 1 + of as u32 } else { all };
+        let count = |draw: u64, all: u32| if is_short { 1 + draw as u32 } else { all };
         ContactSettings {
             hit_speed: standard.hit_speed,
             substeps: if self.choices.one_in(2) { standard.substeps } else { 1 + self.choices.choose(8) as u32 },
@@ -279,7 +279,8 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
     }
 
     fn integrator(&mut self) -> Integrator {
-        let all = Integrator::ALL.into_iter().filter(|own| !self.taste.reversible || own.inverse().is_some());
+        let all =
+            Integrator::ALL.into_iter().filter(|integrator| !self.taste.reversible || integrator.inverse().is_some());
         let all: Vec<Integrator> = all.collect();
         all[self.choices.choose(all.len() as u64) as usize]
     }

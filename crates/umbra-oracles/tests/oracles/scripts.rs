@@ -155,7 +155,7 @@ fn a_law_that_names_a_body_names_it_still() {
     let script = Script { world: WorldDef::default(), commands, ticks: 2 };
     let without = script.with(|index| index != 0);
     let named = |law: &FieldKind| match law {
-        FieldKind::Spring { near, far: umbra_physics::End::Body(far), .. } => (near.body, far.body),
+        FieldKind::Spring { near: start, far: umbra_physics::End::Body(end), .. } => (start.body, end.body),
         _ => panic!("it was a spring"),
     };
     let Command::AddField(field) = &without.commands[2].1 else { panic!("it adds a field") };
@@ -243,12 +243,12 @@ fn calls_that_simpler_values_make_superfluous_are_left_out() {
 #[test]
 fn threads_are_judged_only_of_steps_that_use_them() {
     let commands = vec![(0, Command::AddBody(BodyDef { velocity: vec2(1, 0), ..BodyDef::dynamic() }))];
-    let of = |integrator, ticks| {
+    let verdict = |integrator, ticks| {
         let world = WorldDef { integrator, ..WorldDef::default() };
         Script { world, commands: commands.clone(), ticks }.judge(Oracle::Threads)
     };
-    assert!(matches!(of(Integrator::PublishedVerlet, 3), Ok(Verdict::Inapplicable { .. })));
+    assert!(matches!(verdict(Integrator::PublishedVerlet, 3), Ok(Verdict::Inapplicable { .. })));
     if cfg!(feature = "parallel") {
-        assert_eq!(of(Integrator::VelocityVerlet, 3), Ok(Verdict::Held));
+        assert_eq!(verdict(Integrator::VelocityVerlet, 3), Ok(Verdict::Held));
     }
 }

@@ -34,29 +34,39 @@ fn the_example_finds_what_was_left_in_its_game_and_nothing_in_the_mended_one() {
 fn a_failure_is_shrunk_named_by_its_seed_and_repeatable() {
     let options = Fuzz::default();
     let campaign = fuzz(&Tow::new(false), &options, |random, _| bots(random));
-    let (Some(seed), Some(found)) = (campaign.seed, campaign.found.clone()) else { panic!("nothing was found") };
-    assert_eq!(found.violation.oracle, Oracle::Order);
-    assert_eq!(found.violation.tick + 1, found.course.ticks);
-    let last: Vec<_> = found.course.inputs.iter().filter(|(tick, _)| *tick == found.violation.tick).collect();
-    assert!(last.len() == 2 && last.iter().all(|(_, input)| input.action == Action::Grab), "{:?}", found.course);
+    let (Some(seed), Some(counterexample)) = (campaign.seed, campaign.found.clone()) else {
+        panic!("nothing was found")
+    };
+    assert_eq!(counterexample.violation.oracle, Oracle::Order);
+    assert_eq!(counterexample.violation.tick + 1, counterexample.course.ticks);
+    let last: Vec<_> =
+        counterexample.course.inputs.iter().filter(|(tick, _)| *tick == counterexample.violation.tick).collect();
+    assert!(
+        last.len() == 2 && last.iter().all(|(_, input)| input.action == Action::Grab),
+        "{:?}",
+        counterexample.course
+    );
     // That seed alone.
     let again = fuzz(&Tow::new(false), &Fuzz { seed, runs: 1, ..options }, |random, _| bots(random));
-    assert_eq!((again.seed, &again.found), (Some(seed), &Some(found.clone())));
+    assert_eq!((again.seed, &again.found), (Some(seed), &Some(counterexample.clone())));
     // None of its inputs can be left out, and nothing is wrong with it in the mended game.
     let judged = |is_mended, course: &_| Oracle::Order.judge(&Tow::new(is_mended), course);
-    assert_eq!(judged(false, &found.course).err().map(|violation| *violation), Some(found.violation.clone()));
-    assert_eq!(judged(true, &found.course), Ok(Verdict::Held));
-    for i in 0..found.course.inputs.len() {
-        let mut fewer = found.course.clone();
+    assert_eq!(
+        judged(false, &counterexample.course).err().map(|violation| *violation),
+        Some(counterexample.violation.clone())
+    );
+    assert_eq!(judged(true, &counterexample.course), Ok(Verdict::Held));
+    for i in 0..counterexample.course.inputs.len() {
+        let mut fewer = counterexample.course.clone();
         fewer.inputs.remove(i);
         assert!(judged(false, &fewer).is_ok(), "without input {i}");
     }
     // It is as small as it gets, and bounded.
-    let small = shrink(&Tow::new(false), &found.course, Oracle::Order, 1_000).expect("it still is wrong");
-    assert_eq!((&small.course, &small.replay), (&found.course, &found.replay));
-    assert_eq!(shrink(&Tow::new(false), &found.course, Oracle::Order, 0), None);
-    let one = shrink(&Tow::new(false), &found.course, Oracle::Order, 1).expect("it still is wrong");
-    assert_eq!((one.tries, one.course), (1, found.course));
+    let small = shrink(&Tow::new(false), &counterexample.course, Oracle::Order, 1_000).expect("it still is wrong");
+    assert_eq!((&small.course, &small.replay), (&counterexample.course, &counterexample.replay));
+    assert_eq!(shrink(&Tow::new(false), &counterexample.course, Oracle::Order, 0), None);
+    let attempt = shrink(&Tow::new(false), &counterexample.course, Oracle::Order, 1).expect("it still is wrong");
+    assert_eq!((attempt.tries, attempt.course), (1, counterexample.course));
     assert_eq!(shrink(&Tow::new(true), &small.course, Oracle::Order, 1_000), None);
 }
 

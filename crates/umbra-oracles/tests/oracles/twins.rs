@@ -87,10 +87,10 @@ impl Twin {
 
     /// The bodies of the game's own, by their keys.
     fn own(world: &World) -> Vec<BodyId> {
-        let mut own: Vec<_> =
+        let mut members: Vec<_> =
             world.bodies().filter(|body| body.key() < BYSTANDERS).map(|b| (b.key(), b.id())).collect();
-        own.sort_by_key(|(key, _)| *key);
-        own.into_iter().map(|(_, id)| id).collect()
+        members.sort_by_key(|(key, _)| *key);
+        members.into_iter().map(|(_, id)| id).collect()
     }
 }
 
@@ -163,12 +163,12 @@ impl Game for Twin {
             // Bodies come and go, so that handles differ from match to match.
             let is_slanted = way.x != Fx::ZERO && way.y != Fx::ZERO && !self.is_calm();
             if player == 3 && is_slanted {
-                let own = Self::own(world);
-                let last = own.last().copied().filter(|_| own.len() > 3);
+                let members = Self::own(world);
+                let last = members.last().copied().filter(|_| members.len() > 3);
                 last.into_iter().for_each(|last| _ = driver.execute(world, &Command::RemoveBody(last)));
             } else if player == 2 && is_slanted {
-                let own = Self::own(world);
-                let key = own.last().and_then(|&last| Some(world.body(last).ok()?.key() + 1)).unwrap_or_default();
+                let members = Self::own(world);
+                let key = members.last().and_then(|&last| Some(world.body(last).ok()?.key() + 1)).unwrap_or_default();
                 let at = world.body(self.bodies[0]).map_or(Vec2::ZERO, |body| body.position());
                 let _ = driver.execute(world, &Command::AddBody(BodyDef { position: at, key, ..BodyDef::dynamic() }));
             }
@@ -237,8 +237,8 @@ fn course(fault: Fault, seed: u64, ticks: u64) -> Course<Input> {
         let mut now = Vec::new();
         for player in 0..4 {
             if random.below(2) == 0 {
-                let own = Twin::own(&world);
-                let body = own[random.below(own.len() as u64) as usize];
+                let members = Twin::own(&world);
+                let body = members[random.below(members.len() as u64) as usize];
                 let way = [vec2(1, 0), vec2(-1, 0), vec2(0, 1), vec2(0, -1), vec2(1, -1), vec2(-1, -1)]
                     [random.below(6) as usize];
                 now.push(Input { player, body, way });
@@ -271,14 +271,15 @@ fn names(violations: &[Violation]) -> BTreeSet<Oracle> {
 
 /// Asserts that some oracles object, that some others may, and that no other does.
 #[track_caller]
-fn assert_found(fault: Fault, by: &[Oracle], perhaps: &[Oracle]) {
+fn assert_found(fault: Fault, oracles: &[Oracle], perhaps: &[Oracle]) {
     let violations = objecting(fault);
     for violation in &violations {
         println!("{fault:?}: {violation}");
     }
-    let found = names(&violations);
-    assert!(by.iter().all(|oracle| found.contains(oracle)), "{fault:?} was found by {found:?} alone");
-    let others: Vec<_> = found.iter().filter(|oracle| !by.contains(oracle) && !perhaps.contains(oracle)).collect();
+    let objections = names(&violations);
+    assert!(oracles.iter().all(|oracle| objections.contains(oracle)), "{fault:?} was found by {objections:?} alone");
+    let others: Vec<_> =
+        objections.iter().filter(|oracle| !oracles.contains(oracle) && !perhaps.contains(oracle)).collect();
     assert!(others.is_empty(), "{fault:?} was found by {others:?} as well");
 }
 
@@ -331,9 +332,9 @@ fn numbers_drawn_for_whoever_is_there_are_found() {
 fn a_field_that_is_another_one_among_bystanders_is_found() {
     assert_found(Fault::Strength, &[Oracle::Bystanders], &[Oracle::Threads]);
     let violations = objecting(Fault::Strength);
-    let found = violations.iter().find(|violation| violation.oracle == Oracle::Bystanders).expect("it is found");
-    let difference = found.difference.as_ref().expect("its strength");
-    assert!(matches!(difference.owner, Owner::ForceField(_)) && difference.field.contains("linear"), "{found}");
+    let violation = violations.iter().find(|violation| violation.oracle == Oracle::Bystanders).expect("it is found");
+    let difference = violation.difference.as_ref().expect("its strength");
+    assert!(matches!(difference.owner, Owner::ForceField(_)) && difference.field.contains("linear"), "{violation}");
 }
 
 #[test]
@@ -364,8 +365,8 @@ fn a_place_that_matters_is_found() {
 #[test]
 fn a_law_that_says_it_reads_less_than_it_does_is_found() {
     // Forces are kept for a step that are no longer the same; what the image of such a force is nobody knows.
-    let by = [Oracle::Restore, Oracle::Reverse, Oracle::Paths];
-    assert_found(Fault::Velocity, &by, &[Oracle::Record, Oracle::Bystanders, Oracle::Threads]);
+    let oracles = [Oracle::Restore, Oracle::Reverse, Oracle::Paths];
+    assert_found(Fault::Velocity, &oracles, &[Oracle::Record, Oracle::Bystanders, Oracle::Threads]);
 }
 
 #[test]
@@ -386,12 +387,12 @@ fn a_law_that_depends_on_threads_is_found() {
 #[test]
 fn a_difference_is_reported_with_its_place_and_value() {
     let violations = objecting(Fault::Left);
-    let found = violations.iter().find(|violation| violation.oracle == Oracle::Mirror).expect("it is found");
-    let difference = found.difference.as_ref().expect("a body moves in another way");
+    let violation = violations.iter().find(|violation| violation.oracle == Oracle::Mirror).expect("it is found");
+    let difference = violation.difference.as_ref().expect("a body moves in another way");
     assert!(matches!(difference.owner, umbra_physics::Owner::Body(_)) && difference.left != difference.right);
-    let text = found.to_string();
-    assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", found.tick)), "{text}");
-    assert_eq!(found.beside, Symmetry::MIRROR.name());
+    let text = violation.to_string();
+    assert!(text.starts_with(&format!("mirror, tick {}, mirror: body ", violation.tick)), "{text}");
+    assert_eq!(violation.beside, Symmetry::MIRROR.name());
 }
 
 /// A match that is pushed in the second tick that is ever made, whoever makes it.
@@ -423,12 +424,12 @@ impl Game for Hiccup {
 fn a_failure_that_does_not_repeat_is_kept_as_played() {
     let options = Fuzz { runs: 3, ticks: 5, oracles: &[Oracle::Repeat], ..Fuzz::default() };
     let campaign = fuzz(&Hiccup::default(), &options, |_, tick| vec![(); (tick % 2) as usize]);
-    let found = campaign.found.expect("the second match is pushed");
-    assert_eq!((campaign.runs, campaign.seed, found.tries), (1, Some(0), 0));
-    assert_eq!((found.violation.oracle, found.violation.tick), (Oracle::Repeat, 0));
-    assert!(found.violation.difference.is_some());
-    assert_eq!(found.course, Course { inputs: vec![(1, ()), (3, ())], ticks: 5 });
-    let replay = Replay::from_bytes(&found.replay, &[]).expect("it is whole");
+    let counterexample = campaign.found.expect("the second match is pushed");
+    assert_eq!((campaign.runs, campaign.seed, counterexample.tries), (1, Some(0), 0));
+    assert_eq!((counterexample.violation.oracle, counterexample.violation.tick), (Oracle::Repeat, 0));
+    assert!(counterexample.violation.difference.is_some());
+    assert_eq!(counterexample.course, Course { inputs: vec![(1, ()), (3, ())], ticks: 5 });
+    let replay = Replay::from_bytes(&counterexample.replay, &[]).expect("it is whole");
     assert_eq!((replay.end(), replay.verify()), (5, Ok(())));
 }
 
@@ -445,16 +446,20 @@ fn every_kind_of_failure_is_shrunk() {
         (Fault::Origin, Oracle::Shift, 1, 1),
         (Fault::Memory, Oracle::Reverse, 0, 1),
     ] {
-        let found = (0..8).find_map(|seed| shrink(&Twin::new(fault), &course(fault, seed, 30), oracle, 3_000));
-        let found = found.unwrap_or_else(|| panic!("{fault:?} is not found"));
-        assert_eq!(found.violation.oracle, oracle);
-        assert!(found.course.inputs.len() <= inputs, "{fault:?}: {:#?}", found.course);
-        assert!(found.course.ticks <= ticks && found.tries < 3_000, "{fault:?}: {:#?}", found.course);
+        let counterexample = (0..8).find_map(|seed| shrink(&Twin::new(fault), &course(fault, seed, 30), oracle, 3_000));
+        let counterexample = counterexample.unwrap_or_else(|| panic!("{fault:?} is not found"));
+        assert_eq!(counterexample.violation.oracle, oracle);
+        assert!(counterexample.course.inputs.len() <= inputs, "{fault:?}: {:#?}", counterexample.course);
+        assert!(
+            counterexample.course.ticks <= ticks && counterexample.tries < 3_000,
+            "{fault:?}: {:#?}",
+            counterexample.course
+        );
         if fault != Fault::Memory {
             // What went past the driver is not in the replay.
-            let replay = Replay::from_bytes(&found.replay, &[]).expect("it is whole");
+            let replay = Replay::from_bytes(&counterexample.replay, &[]).expect("it is whole");
             assert_eq!(replay.verify().is_ok(), fault != Fault::Past, "{fault:?}");
-            assert_eq!(replay.end(), found.course.ticks);
+            assert_eq!(replay.end(), counterexample.course.ticks);
         }
     }
 }

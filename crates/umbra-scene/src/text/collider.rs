@@ -77,7 +77,7 @@ pub(super) fn contacts_text(contacts: &ContactSettings) -> String {
         sleep_speed,
         hit_speed,
         max_pairs,
-        max_pairs_per_collider: most,
+        max_pairs_per_collider: max_per_collider,
     } = *contacts;
     let mut object = Fields::default();
     object.unless(substeps == standard.substeps, "substeps", substeps);
@@ -86,6 +86,6 @@ pub(super) fn contacts_text(contacts: &ContactSettings) -> String {
     object.unless(sleep_speed == standard.sleep_speed, "sleep_speed", sleep_speed);
     object.unless(hit_speed == standard.hit_speed, "hit_speed", hit_speed);
     object.unless(max_pairs == standard.max_pairs, "max_pairs", max_pairs);
-    object.unless(most == standard.max_pairs_per_collider, "max_pairs_per_collider", most);
+    object.unless(max_per_collider == standard.max_pairs_per_collider, "max_pairs_per_collider", max_per_collider);
     object.line()
 }

@@ -45,8 +45,8 @@ fn start(scene: &Scene) -> SceneRun<'_, Fx> {
 }
 
 fn body<'a>(run: &'a SceneRun<'_, Fx>, name: &str) -> BodyRef<'a> {
-    let found = run.world().bodies().find(|body| run.name(body.id()) == name);
-    found.unwrap_or_else(|| panic!("there is no body {name}"))
+    let body = run.world().bodies().find(|body| run.name(body.id()) == name);
+    body.unwrap_or_else(|| panic!("there is no body {name}"))
 }
 
 /// Positions by name, m, of the bodies that are not static.
@@ -160,10 +160,10 @@ fn two_towers_stand_and_one_falls() {
     }
     let after = places(&run);
     let shift = |name: &str| {
-        let of = |places: &BTreeMap<String, [f64; 2]>| {
+        let places_of = |places: &BTreeMap<String, [f64; 2]>| {
             places.iter().filter(|(known, _)| known.starts_with(name)).map(|(k, v)| (k.clone(), *v)).collect()
         };
-        largest_shift(&of(&before), &of(&after))
+        largest_shift(&places_of(&before), &places_of(&after))
     };
     assert!(shift("straight") < 0.1, "{} m", shift("straight"));
     assert!(shift("leaning") < 0.1, "{} m", shift("leaning"));
@@ -364,15 +364,15 @@ fn belts_hand_boxes_over_and_smooth_boxes_slide_down() {
     let mut farthest = [0.0_f64; 4];
     for tick in 61..=1500 {
         advance(&mut run, tick);
-        for (i, most) in farthest.iter_mut().enumerate() {
-            *most = most.max(body(&run, &format!("rough-{}", i + 1)).position().x.to_f64());
+        for (i, max_x) in farthest.iter_mut().enumerate() {
+            *max_x = max_x.max(body(&run, &format!("rough-{}", i + 1)).position().x.to_f64());
         }
     }
-    for (i, most) in farthest.into_iter().enumerate() {
+    for (i, max_x) in farthest.into_iter().enumerate() {
         // On the floor or on a box that lies there, at the end of the last belt; a box that tumbles over another may lie
         // below the belt.
         let [x, y] = body(&run, &format!("rough-{}", i + 1)).position().to_f64();
-        assert!(most > 14.0 && x < 4.5 && y < -2.0, "rough-{}: {most} {x} {y}", i + 1);
+        assert!(max_x > 14.0 && x < 4.5 && y < -2.0, "rough-{}: {max_x} {x} {y}", i + 1);
     }
     assert!(["smooth-1", "smooth-2"].iter().all(|name| body(&run, name).position().x < fx!(-6)));
 }

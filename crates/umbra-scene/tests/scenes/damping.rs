@@ -20,10 +20,10 @@ fn a_damping_is_what_it_says() {
     ] {
         let parsed = Scene::parse(&scene(text)).unwrap_or_else(|error| panic!("{text}: {error}"));
         assert_eq!((parsed.world.linear_damping, parsed.world.angular_damping), (damping, Damping::NONE), "{text}");
-        let own = &parsed.bodies[0].def;
-        assert_eq!((own.linear_damping, own.angular_damping), (None, Some(damping)), "{text}");
+        let def = &parsed.bodies[0].def;
+        assert_eq!((def.linear_damping, def.angular_damping), (None, Some(damping)), "{text}");
         let written = Scene::parse(&parsed.to_json()).expect("what it wrote itself");
-        assert_eq!((written.world, &written.bodies[0].def), (parsed.world, own), "{text}");
+        assert_eq!((written.world, &written.bodies[0].def), (parsed.world, def), "{text}");
     }
 }
 

@@ -50,8 +50,8 @@ fn all_errors_of_a_text_are_reported_by_line() {
         "14: inputs[2].do: expected one of remove, release, wake, disable, enable, found \"jump\" [E502]",
         "16: plot.trials: unknown field: did you mean `trails`? [E503]",
     ];
-    let found = lines(text);
-    assert_eq!(found, expected, "{found:#?}");
+    let actual = lines(text);
+    assert_eq!(actual, expected, "{actual:#?}");
 }
 
 #[test]
@@ -105,22 +105,22 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
         "11: bodies[0].colliders[8].bounciness: unknown field: did you mean `restitution`? [E503]",
         "12: bodies[0].colliders[9].group: out of range: expected a whole number that fits in 32 bits [E508]",
     ];
-    let found = lines(text);
-    assert_eq!(found[..expected.len()], expected, "{found:#?}");
+    let actual = lines(text);
+    assert_eq!(actual[..expected.len()], expected, "{actual:#?}");
     let rest = [
         "14: bodies[1].colliders[1].name: there is a collider \"c\" already: choose another name [E506]",
         "15: bodies[2].colliders: out of range: expected a mass from 2^-16 to 2^24 kg [E101]",
     ];
-    assert_eq!(found[expected.len()..expected.len() + 2], rest, "{found:#?}");
+    assert_eq!(actual[expected.len()..expected.len() + 2], rest, "{actual:#?}");
     assert!(
-        found[expected.len() + 2].starts_with("17: inputs[0].collider: there is no collider \"hul\": did you mean")
+        actual[expected.len() + 2].starts_with("17: inputs[0].collider: there is no collider \"hul\": did you mean")
     );
     assert!(
-        found[expected.len() + 3].starts_with("18: inputs[1].add_collider: out of range: a body, field or collider")
+        actual[expected.len() + 3].starts_with("18: inputs[1].add_collider: out of range: a body, field or collider")
     );
-    assert!(found[expected.len() + 4].starts_with("19: inputs[2].add_collider.shape.circle.radius: out of range"));
-    assert!(found[expected.len() + 5].starts_with("20: inputs[3].set.contacts.substeps: out of range"));
-    assert_eq!(found.len(), expected.len() + 6);
+    assert!(actual[expected.len() + 4].starts_with("19: inputs[2].add_collider.shape.circle.radius: out of range"));
+    assert!(actual[expected.len() + 5].starts_with("20: inputs[3].set.contacts.substeps: out of range"));
+    assert_eq!(actual.len(), expected.len() + 6);
 }
 
 #[test]
@@ -251,8 +251,8 @@ fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
         "15: bodies[0].colliders[13].name: expected a text, found a number [E502]",
         "16: bodies[1].colliders: expected a list, found an object [E502]",
     ];
-    let found = lines(&text);
-    assert_eq!(found, expected, "{found:#?}");
+    let actual = lines(&text);
+    assert_eq!(actual, expected, "{actual:#?}");
 }
 
 #[test]
@@ -278,8 +278,8 @@ fn mistakes_in_inputs_for_colliders_are_told_at_their_fields() {
         "7: inputs[5].do: expected one of remove, found \"jump\" [E502]",
         "8: inputs[6].collider: expected a text, found a number [E502]",
     ];
-    let found = lines(&text);
-    assert_eq!(found, expected, "{found:#?}");
+    let actual = lines(&text);
+    assert_eq!(actual, expected, "{actual:#?}");
 }
 
 #[test]
@@ -288,8 +288,8 @@ fn inputs_to_a_collider_that_is_gone_are_reported() {
   {"at": 1, "collider": "hull", "do": "remove"},
   {"at": 2, "collider": "hull", "do": "remove"}]}"#;
     let expected = ["3: inputs[1].do: at tick 2: the collider does not exist at that tick [E128]"];
-    let found = lines(text);
-    assert_eq!(found, expected, "{found:#?}");
+    let actual = lines(text);
+    assert_eq!(actual, expected, "{actual:#?}");
 }
 
 #[test]
@@ -298,13 +298,13 @@ fn errors_that_follow_from_another_are_not_reported() {
     let text = r#"{"bodies": [{"name": "a", "mass": -1}, {"name": 7}, {"name": "{i}", "angel": 0, "repeat": {"i": 1000}}],
 "fields": [{"thrust": {"at": "a", "force": [1, 0]}}, {"thrust": {"at": "seven", "force": [1, 0]}}],
 "inputs": [{"at": 1, "body": "999", "do": "wake"}, {"at": 2, "body": "a", "force": [1, 0]}]}"#;
-    let found: Vec<String> = errors(text).errors().iter().map(|error| error.place.field.clone()).collect();
-    assert_eq!(found, ["bodies[0].mass", "bodies[1].name", "bodies[2](i=0).angel"]);
+    let fields: Vec<String> = errors(text).errors().iter().map(|error| error.place.field.clone()).collect();
+    assert_eq!(fields, ["bodies[0].mass", "bodies[1].name", "bodies[2](i=0).angel"]);
     // A field that is missing for no other reason is.
-    let found = lines(r#"{"bodies": [{"name": "a", "colliders": [{"shape": {"rectangle": {"hight": 1}}}]}]}"#);
-    assert_eq!(found.len(), 2, "{found:?}");
-    assert!(found[0].ends_with("hight: unknown field: did you mean `height`? [E503]"), "{found:?}");
-    assert!(found[1].ends_with("rectangle: the field `width` is missing [E505]"), "{found:?}");
+    let actual = lines(r#"{"bodies": [{"name": "a", "colliders": [{"shape": {"rectangle": {"hight": 1}}}]}]}"#);
+    assert_eq!(actual.len(), 2, "{actual:?}");
+    assert!(actual[0].ends_with("hight: unknown field: did you mean `height`? [E503]"), "{actual:?}");
+    assert!(actual[1].ends_with("rectangle: the field `width` is missing [E505]"), "{actual:?}");
 }
 
 #[test]
@@ -313,9 +313,9 @@ fn inputs_that_the_world_refuses_are_all_reported() {
 {"at": 3, "body": "a", "force": [1, 0]},
 {"at": 1, "set": {"gravity": [1e6, 0]}},
 {"at": 5, "body": "a", "set": {"gravity_scale": 99}}]}"#;
-    let found = errors(text);
-    let places: Vec<usize> = found.errors().iter().map(|error| error.place.line).collect();
-    assert_eq!(places, [2, 3, 4], "{found}");
+    let errors_found = errors(text);
+    let places: Vec<usize> = errors_found.errors().iter().map(|error| error.place.line).collect();
+    assert_eq!(places, [2, 3, 4], "{errors_found}");
 }
 
 /// At the start the explosion would take the body beyond the largest speed; the step before it stops the body.
@@ -340,9 +340,9 @@ fn an_explosion_is_refused_by_the_motion_at_its_tick() {
 #[test]
 fn twenty_are_listed_and_the_rest_counted() {
     let bodies = vec![r#"{"name": 1}"#; 1_000].join(",\n");
-    let found = errors(&format!("{{\"bodies\": [\n{bodies}]}}"));
-    assert_eq!((found.errors().len(), found.more()), (SceneErrors::LISTED, 980));
-    let text = found.to_string();
+    let errors_found = errors(&format!("{{\"bodies\": [\n{bodies}]}}"));
+    assert_eq!((errors_found.errors().len(), errors_found.more()), (SceneErrors::LISTED, 980));
+    let text = errors_found.to_string();
     assert_eq!(text.lines().next(), Some("2: bodies[0].name: expected a text, found a number"));
     assert_eq!((text.lines().count(), text.lines().last()), (21, Some("and 980 more")));
 }

@@ -454,8 +454,8 @@ fn a_few_lines_that_repeat_a_long_one_are_refused() {
     assert_eq!(refused(&[body(1 << 17, &compound)]), (2, "bodies[0].repeat".to_string()));
     // Nor bit by bit: two times 2^25 bytes and a little.
     let long = format!("{{\"circle\":{}{{\"radius\": 1}}}}", " ".repeat(1 << 20));
-    let (half, other) = (body(32, &long), body(32, &long).replace("{n}", "other {n}"));
-    assert_eq!(refused(&[half, other]), (3, "bodies[1].repeat".to_string()));
+    let (half, second) = (body(32, &long), body(32, &long).replace("{n}", "other {n}"));
+    assert_eq!(refused(&[half, second]), (3, "bodies[1].repeat".to_string()));
 }
 
 #[test]

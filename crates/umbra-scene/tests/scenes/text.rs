@@ -205,18 +205,18 @@ fn attractor(mu: &str) -> Command {
 
 #[test]
 fn commands_that_scenes_cannot_express_are_refused_by_name() {
-    let made = |commands: &[(u64, Command)]| Scene::from_commands(WorldDef::default(), commands, 9).map(drop);
-    let own = |id| Command::AddField(FieldKind::Custom { id }.into());
-    assert_eq!(made(&[(0, attractor("1")), (3, own(5))]), Err(ExportError::CustomForce { command: 1, id: 5 }));
-    assert_eq!(made(&[(9, own(5))]), Ok(()), "it is not done any more");
+    let export = |commands: &[(u64, Command)]| Scene::from_commands(WorldDef::default(), commands, 9).map(drop);
+    let custom = |id| Command::AddField(FieldKind::Custom { id }.into());
+    assert_eq!(export(&[(0, attractor("1")), (3, custom(5))]), Err(ExportError::CustomForce { command: 1, id: 5 }));
+    assert_eq!(export(&[(9, custom(5))]), Ok(()), "it is not done any more");
     let set = Command::SetField { id: FieldId::from_parts(0, 0), field: FieldKind::Custom { id: 6 }.into() };
     assert_eq!(
-        made(&[(1, set)]),
+        export(&[(1, set)]),
         Err(ExportError::CustomForce { command: 0, id: 6 }),
         "whether there is such a field or not"
     );
     // The least there is to read, and less.
-    assert_eq!(made(&[(0, attractor("1e-60"))]), Ok(()));
+    assert_eq!(export(&[(0, attractor("1e-60"))]), Ok(()));
     let least = Scene::from_commands(WorldDef::default(), &[(0, attractor("1e-60"))], 9).expect("a scene");
     assert!(read(&least.to_json()) == least, "its factor is below 10^-60 by a rounding");
     let Command::AddField(ForceField { kind: FieldKind::Attractor { mu, .. }, .. }) = attractor("1e-60") else {
@@ -227,7 +227,7 @@ fn commands_that_scenes_cannot_express_are_refused_by_name() {
         mu: mu.times("0.5".parse().expect("a factor")),
         softening: fx!(0),
     };
-    assert_eq!(made(&[(0, Command::AddField(less.into()))]), Err(ExportError::Mu { command: 0 }));
+    assert_eq!(export(&[(0, Command::AddField(less.into()))]), Err(ExportError::Mu { command: 0 }));
     let def = WorldDef { time_step: TimeStep::hz(0), ..WorldDef::default() };
     assert_eq!(Scene::from_commands(def, &[], 1).map(drop), Err(ExportError::World(Error::TimeStep)));
     let error = ExportError::World(Error::OutOfRange { quantity: Quantity::Gravity });

@@ -54,7 +54,7 @@ fn every_frame_is_the_world_at_its_tick_however_often_it_was_thinned() {
         recording.finish(&world);
         assert_eq!((recording.start, recording.last), (1, last));
         assert_eq!(recording.stride > 1, samples < 1000, "{samples}");
-        let mut seen = 0;
+        let mut count = 0;
         for (frame, hash) in recording.hashes.iter().enumerate() {
             let tick = tick_of(&recording, frame as u64);
             let (at, expected, values) = &states[(tick - 1) as usize];
@@ -64,10 +64,10 @@ fn every_frame_is_the_world_at_its_tick_however_often_it_was_thinned() {
                 let sample = sample.and_then(|index| life.track.samples().nth(index as usize));
                 let known = values.get(&life.id).copied();
                 assert_eq!(sample, known, "{} at {tick}, {samples}", life.id);
-                seen += usize::from(known.is_some());
+                count += usize::from(known.is_some());
             }
         }
-        assert!(seen > 50);
+        assert!(count > 50);
     }
 }
 

@@ -18,20 +18,21 @@ fn diff_names_what_was_done_otherwise() {
         let output = umbra(&[&["diff", "--json"], &files[..], more].concat());
         (output.status.code(), serde_json::from_slice(&output.stdout).expect("one JSON value"))
     };
-    let (status, found) = json([&three, &four], &[]);
+    let (status, outcome) = json([&three, &four], &[]);
     let finding: Value = serde_json::from_str(
         r#"{"tick": 2, "phase": "calls", "owner": "body 1", "name": "b", "key": 0, "field": "calls[0].action.impulse.x", "recorded": "3", "found": "4"}"#,
     )
     .expect("JSON");
-    assert_eq!((status, &found["same"], &found["finding"]), (Some(1), &Value::from(false), &finding));
-    assert!(found.get("differences").is_none());
+    assert_eq!((status, &outcome["same"], &outcome["finding"]), (Some(1), &Value::from(false), &finding));
+    assert!(outcome.get("differences").is_none());
 
     // The values that differ after that tick: a kilogram has 1 m/s more, but for the drag, and is further on.
-    let (status, found) = json([&three, &four], &["--all"]);
-    let all = found["differences"].as_array().expect("a list");
-    let fields: Vec<_> = all.iter().map(|it| (it["owner"].as_str(), it["field"].as_str())).collect();
+    let (status, outcome) = json([&three, &four], &["--all"]);
+    let all = outcome["differences"].as_array().expect("a list");
+    let fields: Vec<_> =
+        all.iter().map(|difference| (difference["owner"].as_str(), difference["field"].as_str())).collect();
     assert_eq!(fields, [(Some("body 1"), Some("position.x")), (Some("body 1"), Some("velocity.x"))]);
-    let speed = |side: &str| all[1][side].as_str().and_then(|it| it.parse::<f64>().ok()).expect("a number");
+    let speed = |side: &str| all[1][side].as_str().and_then(|text| text.parse::<f64>().ok()).expect("a number");
     assert!(speed("left") < 3.0 && speed("right") < 4.0 && speed("right") - speed("left") > 0.99);
     assert_eq!(status, Some(1));
     let output = umbra(&["diff", "--all", &three, &four]);
@@ -46,18 +47,18 @@ fn diff_names_what_was_done_otherwise() {
     assert!(digits(&[]) < 80 && digits(&["--exact"]) > 150);
 
     // Two replays with different starts.
-    let other = folder.write("start.json", busy("3").replace("[5, 0]", "[6, 0]"));
-    let (status, found) = json([&three, &folder.record(&other, &[])], &["--all"]);
-    let finding = &found["finding"];
+    let start = folder.write("start.json", busy("3").replace("[5, 0]", "[6, 0]"));
+    let (status, outcome) = json([&three, &folder.record(&start, &[])], &["--all"]);
+    let finding = &outcome["finding"];
     assert_eq!((status, finding["phase"].as_str(), finding["tick"].as_u64()), (Some(1), Some("start"), Some(0)));
     assert_eq!((finding["owner"].as_str(), finding["field"].as_str()), (Some("body 1"), Some("position.x")));
-    assert_eq!(found["differences"].as_array().map(Vec::len), Some(1));
+    assert_eq!(outcome["differences"].as_array().map(Vec::len), Some(1));
 
     // A replay that ends sooner does not differ.
     let brief = record("brief.json", "3", &["--ticks", "40"]);
-    let (status, found) = json([&three, &brief], &["--all"]);
-    assert_eq!((status, &found["same"], &found["finding"]), (Some(0), &Value::from(true), &Value::Null));
-    assert_eq!(found["ends"], serde_json::json!([100, 40]));
+    let (status, outcome) = json([&three, &brief], &["--all"]);
+    assert_eq!((status, &outcome["same"], &outcome["finding"]), (Some(0), &Value::from(true), &Value::Null));
+    assert_eq!(outcome["ends"], serde_json::json!([100, 40]));
     let output = umbra(&["diff", &three, &brief]);
     let expected = format!("the same as far as both go: {three} ends at tick 100, {brief} ends at tick 40\n");
     assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), expected));
@@ -72,8 +73,8 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
     let bytes = fs::read(&replay).expect("a replay");
     let cut = folder.write("cut.umbrarep", &bytes[..bytes.len() - 1]);
     let output = umbra(&["diff", "--json", &replay, &cut]);
-    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!((output.status.code(), &found["complete"]), (Some(0), &serde_json::json!([true, false])));
+    let outcome: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!((output.status.code(), &outcome["complete"]), (Some(0), &serde_json::json!([true, false])));
     let changed = folder.write("changed.umbrarep", flipped(&bytes, bytes.len() / 2));
     let refused = |file: &str, reason: &str| {
         for files in [[&replay[..], file], [file, &replay]] {
@@ -108,14 +109,14 @@ fn diff_of_two_dumps_names_the_moment_the_body_and_the_field() {
     assert_eq!((same.status.code(), text(&same.stdout)), (Some(0), "the same, to tick 1\n".to_owned()));
     let differ = umbra(&["diff", &a, &b, "--json", "--all"]);
     assert_eq!(differ.status.code(), Some(1));
-    let found: Value = serde_json::from_str(&text(&differ.stdout)).expect("JSON");
-    let finding = &found["finding"];
+    let outcome: Value = serde_json::from_str(&text(&differ.stdout)).expect("JSON");
+    let finding = &outcome["finding"];
     assert_eq!(
         (finding["tick"].as_u64(), finding["field"].as_str(), finding["recorded"].as_str(), finding["found"].as_str()),
         (Some(0), Some("applied.force.x"), Some("1"), Some("2")),
-        "{found}"
+        "{outcome}"
     );
-    assert_eq!(found["differences"].as_array().map(Vec::len), Some(1), "{found}");
+    assert_eq!(outcome["differences"].as_array().map(Vec::len), Some(1), "{outcome}");
     let replay = folder.record("scenes/kepler.json", &["--ticks", "3"]);
     assert_eq!(umbra(&["diff", &a, &replay]).status.code(), Some(2));
 }

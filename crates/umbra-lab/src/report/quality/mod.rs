@@ -100,10 +100,10 @@ impl Promise {
     fn words(self, unit: &str, box2d: Option<f64>) -> String {
         let with = |value: f64| [number(value).as_str(), unit].join(" ").trim_end().to_owned();
         match self {
-            Self::AtMost(most) => format!("at most {}", with(most)),
-            Self::AtLeast(least) => format!("at least {}", with(least)),
-            Self::Within(0.0, by) => format!("at most ±{}", with(by)),
-            Self::Within(value, by) => format!("{} ± {}", number(value), with(by)),
+            Self::AtMost(max) => format!("at most {}", with(max)),
+            Self::AtLeast(min) => format!("at least {}", with(min)),
+            Self::Within(0.0, tolerance) => format!("at most ±{}", with(tolerance)),
+            Self::Within(value, tolerance) => format!("{} ± {}", number(value), with(tolerance)),
             Self::Zero => "0, to the bit".to_owned(),
             Self::NoMoreThanBox2d => {
                 format!("no more than Box2D{}", box2d.map_or(String::new(), |value| format!(", {}", with(value))))
@@ -114,11 +114,11 @@ impl Promise {
     /// Returns true if a value keeps the promise. No promise holds of NaN.
     fn holds(self, value: f64, box2d: Option<f64>) -> bool {
         match self {
-            Self::AtMost(most) => value <= most,
-            Self::AtLeast(least) => value >= least,
-            Self::Within(middle, by) => (value - middle).abs() <= by,
+            Self::AtMost(max) => value <= max,
+            Self::AtLeast(min) => value >= min,
+            Self::Within(middle, tolerance) => (value - middle).abs() <= tolerance,
             Self::Zero => value == 0.0,
-            Self::NoMoreThanBox2d => box2d.is_some_and(|most| value <= most),
+            Self::NoMoreThanBox2d => box2d.is_some_and(|max| value <= max),
         }
     }
 }

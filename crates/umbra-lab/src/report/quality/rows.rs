@@ -109,13 +109,13 @@ static ROWS: [Row; 17] = [
         play: |length| {
             let mut run = Run::new(&scenes::flat_drop()?, length.substeps)?;
             run.step(600);
-            let most = |of: fn(&State) -> f64| run.path.iter().map(of).fold(0.0, f64::max);
+            let largest = |value: fn(&State) -> f64| run.path.iter().map(value).fold(0.0, f64::max);
             let rises = run.path.iter().position(|state| state.velocity[1] > 0.0).unwrap_or(run.path.len());
             let top = run.path[rises..].iter().map(|state| state.at[1] - 0.5).fold(0.0, f64::max);
             let measures = vec![
                 measure("bounce_height", "height of the bounce", "m", top).promised(Promise::Within(0.5, 1e-3)),
-                measure("sideways", "farthest aside", "m", most(|state| state.at[0].abs())).promised(Promise::Zero),
-                measure("tilt", "largest tilt", "rad", most(|state| state.angle.abs())).promised(Promise::Zero),
+                measure("sideways", "farthest aside", "m", largest(|state| state.at[0].abs())).promised(Promise::Zero),
+                measure("tilt", "largest tilt", "rad", largest(|state| state.angle.abs())).promised(Promise::Zero),
             ];
             Ok(played(run, measures))
         },

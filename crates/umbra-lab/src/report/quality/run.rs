@@ -32,8 +32,8 @@ impl State {
         length(self.velocity)
     }
 
-    pub(super) fn distance(&self, other: &Self) -> f64 {
-        length([self.at[0] - other.at[0], self.at[1] - other.at[1]])
+    pub(super) fn distance(&self, rhs: &Self) -> f64 {
+        length([self.at[0] - rhs.at[0], self.at[1] - rhs.at[1]])
     }
 }
 
@@ -79,7 +79,7 @@ impl Run {
         for (i, mover) in movers.iter_mut().enumerate() {
             let Some(mirror) = scene.mirror else { continue };
             let image = mirrored(mirror, images[i]);
-            mover.partner = images.iter().position(|other| *other == image).unwrap_or(usize::MAX);
+            mover.partner = images.iter().position(|candidate| *candidate == image).unwrap_or(usize::MAX);
         }
         let is_symmetric = movers.iter().all(|mover| mover.partner < images.len());
         let mut run = Self {
@@ -116,7 +116,7 @@ impl Run {
             if let Some(mirror) = self.mirror {
                 self.asymmetry = self.asymmetry.max(self.distance_from_image(mirror));
             }
-            self.overlap = self.overlap.map(|most| most.max(self.deepest()));
+            self.overlap = self.overlap.map(|deepest| deepest.max(self.deepest()));
         }
     }
 
@@ -154,12 +154,12 @@ impl Run {
 
     fn distance_from_image(&self, mirror: Mirror) -> f64 {
         let all: Vec<[i128; 6]> = self.movers.iter().map(|mover| exact(&self.world, mover.id)).collect();
-        let apart = |(mover, own): (&Mover, &[i128; 6])| {
-            let other = mirrored(mirror, all[mover.partner]);
+        let apart = |(mover, state): (&Mover, &[i128; 6])| {
+            let image = mirrored(mirror, all[mover.partner]);
             // A turn of u64; all others are in units of 2^-96.
-            let turn = (own[2] as u64).wrapping_sub(other[2] as u64) as i64;
+            let turn = (state[2] as u64).wrapping_sub(image[2] as u64) as i64;
             let angle = turn.unsigned_abs() as f64 * (core::f64::consts::TAU / 18_446_744_073_709_551_616.0);
-            let lengths = [0, 1, 3, 4, 5].map(|i| own[i].abs_diff(other[i]) as f64 / UNITS);
+            let lengths = [0, 1, 3, 4, 5].map(|i| state[i].abs_diff(image[i]) as f64 / UNITS);
             lengths.into_iter().fold(angle, f64::max)
         };
         self.movers.iter().zip(&all).map(apart).fold(0.0, f64::max)

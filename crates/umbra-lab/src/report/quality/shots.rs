@@ -134,35 +134,35 @@ pub(super) fn seams(length: Length) -> Result<Played, Error> {
         let ball = world.add_body(start()?)?;
         Ok((world, ball))
     };
-    let (mut here, ball) = world(ground(12_000)?)?;
-    let (mut there, twin) = world(ground(1)?)?;
-    let (mut most, mut seams, mut last) = (0, 0, None);
+    let (mut ground_world, ball) = world(ground(12_000)?)?;
+    let (mut twin_world, twin_ball) = world(ground(1)?)?;
+    let (mut max_difference, mut seams, mut last) = (0, 0, None);
     for _ in 0..steps {
-        here.step();
-        there.step();
-        let (own, other) = (here.body(ball)?, there.body(twin)?);
+        ground_world.step();
+        twin_world.step();
+        let (state, twin_state) = (ground_world.body(ball)?, twin_world.body(twin_ball)?);
         let apart = |a: Fx, b: Fx| a.to_bits().abs_diff(b.to_bits());
-        let (own_at, other_at) = (own.position(), other.position());
+        let (own_at, other_at) = (state.position(), twin_state.position());
         let differences = [
             apart(own_at.x, other_at.x),
             apart(own_at.y, other_at.y),
-            apart(own.velocity().y, other.velocity().y),
-            apart(own.velocity().x, other.velocity().x),
-            apart(own.angular_velocity(), other.angular_velocity()),
+            apart(state.velocity().y, twin_state.velocity().y),
+            apart(state.velocity().x, twin_state.velocity().x),
+            apart(state.angular_velocity(), twin_state.angular_velocity()),
         ];
-        most = differences.into_iter().fold(most, u64::max);
-        if let Some(contact) = here.contacts().next() {
+        max_difference = differences.into_iter().fold(max_difference, u64::max);
+        if let Some(contact) = ground_world.contacts().next() {
             let part = contact.parts[0];
             seams += last.map_or(0, |last: u32| part.abs_diff(last));
             last = Some(part);
         }
     }
     let measures = vec![
-        measure("bump", BUMP, "m, m/s, rad/s", most as f64 / 4_294_967_296.0).promised(Promise::Zero),
+        measure("bump", BUMP, "m, m/s, rad/s", max_difference as f64 / 4_294_967_296.0).promised(Promise::Zero),
         measure("seams", "seams that it rolled over", "seams", f64::from(seams))
             .promised(Promise::AtLeast(f64::from(least))),
     ];
-    let x = here.body(ball).map_or(0.0, |ball| ball.position().x.to_f64());
+    let x = ground_world.body(ball).map_or(0.0, |ball| ball.position().x.to_f64());
     let view = Some([(x - 4.0, -0.5), (x + 4.0, 2.0)]);
-    Ok(Played { world: here, measures, length: format!("{} s", steps / 60), view, charts: String::new() })
+    Ok(Played { world: ground_world, measures, length: format!("{} s", steps / 60), view, charts: String::new() })
 }

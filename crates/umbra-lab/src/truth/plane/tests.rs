@@ -78,10 +78,10 @@ impl Stepped {
     }
 }
 
-fn assert_near(found: Option<Vec<Real>>, expected: [f64; 2], tolerance: f64, case: &str) {
-    let found: Vec<f64> = found.unwrap_or_else(|| panic!("{case}: no formula")).iter().map(to_f64).collect();
-    let off = (found[0] - expected[0]).hypot(found[1] - expected[1]);
-    assert!(off < tolerance, "{case}: {found:?} for {expected:?}");
+fn assert_near(values: Option<Vec<Real>>, expected: [f64; 2], tolerance: f64, case: &str) {
+    let values: Vec<f64> = values.unwrap_or_else(|| panic!("{case}: no formula")).iter().map(to_f64).collect();
+    let off = (values[0] - expected[0]).hypot(values[1] - expected[1]);
+    assert!(off < tolerance, "{case}: {values:?} for {expected:?}");
 }
 
 const UPHILL: [f64; 2] = [-0.6, 0.8];

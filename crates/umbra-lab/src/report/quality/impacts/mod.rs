@@ -158,10 +158,10 @@ fn gas(length: Length) -> Result<Played, Error> {
             .promised(Promise::AtMost(0.01)),
         measure("energy_err_2min", "in 2 minutes", "", worst(120)).promised(Promise::AtMost(0.05)),
     ];
-    let most = worst(120).max(1e-9);
+    let largest = worst(120).max(1e-9);
     let chart = Chart {
         x: Axis { label: "time, s", scale: Scale::Linear(0.0, 120.0) },
-        y: Axis { label: "relative change of the energy", scale: Scale::Linear(-1.2 * most, 1.2 * most) },
+        y: Axis { label: "relative change of the energy", scale: Scale::Linear(-1.2 * largest, 1.2 * largest) },
         lines,
     };
     Ok(Played { length: format!("{count} gases, 120 s each"), charts: chart.inline(), ..played(run, measures) })
