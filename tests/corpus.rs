@@ -132,7 +132,7 @@ fn inputs_have_ticks_and_contacts() {
                     start.elapsed().as_micros()
                 });
                 let microseconds = times.iter().min().expect("three of them");
-                println!("{} {} {} {microseconds} {}", tally.ticks, tally.mean(), tally.most, path.display());
+                println!("{} {} {} {microseconds} {}", tally.ticks, tally.mean(), tally.max_contacts, path.display());
             }
             continue;
         }
@@ -140,10 +140,11 @@ fn inputs_have_ticks_and_contacts() {
         let tallies: Vec<Tally> = inputs.iter().map(|(_, input)| Tally::of(run, input)).collect();
         let rate = inputs.len() as f64 / start.elapsed().as_secs_f64();
         let slept: u64 = tallies.iter().map(|tally| tally.slept).sum();
-        let of = |value: fn(&Tally) -> u64| median(tallies.iter().map(value).collect());
-        let [ticks, mean, most] = [of(|tally| tally.ticks), of(Tally::mean), of(|tally| tally.most)];
+        let median_of = |value: fn(&Tally) -> u64| median(tallies.iter().map(value).collect());
+        let [ticks, mean, max] =
+            [median_of(|tally| tally.ticks), median_of(Tally::mean), median_of(|tally| tally.max_contacts)];
         println!(
-            "{target}: medians of {ticks} ticks, {mean} touching manifolds in a tick, at most {most}; {slept} comparisons \
+            "{target}: medians of {ticks} ticks, {mean} touching manifolds in a tick, at most {max}; {slept} comparisons \
              with a sleeper; {rate:.0} inputs/s"
         );
         assert!(target != "commands" || slept >= SLEPT, "{slept} comparisons with a sleeping body");
@@ -165,9 +166,9 @@ fn mutated(random: &mut Random, inputs: &[(PathBuf, Vec<u8>)]) -> Vec<u8> {
             1 if at < input.len() => input[at] = random.bits() as u8,
             2 => input.insert(at, random.bits() as u8),
             _ => {
-                let (_, other) = &inputs[below(random, inputs.len())];
-                let from = below(random, other.len());
-                let part = &other[from..(from + below(random, 32)).min(other.len())];
+                let (_, donor) = &inputs[below(random, inputs.len())];
+                let from = below(random, donor.len());
+                let part = &donor[from..(from + below(random, 32)).min(donor.len())];
                 let end = (at + below(random, 32)).min(input.len());
                 input.splice(at..end, part.iter().copied());
             }

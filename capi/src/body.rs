@@ -239,8 +239,8 @@ fn damping_of(kept: UmbraFx) -> Option<Damping> {
     (kept != UMBRA_AS_WORLD).then(|| Damping::kept_per_second(Fx::from_bits(kept)))
 }
 
-fn limit_of(most: UmbraFx) -> Option<Fx> {
-    (most != UMBRA_NO_LIMIT).then(|| Fx::from_bits(most))
+fn limit_of(limit: UmbraFx) -> Option<Fx> {
+    (limit != UMBRA_NO_LIMIT).then(|| Fx::from_bits(limit))
 }
 
 fn locks_of(flags: UmbraLocks) -> Result<Locks> {
@@ -263,8 +263,8 @@ fn exact(value: FxAccumulator) -> UmbraInt128 {
 
 fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
     let (place, velocity, rotation) = (body.position_exact(), body.velocity_exact(), body.rotation());
-    let kept = |own: Option<Damping>| own.map_or(UMBRA_AS_WORLD, |own| own.kept().to_bits());
-    let limit = |most: Option<Fx>| most.map_or(UMBRA_NO_LIMIT, Fx::to_bits);
+    let kept = |damping: Option<Damping>| damping.map_or(UMBRA_AS_WORLD, |damping| damping.kept().to_bits());
+    let limit = |limit: Option<Fx>| limit.map_or(UMBRA_NO_LIMIT, Fx::to_bits);
     UmbraBodyState {
         position: body.position().into(),
         velocity: body.velocity().into(),
@@ -387,14 +387,14 @@ pub extern "C" fn umbra_world_body_mass_def(
 ) -> UmbraStatus {
     guard(|| {
         let (world, kind, mass, inertia) = (given(world)?, given(kind)?, given(mass)?, given(inertia)?);
-        let given = match world.world().body(body_id(body))?.mass_def() {
+        let mass_def = match world.world().body(body_id(body))?.mass_def() {
             Mass::Kilograms(mass) => (UMBRA_MASS_KILOGRAMS, mass, Fx::ZERO),
             Mass::Explicit { mass, inertia } => (UMBRA_MASS_EXPLICIT, mass, inertia),
             Mass::FromColliders => (UMBRA_MASS_FROM_COLLIDERS, Fx::ZERO, Fx::ZERO),
         };
-        kind.write(given.0);
-        mass.write(given.1.to_bits());
-        inertia.write(given.2.to_bits());
+        kind.write(mass_def.0);
+        mass.write(mass_def.1.to_bits());
+        inertia.write(mass_def.2.to_bits());
         Ok(())
     })
 }
@@ -422,10 +422,10 @@ fn seen(
     world: Option<&UmbraWorld>,
     body: u64,
     place: Option<&mut MaybeUninit<UmbraVec2>>,
-    by: impl FnOnce(BodyRef<'_>) -> Option<Vec2>,
+    vector: impl FnOnce(BodyRef<'_>) -> Option<Vec2>,
 ) -> UmbraStatus {
-    look(world, place, |world| match by(world.body(body_id(body))?) {
-        Some(seen) => Ok(seen.into()),
+    look(world, place, |world| match vector(world.body(body_id(body))?) {
+        Some(value) => Ok(value.into()),
         None => Err(Refusal::own(UMBRA_ERROR_NUMBER_OUT_OF_RANGE, "a component does not fit")),
     })
 }

@@ -210,16 +210,16 @@ pub unsafe extern "C" fn umbra_character_move(
         let ground =
             (body != UMBRA_NO_HANDLE).then(|| Ground { body: body_id(body), local: local.into(), point: point.into() });
         let (position, translation) = (way.position.into(), way.translation.into());
-        let own = given(world)?.world();
+        let source = given(world)?.world();
         // SAFETY: as the caller promises.
-        let made = unsafe {
+        let movement = unsafe {
             query(world, filter, |queries, filter| {
                 let movement = character.translate(queries, position, ground, translation, filter)?;
-                let pushes = character.push(own, &movement);
+                let pushes = character.push(source, &movement);
                 Ok(UmbraMovement { movement, pushes: pushes.iter().filter_map(UmbraCharacterPush::of).collect() })
             })
         }?;
-        place.write(Some(Box::new(made)));
+        place.write(Some(Box::new(movement)));
         Ok(())
     })
 }

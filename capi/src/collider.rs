@@ -39,7 +39,7 @@ fn rule(number: UmbraMixRule) -> Result<MixRule> {
 }
 
 fn number(rule: MixRule) -> UmbraMixRule {
-    MIX_RULES.iter().position(|&own| own == rule).map_or(UMBRA_MIX_STANDARD, |number| number as u32)
+    MIX_RULES.iter().position(|&listed| listed == rule).map_or(UMBRA_MIX_STANDARD, |number| number as u32)
 }
 
 /// For how long two bodies do not touch each other.
@@ -359,8 +359,8 @@ pub unsafe extern "C" fn umbra_world_body_colliders(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let own = given(world)?.world().colliders_of(body_id(body))?;
-        let all: Vec<u64> = own.map(collider_word).collect();
+        let collider_ids = given(world)?.world().colliders_of(body_id(body))?;
+        let all: Vec<u64> = collider_ids.map(collider_word).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), colliders, capacity, count) }
     })

@@ -80,10 +80,10 @@ pub unsafe extern "C" fn umbra_world_body_contacts(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let own = given(world)?.world().contacts_of(body_id(body))?;
-        let own: Vec<UmbraContact> = own.map(|contact| (&contact).into()).collect();
+        let touching = given(world)?.world().contacts_of(body_id(body))?;
+        let rows: Vec<UmbraContact> = touching.map(|contact| (&contact).into()).collect();
         // SAFETY: as the caller promises.
-        unsafe { fill(own.into_iter(), contacts, capacity, count) }
+        unsafe { fill(rows.into_iter(), contacts, capacity, count) }
     })
 }
 

@@ -78,10 +78,10 @@ unsafe fn reported(
     pairs: *mut UmbraColliderPair,
     capacity: usize,
     count: Option<&mut MaybeUninit<usize>>,
-    of: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [ColliderPair],
+    select: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [ColliderPair],
 ) -> UmbraStatus {
     guard(|| {
-        let rows = of(&given(world)?.world().last_report()).iter().map(UmbraColliderPair::from);
+        let rows = select(&given(world)?.world().last_report()).iter().map(UmbraColliderPair::from);
         // SAFETY: as the caller promises.
         unsafe { fill(rows, pairs, capacity, count) }
     })

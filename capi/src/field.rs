@@ -140,7 +140,7 @@ impl UmbraFieldDef {
     fn end(&self) -> End {
         match self.other {
             UMBRA_NO_HANDLE => End::World(self.other_point.into()),
-            other => End::Body(Attachment { body: body_id(other), point: self.other_point.into() }),
+            handle => End::Body(Attachment { body: body_id(handle), point: self.other_point.into() }),
         }
     }
 

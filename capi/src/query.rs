@@ -123,13 +123,13 @@ impl From<ShapeHit> for UmbraCastHit {
 }
 
 impl From<ClosestPoint> for UmbraClosestPoint {
-    fn from(near: ClosestPoint) -> Self {
+    fn from(closest: ClosestPoint) -> Self {
         Self {
-            collider: collider_word(near.collider),
-            body: body_word(near.body),
-            distance: near.distance.to_bits(),
-            point: near.point.into(),
-            part: near.part,
+            collider: collider_word(closest.collider),
+            body: body_word(closest.body),
+            distance: closest.distance.to_bits(),
+            point: closest.point.into(),
+            part: closest.part,
             is_found: 1,
         }
     }
@@ -145,20 +145,23 @@ pub(crate) unsafe fn query<T>(
     ask: impl FnOnce(&Queries<'_>, &QueryFilter<'_>) -> Result<T>,
 ) -> Result<T> {
     let world = given(world)?.world();
-    let Some(own) = filter else { return ask(&world.queries(), &QueryFilter::default()) };
+    let Some(umbra_filter) = filter else { return ask(&world.queries(), &QueryFilter::default()) };
     // SAFETY: as the caller promises.
     let (bodies, colliders) = unsafe {
-        (slice(own.without_bodies, own.without_body_count)?, slice(own.without_colliders, own.without_collider_count)?)
+        (
+            slice(umbra_filter.without_bodies, umbra_filter.without_body_count)?,
+            slice(umbra_filter.without_colliders, umbra_filter.without_collider_count)?,
+        )
     };
     let bodies: Vec<BodyId> = bodies.iter().map(|&body| body_id(body)).collect();
     let colliders: Vec<ColliderId> = colliders.iter().map(|&collider| collider_id(collider)).collect();
-    let called = own.predicate.map(|predicate| {
+    let called = umbra_filter.predicate.map(|predicate| {
         move |id: ColliderId, def: &ColliderDef| {
             // SAFETY: as the caller promises.
-            (unsafe { predicate(own.context, collider_word(id), def.user_data) }) != 0
+            (unsafe { predicate(umbra_filter.context, collider_word(id), def.user_data) }) != 0
         }
     });
-    let UmbraQueryFilter { category, mask, group, .. } = *own;
+    let UmbraQueryFilter { category, mask, group, .. } = *umbra_filter;
     let finds_all = (category, mask, group) == (UMBRA_ALL_CATEGORIES, UMBRA_ALL_CATEGORIES, 0);
     let filter = QueryFilter {
         filter: (!finds_all).then_some(Filter { category, mask, group }),
@@ -346,10 +349,11 @@ pub unsafe extern "C" fn umbra_world_closest_point(
 ) -> UmbraStatus {
     guard(|| {
         let place = given(closest)?;
-        let (point, most) = (vector(x, y), Fx::from_bits(most));
+        let (point, max_distance) = (vector(x, y), Fx::from_bits(most));
         // SAFETY: as the caller promises.
-        let near = unsafe { query(world, filter, |queries, filter| Ok(queries.closest_point(point, most, filter)?)) }?;
-        place.write(near.map(UmbraClosestPoint::from).unwrap_or_default());
+        let closest_point =
+            unsafe { query(world, filter, |queries, filter| Ok(queries.closest_point(point, max_distance, filter)?)) }?;
+        place.write(closest_point.map(UmbraClosestPoint::from).unwrap_or_default());
         Ok(())
     })
 }
@@ -368,9 +372,11 @@ pub unsafe extern "C" fn umbra_world_closest_points(
     count: Option<&mut MaybeUninit<usize>>,
 ) -> UmbraStatus {
     guard(|| {
-        let (point, most) = (vector(x, y), Fx::from_bits(most));
+        let (point, max_distance) = (vector(x, y), Fx::from_bits(most));
         // SAFETY: as the caller promises.
-        let all = unsafe { query(world, filter, |queries, filter| Ok(queries.closest_points(point, most, filter)?)) }?;
+        let all = unsafe {
+            query(world, filter, |queries, filter| Ok(queries.closest_points(point, max_distance, filter)?))
+        }?;
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter().map(UmbraClosestPoint::from), points, capacity, count) }
     })

@@ -103,7 +103,7 @@ pub unsafe extern "C" fn umbra_replay_verify(
         if let Some(ticks) = ticks {
             ticks.write(replay.ticks());
         }
-        let most = ReplayLimits { ticks: most_ticks, bodies, fields, colliders, pairs, commands };
-        Ok(replay.verify_within(most)?)
+        let limits = ReplayLimits { ticks: most_ticks, bodies, fields, colliders, pairs, commands };
+        Ok(replay.verify_within(limits)?)
     })
 }

@@ -18,9 +18,9 @@ fn both(
 ) -> UmbraStatus {
     guard(|| {
         let (world, x, y) = (given(world)?, given(x)?, given(y)?);
-        let seen = at(world.world())?;
-        x.write(seen.x.into());
-        y.write(seen.y.into());
+        let vector = at(world.world())?;
+        x.write(vector.x.into());
+        y.write(vector.y.into());
         Ok(())
     })
 }

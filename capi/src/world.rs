@@ -341,10 +341,10 @@ unsafe fn reported(
     bodies: *mut u64,
     capacity: usize,
     count: Option<&mut MaybeUninit<usize>>,
-    of: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [BodyId],
+    select: impl for<'a> FnOnce(&StepReport<'a>) -> &'a [BodyId],
 ) -> UmbraStatus {
     guard(|| {
-        let rows = of(&given(world)?.world().last_report()).iter().copied().map(body_word);
+        let rows = select(&given(world)?.world().last_report()).iter().copied().map(body_word);
         // SAFETY: as the caller promises.
         unsafe { fill(rows, bodies, capacity, count) }
     })
@@ -470,10 +470,10 @@ pub unsafe extern "C" fn umbra_world_find_body(
         // SAFETY: as the caller promises.
         let name = unsafe { text(name, length) }?;
         let (world, place) = (given(world)?, given(body)?);
-        let found =
+        let named =
             world.play()?.run.world().bodies().map(|body| body.id()).find(|&body| world.name(body) == Some(name));
-        let found = found.ok_or_else(|| Refusal::bad("no body has this name"))?;
-        place.write(body_word(found));
+        let named = named.ok_or_else(|| Refusal::bad("no body has this name"))?;
+        place.write(body_word(named));
         Ok(())
     })
 }

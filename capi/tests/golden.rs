@@ -106,7 +106,7 @@ fn the_golden_hashes_are_those_of_the_library() -> Result<(), Box<dyn std::error
     for _ in 0..TICKS {
         run.advance()?;
     }
-    let made = format!(
+    let header = format!(
         "/* Written by capi/tests/golden.rs from the library: UMBRA_BLESS=1. */\n\
          #define GOLDEN_TICKS {TICKS}\n\
          #define GOLDEN_STATE_HASH UINT64_C(0x{:016x})\n\
@@ -120,11 +120,11 @@ fn the_golden_hashes_are_those_of_the_library() -> Result<(), Box<dyn std::error
     );
     let file = root.join("examples/c/golden.h");
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
-        fs::write(&file, &made)?;
+        fs::write(&file, &header)?;
     }
     assert_eq!(
         fs::read_to_string(&file)?,
-        made,
+        header,
         "UMBRA_BLESS=1 cargo test --test golden, if the physics version changed"
     );
     Ok(())

@@ -23,14 +23,14 @@ fn sources() -> String {
 fn the_header_is_that_of_the_sources() {
     let config = cbindgen::Config::from_file(folder().join("cbindgen.toml")).expect("the configuration");
     let bindings = cbindgen::generate_with_config(folder(), config).expect("a header");
-    let mut made = Vec::new();
-    bindings.write(&mut made);
-    let made = String::from_utf8(made).expect("UTF-8");
+    let mut generated = Vec::new();
+    bindings.write(&mut generated);
+    let generated = String::from_utf8(generated).expect("UTF-8");
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
-        fs::write(header(), &made).expect("it can be written");
+        fs::write(header(), &generated).expect("it can be written");
     }
-    let there = fs::read_to_string(header()).unwrap_or_default();
-    assert!(there == made, "another header: UMBRA_BLESS=1 cargo test --test header");
+    let committed = fs::read_to_string(header()).unwrap_or_default();
+    assert!(committed == generated, "another header: UMBRA_BLESS=1 cargo test --test header");
 }
 
 fn declared(header: &str) -> BTreeSet<&str> {

@@ -246,13 +246,13 @@ fn colliders_are_read_as_they_were_made() {
     assert_eq!(add(&mut world, &empty), Err(UMBRA_ERROR_NULL_POINTER));
     assert_eq!(add(&mut world, &UmbraColliderDef { friction: -1, ..plain }), Err(UMBRA_ERROR_OUT_OF_RANGE));
     assert_eq!(umbra_last_cause(), 178);
-    let made = [add(&mut world, &plain), add(&mut world, &collider(&shape).0)].map(|made| made.expect("a collider"));
+    let added = [add(&mut world, &plain), add(&mut world, &collider(&shape).0)].map(|added| added.expect("a collider"));
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe {
         umbra_world_body_colliders(Some(&world), body, buffer, capacity, count)
     });
-    assert_eq!(listed, Ok(made.to_vec()));
-    let read = out(|def| umbra_world_collider(Some(&world), made[1], def)).expect("it is there");
+    assert_eq!(listed, Ok(added.to_vec()));
+    let read = out(|def| umbra_world_collider(Some(&world), added[1], def)).expect("it is there");
     assert_eq!((read.position, read.angle, read.density), (UmbraVec2 { x: 1, y: 2 }, 3, 4));
     assert_eq!((read.friction, read.restitution, read.key, read.user_data), (5, 6, 7, 8));
     assert_eq!((read.category, read.mask, read.group, read.shape), (9, 10, -11, ptr::null()));
@@ -264,26 +264,26 @@ fn colliders_are_read_as_they_were_made() {
     ] {
         assert_eq!(add(&mut world, &bad), Err(UMBRA_ERROR_BAD_ARGUMENT));
     }
-    assert_eq!(out(|body| umbra_world_collider_body(Some(&world), made[1], body)), Ok(body));
+    assert_eq!(out(|body| umbra_world_collider_body(Some(&world), added[1], body)), Ok(body));
     // Shapes are the caller's.
-    let again = own(|shape| umbra_world_collider_shape(Some(&world), made[0], shape)).expect("it has one");
+    let again = own(|shape| umbra_world_collider_shape(Some(&world), added[0], shape)).expect("it has one");
     // SAFETY: its shape is alive.
-    let other = unsafe {
+    let replaced = unsafe {
         umbra_world_set_collider(
             Some(&mut world),
-            made[1],
+            added[1],
             Some(&UmbraColliderDef { shape: &raw const *again, ..plain }),
         )
     };
-    assert_eq!(other, UMBRA_OK);
+    assert_eq!(replaced, UMBRA_OK);
     umbra_shape_free(Some(again));
     let kilograms =
         |world: &UmbraWorld| out(|state| umbra_world_body(Some(world), body, state)).map(|state| state.mass);
     let both = kilograms(&world).expect("a mass");
-    assert_eq!(umbra_world_remove_collider(Some(&mut world), made[0]), UMBRA_OK);
-    let one = kilograms(&world).expect("a mass");
-    assert!(both.abs_diff(2 * one) <= 1, "{both} {one}");
-    assert_eq!(umbra_world_remove_collider(Some(&mut world), made[0]), UMBRA_ERROR_NO_SUCH_COLLIDER);
+    assert_eq!(umbra_world_remove_collider(Some(&mut world), added[0]), UMBRA_OK);
+    let single = kilograms(&world).expect("a mass");
+    assert!(both.abs_diff(2 * single) <= 1, "{both} {single}");
+    assert_eq!(umbra_world_remove_collider(Some(&mut world), added[0]), UMBRA_ERROR_NO_SUCH_COLLIDER);
     let settings = out(|settings| umbra_contact_settings_default(settings)).expect("settings");
     assert_eq!(out(|settings| umbra_world_contact_settings(Some(&world), settings)), Ok(settings));
     let stiffer = UmbraContactSettings { substeps: 8, ..settings };
@@ -305,16 +305,16 @@ fn events_are_those_of_the_library() {
     let mut here =
         own(|world| unsafe { umbra_world_from_scene(text.as_ptr().cast(), text.len(), 100, world) }).expect("a world");
     let scene = umbra_scene::Scene::parse(text).expect("a scene");
-    let mut there = scene.start::<Fx>().expect("it starts").into_world();
+    let mut rust_world = scene.start::<Fx>().expect("it starts").into_world();
     type Pairs = unsafe extern "C" fn(
         Option<&UmbraWorld>,
         *mut UmbraColliderPair,
         usize,
         Option<&mut std::mem::MaybeUninit<usize>>,
     ) -> UmbraStatus;
-    let pairs = |world: &UmbraWorld, of: Pairs| {
+    let pairs = |world: &UmbraWorld, list_of: Pairs| {
         // SAFETY: the buffers are those of `list`.
-        list(|buffer, capacity, count| unsafe { of(Some(world), buffer, capacity, count) }).expect("a list")
+        list(|buffer, capacity, count| unsafe { list_of(Some(world), buffer, capacity, count) }).expect("a list")
     };
     let word = |(slot, generation): (u32, u32)| u64::from(generation) << 32 | u64::from(slot);
     let pair = |pair: &umbra_physics::ColliderPair| UmbraColliderPair {
@@ -326,9 +326,9 @@ fn events_are_those_of_the_library() {
     let mut met = [0; 6];
     for _ in 0..90 {
         assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
-        let report = there.step();
+        let report = rust_world.step();
         let lists = [report.contacts_ended, report.contacts_began, report.sensors_left, report.sensors_entered];
-        let own: [Pairs; 4] = [
+        let calls: [Pairs; 4] = [
             umbra_world_contacts_ended,
             umbra_world_contacts_began,
             umbra_world_sensors_left,
@@ -336,8 +336,8 @@ fn events_are_those_of_the_library() {
         ];
         let summary = out(|report| umbra_world_report(Some(&here), report)).expect("a report");
         let counts = [summary.contacts_ended, summary.contacts_began, summary.sensors_left, summary.sensors_entered];
-        for (i, (list, of)) in lists.into_iter().zip(own).enumerate() {
-            assert_eq!(pairs(&here, of), list.iter().map(pair).collect::<Vec<_>>());
+        for (i, (list, call)) in lists.into_iter().zip(calls).enumerate() {
+            assert_eq!(pairs(&here, call), list.iter().map(pair).collect::<Vec<_>>());
             assert_eq!(counts[i], list.len() as u64);
             met[i] += list.len();
         }
@@ -354,7 +354,7 @@ fn events_are_those_of_the_library() {
             assert_eq!((hit.point.x, hit.point.y), (expected.point.x.to_bits(), expected.point.y.to_bits()));
         }
         met[4] += hits.len();
-        let overlaps: Vec<_> = there.sensor_overlaps().map(|overlap| pair(&overlap)).collect();
+        let overlaps: Vec<_> = rust_world.sensor_overlaps().map(|overlap| pair(&overlap)).collect();
         met[5] += overlaps.len();
         assert_eq!(pairs(&here, umbra_world_sensor_overlaps), overlaps);
     }
@@ -372,7 +372,7 @@ fn contacts_are_those_of_the_library() {
     let mut here =
         own(|world| unsafe { umbra_world_from_scene(text.as_ptr().cast(), text.len(), 100, world) }).expect("a world");
     let scene = umbra_scene::Scene::parse(text).expect("a scene");
-    let mut there = scene.start::<Fx>().expect("it starts").into_world();
+    let mut rust_world = scene.start::<Fx>().expect("it starts").into_world();
     let contacts = |world: &UmbraWorld| {
         // SAFETY: the buffers are those of `list`.
         list(|buffer, capacity, count| unsafe { umbra_world_contacts(Some(world), buffer, capacity, count) })
@@ -380,22 +380,22 @@ fn contacts_are_those_of_the_library() {
     assert_eq!(contacts(&here), Ok(Vec::new()));
     for _ in 0..20 {
         assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
-        there.step();
+        rust_world.step();
     }
-    let found = contacts(&here).expect("a list");
-    let expected: Vec<_> = there.contacts().collect();
-    assert_eq!((found.len(), expected.len()), (2, 2));
+    let contacts_of_c = contacts(&here).expect("a list");
+    let expected: Vec<_> = rust_world.contacts().collect();
+    assert_eq!((contacts_of_c.len(), expected.len()), (2, 2));
     let word = |(slot, generation): (u32, u32)| u64::from(generation) << 32 | u64::from(slot);
     let vector = |vector: umbra_physics::Vec2| UmbraVec2 { x: vector.x.to_bits(), y: vector.y.to_bits() };
-    for (found, expected) in found.iter().zip(&expected) {
-        assert_eq!(found.colliders, expected.colliders.map(|collider| word(collider.parts())));
-        assert_eq!(found.bodies, expected.bodies.map(|body| word(body.parts())));
+    for (row, expected) in contacts_of_c.iter().zip(&expected) {
+        assert_eq!(row.colliders, expected.colliders.map(|collider| word(collider.parts())));
+        assert_eq!(row.bodies, expected.bodies.map(|body| word(body.parts())));
         assert_eq!(
-            (found.normal, found.tangent_impulse, found.rolling_impulse),
+            (row.normal, row.tangent_impulse, row.rolling_impulse),
             (vector(expected.normal), expected.tangent_impulse.to_bits(), expected.rolling_impulse.to_bits())
         );
-        assert_eq!((found.point_count as usize, found.reserved), (expected.points().len(), 0));
-        for (i, point) in found.points.iter().enumerate() {
+        assert_eq!((row.point_count as usize, row.reserved), (expected.points().len(), 0));
+        for (i, point) in row.points.iter().enumerate() {
             let expected = expected.points().get(i).map(|point| UmbraContactPoint {
                 position: vector(point.position),
                 separation: point.separation.to_bits(),
@@ -406,12 +406,14 @@ fn contacts_are_those_of_the_library() {
     }
     let of_floor = list(|buffer, capacity, count| {
         // SAFETY: the buffers are those of `list`.
-        unsafe { umbra_world_body_contacts(Some(&here), found[1].bodies[1], buffer, capacity, count) }
+        unsafe { umbra_world_body_contacts(Some(&here), contacts_of_c[1].bodies[1], buffer, capacity, count) }
     });
-    assert_eq!(of_floor, Ok(vec![found[1]]));
+    assert_eq!(of_floor, Ok(vec![contacts_of_c[1]]));
     // The crate slides on two corners, the ball lies on one point.
-    assert_eq!((found[0].point_count, found[1].point_count), (2, 1));
-    assert!(found[0].tangent_impulse < 0 && found[0].points.iter().all(|point| point.normal_impulse > 0));
+    assert_eq!((contacts_of_c[0].point_count, contacts_of_c[1].point_count), (2, 1));
+    assert!(
+        contacts_of_c[0].tangent_impulse < 0 && contacts_of_c[0].points.iter().all(|point| point.normal_impulse > 0)
+    );
     umbra_world_free(Some(here));
 }
 
@@ -508,14 +510,14 @@ fn queries_are_those_of_the_library() {
     let mut world = world();
     let disc = own(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a disc");
     let plain = out(|def| umbra_collider_def_default(def)).expect("a definition");
-    let mut made = Vec::new();
+    let mut added = Vec::new();
     for (x, category, user_data) in [(3, 1, 7), (6, 2, 0), (9, 4, 0)] {
         let place = UmbraVec2 { x: x * UMBRA_ONE, y: 0 };
         let body = add(&mut world, &UmbraBodyDef { position: place, ..body_def() }).expect("a body");
         let def = UmbraColliderDef { category, user_data, shape: &raw const *disc, ..plain };
         // SAFETY: the shape is alive.
         let collider = out(|id| unsafe { umbra_world_add_collider(Some(&mut world), body, Some(&def), id) });
-        made.push((body, collider.expect("a collider")));
+        added.push((body, collider.expect("a collider")));
     }
     let w = Some(&*world);
     let ray = UmbraRay { origin: UmbraVec2::default(), translation: UmbraVec2 { x: 16 * UMBRA_ONE, y: 0 } };
@@ -526,7 +528,7 @@ fn queries_are_those_of_the_library() {
         list(|hits, room, count| unsafe { umbra_world_cast_ray_all(w, Some(&ray), ties, filter, hits, room, count) })
             .map(|hits: Vec<UmbraCastHit>| hits.iter().map(|hit| hit.collider).collect::<Vec<_>>())
     };
-    let colliders: Vec<u64> = made.iter().map(|made| made.1).collect();
+    let colliders: Vec<u64> = added.iter().map(|pair| pair.1).collect();
     assert_eq!((all(None, 0), all(None, 1)), (Ok(colliders.clone()), Ok(colliders[..1].to_vec())));
     assert_eq!(all(None, 2), Err(UMBRA_ERROR_BAD_ARGUMENT));
     // Each part of a filter.
@@ -534,7 +536,7 @@ fn queries_are_those_of_the_library() {
     assert_eq!(all(Some(&every), 0), Ok(colliders.clone()));
     assert_eq!(all(Some(&UmbraQueryFilter { mask: 5, ..every }), 0), Ok(vec![colliders[0], colliders[2]]));
     let without = UmbraQueryFilter {
-        without_bodies: &raw const made[0].0,
+        without_bodies: &raw const added[0].0,
         without_body_count: 1,
         without_colliders: &raw const colliders[1],
         without_collider_count: 1,
@@ -548,8 +550,8 @@ fn queries_are_those_of_the_library() {
     let status = unsafe { umbra_world_cast_rays(w, [ray, away].as_ptr(), hits.as_mut_ptr(), 2, Some(&asking)) };
     assert_eq!((status, calls), (UMBRA_OK, 2));
     let expected = UmbraCastHit {
-        collider: made[1].1,
-        body: made[1].0,
+        collider: added[1].1,
+        body: added[1].0,
         fraction: UMBRA_ONE / 16 * 5,
         point: point(5),
         normal: point(-1),
@@ -570,31 +572,36 @@ fn queries_are_those_of_the_library() {
     let cast: Vec<UmbraCastHit> = cast.expect("hits");
     assert_eq!((cast.len(), cast[0].fraction, cast[0].point), (3, UMBRA_ONE / 16, point(2)));
     // SAFETY: the buffers are those of `list`.
-    let near_disc = list(|found, room, count| unsafe {
-        umbra_world_overlap_shape(w, Some(&disc), 8 * UMBRA_ONE, 0, 0, None, found, room, count)
+    let near_disc = list(|buffer, room, count| unsafe {
+        umbra_world_overlap_shape(w, Some(&disc), 8 * UMBRA_ONE, 0, 0, None, buffer, room, count)
     });
     assert_eq!(near_disc, Ok(vec![colliders[1], colliders[2]]));
     // SAFETY: the buffers are those of `list`.
-    let in_box = list(|found, room, count| unsafe {
-        umbra_world_overlap_box(w, 0, -UMBRA_ONE, 2 * UMBRA_ONE, UMBRA_ONE, None, found, room, count)
+    let in_box = list(|buffer, room, count| unsafe {
+        umbra_world_overlap_box(w, 0, -UMBRA_ONE, 2 * UMBRA_ONE, UMBRA_ONE, None, buffer, room, count)
     });
     assert_eq!(in_box, Ok(vec![colliders[0]]));
     // SAFETY: no filter.
-    let closest = |most: i64| out(|near| unsafe { umbra_world_closest_point(w, 0, 0, most * UMBRA_ONE, None, near) });
-    let near = closest(4).expect("an answer");
-    assert_eq!((near.collider, near.body, near.distance, near.point), (made[0].1, made[0].0, 2 * UMBRA_ONE, point(2)));
-    assert_eq!((near.is_found, closest(1)), (1, Ok(UmbraClosestPoint::default())));
+    let closest =
+        |metres: i64| out(|place| unsafe { umbra_world_closest_point(w, 0, 0, metres * UMBRA_ONE, None, place) });
+    let closest_point = closest(4).expect("an answer");
+    assert_eq!(
+        (closest_point.collider, closest_point.body, closest_point.distance, closest_point.point),
+        (added[0].1, added[0].0, 2 * UMBRA_ONE, point(2))
+    );
+    assert_eq!((closest_point.is_found, closest(1)), (1, Ok(UmbraClosestPoint::default())));
     // SAFETY: the buffers are those of `list`.
-    let near = list(|near, room, count| unsafe {
-        umbra_world_closest_points(w, 0, 0, 5 * UMBRA_ONE, None, near, room, count)
+    let nearby = list(|buffer, room, count| unsafe {
+        umbra_world_closest_points(w, 0, 0, 5 * UMBRA_ONE, None, buffer, room, count)
     });
-    let near: Vec<UmbraClosestPoint> = near.expect("points");
-    assert_eq!(near.iter().map(|near| near.collider).collect::<Vec<_>>(), colliders[..2]);
+    let points: Vec<UmbraClosestPoint> = nearby.expect("points");
+    assert_eq!(points.iter().map(|point| point.collider).collect::<Vec<_>>(), colliders[..2]);
     // A shape alone.
     let inside = |x: i64| out(|inside| umbra_shape_contains(Some(&disc), x, 0, inside));
     assert_eq!((inside(UMBRA_ONE), inside(UMBRA_ONE + 1)), (Ok(1), Ok(0)));
-    let near = out(|near| umbra_shape_closest_point(Some(&disc), 3 * UMBRA_ONE, 0, near)).expect("a point");
-    assert_eq!((near.distance, near.point, near.is_found), (2 * UMBRA_ONE, point(1), 1));
+    let surface_point =
+        out(|surface_point| umbra_shape_closest_point(Some(&disc), 3 * UMBRA_ONE, 0, surface_point)).expect("a point");
+    assert_eq!((surface_point.distance, surface_point.point, surface_point.is_found), (2 * UMBRA_ONE, point(1), 1));
     let back = UmbraRay { origin: point(4), translation: point(-4) };
     let hit = out(|hit| umbra_shape_cast_ray(Some(&disc), Some(&back), hit)).expect("a hit");
     assert_eq!((hit.fraction, hit.point, hit.normal, hit.is_hit), (UMBRA_ONE / 4 * 3, point(1), point(1), 1));
@@ -621,12 +628,12 @@ fn excluded_pairs_are_listed() {
 #[test]
 fn every_change_is_the_command_of_its_name() {
     let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
-    let mut seen = std::collections::BTreeSet::new();
+    let mut cases = std::collections::BTreeSet::new();
     let mut is = |draft: &UmbraWorld, status: UmbraStatus, command: Command| {
         assert_eq!(status, UMBRA_OK, "{command:?}");
         let bytes = drafted(draft);
         assert_eq!(Command::from_bytes(&bytes), Ok(command));
-        seen.insert(bytes[0]);
+        cases.insert(bytes[0]);
     };
     macro_rules! changes {
         ($($call:ident($($argument:expr),*) => $command:expr;)*) => {
@@ -822,7 +829,7 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    assert_eq!(seen, Command::NUMBERS.iter().copied().collect());
+    assert_eq!(cases, Command::NUMBERS.iter().copied().collect());
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -840,7 +847,7 @@ fn fields_are_read_as_they_were_made() {
     for _ in 0..5 {
         add(&mut world, &body_def()).expect("a body");
     }
-    let mut made = Vec::new();
+    let mut added = Vec::new();
     for (mut def, _) in fields() {
         // Bodies that are there.
         (def.body, def.other) = (def.body.min(3), if def.other == UMBRA_NO_HANDLE { def.other } else { def.other & 7 });
@@ -849,11 +856,11 @@ fn fields_are_read_as_they_were_made() {
         }
         let id = out(|id| umbra_world_add_field(Some(&mut world), Some(&def), id)).expect("a field");
         assert_eq!(out(|read| umbra_world_field(Some(&world), id, read)), Ok(def));
-        made.push(id);
+        added.push(id);
     }
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_fields(Some(&world), buffer, capacity, count) });
-    assert_eq!(listed, Ok(made));
+    assert_eq!(listed, Ok(added));
     assert_eq!(out(|def| umbra_field_def_default(6, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     umbra_world_free(Some(world));
 }
@@ -861,9 +868,9 @@ fn fields_are_read_as_they_were_made() {
 #[test]
 fn bodies_are_read_to_the_last_bit() {
     let mut here = world();
-    let mut there = World::new(WorldDef::default()).expect("a world");
+    let mut rust_world = World::new(WorldDef::default()).expect("a world");
     assert_eq!(umbra_world_set_gravity(Some(&mut here), 1, -9 * ONE - 3), UMBRA_OK);
-    there.set_gravity(vec2(Fx::DELTA, Fx::from_bits(-9 * ONE - 3))).expect("a gravity");
+    rust_world.set_gravity(vec2(Fx::DELTA, Fx::from_bits(-9 * ONE - 3))).expect("a gravity");
     let shape = own(|shape| umbra_shape_circle(ONE, shape)).expect("a shape");
     let def = UmbraBodyDef { angular_velocity: -ONE / 3, user_data: 5, key: 6, ..body_def() };
     let body = add(&mut here, &def).expect("a body");
@@ -875,20 +882,20 @@ fn bodies_are_read_to_the_last_bit() {
     // SAFETY: its shape is alive.
     out(|id| unsafe { umbra_world_add_collider(Some(&mut here), body, Some(&ghost), id) }).expect("a collider");
     umbra_shape_free(Some(shape));
-    let id = there
+    let id = rust_world
         .add_body(BodyDef { angular_velocity: Fx::from_bits(-ONE / 3), user_data: 5, key: 6, ..BodyDef::dynamic() })
         .expect("a body");
     let filter = Filter { mask: 0, ..Filter::default() };
     let disc = Shape::circle(fx!(1)).expect("a shape");
-    there.add_collider(id, ColliderDef { filter, ..ColliderDef::new(disc) }).expect("a collider");
+    rust_world.add_collider(id, ColliderDef { filter, ..ColliderDef::new(disc) }).expect("a collider");
     for _ in 0..77 {
         assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
-        there.step();
+        rust_world.step();
     }
-    assert_eq!(state_hash(&here), there.state_hash());
-    assert_eq!(out(|hash| umbra_world_physics_hash(Some(&here), hash)), Ok(there.physics_hash()));
+    assert_eq!(state_hash(&here), rust_world.state_hash());
+    assert_eq!(out(|hash| umbra_world_physics_hash(Some(&here), hash)), Ok(rust_world.physics_hash()));
     let (state, look) =
-        (out(|state| umbra_world_body(Some(&here), body, state)).expect("a state"), there.body(id).unwrap());
+        (out(|state| umbra_world_body(Some(&here), body, state)).expect("a state"), rust_world.body(id).unwrap());
     assert_eq!((state.position, state.velocity), (look.position().into(), look.velocity().into()));
     assert_eq!((state.angle, state.angular_velocity), (look.angle().to_bits(), look.angular_velocity().to_bits()));
     assert_eq!((state.cos, state.sin), (look.rotation().cos.to_bits(), look.rotation().sin.to_bits()));
@@ -919,10 +926,10 @@ fn bodies_are_read_to_the_last_bit() {
         |value: UmbraInt128| umbra_physics::FxWide::from_bits(i128::from(value.high) << 64 | i128::from(value.low));
     type Total = extern "C" fn(Option<&UmbraWorld>, Option<&mut MaybeUninit<UmbraInt128>>) -> UmbraStatus;
     let totals: [(Total, _); 4] = [
-        (umbra_world_energy, there.energy()),
-        (umbra_world_kinetic_energy, there.kinetic_energy()),
-        (umbra_world_potential_energy, there.potential_energy()),
-        (umbra_world_angular_momentum, there.angular_momentum()),
+        (umbra_world_energy, rust_world.energy()),
+        (umbra_world_kinetic_energy, rust_world.kinetic_energy()),
+        (umbra_world_potential_energy, rust_world.potential_energy()),
+        (umbra_world_angular_momentum, rust_world.angular_momentum()),
     ];
     for (total, expected) in totals {
         assert_eq!(out(|sum| total(Some(&here), sum)).map(wide), Ok(expected.expect("a total")));
@@ -931,7 +938,7 @@ fn bodies_are_read_to_the_last_bit() {
     let y = out(|y| umbra_world_momentum(Some(&here), Some(&mut x), y)).expect("a momentum");
     // SAFETY: the call was done.
     let x = unsafe { x.assume_init() };
-    assert_eq!((wide(x), wide(y)), there.momentum().map(|momentum| (momentum.x, momentum.y)).expect("a momentum"));
+    assert_eq!((wide(x), wide(y)), rust_world.momentum().map(|momentum| (momentum.x, momentum.y)).expect("a momentum"));
     let mut num = MaybeUninit::uninit();
     let den = out(|den| umbra_world_elapsed(Some(&here), Some(&mut num), den)).expect("a time");
     // SAFETY: the call was done.
@@ -1013,8 +1020,8 @@ fn the_rest_of_a_body_is_read() {
     let rod = add(&mut here, &def).expect("a body");
     let lift = add(&mut here, &UmbraBodyDef { kind: UMBRA_KINEMATIC, key: 7, ..body_def() }).expect("a body");
 
-    let mut there = World::new(WorldDef::default()).expect("a world");
-    let id = there.add_body(BodyDef {
+    let mut rust_world = World::new(WorldDef::default()).expect("a world");
+    let id = rust_world.add_body(BodyDef {
         mass: Mass::Kilograms(fx!(3)),
         position: vec2(1, -1),
         velocity: vec2(2, Fx::from_bits(ONE / 3)),
@@ -1022,7 +1029,7 @@ fn the_rest_of_a_body_is_read() {
         angular_velocity: fx!(1),
         ..BodyDef::dynamic()
     });
-    let look = there.body(id.expect("a body")).expect("it is there");
+    let look = rust_world.body(id.expect("a body")).expect("it is there");
 
     let mass_def = |world: &UmbraWorld, body| {
         let (mut kind, mut mass) = (MaybeUninit::uninit(), MaybeUninit::uninit());
@@ -1046,12 +1053,12 @@ fn the_rest_of_a_body_is_read() {
         (umbra_world_body_world_point, look.world_point(at)),
         (umbra_world_body_local_point, look.local_point(at)),
     ];
-    for (seen, expected) in ways {
-        let found = out(|place| seen(Some(&here), rod, point.0, point.1, place));
-        assert_eq!(found, Ok(expected.expect("it fits").into()));
-        let far = out(|place| seen(Some(&here), rod, i64::MIN, i64::MAX, place));
+    for (function, expected) in ways {
+        let actual = out(|place| function(Some(&here), rod, point.0, point.1, place));
+        assert_eq!(actual, Ok(expected.expect("it fits").into()));
+        let far = out(|place| function(Some(&here), rod, i64::MIN, i64::MAX, place));
         assert_eq!(far, Err(UMBRA_ERROR_NUMBER_OUT_OF_RANGE));
-        assert_eq!(out(|place| seen(Some(&here), 99, 0, 0, place)), Err(UMBRA_ERROR_NO_SUCH_BODY));
+        assert_eq!(out(|place| function(Some(&here), 99, 0, 0, place)), Err(UMBRA_ERROR_NO_SUCH_BODY));
     }
 
     let wide =
@@ -1200,14 +1207,14 @@ fn a_packet_that_comes_twice_is_taken_once() {
     assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_OK);
     // SAFETY: the buffers are those of `list`.
     let outcomes = list(|to, size, count| unsafe { umbra_world_outcomes(Some(&world), to, size, count) });
-    let made = |sequence| UmbraInputResult {
+    let result = |sequence| UmbraInputResult {
         player: 4,
         sequence,
         status: UMBRA_OK,
         created: UMBRA_CREATED_NOTHING,
         handle: UMBRA_NO_HANDLE,
     };
-    assert_eq!(outcomes, Ok(vec![made(0), made(1), made(2)]));
+    assert_eq!(outcomes, Ok(vec![result(0), result(1), result(2)]));
     let state = out(|state| umbra_world_body(Some(&world), body, state)).expect("a state");
     assert_eq!(state.velocity, UmbraVec2 { x: 3 * ONE, y: 0 });
     // The same inputs cleared are none.
@@ -1229,12 +1236,12 @@ fn a_snapshot_is_made_where_another_was() {
     let start = state_hash(&world);
     assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
     assert_eq!(umbra_world_snapshot_into(Some(&world), Some(&mut snapshot)), UMBRA_OK);
-    let one = state_hash(&world);
+    let before = state_hash(&world);
     assert_eq!(umbra_world_remove_body(Some(&mut world), body), UMBRA_OK);
     assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
     assert_eq!(umbra_world_restore(Some(&mut world), Some(&snapshot)), UMBRA_OK);
-    assert_eq!(state_hash(&world), one);
-    assert_ne!(one, start);
+    assert_eq!(state_hash(&world), before);
+    assert_ne!(before, start);
     umbra_snapshot_free(Some(snapshot));
     umbra_world_free(Some(world));
 }
@@ -1397,9 +1404,9 @@ fn a_scene_is_recorded_and_verified_as_any_run() {
     assert_eq!(umbra_world_restore(Some(&mut plain), Some(&snapshot)), UMBRA_ERROR_BUSY);
     let mut bytes = own(|bytes| umbra_snapshot_to_bytes(Some(&snapshot), bytes)).expect("bytes");
     // SAFETY: that is where they are.
-    let there =
+    let bytes_there =
         unsafe { std::slice::from_raw_parts(umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes))) };
-    assert_eq!(Snapshot::from_bytes(there, &[]).expect("a snapshot").world().state_hash(), state_hash(&plain));
+    assert_eq!(Snapshot::from_bytes(bytes_there, &[]).expect("a snapshot").world().state_hash(), state_hash(&plain));
     assert_eq!(umbra_world_leave_scene(Some(&mut plain)), UMBRA_OK);
     assert_eq!(find(&plain, "lander"), Err(UMBRA_ERROR_BAD_ARGUMENT), "names end with the scene");
     assert_eq!(umbra_world_restore(Some(&mut plain), Some(&snapshot)), UMBRA_OK);

@@ -42,7 +42,7 @@ fn with_pointers(header: &str) -> BTreeSet<&str> {
 
 #[test]
 fn null_is_refused_everywhere() {
-    let mut seen = BTreeSet::new();
+    let mut names = BTreeSet::new();
     // Good values for the other places.
     let world_def = made(|def| umbra_world_def_default(def));
     let body_def = made(|def| umbra_body_def_default(def));
@@ -70,14 +70,14 @@ fn null_is_refused_everywhere() {
     let c = made(|collider| unsafe { umbra_world_add_collider(Some(w), b, Some(&collider_def), collider) });
     let pair = UmbraMaterialPair { friction: 0, restitution: 0, rolling_resistance: 0 };
     let settings = made(|settings| umbra_contact_settings_default(settings));
-    let (mut one, mut other, mut number) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
+    let (mut first, mut second, mut number) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
     let (point, wide) = (UmbraVec2::default(), UmbraInt128::default());
     let (clear, ray) = ([27u8], UmbraRay::default());
     let text = c"1".as_ptr();
     let part = UmbraPart { position: point, angle: 0, density: UMBRA_ONE, shape: null() };
     let mut place = MaybeUninit::uninit();
 
-    refused! { seen:
+    refused! { names:
         umbra_bytes_new(3, None);
         umbra_fx_from_text(null(), 1, Some(&mut number));
         umbra_fx_from_text(text, 1, None);
@@ -161,9 +161,9 @@ fn null_is_refused_everywhere() {
         umbra_world_remove_body(None, b);
         umbra_world_body(None, b, Some(&mut MaybeUninit::uninit()));
         umbra_world_body(Some(w), b, None);
-        umbra_world_body_mass_def(None, b, Some(&mut MaybeUninit::uninit()), Some(&mut number), Some(&mut one));
-        umbra_world_body_mass_def(Some(w), b, None, Some(&mut number), Some(&mut one));
-        umbra_world_body_mass_def(Some(w), b, Some(&mut MaybeUninit::uninit()), None, Some(&mut one));
+        umbra_world_body_mass_def(None, b, Some(&mut MaybeUninit::uninit()), Some(&mut number), Some(&mut first));
+        umbra_world_body_mass_def(Some(w), b, None, Some(&mut number), Some(&mut first));
+        umbra_world_body_mass_def(Some(w), b, Some(&mut MaybeUninit::uninit()), None, Some(&mut first));
         umbra_world_body_mass_def(Some(w), b, Some(&mut MaybeUninit::uninit()), Some(&mut number), None);
         umbra_world_body_goal(None, b, Some(&mut MaybeUninit::uninit()));
         umbra_world_body_goal(Some(w), b, None);
@@ -348,23 +348,23 @@ fn null_is_refused_everywhere() {
         umbra_replay_verify(null(), 1, Some(&UmbraReplayLimits::default()), None);
         umbra_replay_verify(clear.as_ptr(), 1, None, None);
 
-        umbra_world_kinetic_energy(None, Some(&mut other));
+        umbra_world_kinetic_energy(None, Some(&mut second));
         umbra_world_kinetic_energy(Some(w), None);
-        umbra_world_potential_energy(None, Some(&mut other));
+        umbra_world_potential_energy(None, Some(&mut second));
         umbra_world_potential_energy(Some(w), None);
-        umbra_world_energy(None, Some(&mut other));
+        umbra_world_energy(None, Some(&mut second));
         umbra_world_energy(Some(w), None);
-        umbra_world_momentum(None, Some(&mut other), Some(&mut MaybeUninit::uninit()));
-        umbra_world_momentum(Some(w), None, Some(&mut other));
-        umbra_world_momentum(Some(w), Some(&mut other), None);
-        umbra_world_angular_momentum(None, Some(&mut other));
+        umbra_world_momentum(None, Some(&mut second), Some(&mut MaybeUninit::uninit()));
+        umbra_world_momentum(Some(w), None, Some(&mut second));
+        umbra_world_momentum(Some(w), Some(&mut second), None);
+        umbra_world_angular_momentum(None, Some(&mut second));
         umbra_world_angular_momentum(Some(w), None);
-        umbra_world_body_kinetic_energy(None, b, Some(&mut other));
+        umbra_world_body_kinetic_energy(None, b, Some(&mut second));
         umbra_world_body_kinetic_energy(Some(w), b, None);
-        umbra_world_body_momentum(None, b, Some(&mut other), Some(&mut MaybeUninit::uninit()));
-        umbra_world_body_momentum(Some(w), b, None, Some(&mut other));
-        umbra_world_body_momentum(Some(w), b, Some(&mut other), None);
-        umbra_world_body_angular_momentum(None, b, Some(&mut other));
+        umbra_world_body_momentum(None, b, Some(&mut second), Some(&mut MaybeUninit::uninit()));
+        umbra_world_body_momentum(Some(w), b, None, Some(&mut second));
+        umbra_world_body_momentum(Some(w), b, Some(&mut second), None);
+        umbra_world_body_angular_momentum(None, b, Some(&mut second));
         umbra_world_body_angular_momentum(Some(w), b, None);
     }
     // What is refused changes nothing: the world is as it was made, with a body and a field.
@@ -392,7 +392,7 @@ fn null_is_refused_everywhere() {
     let header = fs::read_to_string(header).expect("the header");
     let expected: BTreeSet<&str> = with_pointers(&header).into_iter().filter(|name| !others.contains(name)).collect();
     assert!(expected.len() > 100, "{}", expected.len());
-    assert_eq!(seen, expected);
+    assert_eq!(names, expected);
 }
 
 /// An address where nothing may be read or written.

@@ -123,8 +123,8 @@ fn play(seed: u64, shape: Option<&UmbraShape>) -> (Vec<(Vec<UmbraStatus>, u64)>,
                 let bytes = taken(own(|bytes| umbra_snapshot_to_bytes(Some(&snapshot), bytes)));
                 // SAFETY: the bytes are there.
                 let read = own(|read| unsafe { umbra_snapshot_from_bytes(bytes.as_ptr(), bytes.len(), read) });
-                let other = own(|world| umbra_snapshot_world(Some(&read), world));
-                umbra_world_free(Some(std::mem::replace(&mut world, other)));
+                let restored = own(|world| umbra_snapshot_world(Some(&read), world));
+                umbra_world_free(Some(std::mem::replace(&mut world, restored)));
                 umbra_snapshot_free(Some(read));
             }
         }
@@ -138,7 +138,7 @@ fn play(seed: u64, shape: Option<&UmbraShape>) -> (Vec<(Vec<UmbraStatus>, u64)>,
 }
 
 fn verified(file: &[u8]) -> Result<u64, UmbraStatus> {
-    let most = UmbraReplayLimits {
+    let limits = UmbraReplayLimits {
         ticks: 1 << 20,
         commands: 1 << 20,
         bodies: 1_000,
@@ -147,7 +147,7 @@ fn verified(file: &[u8]) -> Result<u64, UmbraStatus> {
         pairs: 1 << 20,
     };
     // SAFETY: the bytes are there.
-    out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), Some(&most), ticks) })
+    out(|ticks| unsafe { umbra_replay_verify(file.as_ptr(), file.len(), Some(&limits), ticks) })
 }
 
 #[test]
@@ -185,19 +185,19 @@ fn a_world_goes_from_thread_to_thread() {
 
     // Made here, stepped by each in turn, freed by the last.
     let (say, said) = channel();
-    let mut on = (world(), Random::seeded(7));
+    let mut state = (world(), Random::seeded(7));
     for _ in 0..30 {
         let say = say.clone();
         let thread = spawn(move || {
-            let (world, dice) = &mut on;
+            let (world, dice) = &mut state;
             (0..10).for_each(|_| say.send(tick(world, None, dice)).expect("it listens"));
-            on
+            state
         });
-        on = thread.join().expect("no panic");
+        state = thread.join().expect("no panic");
     }
     assert!(said.try_iter().eq(expected));
-    assert_eq!(state_hash(&on.0), state_hash(&straight));
-    spawn(move || umbra_world_free(Some(on.0))).join().expect("no panic");
+    assert_eq!(state_hash(&state.0), state_hash(&straight));
+    spawn(move || umbra_world_free(Some(state.0))).join().expect("no panic");
     umbra_world_free(Some(straight));
 }
 
@@ -376,10 +376,10 @@ fn the_last_error_is_that_of_the_thread() {
     }
     // An error stays with its thread when the world goes to another.
     assert_eq!(body(&world), UMBRA_ERROR_NO_SUCH_BODY);
-    let there = spawn(move || {
+    let thread = spawn(move || {
         umbra_world_free(Some(world));
         (umbra_last_cause(), last_message())
     });
-    assert_eq!(there.join().expect("no panic"), (0, String::new()));
+    assert_eq!(thread.join().expect("no panic"), (0, String::new()));
     assert_eq!(last_message(), "no such body: body 5");
 }

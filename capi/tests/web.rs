@@ -46,8 +46,8 @@ fn hashes() -> Vec<String> {
             (Value::Array(xy), Value::Null) => {
                 ForceOrImpulse::Impulse { impulse: Vec2::new(number(&xy[0]), number(&xy[1])), point: None }
             }
-            (Value::Null, Value::Array(by)) => ForceOrImpulse::AngularImpulse(number(&by[0])),
-            other => panic!("{other:?}"),
+            (Value::Null, Value::Array(components)) => ForceOrImpulse::AngularImpulse(number(&components[0])),
+            pair => panic!("{pair:?}"),
         };
         Command::Apply { body, action, options: ApplyOptions::default() }
     };
@@ -70,16 +70,16 @@ fn hashes() -> Vec<String> {
 #[test]
 fn the_hashes_are_those_of_the_library() {
     let rows: Vec<String> = hashes().iter().map(|hash| format!("    \"{hash}\"")).collect();
-    let made = format!(
+    let text = format!(
         "{{\n  \"physics_version\": {PHYSICS_VERSION},\n  \"every\": {EVERY},\n  \"hashes\": [\n{}\n  ]\n}}\n",
         rows.join(",\n")
     );
     if std::env::var("UMBRA_BLESS").is_ok_and(|value| value == "1") {
-        fs::write(folder().join("golden.json"), &made).expect("it can be written");
+        fs::write(folder().join("golden.json"), &text).expect("it can be written");
     }
     assert_eq!(
         read("golden.json"),
-        made,
+        text,
         "UMBRA_BLESS=1 cargo test --test web, if the physics version or the arena changed"
     );
 }
@@ -240,9 +240,9 @@ fn two_worlds_in_a_browser_are_those_of_the_machine() {
     keep_picture(&mut browser, "narrow.png");
     assert_eq!(browser.evaluate("document.documentElement.scrollWidth <= innerWidth"), true);
     assert_eq!(browser.problems, [""; 0]);
-    let own = format!("\"http://127.0.0.1:{port}/");
+    let origin = format!("\"http://127.0.0.1:{port}/");
     assert!(
-        browser.requests.iter().all(|url| url.starts_with(&own) || url.starts_with("\"data:")),
+        browser.requests.iter().all(|url| url.starts_with(&origin) || url.starts_with("\"data:")),
         "{:?}",
         browser.requests
     );

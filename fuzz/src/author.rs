@@ -84,8 +84,8 @@ impl<'a> Author<'a> {
     }
 
     /// Takes note of what a command made in a world, for the commands to come.
-    pub fn made<S: Scalar>(&mut self, world: &World<S>, made: Created) {
-        match made {
+    pub fn made<S: Scalar>(&mut self, world: &World<S>, created: Created) {
+        match created {
             Created::Body(body) => {
                 self.bodies.push(body);
                 self.colliders.extend(world.colliders_of(body).into_iter().flatten());

@@ -177,31 +177,33 @@ struct Second {
 
 impl Second {
     fn new(promise: Promise, world: &World) -> Option<Self> {
-        let own = match promise {
+        let second = match promise {
             Promise::Restored => Some(reread(world)),
             Promise::Sleepless => Some(sleepless(world)),
             Promise::Image(symmetry) => Some(image(&symmetry, world)?),
             Promise::Traced | Promise::Preview | Promise::Reverse => None,
         };
-        Some(Self { promise, world: own, commands: 0 })
+        Some(Self { promise, world: second, commands: 0 })
     }
 
     fn execute(&mut self, world: &mut World, author: &mut Author<'_>, command: &Command) {
         assert_eq!(Command::from_bytes(&command.to_bytes()).as_ref(), Ok(command), "its own bytes");
         let expected = world.check(command).err();
         let before = expected.map(|_| world.state_hash());
-        let there = self.counterpart(world, command);
+        let counterpart = self.counterpart(world, command);
         let done = world.execute(command);
         assert_eq!(done.err(), expected, "what was foreseen: {command:?}");
         if let Some(before) = before {
             assert_eq!(world.state_hash(), before, "refused, and yet it changed the world: {command:?}");
         }
-        match (&mut self.world, there) {
-            (Some(second), Counterpart::Is(there)) => assert_eq!(second.execute(&there), done, "{command:?}"),
+        match (&mut self.world, counterpart) {
+            (Some(second), Counterpart::Is(counterpart_command)) => {
+                assert_eq!(second.execute(&counterpart_command), done, "{command:?}")
+            }
             (_, Counterpart::Nothing) => {}
             _ => self.world = None,
         }
-        done.into_iter().for_each(|made| author.made(world, made));
+        done.into_iter().for_each(|created| author.made(world, created));
         self.commands += 1;
         if matches!(self.promise, Promise::Restored) && self.commands % 3 == 0 {
             self.world = Some(reread(world));
@@ -353,8 +355,8 @@ fn preview(world: &mut World) {
         remove_fields(&mut free, |kind| matches!(kind, FieldKind::Buoyancy { .. }));
         free.step();
         ahead.step();
-        let (here, there) = (free.body(id).expect("it is there"), ahead.body().expect("it is there"));
-        assert_eq!(Motion::of(&here), Motion::of(&there), "a body by itself");
+        let (actual, expected) = (free.body(id).expect("it is there"), ahead.body().expect("it is there"));
+        assert_eq!(Motion::of(&actual), Motion::of(&expected), "a body by itself");
     }
     world.step();
 }
@@ -396,17 +398,17 @@ fn assert_touched_awake(world: &World, sleepless: &World) {
 }
 
 /// Sleep is left out: it changes no bit of the rest.
-fn assert_moved_alike(world: &World, other: &World) {
-    assert_eq!(world.body_count(), other.body_count());
-    for (here, there) in world.bodies().zip(other.bodies()) {
-        assert_eq!(Motion::of(&here), Motion::of(&there), "{}", here.id());
+fn assert_moved_alike(left: &World, right: &World) {
+    assert_eq!(left.body_count(), right.body_count());
+    for (a, b) in left.bodies().zip(right.bodies()) {
+        assert_eq!(Motion::of(&a), Motion::of(&b), "{}", a.id());
     }
-    let (here, there) = (world.last_report(), other.last_report());
-    assert_eq!(here.faults, there.faults);
+    let (a, b) = (left.last_report(), right.last_report());
+    assert_eq!(a.faults, b.faults);
     // A sleeping body is not stepped, and so its drag is not counted.
-    if world.bodies().any(|body| body.activity() == Activity::Asleep) {
-        assert!(here.drag_outside <= there.drag_outside);
+    if left.bodies().any(|body| body.activity() == Activity::Asleep) {
+        assert!(a.drag_outside <= b.drag_outside);
     } else {
-        assert_eq!(here.drag_outside, there.drag_outside);
+        assert_eq!(a.drag_outside, b.drag_outside);
     }
 }

@@ -25,9 +25,9 @@ impl Values<'_> {
         usize::from(self.byte()) % end
     }
 
-    /// From 1 to `few`, and in one case of 16 up to `most`.
-    fn number(&mut self, few: u8, most: u8) -> usize {
-        number(self.byte(), few, most)
+    /// From 1 to `few`, and in one case of 16 up to `max`.
+    fn number(&mut self, few: u8, max: u8) -> usize {
+        number(self.byte(), few, max)
     }
 
     /// From 2^low to below 2^(high + 1). *Domain* −32 ≤ low ≤ high ≤ 30.
@@ -97,20 +97,20 @@ impl Values<'_> {
             1 if is_wild => FxFactor::from_scalar(self.size(-32, 30)),
             _ => of_mass.times(length).times(length).over(FxFactor::from_scalar(self.size(0, 4))),
         };
-        let (one, none) = (inverse(of_mass), FxFactor::ZERO);
+        let (inverse_of_mass, none) = (inverse(of_mass), FxFactor::ZERO);
         let (inverse_mass, inverse_inertia) = match kind / 16 {
             0 | 1 => (Vec2::new(none, none), none),
-            2 => (Vec2::new(none, one), inverse(inertia)),
-            3 => (Vec2::new(one, none), none),
-            _ => (Vec2::new(one, one), inverse(inertia)),
+            2 => (Vec2::new(none, inverse_of_mass), inverse(inertia)),
+            3 => (Vec2::new(inverse_of_mass, none), none),
+            _ => (Vec2::new(inverse_of_mass, inverse_of_mass), inverse(inertia)),
         };
         let is_still = kind / 16 == 0;
-        let most = if is_wild && self.below(4) == 0 { 20 } else { 3 };
-        let velocity = |values: &mut Self, most: i32| match is_still {
+        let max = if is_wild && self.below(4) == 0 { 20 } else { 3 };
+        let velocity = |values: &mut Self, max: i32| match is_still {
             true => Velocity::default(),
-            false => Velocity { linear: values.vector(-32, most), angular: values.signed(-32, most) },
+            false => Velocity { linear: values.vector(-32, max), angular: values.signed(-32, max) },
         };
-        let (velocity, change) = (velocity(self, most), velocity(self, most - 5));
+        let (velocity, change) = (velocity(self, max), velocity(self, max - 5));
         let change = if kind / 16 <= 1 { Velocity::default() } else { change };
         let farthest = if self.below(8) == 0 { 30 } else { 4 };
         let position = self.vector(-32, farthest);
@@ -148,9 +148,9 @@ impl Values<'_> {
         if kind / 32 % 2 == 1 {
             let exponent = if kind < 128 { -30 } else { self.below(161) as i32 - 80 };
             let mut value = || (256 + i64::from(self.byte())) << self.below(54);
-            let (one, two, along) = (value(), value(), value());
-            let along = if one % 2 == 0 { along } else { -along };
-            impulses = Impulses { values: [one, if count == 2 { two } else { 0 }, along], exponent };
+            let (first, second, along) = (value(), value(), value());
+            let along = if first % 2 == 0 { along } else { -along };
+            impulses = Impulses { values: [first, if count == 2 { second } else { 0 }, along], exponent };
         }
         Contact {
             bodies: [a as u32, b as u32],
@@ -260,13 +260,13 @@ impl Scene {
     /// Goes on to the next step.
     pub fn advance(&mut self, solution: &Solution) {
         let flights = self.flights();
-        for ((body, by), flight) in self.bodies.iter_mut().zip(&solution.corrections).zip(&flights) {
+        for ((body, correction), flight) in self.bodies.iter_mut().zip(&solution.corrections).zip(&flights) {
             let end = flight.end;
             body.velocity = Velocity {
-                linear: both(end.linear, by.velocity.map(FxAccumulator::value), SPEED),
-                angular: within([end.angular, by.angular_velocity.value()], SPEED),
+                linear: both(end.linear, correction.velocity.map(FxAccumulator::value), SPEED),
+                angular: within([end.angular, correction.angular_velocity.value()], SPEED),
             };
-            let displacement = both(flight.displacement, by.displacement.map(FxAccumulator::value), POSITION);
+            let displacement = both(flight.displacement, correction.displacement.map(FxAccumulator::value), POSITION);
             body.position = both(body.position, displacement, POSITION);
         }
         for (contact, impulses) in self.contacts.iter_mut().zip(&solution.impulses) {
@@ -276,11 +276,11 @@ impl Scene {
                 let mut moved = 0;
                 for (side, sign) in [-1, 1].into_iter().enumerate() {
                     let body = contact.bodies[side] as usize;
-                    let (flight, by) = (&flights[body], &solution.corrections[body]);
+                    let (flight, correction) = (&flights[body], &solution.corrections[body]);
                     let [x, y, angle, rx, ry] = [
-                        within([flight.displacement.x, by.displacement.x.value()], POSITION),
-                        within([flight.displacement.y, by.displacement.y.value()], POSITION),
-                        within([flight.rotation, by.rotation.value()], SPEED),
+                        within([flight.displacement.x, correction.displacement.x.value()], POSITION),
+                        within([flight.displacement.y, correction.displacement.y.value()], POSITION),
+                        within([flight.rotation, correction.rotation.value()], SPEED),
                         point.arms[side].x,
                         point.arms[side].y,
                     ]
@@ -288,9 +288,9 @@ impl Scene {
                     moved += sign * ((nx * x + ny * y) >> 30);
                     moved += sign * ((((rx * ny - ry * nx) >> 30) * angle) >> 32);
                 }
-                let most = fx!(16_384).to_bits();
+                let limit = fx!(16_384).to_bits();
                 let separation = i128::from(point.separation.to_bits()) + moved;
-                point.separation = Fx::from_bits(separation.clamp((-most).into(), most.into()) as i64);
+                point.separation = Fx::from_bits(separation.clamp((-limit).into(), limit.into()) as i64);
             }
         }
     }

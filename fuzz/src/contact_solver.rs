@@ -85,63 +85,63 @@ impl Image {
         if self.is_mirrored { -value } else { value }
     }
 
-    fn velocity(&self, of: Velocity) -> Velocity {
-        Velocity { linear: (self.vector)(of.linear), angular: self.turn(of.angular) }
+    fn velocity(&self, velocity: Velocity) -> Velocity {
+        Velocity { linear: (self.vector)(velocity.linear), angular: self.turn(velocity.angular) }
     }
 
-    fn flight(&self, of: &Flight) -> Flight {
+    fn flight(&self, flight: &Flight) -> Flight {
         Flight {
-            position: (self.vector)(of.position),
-            start: self.velocity(of.start),
-            end: self.velocity(of.end),
-            displacement: (self.vector)(of.displacement),
-            rotation: self.turn(of.rotation),
-            inverse_mass: (self.factors)(of.inverse_mass),
-            ..*of
+            position: (self.vector)(flight.position),
+            start: self.velocity(flight.start),
+            end: self.velocity(flight.end),
+            displacement: (self.vector)(flight.displacement),
+            rotation: self.turn(flight.rotation),
+            inverse_mass: (self.factors)(flight.inverse_mass),
+            ..*flight
         }
     }
 
-    fn impulses(&self, contact: &Contact, of: Impulses) -> Impulses {
-        let [one, two, along] = of.values;
+    fn impulses(&self, contact: &Contact, impulses: Impulses) -> Impulses {
+        let [first, second, along] = impulses.values;
         let turn = |value: i64| if self.is_mirrored { -value } else { value };
         // With one point the second impulse is that of rolling resistance.
-        Impulses { values: [one, if contact.count == 1 { turn(two) } else { two }, turn(along)], ..of }
+        Impulses { values: [first, if contact.count == 1 { turn(second) } else { second }, turn(along)], ..impulses }
     }
 
-    fn contact(&self, of: &Contact) -> Contact {
+    fn contact(&self, contact: &Contact) -> Contact {
         Contact {
-            normal: (self.normal)(of.normal),
-            points: of.points.map(|point| Point { arms: point.arms.map(self.vector), ..point }),
-            surface_speed: self.turn(of.surface_speed),
-            impulses: self.impulses(of, of.impulses),
-            ..*of
+            normal: (self.normal)(contact.normal),
+            points: contact.points.map(|point| Point { arms: point.arms.map(self.vector), ..point }),
+            surface_speed: self.turn(contact.surface_speed),
+            impulses: self.impulses(contact, contact.impulses),
+            ..*contact
         }
     }
 
-    fn correction(&self, of: &Correction) -> Correction {
+    fn correction(&self, correction: &Correction) -> Correction {
         let turn = |value: FxAccumulator| if self.is_mirrored { value.negated() } else { value };
         Correction {
-            is_pushed: of.is_pushed,
-            velocity: (self.accumulators)(of.velocity),
-            angular_velocity: turn(of.angular_velocity),
-            displacement: (self.accumulators)(of.displacement),
-            rotation: turn(of.rotation),
+            is_pushed: correction.is_pushed,
+            velocity: (self.accumulators)(correction.velocity),
+            angular_velocity: turn(correction.angular_velocity),
+            displacement: (self.accumulators)(correction.displacement),
+            rotation: turn(correction.rotation),
         }
     }
 }
 
 /// A contact with its bodies and its points in the other order.
-fn swapped(of: &Contact, bodies: u32) -> Contact {
-    let mut points = of.points.map(|point| Point { arms: [point.arms[1], point.arms[0]], ..point });
-    let mut impulses = of.impulses;
-    if of.count == 2 {
+fn swapped(contact: &Contact, bodies: u32) -> Contact {
+    let mut points = contact.points.map(|point| Point { arms: [point.arms[1], point.arms[0]], ..point });
+    let mut impulses = contact.impulses;
+    if contact.count == 2 {
         points.swap(0, 1);
         impulses.values.swap(0, 1);
     } else {
         impulses.values[1] = -impulses.values[1];
     }
-    let [a, b] = of.bodies.map(|body| bodies - 1 - body);
-    Contact { bodies: [b, a], normal: of.normal.map(|part| -part), points, impulses, ..*of }
+    let [a, b] = contact.bodies.map(|body| bodies - 1 - body);
+    Contact { bodies: [b, a], normal: contact.normal.map(|part| -part), points, impulses, ..*contact }
 }
 
 /// The image of a scene has the image of its solution, and so has a scene in another order.
@@ -149,27 +149,32 @@ fn check_images(scene: &Scene, solution: &Solution) {
     let flights = scene.flights();
     for image in IMAGES {
         let contacts = scene.contacts.iter().map(|contact| image.contact(contact)).collect();
-        let seen: Vec<Flight> = flights.iter().map(|flight| image.flight(flight)).collect();
+        let images: Vec<Flight> = flights.iter().map(|flight| image.flight(flight)).collect();
         let expected = Solution {
-            impulses: scene.contacts.iter().zip(&solution.impulses).map(|(of, own)| image.impulses(of, *own)).collect(),
-            corrections: solution.corrections.iter().map(|by| image.correction(by)).collect(),
+            impulses: scene
+                .contacts
+                .iter()
+                .zip(&solution.impulses)
+                .map(|(contact, impulses)| image.impulses(contact, *impulses))
+                .collect(),
+            corrections: solution.corrections.iter().map(|correction| image.correction(correction)).collect(),
             counts: solution.counts,
         };
-        assert_eq!(scene.solve_seen(&seen, contacts), expected, "mirrored: {}, {scene:?}", image.is_mirrored);
+        assert_eq!(scene.solve_seen(&images, contacts), expected, "mirrored: {}, {scene:?}", image.is_mirrored);
     }
     let contacts = scene.contacts.iter().rev().map(|contact| swapped(contact, flights.len() as u32)).collect();
-    let seen: Vec<Flight> = flights.iter().rev().copied().collect();
-    let mut other = scene.solve_seen(&seen, contacts);
-    other.impulses.reverse();
-    other.corrections.reverse();
-    for (impulses, contact) in other.impulses.iter_mut().zip(&scene.contacts) {
+    let images: Vec<Flight> = flights.iter().rev().copied().collect();
+    let mut reordered = scene.solve_seen(&images, contacts);
+    reordered.impulses.reverse();
+    reordered.corrections.reverse();
+    for (impulses, contact) in reordered.impulses.iter_mut().zip(&scene.contacts) {
         if contact.count == 2 {
             impulses.values.swap(0, 1);
         } else {
             impulses.values[1] = -impulses.values[1];
         }
     }
-    assert_eq!(other, *solution, "in another order: {scene:?}");
+    assert_eq!(reordered, *solution, "in another order: {scene:?}");
 }
 
 /// The bodies that depend on each other with the first body of the first contact, and bodies at their borders that cannot be moved.
@@ -208,23 +213,23 @@ fn check_islands(scene: &Scene, solution: &Solution) {
 /// Contacts push, friction is within its cone, and what touches nothing or cannot be moved keeps its free flight.
 fn check_impulses(scene: &Scene, solution: &Solution) {
     for (contact, impulses) in scene.contacts.iter().zip(&solution.impulses) {
-        let [one, two, along] = impulses.values;
+        let [first, second, along] = impulses.values;
         // With one point the second impulse is that of rolling resistance, at most the normal one.
-        let is_rolling = contact.count == 1 && two.unsigned_abs() <= one.unsigned_abs();
-        assert!(one >= 0 && (is_rolling || contact.count == 2 && two >= 0), "{impulses:?} of {scene:?}");
-        let two = if contact.count == 2 { two } else { 0 };
+        let is_rolling = contact.count == 1 && second.unsigned_abs() <= first.unsigned_abs();
+        assert!(first >= 0 && (is_rolling || contact.count == 2 && second >= 0), "{impulses:?} of {scene:?}");
+        let two = if contact.count == 2 { second } else { 0 };
         // Cut off, friction may take steps to come into the cone.
         if solution.counts.cut == 0 {
             // The coefficient is rounded to 2^-26, and the share of the load to a unit.
-            let (load, coefficient) = (i128::from(one) + i128::from(two), i128::from(contact.friction.to_bits()));
-            let most = ((load * (coefficient + (1 << 5))) >> 32) + 1;
-            assert!(i128::from(along.unsigned_abs()) <= most, "{impulses:?} of {scene:?}");
+            let (load, coefficient) = (i128::from(first) + i128::from(two), i128::from(contact.friction.to_bits()));
+            let max = ((load * (coefficient + (1 << 5))) >> 32) + 1;
+            assert!(i128::from(along.unsigned_abs()) <= max, "{impulses:?} of {scene:?}");
         }
     }
     let touched: BTreeSet<u32> = scene.contacts.iter().flat_map(|contact| contact.bodies).collect();
-    for (i, (body, by)) in scene.bodies.iter().zip(&solution.corrections).enumerate() {
+    for (i, (body, correction)) in scene.bodies.iter().zip(&solution.corrections).enumerate() {
         if body.is_fixed() || !touched.contains(&(i as u32)) {
-            assert_eq!(*by, Correction::default(), "body {i} of {scene:?}");
+            assert_eq!(*correction, Correction::default(), "body {i} of {scene:?}");
         }
     }
 }
@@ -236,9 +241,9 @@ fn check_momentum(scene: &Scene, solution: &Solution) {
     for axis in [0, 1] {
         let (mut sum, mut moved, mut masses) = (IBig::ZERO, UBig::ZERO, UBig::ZERO);
         let mut is_conserved = true;
-        for (body, by) in members() {
+        for (body, correction) in members() {
             let inverse = [body.inverse_mass.x, body.inverse_mass.y][axis];
-            let change = [by.velocity.x, by.velocity.y][axis].to_bits();
+            let change = [correction.velocity.x, correction.velocity.y][axis].to_bits();
             // Changes beyond all velocities of a world are cut off.
             is_conserved &= !inverse.is_zero() && change.unsigned_abs() < 1 << 126;
             let mass = UBig::from(body.mass.to_bits() as u64);

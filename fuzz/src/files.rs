@@ -126,8 +126,8 @@ pub fn disturb(bytes: &mut Vec<u8>, input: &mut Unstructured<'_>) -> Result<()> 
         1 if kind >> 6 == 0 => {
             let length = [4, 8, 12, 16][usize::from(kind >> 4)];
             if let Some(pair) = bytes.get_mut(at..at + 2 * length) {
-                let (one, other) = pair.split_at_mut(length);
-                one.swap_with_slice(other);
+                let (first, second) = pair.split_at_mut(length);
+                first.swap_with_slice(second);
             }
         }
         0 | 1 => bytes[at] ^= 1 << (kind >> 5),
@@ -161,8 +161,8 @@ pub fn measured<T>(bytes: &[u8], read: impl FnOnce() -> T) -> T {
 /// Reads something, and asserts that it takes no more than so many bytes of memory a byte.
 pub fn measured_within<T>(times: u64, bytes: &[u8], read: impl FnOnce() -> T) -> T {
     let (value, took) = taken(read);
-    let most = times * bytes.len() as u64 + ANY;
-    assert!(took <= most, "{took} of {most} bytes taken to read {}", bytes.len());
+    let max = times * bytes.len() as u64 + ANY;
+    assert!(took <= max, "{took} of {max} bytes taken to read {}", bytes.len());
     value
 }
 

@@ -57,11 +57,11 @@ fn play(data: &[u8]) -> Result<()> {
         let mut ticks = TICKS;
         if !author.input.is_empty() {
             let command = author.command();
-            let Ok(there) = command.clone().map(&mut InFloats);
+            let Ok(float_command) = command.clone().map(&mut InFloats);
             let done = world.execute(&command);
-            assert_eq!(done, float.execute(&there), "{command:?}");
-            if let Ok(made) = done {
-                author.made(&world, made);
+            assert_eq!(done, float.execute(&float_command), "{command:?}");
+            if let Ok(created) = done {
+                author.made(&world, created);
             }
             if let Command::SetIntegrator(_) = command {
                 error = Error::default();
@@ -78,8 +78,8 @@ fn play(data: &[u8]) -> Result<()> {
             let before = Snapshot::of(&float);
             let is_safe = world.step().faults.is_empty() & float.step().faults.is_empty();
             tally::count(&world);
-            let (outside, there) = (world.last_report().drag_outside, float.last_report().drag_outside);
-            if !is_safe || outside != there {
+            let (outside, float_outside) = (world.last_report().drag_outside, float.last_report().drag_outside);
+            if !is_safe || outside != float_outside {
                 return Ok(());
             }
             let Some(slopes) = Slopes::over(&before, &float) else {
@@ -134,7 +134,7 @@ impl CommandMap<Fx, f64> for InFloats {
             Geometry::Circle { radius } => Geometry::Circle { radius: float(radius) },
             Geometry::Rectangle { width, height } => Geometry::Rectangle { width: float(width), height: float(height) },
             Geometry::Capsule { length, radius } => Geometry::Capsule { length: float(length), radius: float(radius) },
-            ref other => panic!("a coarser scalar may see it otherwise: {other:?}"),
+            ref geometry => panic!("a coarser scalar may see it otherwise: {geometry:?}"),
         };
         Ok(Shape::new(geometry).expect("a fair size"))
     }
@@ -207,7 +207,7 @@ impl Way {
     }
 
     fn of(before: &Snapshot, after: &World<f64>, at: &Attachment<f64>) -> Option<Self> {
-        let [here, there] = [before.world.body(at.body).ok()?, after.body(at.body).ok()?];
+        let [before_body, after_body] = [before.world.body(at.body).ok()?, after.body(at.body).ok()?];
         let point = |body: &BodyRef<'_, f64>| {
             let (sin, cos) = body.angle().sin_cos();
             let Vec2 { x, y } = body.position();
@@ -219,12 +219,19 @@ impl Way {
             long([x, y]) + arm * body.angular_velocity().abs()
         };
         // Twice the larger of the two speeds, and some for bodies that turn back in between.
-        let speed = 2.0 * speed(&here).max(speed(&there)) + 1.0;
-        let yields = match here.kind() {
-            BodyKind::Dynamic => [here.inverse_mass(), here.inverse_inertia()],
+        let speed = 2.0 * speed(&before_body).max(speed(&after_body)) + 1.0;
+        let yields = match before_body.kind() {
+            BodyKind::Dynamic => [before_body.inverse_mass(), before_body.inverse_inertia()],
             _ => [0.0; 2],
         };
-        Some(Self { from: point(&here), to: point(&there), reach: 4.5 * before.seconds * speed, speed, arm, yields })
+        Some(Self {
+            from: point(&before_body),
+            to: point(&after_body),
+            reach: 4.5 * before.seconds * speed,
+            speed,
+            arm,
+            yields,
+        })
     }
 
     fn end(before: &Snapshot, after: &World<f64>, end: &End<f64>) -> Option<Self> {
@@ -235,10 +242,10 @@ impl Way {
     }
 
     /// Change of accelerations by a force that changes by `force` for each unit of a place or speed of both ends,
-    /// the force itself being at most `most`.
-    fn felt(&self, force: f64, most: f64) -> f64 {
+    /// the force itself being at most `max_force`.
+    fn felt(&self, force: f64, max_force: f64) -> f64 {
         // The torque's lever turns as well.
-        self.yields[0] * force + self.yields[1] * self.arm * (force + most)
+        self.yields[0] * force + self.yields[1] * self.arm * (force + max_force)
     }
 }
 
@@ -259,15 +266,15 @@ impl Slopes {
                     let (a, b) = (Way::of(before, after, near)?, Way::end(before, after, far)?);
                     let length = |a: [f64; 2], b: [f64; 2]| long([a[0] - b[0], a[1] - b[1]]);
                     let (start, end) = (length(a.from, b.from), length(a.to, b.to));
-                    let (least, most) = (start.min(end) - a.reach - b.reach, start.max(end) + a.reach + b.reach);
-                    if least < NEAR {
+                    let (min, max) = (start.min(end) - a.reach - b.reach, start.max(end) + a.reach + b.reach);
+                    if min < NEAR {
                         return None;
                     }
                     let rate = a.speed + b.speed;
-                    let force = spring.stiffness * most.max(spring.rest) + spring.damping * rate;
+                    let force = spring.stiffness * max.max(spring.rest) + spring.damping * rate;
                     // Both ends move and turn with their bodies; a force along the spring turns with it.
                     let moved = 2.0 + a.arm + b.arm;
-                    let place = moved * (spring.stiffness + 2.0 * (force + spring.damping * rate) / least);
+                    let place = moved * (spring.stiffness + 2.0 * (force + spring.damping * rate) / min);
                     let speed = moved * spring.damping;
                     for (way, body) in [(&a, Some(near.body)), (&b, body_of(far))] {
                         if let Some(body) = body {
@@ -302,8 +309,8 @@ impl Slopes {
                 _ => return None,
             }
         }
-        let most = |which: usize| slopes.iter().map(|(_, slopes)| slopes[which]).fold(0.0, f64::max);
-        let slopes = Self { place: most(0), speed: most(1), stop: 0.5 * f64::from(stops) };
+        let max_slope = |which: usize| slopes.iter().map(|(_, slopes)| slopes[which]).fold(0.0, f64::max);
+        let slopes = Self { place: max_slope(0), speed: max_slope(1), stop: 0.5 * f64::from(stops) };
         let h = before.seconds;
         (slopes.place * h * h < STIFF && slopes.speed * h < STIFF).then_some(slopes)
     }
@@ -312,9 +319,9 @@ impl Slopes {
 /// Returns true if any body is damped.
 fn is_damped(world: &World<f64>) -> bool {
     let WorldDef { linear_damping, angular_damping, .. } = world.def();
-    let own = |body: &BodyRef<'_, f64>| [body.linear_damping(), body.angular_damping()];
+    let dampings = |body: &BodyRef<'_, f64>| [body.linear_damping(), body.angular_damping()];
     [*linear_damping, *angular_damping].iter().any(|&damping| damping != Damping::NONE)
-        || world.bodies().any(|body| own(&body).into_iter().flatten().any(|own| own != Damping::NONE))
+        || world.bodies().any(|body| dampings(&body).into_iter().flatten().any(|damping| damping != Damping::NONE))
 }
 
 fn body_of(end: &End<f64>) -> Option<BodyId> {
@@ -375,16 +382,16 @@ impl Error {
 
     fn assert_covers(&self, world: &World, float: &World<f64>) {
         const ULPS: f64 = (1u64 << 32) as f64;
-        for (here, there) in world.bodies().zip(float.bodies()) {
-            let (x, v) = (here.position_exact(), here.velocity_exact());
-            let (y, w) = (there.position(), there.velocity());
-            let turn = here.angle_exact().to_f64() - there.angle();
+        for (body, float_body) in world.bodies().zip(float.bodies()) {
+            let (x, v) = (body.position_exact(), body.velocity_exact());
+            let (y, w) = (float_body.position(), float_body.velocity());
+            let turn = body.angle_exact().to_f64() - float_body.angle();
             let places = [x.x.to_f64() - y.x, x.y.to_f64() - y.y, turn - TAU * (turn / TAU).round()];
-            let spin = here.angular_velocity_exact().to_f64() - there.angular_velocity();
+            let spin = body.angular_velocity_exact().to_f64() - float_body.angular_velocity();
             let speeds = [v.x.to_f64() - w.x, v.y.to_f64() - w.y, spin];
             for (off, allowed) in [(places, self.place), (speeds, self.speed)] {
                 let off = off.into_iter().map(f64::abs).fold(0.0, f64::max) * ULPS;
-                assert!(off <= 2.0 * allowed + 1.0, "{}: {off} ulps of {self:?}, tick {}", here.id(), world.tick());
+                assert!(off <= 2.0 * allowed + 1.0, "{}: {off} ulps of {self:?}, tick {}", body.id(), world.tick());
             }
         }
     }

@@ -185,9 +185,9 @@ fn angle(y: i64, x: i64) {
 
 /// Looks at a power against 2^log.
 fn assert_power(power: std::result::Result<Fx, MathError>, log: &Real, what: impl std::fmt::Debug) {
-    let near = log.to_f64().value();
-    if !(-80.0..=31.5).contains(&near) {
-        let beyond = if near > 0.0 { Err(MathError::Overflow) } else { Ok(Fx::ZERO) };
+    let approximate = log.to_f64().value();
+    if !(-80.0..=31.5).contains(&approximate) {
+        let beyond = if approximate > 0.0 { Err(MathError::Overflow) } else { Ok(Fx::ZERO) };
         return assert_eq!(power, beyond, "{what:?}");
     }
     let exact = REFERENCE.exp2(log);
@@ -271,11 +271,11 @@ impl Decimal {
                 return Err(Unread::Grammar);
             }
             // Beyond what a text can have in digits on the other side.
-            let most = 1_000 + text.len() as i64;
+            let max = 1_000 + text.len() as i64;
             let size = size.trim_start_matches('0');
-            let size = if size.is_empty() { 0 } else { size.parse::<i64>().unwrap_or(most).min(most) };
+            let size = if size.is_empty() { 0 } else { size.parse::<i64>().unwrap_or(max).min(max) };
             places += if exponent.starts_with('-') { -size } else { size };
-            if size == most && !num.is_zero() {
+            if size == max && !num.is_zero() {
                 return Err(if exponent.starts_with('-') { Unread::Small } else { Unread::Large });
             }
         }
@@ -330,13 +330,13 @@ fn is_within(factor: FxFactor) -> bool {
 
 /// Asserts that a factor is the one nearest to num / den · 2^-shift, ties to even.
 fn assert_nearest(factor: FxFactor, num: &UBig, den: &UBig, shift: i32) {
-    let (mantissa, own) = factor.parts();
+    let (mantissa, exponent) = factor.parts();
     if *num == UBig::ZERO || mantissa == 0 {
         return assert!(*num == UBig::ZERO && mantissa == 0, "{factor}");
     }
     assert_eq!(mantissa >> 63, 1, "{factor}");
     // num / den · 2^(own − shift) is to be nearest to the mantissa.
-    let up = own - shift;
+    let up = exponent - shift;
     let scaled = |value: &UBig, up: i32| value << up.max(0).unsigned_abs() as usize;
     let (num, den) = (scaled(num, up), scaled(den, -up));
     if mantissa == 1 << 63 {
@@ -350,10 +350,10 @@ fn assert_nearest(factor: FxFactor, num: &UBig, den: &UBig, shift: i32) {
 fn factors(a: FxFactor, b: FxFactor) {
     let ((m, p), (n, q)) = (a.parts(), b.parts());
     let (x, y) = (UBig::from(m), UBig::from(n));
-    let one = UBig::ONE;
+    let unit = UBig::ONE;
     let product = a.times(b);
     if is_within(product) && (p + q).abs() < (1 << 14) - 200 {
-        assert_nearest(product, &(&x * &y), &one, p + q);
+        assert_nearest(product, &(&x * &y), &unit, p + q);
     }
     if !b.is_zero() {
         let quotient = a.over(b);
@@ -362,15 +362,15 @@ fn factors(a: FxFactor, b: FxFactor) {
         }
     }
     if a.is_zero() || b.is_zero() {
-        let other = if a.is_zero() { b } else { a };
-        assert_eq!((a.plus(b), a.minus(b).plus(b.minus(a))), (other, other));
+        let addend = if a.is_zero() { b } else { a };
+        assert_eq!((a.plus(b), a.minus(b).plus(b.minus(a))), (addend, addend));
     } else if p.abs_diff(q) < 400 {
-        let most = p.max(q);
-        let (x, y) = (x << (most - p) as usize, y << (most - q) as usize);
-        assert_nearest(a.plus(b), &(&x + &y), &one, most);
+        let larger = p.max(q);
+        let (x, y) = (x << (larger - p) as usize, y << (larger - q) as usize);
+        assert_nearest(a.plus(b), &(&x + &y), &unit, larger);
         assert_eq!(a.partial_cmp(&b), Some(x.cmp(&y)));
         let difference = if x > y { x - y } else { UBig::ZERO };
-        assert_nearest(a.minus(b), &difference, &one, most);
+        assert_nearest(a.minus(b), &difference, &unit, larger);
     } else {
         let larger = if p < q { a } else { b };
         assert_eq!(a.plus(b), larger);
@@ -413,9 +413,9 @@ fn wide_numbers(values: [i128; 3], factor: FxFactor) {
     let scalar = nearest(&IBig::from(a), &(UBig::ONE << 32));
     assert_eq!(wide(a).to_scalar().map(Fx::to_bits), i64::try_from(scalar).ok());
     let mut sums = [FxSum::default(); 2];
-    for (term, other) in [a, b, c].into_iter().zip([c, a, b]) {
+    for (term, reordered) in [a, b, c].into_iter().zip([c, a, b]) {
         sums[0].add(wide(term));
-        sums[1].add(wide(other));
+        sums[1].add(wide(reordered));
     }
     assert_eq!(sums[0], sums[1], "the order of terms matters");
     let total = IBig::from(a) + b + c;
@@ -453,10 +453,10 @@ fn accumulators(a: FxAccumulator, b: FxAccumulator, factor: FxFactor) {
 fn exact_turn(turn: u64) -> (Real, Real, Real) {
     let radians = real(turn, -62) * &REFERENCE.half_pi;
     // The nearest multiple of 2^-32 has a sine and a cosine; the rest is below 2^-32, its fourth power below 2^-128.
-    let near = (radians.clone() << 32).to_int().value();
-    let near = i64::try_from(near).expect("at most 2π");
-    let (sin, cos) = REFERENCE.sin_cos(near);
-    let rest = &radians - real(near, -32);
+    let radians_bits = (radians.clone() << 32).to_int().value();
+    let radians_bits = i64::try_from(radians_bits).expect("at most 2π");
+    let (sin, cos) = REFERENCE.sin_cos(radians_bits);
+    let rest = &radians - real(radians_bits, -32);
     let square = &rest * &rest;
     let (s, c) = (&rest * (real(1, 0) - &square / real(6, 0)), real(1, 0) - square * real(1, -1));
     (radians, &sin * &c + &cos * &s, cos * c - sin * s)
@@ -475,14 +475,14 @@ fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     let off = error(back.to_bits(), &exact);
     assert!(off.abs() <= NEAREST && real(back.to_bits(), -32) < real(4, 0) * &REFERENCE.half_pi, "{turn:#x}: {off}");
     assert!(back >= Fx::ZERO, "{back}");
-    let of = |radians: i64| Turn::from_radians(fx(radians)).to_bits();
+    let turn_bits = |radians: i64| Turn::from_radians(fx(radians)).to_bits();
     // In units of 2^-64 turns, whole turns apart.
-    let off = real(radians, 30) / &REFERENCE.half_pi - real(of(radians), 0);
+    let off = real(radians, 30) / &REFERENCE.half_pi - real(turn_bits(radians), 0);
     let turns = (off.clone() >> 64) + real(1, -1);
     let off = magnitude(&(off - (turns.floor() << 64)));
     assert!(off <= 0.501, "{radians}: {off}");
     if radians != i64::MIN {
-        assert_eq!(of(-radians), of(radians).wrapping_neg());
+        assert_eq!(turn_bits(-radians), turn_bits(radians).wrapping_neg());
     }
     // Sine and cosine are within 2^-61, and the sum is rounded to 2^-64 m.
     let arms = [real(x, -32), real(y, -32)];
@@ -491,8 +491,8 @@ fn angles(turn: u64, radians: i64, x: i64, y: i64) {
     let (x, y) = (fx(x), fx(y));
     let rotated = angle.rotate(Vec2::new(x, y));
     match rotated {
-        Some(found) => {
-            for (kept, exact) in [found.x, found.y].into_iter().zip(turned) {
+        Some(rotated_vector) => {
+            for (kept, exact) in [rotated_vector.x, rotated_vector.y].into_iter().zip(turned) {
                 let off = magnitude(&((real(kept.to_bits(), -64) - exact) << 64));
                 assert!(off <= allowed, "{off} of {allowed} for {x}, {y} by {turn:#x}");
             }
@@ -523,21 +523,21 @@ fn magnitude(value: &Real) -> f64 {
 
 fn attraction(mu: FxFactor, (x, y): (i64, i64), softening: i64) {
     // The world's: mu to 2^64 m³/s², softening from 0 to 2^12 m, positions within the envelope.
-    let most = FxFactor::from_ratio(1 << 63, 1).times(FxFactor::from_ratio(2, 1));
+    let max = FxFactor::from_ratio(1 << 63, 1).times(FxFactor::from_ratio(2, 1));
     let (x, y, softening) = (x >> 1, y >> 1, softening.unsigned_abs() >> 19);
     let far = |bits: i64| FxWide::from_scalar(fx(bits));
-    if mu > most || (mu.parts().1 > 200) {
+    if mu > max || (mu.parts().1 > 200) {
         return;
     }
-    let found = Fx::attraction(mu, Vec2::new(far(x), far(y)), fx(softening as i64));
+    let acceleration = Fx::attraction(mu, Vec2::new(far(x), far(y)), fx(softening as i64));
     if (x, y) == (0, 0) {
-        return assert_eq!(found, Some(Vec2::default()));
+        return assert_eq!(acceleration, Some(Vec2::default()));
     }
     let component = |raw: i64| real(raw, -32);
     let softening = component(softening as i64);
     let square = component(x) * component(x) + component(y) * component(y) + &softening * &softening;
     let share = exact_factor(mu) / (&square * square.sqrt());
-    let Some(found) = found else {
+    let Some(acceleration) = acceleration else {
         // A component that does not fit 2^63 m/s².
         let parts = [x, y].map(|raw| magnitude(&component(raw).mul(&share)));
         return assert!(
@@ -545,7 +545,7 @@ fn attraction(mu: FxFactor, (x, y): (i64, i64), softening: i64) {
             "{parts:?} at {x}, {y} with mu {mu}"
         );
     };
-    for (kept, raw) in [(found.x, x), (found.y, y)] {
+    for (kept, raw) in [(acceleration.x, x), (acceleration.y, y)] {
         let exact = component(raw).mul(&share);
         let off = magnitude(&((real(kept.to_bits(), -64) - &exact) << 64));
         // Rounded to 2^-64 m/s², after an error of 2^-90 relative.
@@ -558,16 +558,16 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
     let [rest, stiffness, damping] = [rest >> 1, stiffness, damping].map(|bits| bits & i64::MAX);
     let far = |bits: i64| FxWide::from_scalar(fx(bits));
     let law = SpringConstants { rest: fx(rest), stiffness: fx(stiffness), damping: fx(damping) };
-    let found = Fx::tension(Vec2::new(far(x), far(y)), Vec2::new(far(velocity.0), far(velocity.1)), &law);
+    let force = Fx::tension(Vec2::new(far(x), far(y)), Vec2::new(far(velocity.0), far(velocity.1)), &law);
     if (x, y) == (0, 0) {
-        return assert_eq!(found, Some(Vec2::default()));
+        return assert_eq!(force, Some(Vec2::default()));
     }
     let unit = |raw: i64| real(raw, -32);
     let length = (unit(x) * unit(x) + unit(y) * unit(y)).sqrt();
     let along = [unit(x) / &length, unit(y) / &length];
     let rate = unit(velocity.0) * &along[0] + unit(velocity.1) * &along[1];
     let pull = unit(stiffness) * (&length - unit(rest)) + unit(damping) * &rate;
-    let Some(found) = found else {
+    let Some(force) = force else {
         // A magnitude that does not fit 2^63 N, or one of the two that make it up.
         let parts = [unit(stiffness) * (&length - unit(rest)), unit(damping) * &rate, pull];
         return assert!(parts.iter().any(|part| magnitude(part) >= 2f64.powi(63) * 0.999_999));
@@ -578,12 +578,12 @@ fn tension((x, y): (i64, i64), velocity: (i64, i64), [rest, stiffness, damping]:
     let lost = (magnitude(&pull) + magnitude(&unit(damping)) * speed) * 2f64.powi(64 - 93);
     let stretched = if magnitude(&length) < 2f64.powi(23) { 0.501 } else { 0.751 };
     let allowed = stretched * magnitude(&unit(stiffness)) + 0.51 * magnitude(&unit(damping)) + 1.51 + lost;
-    for (kept, along) in [found.x, found.y].into_iter().zip(along) {
+    for (kept, along) in [force.x, force.y].into_iter().zip(along) {
         let off = magnitude(&((real(kept.to_bits(), -64) - &pull * along) << 64));
         assert!(off <= allowed, "{off} of {allowed} at {x}, {y} with {law:?} and {velocity:?}");
     }
     let mirrored = Fx::tension(Vec2::new(far(-x), far(y)), Vec2::new(far(-velocity.0), far(velocity.1)), &law);
-    assert_eq!(mirrored, Some(Vec2::new(Neg::neg(Signed(found.x)).0, found.y)));
+    assert_eq!(mirrored, Some(Vec2::new(Neg::neg(Signed(force.x)).0, force.y)));
 }
 
 struct Signed(FxWide);

@@ -19,12 +19,12 @@ pub mod tally;
 pub mod threads;
 pub mod work;
 
-/// The number of things that a byte of an input asks for: from 1 to `few`, and for one byte in 16 from there to `most`. A world of many
+/// The number of things that a byte of an input asks for: from 1 to `few`, and for one byte in 16 from there to `max`. A world of many
 /// takes the time of dozens of small ones, and what breaks mostly breaks among few.
-const fn number(byte: u8, few: u8, most: u8) -> usize {
+const fn number(byte: u8, few: u8, max: u8) -> usize {
     match byte {
         0..240 => 1 + (byte % few) as usize,
-        _ => few as usize + (byte - 239) as usize * (most - few) as usize / 16,
+        _ => few as usize + (byte - 239) as usize * (max - few) as usize / 16,
     }
 }
 

@@ -73,10 +73,10 @@ pub fn pile(author: &mut Author<'_>, world: &mut World) -> Result<()> {
         add(author, world, BodyDef { position: corner.checked_add(def.position).unwrap_or(corner), ..def });
     }
     for i in 0..number(count, BODIES[0], BODIES[1]) as i32 {
-        let [kind, near, motion, look]: [u8; 4] = author.any()?;
+        let [kind, offsets, motion, look]: [u8; 4] = author.any()?;
         let parts = |number: u8| part * i32::from(number);
-        let cell = vec2(i % row, 1 + i / row) * gap + Vec2::new(parts(near & 3), parts(near >> 2 & 3));
-        let turn = [fx!(0), fx!(0), Fx::PI / 2, angle][usize::from(near >> 4 & 3)];
+        let cell = vec2(i % row, 1 + i / row) * gap + Vec2::new(parts(offsets & 3), parts(offsets >> 2 & 3));
+        let turn = [fx!(0), fx!(0), Fx::PI / 2, angle][usize::from(offsets >> 4 & 3)];
         let eighth = |bits: u8| Fx::from_ratio(i64::from(bits & 7) - 4, 4);
         let colliders =
             if kind == 255 { vec![author.generator().collider_def()] } else { colliders(kind, look, unit, fit) };
@@ -88,7 +88,7 @@ pub fn pile(author: &mut Author<'_>, world: &mut World) -> Result<()> {
             velocity: if is_still { Vec2::ZERO } else { Vec2::new(eighth(motion), eighth(motion >> 3)) * speed },
             angular_velocity: if is_still { fx!(0) } else { eighth(motion >> 3) * 4 },
             mass: if units / 64 == 0 { Mass::FromColliders } else { Mass::Kilograms(masses[usize::from(look & 3)]) },
-            locks: Locks { x: false, y: false, rotation: near >> 6 == 3 },
+            locks: Locks { x: false, y: false, rotation: offsets >> 6 == 3 },
             key: u64::from(look >> 6) + i as u64,
             colliders,
             ..BodyDef::dynamic()
@@ -100,7 +100,7 @@ pub fn pile(author: &mut Author<'_>, world: &mut World) -> Result<()> {
 
 fn add(author: &mut Author<'_>, world: &mut World, def: BodyDef) {
     // What is out of range is left out.
-    world.execute(&Command::AddBody(def)).into_iter().for_each(|made| author.made(world, made));
+    world.execute(&Command::AddBody(def)).into_iter().for_each(|created| author.made(world, created));
 }
 
 /// The bodies under a pile, of which some are lifted: none, a box, a box with walls, a chain, or a plate that moves up.

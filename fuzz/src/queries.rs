@@ -24,18 +24,17 @@ const ROW: i32 = 3;
 const TICKS: [u8; 2] = [6, 20];
 
 /// A number within so many metres: a multiple of ½ m, where ties and grazes are, or any.
-fn number(input: &mut Unstructured<'_>, most: i32) -> Result<Fx> {
+fn number(input: &mut Unstructured<'_>, bound: i32) -> Result<Fx> {
     if bool::arbitrary(input)? {
-        return Ok(
-            Fx::from_bits(i64::from(i16::arbitrary(input)?).rem_euclid(4 * i64::from(most) + 1) << 31) - Fx::from(most)
-        );
+        return Ok(Fx::from_bits(i64::from(i16::arbitrary(input)?).rem_euclid(4 * i64::from(bound) + 1) << 31)
+            - Fx::from(bound));
     }
-    let whole = i64::from(most) << 33;
-    Ok(Fx::from_bits(i64::arbitrary(input)?.rem_euclid(whole + 1)) - Fx::from(most))
+    let whole = i64::from(bound) << 33;
+    Ok(Fx::from_bits(i64::arbitrary(input)?.rem_euclid(whole + 1)) - Fx::from(bound))
 }
 
-fn vector(input: &mut Unstructured<'_>, most: i32) -> Result<Vec2> {
-    Ok(Vec2::new(number(input, most)?, number(input, most)?))
+fn vector(input: &mut Unstructured<'_>, bound: i32) -> Result<Vec2> {
+    Ok(Vec2::new(number(input, bound)?, number(input, bound)?))
 }
 
 /// No turn, or any.
@@ -46,25 +45,28 @@ fn angle(input: &mut Unstructured<'_>) -> Result<Fx> {
 /// A shape of any kind; no chain for one that moves.
 fn shape(input: &mut Unstructured<'_>, moves: bool) -> Result<Shape> {
     let size = number(input, 2)?.abs() + fx!(0.125);
-    let other = number(input, 2)?.abs() + fx!(0.125);
-    let corners = [vec2(0, 0), Vec2::new(size * 2, fx!(0.5)), Vec2::new(size, other + fx!(1)), vec2(0, 1)];
-    let made = match u8::arbitrary(input)? % if moves { 7 } else { 9 } {
+    let second_size = number(input, 2)?.abs() + fx!(0.125);
+    let corners = [vec2(0, 0), Vec2::new(size * 2, fx!(0.5)), Vec2::new(size, second_size + fx!(1)), vec2(0, 1)];
+    let shape = match u8::arbitrary(input)? % if moves { 7 } else { 9 } {
         0 => Shape::circle(size),
-        1 => Shape::capsule(size, other),
+        1 => Shape::capsule(size, second_size),
         2 => Shape::polygon(&corners),
-        3 => Shape::rounded_polygon(&corners[..3], other),
-        4 => Shape::segment(vec2(0, 0), Vec2::new(size, other)),
+        3 => Shape::rounded_polygon(&corners[..3], second_size),
+        4 => Shape::segment(vec2(0, 0), Vec2::new(size, second_size)),
         5 => {
-            let wheel = Shape::circle(other).expect("a radius within the limits");
+            let wheel = Shape::circle(second_size).expect("a radius within the limits");
             let part =
                 |x: Fx| Part { shape: wheel.clone(), position: Vec2::new(x, fx!(0)), angle: fx!(0), density: fx!(1) };
             Shape::compound(&[part(-size), part(size)])
         }
-        6 => Shape::rectangle(size, other),
-        7 => Shape::chain(&[Vec2::new(size, other), vec2(0, 0), vec2(-1, 0), Vec2::new(-size - fx!(1), other)], false),
+        6 => Shape::rectangle(size, second_size),
+        7 => Shape::chain(
+            &[Vec2::new(size, second_size), vec2(0, 0), vec2(-1, 0), Vec2::new(-size - fx!(1), second_size)],
+            false,
+        ),
         _ => Shape::chain(&[vec2(-2, 0), vec2(0, 2), Vec2::new(size + fx!(1), fx!(0)), vec2(0, -2)], true),
     };
-    Ok(made.unwrap_or_else(|_| Shape::circle(1).expect("a disc")))
+    Ok(shape.unwrap_or_else(|_| Shape::circle(1).expect("a disc")))
 }
 
 fn body(input: &mut Unstructured<'_>, key: u64) -> Result<BodyDef> {
@@ -87,14 +89,14 @@ enum Query {
 
 impl Query {
     fn of(input: &mut Unstructured<'_>) -> Result<Self> {
-        let (kind, from, by) = (u8::arbitrary(input)? % 8, vector(input, 16)?, vector(input, 24)?);
+        let (kind, from, path) = (u8::arbitrary(input)? % 8, vector(input, 16)?, vector(input, 24)?);
         Ok(match kind {
-            0..3 => Self::Ray(from, by),
-            3 => Self::Cast(shape(input, true)?, (from, angle(input)?), by),
+            0..3 => Self::Ray(from, path),
+            3 => Self::Cast(shape(input, true)?, (from, angle(input)?), path),
             4 => Self::Overlap(shape(input, true)?, (from, angle(input)?)),
-            5 => Self::Box(Aabb { min: from.min(from + by), max: from.max(from + by) }),
+            5 => Self::Box(Aabb { min: from.min(from + path), max: from.max(from + path) }),
             6 => Self::Point(from),
-            _ => Self::Near(from, by.x.abs()),
+            _ => Self::Near(from, path.x.abs()),
         })
     }
 
@@ -102,9 +104,9 @@ impl Query {
     fn image(&self) -> Option<Self> {
         let across = |v: Vec2| Vec2::new(-v.x, v.y);
         match *self {
-            Self::Ray(from, by) => Some(Self::Ray(across(from), across(by))),
+            Self::Ray(from, path) => Some(Self::Ray(across(from), across(path))),
             Self::Point(from) => Some(Self::Point(across(from))),
-            Self::Near(from, most) => Some(Self::Near(across(from), most)),
+            Self::Near(from, reach) => Some(Self::Near(across(from), reach)),
             Self::Box(Aabb { min, max }) => {
                 Some(Self::Box(Aabb { min: Vec2::new(-max.x, min.y), max: Vec2::new(-min.x, max.y) }))
             }
@@ -129,27 +131,29 @@ fn ask(world: &World, queries: &Queries<'_>, query: &Query, filter: &QueryFilter
     };
     let fair = "a query within the limits";
     match query {
-        Query::Ray(from, by) => {
-            let all = queries.cast_ray_all(*from, *by, filter).expect(fair);
-            assert_eq!(queries.cast_ray_any(*from, *by, filter), Ok(!all.is_empty()));
-            let ties = queries.cast_ray_ties(*from, *by, filter).expect(fair);
-            casts(all, ties, queries.cast_ray(*from, *by, filter).expect(fair))
+        Query::Ray(from, path) => {
+            let all = queries.cast_ray_all(*from, *path, filter).expect(fair);
+            assert_eq!(queries.cast_ray_any(*from, *path, filter), Ok(!all.is_empty()));
+            let ties = queries.cast_ray_ties(*from, *path, filter).expect(fair);
+            casts(all, ties, queries.cast_ray(*from, *path, filter).expect(fair))
         }
-        Query::Cast(shape, pose, by) => {
-            let all = queries.cast_shape_all(shape, *pose, *by, filter).expect(fair);
-            let ties = queries.cast_shape_ties(shape, *pose, *by, filter).expect(fair);
-            casts(all, ties, queries.cast_shape(shape, *pose, *by, filter).expect(fair))
+        Query::Cast(shape, pose, path) => {
+            let all = queries.cast_shape_all(shape, *pose, *path, filter).expect(fair);
+            let ties = queries.cast_shape_ties(shape, *pose, *path, filter).expect(fair);
+            casts(all, ties, queries.cast_shape(shape, *pose, *path, filter).expect(fair))
         }
         Query::Overlap(shape, pose) => {
             queries.overlap_shape(shape, *pose, filter).expect(fair).into_iter().map(only).collect()
         }
         Query::Box(bounds) => queries.overlap_box(*bounds, filter).expect(fair).into_iter().map(only).collect(),
         Query::Point(from) => queries.overlap_point(*from, filter).expect(fair).into_iter().map(only).collect(),
-        Query::Near(from, most) => {
-            let all = queries.closest_points(*from, *most, filter).expect(fair);
-            assert_eq!(queries.closest_point(*from, *most, filter), Ok(all.first().copied()));
-            assert!(all.is_sorted_by_key(|near| near.distance), "points are sorted");
-            all.iter().map(|near| (key(near.collider), near.distance, near.point, vec2(0, 0), near.part)).collect()
+        Query::Near(from, reach) => {
+            let all = queries.closest_points(*from, *reach, filter).expect(fair);
+            assert_eq!(queries.closest_point(*from, *reach, filter), Ok(all.first().copied()));
+            assert!(all.is_sorted_by_key(|closest| closest.distance), "points are sorted");
+            all.iter()
+                .map(|closest| (key(closest.collider), closest.distance, closest.point, vec2(0, 0), closest.part))
+                .collect()
         }
     }
 }
@@ -163,17 +167,17 @@ fn of_shape(body: &BodyDef, query: &Query) -> Option<Option<Row>> {
     }
     let fair = "a query within the limits";
     match query {
-        Query::Ray(from, by) => {
-            let hit = shape.cast_ray(*from - at, *by).expect(fair);
+        Query::Ray(from, path) => {
+            let hit = shape.cast_ray(*from - at, *path).expect(fair);
             Some(hit.map(|hit| (*key, hit.fraction, hit.point + at, hit.normal, hit.part)))
         }
         Query::Point(from) => Some(shape.contains(*from - at).then_some((*key, fx!(0), vec2(0, 0), vec2(0, 0), 0))),
-        Query::Near(from, most) => {
+        Query::Near(from, reach) => {
             let away = shape.distance(*from - at).expect(fair);
             let point = shape.closest_point(*from - at).expect(fair) + at;
             // Of parts at one distance each call may name another; rounding may be to the limit.
-            (away != *most && shape.outlines().len() == 1)
-                .then(|| (away < *most).then_some((*key, away, point, vec2(0, 0), 0)))
+            (away != *reach && shape.outlines().len() == 1)
+                .then(|| (away < *reach).then_some((*key, away, point, vec2(0, 0), 0)))
         }
         _ => None,
     }
@@ -183,8 +187,8 @@ fn of_shape(body: &BodyDef, query: &Query) -> Option<Option<Row>> {
 fn pile_up(bodies: &mut [BodyDef]) {
     for (i, def) in bodies.iter_mut().enumerate() {
         let place = vec2(i as i32 % ROW - ROW / 2, i as i32 / ROW);
-        let near = def.position.map(|x| x / 32);
-        def.position = Vec2::new(place.x + near.x, place.y + near.y);
+        let offset = def.position.map(|x| x / 32);
+        def.position = Vec2::new(place.x + offset.x, place.y + offset.y);
         let is_floor = i == 0;
         if is_floor {
             let slab = Shape::rectangle(24, 2).expect("a slab");
@@ -221,7 +225,7 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
     }
     let restored = Snapshot::from_bytes(&stepped.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
     let mirrored = Symmetry::MIRROR.world(&world);
-    let (own, after, back) = (world.queries(), stepped.queries(), restored.queries());
+    let (present, after, back) = (world.queries(), stepped.queries(), restored.queries());
     let of_singles: Vec<Queries<'_>> = singles.iter().map(World::queries).collect();
     let of_mirrored = mirrored.as_ref().map(World::queries);
     let mut asked = 0;
@@ -230,11 +234,11 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
         let query = Query::of(input)?;
         let mask = if bool::arbitrary(input)? { 3 } else { !0 };
         let filter = QueryFilter { filter: Some(Filter { mask, ..Filter::default() }), ..QueryFilter::default() };
-        let found = ask(&world, &own, &query, &filter);
-        let mut by_key = found.clone();
+        let all_rows = ask(&world, &present, &query, &filter);
+        let mut by_key = all_rows.clone();
         by_key.sort_by_key(|row| row.0);
-        let each = |((world, own), def): ((&World, &Queries<'_>), &BodyDef)| {
-            let rows = ask(world, own, &query, &filter);
+        let each = |((world, queries), def): ((&World, &Queries<'_>), &BodyDef)| {
+            let rows = ask(world, queries, &query, &filter);
             if let (Some(row), true) = (of_shape(def, &query), def.colliders[0].filter.category & mask != 0) {
                 assert_eq!(rows.first(), row.as_ref(), "the shape by itself");
             }
@@ -247,19 +251,19 @@ fn play(input: &mut Unstructured<'_>) -> Result<()> {
         let (Some(mirrored), Some(of_mirrored), Some(image)) = (&mirrored, &of_mirrored, query.image()) else {
             continue;
         };
-        let there = ask(mirrored, of_mirrored, &image, &filter);
+        let image_rows = ask(mirrored, of_mirrored, &image, &filter);
         let across = |v: Vec2| if matches!(query, Query::Ray(..) | Query::Near(..)) { Vec2::new(-v.x, v.y) } else { v };
         // Segments of a chain run the other way there: of two at one distance the other one has the lower number.
         let is_chain = |key: u64| {
-            let own = bodies.iter().find(|def| def.colliders[0].key == key);
-            own.is_some_and(|def| matches!(def.colliders[0].shape.geometry(), Geometry::Chain { .. }))
+            let definition = bodies.iter().find(|def| def.colliders[0].key == key);
+            definition.is_some_and(|def| matches!(def.colliders[0].shape.geometry(), Geometry::Chain { .. }))
         };
         let may_tie = |key: u64| matches!(query, Query::Near(..)) && is_chain(key);
-        let seen = |row: Row| (row.0, row.1, if may_tie(row.0) { vec2(0, 0) } else { row.2 }, row.3, 0);
-        let there: Vec<Row> =
-            there.into_iter().map(|row| seen((row.0, row.1, across(row.2), across(row.3), 0))).collect();
-        let here: Vec<Row> = found.into_iter().map(seen).collect();
-        assert_eq!(there, here, "mirrored");
+        let without_part = |row: Row| (row.0, row.1, if may_tie(row.0) { vec2(0, 0) } else { row.2 }, row.3, 0);
+        let image_rows: Vec<Row> =
+            image_rows.into_iter().map(|row| without_part((row.0, row.1, across(row.2), across(row.3), 0))).collect();
+        let here: Vec<Row> = all_rows.into_iter().map(without_part).collect();
+        assert_eq!(image_rows, here, "mirrored");
     }
     Ok(())
 }

@@ -71,11 +71,11 @@ fn look(bytes: &[u8]) {
     };
     match (replay.verify_within(few), &verified) {
         (Ok(()), verified) => assert_eq!(verified, &Ok(())),
-        (Err(VerifyError::Divergence(found)), Err(divergence)) => {
-            let hashes = |of: &Divergence| (of.tick, of.recorded, of.computed);
-            assert_eq!(hashes(&found), hashes(divergence));
+        (Err(VerifyError::Divergence(played)), Err(divergence)) => {
+            let hashes = |divergence: &Divergence| (divergence.tick, divergence.recorded, divergence.computed);
+            assert_eq!(hashes(&played), hashes(divergence));
         }
-        (Err(VerifyError::Divergence(found)), Ok(())) => panic!("{found}"),
+        (Err(VerifyError::Divergence(divergence)), Ok(())) => panic!("{divergence}"),
         (Err(_), _) => {}
     }
     assert_eq!(replay.first_difference(&replay), None);
@@ -178,7 +178,7 @@ fn start(author: &mut Author<'_>, kind: u8) -> Result<World> {
     }
     for _ in 0..author.any::<u8>()? % 8 {
         let command = author.command();
-        world.execute(&command).into_iter().for_each(|made| author.made(&world, made));
+        world.execute(&command).into_iter().for_each(|created| author.made(&world, created));
     }
     Ok(if kind >= LATE { late(&world, kind) } else { world })
 }
@@ -207,15 +207,15 @@ fn recorded(data: &[u8], kind: u8) -> Result<()> {
     for _ in 0..ticks {
         if author.any()? {
             let command = author.command();
-            let made = recorder.execute(&mut world, &command);
-            made.into_iter().for_each(|made| author.made(&world, made));
+            let created = recorder.execute(&mut world, &command);
+            created.into_iter().for_each(|created| author.made(&world, created));
             calls.push(command);
         }
         let inputs = inputs(&mut author)?;
         recorder.step(&mut world, &inputs);
         tally::count(&world);
-        let made = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
-        made.for_each(|made| author.made(&world, made));
+        let results = recorder.outcomes().iter().filter_map(|outcome| outcome.result.ok());
+        results.for_each(|created| author.made(&world, created));
     }
     let file = recorder.clone().finish(&world);
     // Calls after the last step belong to no tick, and leave no trace.

@@ -33,10 +33,10 @@ pub fn run(data: &[u8]) {
 /// The memory that `Scene::parse_within` promises: for the text and for what repetitions would be, and for each thing, of which
 /// there can have been all that may be where it was refused.
 fn promised(text: &str, scene: Option<&Scene>) -> u64 {
-    let most = u64::from(MOST);
+    let max = u64::from(MOST);
     // A word may be written with escapes.
-    let written = if text.contains("repeat") || text.contains('\\') { 512 * most } else { 0 };
-    let things = scene.map_or(3 * most, |scene| (scene.bodies.len() + scene.fields.len() + scene.inputs.len()) as u64);
+    let written = if text.contains("repeat") || text.contains('\\') { 512 * max } else { 0 };
+    let things = scene.map_or(3 * max, |scene| (scene.bodies.len() + scene.fields.len() + scene.inputs.len()) as u64);
     8 * (text.len() as u64 + written) + 4_096 * things + ANY
 }
 
@@ -61,12 +61,12 @@ fn play<S: Scalar>(scene: &Scene, text: &str, steps: u32) {
         }
         Ok(run.world().state_hash())
     });
-    let [one, other] = ways;
-    if let Err(error) = &one {
+    let [first, second] = ways;
+    if let Err(error) = &first {
         assert_says_where(error, text);
         assert!(!error.place.field.is_empty() || steps > 1, "{error}");
     }
-    assert_eq!(one, other);
+    assert_eq!(first, second);
 }
 
 /// The run in a replay is the run.

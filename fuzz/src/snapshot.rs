@@ -44,8 +44,8 @@ fn made(author: &mut Author<'_>, kind: u8) -> Result<World> {
     }
     for _ in 1..number(author.any()?, COMMANDS[0], COMMANDS[1]) {
         let command = author.command();
-        if let Ok(made) = world.execute(&command) {
-            author.made(&world, made);
+        if let Ok(created) = world.execute(&command) {
+            author.made(&world, created);
         }
         for _ in 0..(author.any::<u8>()? & 0xf).saturating_sub(13) {
             world.step();
@@ -58,7 +58,7 @@ fn forged(data: &[u8], kind: u8) -> Result<()> {
     let mut author = Author::new(data);
     let world = made(&mut author, kind)?;
     let mut bytes = if kind >= LATE { late(&world, kind) } else { world }.snapshot().to_bytes();
-    let own = look(&bytes).expect("its own bytes");
+    let state = look(&bytes).expect("its own bytes");
     let input: &mut Unstructured<'_> = &mut author.input;
     let mut changed = None;
     if !input.is_empty() {
@@ -68,7 +68,7 @@ fn forged(data: &[u8], kind: u8) -> Result<()> {
         seal_snapshot(&mut bytes);
         changed = look(&bytes);
     }
-    use_up(changed.unwrap_or(own), bytes.len() as u64);
+    use_up(changed.unwrap_or(state), bytes.len() as u64);
     Ok(())
 }
 
@@ -97,9 +97,9 @@ fn look(bytes: &[u8]) -> Option<World> {
     assert_in_range(&world);
     world.step();
     tally::count(&world);
-    let mut other = snapshot.into_world();
-    other.step();
-    assert_eq!(world.state_hash(), other.state_hash(), "two that were read alike");
+    let mut twin = snapshot.into_world();
+    twin.step();
+    assert_eq!(world.state_hash(), twin.state_hash(), "two that were read alike");
     let stepped = world.snapshot().to_bytes();
     let again = Snapshot::from_bytes(&stepped, &author::custom_forces()).expect("a step leads to a world");
     assert_eq!((again.to_bytes(), again.world().state_hash()), (stepped, world.state_hash()));

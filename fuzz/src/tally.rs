@@ -11,7 +11,7 @@ pub struct Tally {
     /// The sum over all ticks.
     pub contacts: u64,
     /// The most after a tick.
-    pub most: u64,
+    pub max_contacts: u64,
     /// The comparisons of a world with one without sleep while a body sleeps.
     pub slept: u64,
 }
@@ -59,7 +59,7 @@ pub fn is_asked_for() -> bool {
 pub fn count_contacts(number: impl FnOnce() -> usize) {
     if let Some(tally) = TALLY.get() {
         let here = number() as u64;
-        let (ticks, contacts, most) = (tally.ticks + 1, tally.contacts + here, tally.most.max(here));
-        TALLY.set(Some(Tally { ticks, contacts, most, ..tally }));
+        let (ticks, contacts, max_contacts) = (tally.ticks + 1, tally.contacts + here, tally.max_contacts.max(here));
+        TALLY.set(Some(Tally { ticks, contacts, max_contacts, ..tally }));
     }
 }

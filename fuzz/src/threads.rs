@@ -46,7 +46,7 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     let integrator = match def.integrator {
         // It has no free bodies.
         Integrator::PublishedVerlet => Integrator::VelocityVerlet,
-        other => other,
+        integrator => integrator,
     };
     let Some(mut world) = author::world(WorldDef { integrator, ..def }) else { return Ok(Vec::new()) };
     pile(&mut author, &mut world)?;
@@ -68,8 +68,8 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
         let (position, velocity) =
             (Vec2::new(number(fx!(99)), number(fx!(99))), Vec2::new(number(fx!(3)), number(fx!(3))));
         let def = BodyDef { position, velocity, angular_velocity: number(fx!(1)), ..BodyDef::dynamic() };
-        let made = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
-        if let Ok(body) = made {
+        let added = if i % every == 0 { world.add_body(special.clone()) } else { world.add_body(def) };
+        if let Ok(body) = added {
             author.made(&world, Created::Body(body));
         }
         for _ in 0..STEADY {
@@ -86,15 +86,15 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     for tick in 0..TICKS[usize::from(is_many && !is_large)] {
         if !author.input.is_empty() {
             let command = author.command();
-            let [done, other] = worlds.each_mut().map(|world| world.execute(&command));
-            assert_eq!(done, other);
-            done.into_iter().for_each(|made| author.made(&worlds[0], made));
+            let [done, second] = worlds.each_mut().map(|world| world.execute(&command));
+            assert_eq!(done, second);
+            done.into_iter().for_each(|created| author.made(&worlds[0], created));
         }
         step_all(&mut worlds);
-        let [one, both] = &worlds;
-        contacts.extend(counts.then(|| one.contacts().count()));
-        assert_eq!(one.last_report(), both.last_report());
-        assert!(tick % EVERY != EVERY - 1 || one.state_hash() == both.state_hash(), "on two threads");
+        let [first, second] = &worlds;
+        contacts.extend(counts.then(|| first.contacts().count()));
+        assert_eq!(first.last_report(), second.last_report());
+        assert!(tick % EVERY != EVERY - 1 || first.state_hash() == second.state_hash(), "on two threads");
     }
     Ok(contacts)
 }

@@ -78,12 +78,12 @@ impl Values<'_> {
     }
 
     /// `usual` at 128, and from there by quarters of powers of two up and down, to 2^±32 of it, within the two.
-    fn size(&mut self, usual: Fx, least: Fx, most: Fx) -> Fx {
+    fn size(&mut self, usual: Fx, min: Fx, max: Fx) -> Fx {
         let byte = i32::from(self.byte()) - 128;
         let (octaves, quarters) = (byte.div_euclid(4), byte.rem_euclid(4));
         let bits = i128::from(usual.to_bits()) * (4 + i128::from(quarters)) / 4;
         let bits = if octaves >= 0 { bits << octaves } else { bits >> -octaves };
-        Fx::from_bits(bits.clamp(least.to_bits().into(), most.to_bits().into()) as i64)
+        Fx::from_bits(bits.clamp(min.to_bits().into(), max.to_bits().into()) as i64)
     }
 
     /// A value of either sign, up to a size.
@@ -142,11 +142,10 @@ impl Busy {
             let place = vec2((i % places % 32) as i32, (i % places / 32) as i32);
             let steps = |x: Fx| x.saturating_mul(apart);
             let position = Vec2::new(steps(place.x) + off, steps(place.y) - off);
-            let own = |most: Fx| {
-                (factor_table > 1).then(|| Fx::from_bits(most.to_bits() - (i % factor_table) as i64 * 4_097))
-            };
+            let own_limit =
+                |max: Fx| (factor_table > 1).then(|| Fx::from_bits(max.to_bits() - (i % factor_table) as i64 * 4_097));
             let own_damping = |kept| {
-                let kept = own(kept).filter(|_| damped % 4 != 0);
+                let kept = own_limit(kept).filter(|_| damped % 4 != 0);
                 kept.map(|kept| Damping::kept_per_second(kept.max(Fx::DELTA)))
             };
             let def = BodyDef {
@@ -156,7 +155,7 @@ impl Busy {
                 velocity: values.vector(speed),
                 angular_velocity: values.number(spin),
                 mass: Mass::Kilograms(mass),
-                gravity_scale: own(fx!(16)).unwrap_or(fx!(1)),
+                gravity_scale: own_limit(fx!(16)).unwrap_or(fx!(1)),
                 linear_damping: own_damping(linear),
                 angular_damping: own_damping(angular),
                 ..BodyDef::dynamic().with_collider(disc.clone())
