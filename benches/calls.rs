@@ -88,8 +88,8 @@ struct Counts {
 
 impl Counts {
     fn all(counts: &[u64]) -> Vec<Self> {
-        let of = |c: &[u64]| Self { step: c[0], calls: c[1], step_after: c[2], next_step: c[3] };
-        counts.chunks_exact(COUNTS).map(of).collect()
+        let counted = |c: &[u64]| Self { step: c[0], calls: c[1], step_after: c[2], next_step: c[3] };
+        counts.chunks_exact(COUNTS).map(counted).collect()
     }
 
     /// Cost of the calls and of the work they leave to the next step, in steps. Things they add for good, such as a

@@ -94,11 +94,11 @@ fn judge(scenes: &[Genes], known: &mut BTreeMap<[u8; KINDS], u64>, folder: &Path
     for (genes, cost) in all.iter().zip(&counts).skip(scenes.len()) {
         known.insert(kinds(genes), *cost);
     }
-    let of = |(genes, cost): (&Genes, &u64)| {
+    let counted = |(genes, cost): (&Genes, &u64)| {
         let calm = known.get(&kinds(genes)).copied().unwrap_or(*cost);
         Counted { genes: *genes, cost: *cost, calm }
     };
-    scenes.iter().zip(&counts).map(of).collect()
+    scenes.iter().zip(&counts).map(counted).collect()
 }
 
 /// Another scene near this one: some bytes changed, values rather than kinds.
@@ -132,20 +132,20 @@ fn search(seconds: u64, seed: u64, folder: &Path) {
                     (2..KINDS).filter(|i| *i != lone && random.below(3) > 0).for_each(|i| genes[i] = 0);
                     return genes;
                 }
-                let one = kept[random.below(kept.len() as u64) as usize].genes;
+                let parent = kept[random.below(kept.len() as u64) as usize].genes;
                 if random.below(4) > 0 {
-                    return changed(one, &mut random);
+                    return changed(parent, &mut random);
                 }
                 // The kinds of one with the values of another, or some of them.
-                let other = kept[random.below(kept.len() as u64) as usize].genes;
+                let second_parent = kept[random.below(kept.len() as u64) as usize].genes;
                 let cut = KINDS + random.below((BYTES - KINDS) as u64) as usize;
-                std::array::from_fn(|i| if i < cut { one[i] } else { other[i] })
+                std::array::from_fn(|i| if i < cut { parent[i] } else { second_parent[i] })
             })
             .collect();
         tried += scenes.len();
         for counted in judge(&scenes, &mut known, folder) {
             let list = best.entry(integrator(&counted.genes).name()).or_default();
-            if !list.iter().any(|there| there.genes == counted.genes) {
+            if !list.iter().any(|listed| listed.genes == counted.genes) {
                 list.push(counted);
             }
             list.sort_by(|a, b| b.ratio().total_cmp(&a.ratio()));

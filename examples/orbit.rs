@@ -27,8 +27,8 @@ fn main() -> Result<(), Error> {
     // Each line is computed in a small world of its own: the ship and the star's pull, without the hundred rocks.
     let mut coast = world.preview(ship)?;
     let mut burnt = world.preview(ship)?;
-    let there = burnt.id();
-    burnt.world_mut().apply_impulse(there, burn())?;
+    let ship_there = burnt.id();
+    burnt.world_mut().apply_impulse(ship_there, burn())?;
     assert_eq!((world.body_count(), coast.world().body_count()), (101, 1));
     let (coast, burnt) = (line(&mut coast)?, line(&mut burnt)?);
     draw(&world, &coast, &burnt);

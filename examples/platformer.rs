@@ -167,8 +167,8 @@ impl Game {
             without_bodies: without,
             ..QueryFilter::default()
         };
-        let (position, by) = (world.body(id)?.position(), vec2(run, player.rise) * TICK);
-        let moved = self.hero.translate(&world.queries(), position, player.ground, by, &filter)?;
+        let (position, way) = (world.body(id)?.position(), vec2(run, player.rise) * TICK);
+        let moved = self.hero.translate(&world.queries(), position, player.ground, way, &filter)?;
         for push in self.hero.push(world, &moved) {
             world.execute(&push)?;
         }
@@ -183,8 +183,8 @@ impl Game {
 /// A bot: random buttons, held for a while.
 fn bot(player: u64, tick: u64) -> Buttons {
     let mut random = Random::seeded(tick / 15 * 2 + player);
-    let (run, other) = (random.below(4) as u8, random.below(4));
-    Buttons(run | if other == 0 { UP } else { 0 } | if other == 1 { DOWN } else { 0 })
+    let (run, jump) = (random.below(4) as u8, random.below(4));
+    Buttons(run | if jump == 0 { UP } else { 0 } | if jump == 1 { DOWN } else { 0 })
 }
 
 struct Peer {
@@ -248,8 +248,8 @@ fn main() -> Result<(), Error> {
             peer.advance(&game)?;
         }
     }
-    for Peer { player, hashes: own, redone, .. } in &peers {
-        assert_eq!(own[..TICKS as usize], hashes, "a desync");
+    for Peer { player, hashes: own_hashes, redone, .. } in &peers {
+        assert_eq!(own_hashes[..TICKS as usize], hashes, "a desync");
         println!("peer {player}: {redone} ticks made again, all {TICKS} hashes are the same");
     }
     println!("{:016x} at the end", hashes[hashes.len() - 1]);

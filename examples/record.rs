@@ -26,8 +26,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut changed = honest.clone();
     let middle = changed.len() / 2;
     changed[middle] ^= 1;
-    let Err(ReplayError::Tampered(found)) = Replay::from_bytes(&changed, &[]) else { return Err("unnoticed".into()) };
-    println!("a bit changed in the file:   {found}");
+    let Err(ReplayError::Tampered(difference)) = Replay::from_bytes(&changed, &[]) else {
+        return Err("unnoticed".into());
+    };
+    println!("a bit changed in the file:   {difference}");
 
     // A player moves the ship by an ulp, bypassing the recorder. The file is intact, but its inputs do not
     // lead to its hashes.

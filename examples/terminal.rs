@@ -54,13 +54,13 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
     let (mut world, wind) = chain()?;
     let mut step_clock = StepClock::new(world.def().time_step)?;
     step_clock.set_limit(MOST_TICKS);
-    let (start, mut seen, mut lost) = (Instant::now(), 0, 0);
+    let (start, mut frames_of_second, mut lost) = (Instant::now(), 0, 0);
     print!("\x1b[2J"); // an empty screen
     for _ in 0..frames {
         // In whole nanoseconds: no error accumulates, and the clock never enters the state.
         let now = start.elapsed().as_nanos() as u64;
-        let due = step_clock.frame(now - seen);
-        seen = now;
+        let due = step_clock.frame(now - frames_of_second);
+        frames_of_second = now;
         lost += due.dropped;
         for _ in 0..due.ticks {
             blow(&mut world, wind)?;
@@ -68,7 +68,7 @@ fn play(frames: u64) -> Result<(), Box<dyn std::error::Error>> {
         }
         draw(&world)?;
         if let Some(wait) = step_clock.until_tick() {
-            thread::sleep(Duration::from_nanos(seen + wait).saturating_sub(start.elapsed()));
+            thread::sleep(Duration::from_nanos(frames_of_second + wait).saturating_sub(start.elapsed()));
         }
     }
     println!("{frames} frames, {} ticks, {lost} lost, state hash {:016x}", world.tick(), world.state_hash());
@@ -81,9 +81,9 @@ fn chain() -> Result<(World, FieldId), Error> {
     let mut world = World::new(WorldDef { time_step: TimeStep::hz(RATE), gravity, ..WorldDef::default() })?;
     world.set_random(Random::seeded(7));
     let hook = |x: i32| End::World(vec2(x, 4));
-    let link = |near: BodyId, far: End, rest: Fx| {
+    let link = |start: BodyId, end: End, rest: Fx| {
         let spring = SpringConstants { rest, stiffness: fx!(200), damping: fx!(1) };
-        FieldKind::Spring { near: Attachment::centre(near), far, spring }
+        FieldKind::Spring { near: Attachment::centre(start), far: end, spring }
     };
     let mut last = hook(-8);
     for i in 1..=NODES {

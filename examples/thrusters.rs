@@ -68,7 +68,7 @@ fn tilt(look: &BodyRef) -> Fx {
 
 /// Forces of the left and the right engine, N.
 fn pilot(look: &BodyRef) -> [Fx; 2] {
-    let clamp = |value: Fx, most: Fx| value.clamp(-most, most);
+    let clamp = |value: Fx, max: Fx| value.clamp(-max, max);
     let (Vec2 { x, y }, Vec2 { x: vx, y: vy }) = (look.position(), look.velocity());
     // The descent rate falls with height; the tilt steers over the pad; the turning rate reaches that tilt.
     let wanted = -(fx!(0.5) + fx!(0.1) * y);

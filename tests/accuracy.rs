@@ -224,10 +224,10 @@ const FUNCTIONS: [Function; 11] = [
                 return None;
             }
             let log = reference.log2(base) * real(exponent, -32);
-            let near = log.to_f64().value();
-            if !(-80.0..=31.5).contains(&near) {
-                assert_eq!(power, if near > 0.0 { Err(MathError::Overflow) } else { Ok(Fx::ZERO) });
-                return Some(0.0).filter(|_| near < 0.0);
+            let approximate = log.to_f64().value();
+            if !(-80.0..=31.5).contains(&approximate) {
+                assert_eq!(power, if approximate > 0.0 { Err(MathError::Overflow) } else { Ok(Fx::ZERO) });
+                return Some(0.0).filter(|_| approximate < 0.0);
             }
             let exact = reference.exp2(&log);
             if power.is_err() {

@@ -59,8 +59,8 @@ fn attraction_is_within_half_an_ulp_from_an_ulp_to_the_edge() {
     let mut looked = 0;
     // Powers of two from an ulp to 2^30 m and their neighbours, along an axis, across, and at odd angles.
     for exponent in 0..=62 {
-        for near in [-1, 0, 1] {
-            let r = (1i64 << exponent) + near;
+        for offset in [-1, 0, 1] {
+            let r = (1i64 << exponent) + offset;
             for (x, y) in [(r, 0), (0, -r), (r, r), (-r, r / 2), (r, 1), (r / 3, -r)] {
                 if x == 0 && y == 0 {
                     continue;

@@ -43,28 +43,28 @@ fn a_new_mass_or_collider_changes_the_inertia_and_both_inverses() {
     let mut world = world(WorldDef::default());
     let body = ball(&mut world);
     let collider = world.colliders_of(body).unwrap().next().unwrap();
-    let of = |world: &World| {
+    let mass_of = |world: &World| {
         let body = world.body(body).unwrap();
         (body.mass(), body.inertia(), Some(body.inverse_mass()), Some(body.inverse_inertia()))
     };
     // ½mr²
-    assert_eq!(of(&world), (Some(fx!(4)), factor(fx!(8)), factor(fx!(0.25)), factor(fx!(0.125))));
+    assert_eq!(mass_of(&world), (Some(fx!(4)), factor(fx!(8)), factor(fx!(0.25)), factor(fx!(0.125))));
     world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
-    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(4)), factor(fx!(0.5)), factor(fx!(0.25))));
+    assert_eq!(mass_of(&world), (Some(fx!(2)), factor(fx!(4)), factor(fx!(0.5)), factor(fx!(0.25))));
     world.set_collider(collider, disc(fx!(4))).unwrap();
-    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(16)), factor(fx!(0.5)), factor(fx!(0.0625))));
+    assert_eq!(mass_of(&world), (Some(fx!(2)), factor(fx!(16)), factor(fx!(0.5)), factor(fx!(0.0625))));
     world.set_mass(body, Mass::Explicit { mass: fx!(2), inertia: fx!(0.5) }).unwrap();
-    assert_eq!(of(&world), (Some(fx!(2)), factor(fx!(0.5)), factor(fx!(0.5)), factor(fx!(2))));
+    assert_eq!(mass_of(&world), (Some(fx!(2)), factor(fx!(0.5)), factor(fx!(0.5)), factor(fx!(2))));
     world.remove_collider(collider).unwrap();
-    assert_eq!(of(&world).1, factor(fx!(0.5)), "an inertia that was given stays");
+    assert_eq!(mass_of(&world).1, factor(fx!(0.5)), "an inertia that was given stays");
     world.set_mass(body, Mass::Kilograms(fx!(2))).unwrap();
     assert_eq!(
-        of(&world),
+        mass_of(&world),
         (Some(fx!(2)), None, factor(fx!(0.5)), factor(fx!(0))),
         "without colliders it does not turn"
     );
     world.set_mass(body, Mass::FromColliders).unwrap();
-    assert_eq!(of(&world), (Some(fx!(1)), None, factor(fx!(1)), factor(fx!(0))));
+    assert_eq!(mass_of(&world), (Some(fx!(1)), None, factor(fx!(1)), factor(fx!(0))));
     let square =
         |width| ColliderDef { density: fx!(2), ..ColliderDef::ghost(Shape::rectangle(width, fx!(3)).unwrap()) };
     let collider = world.add_collider(body, square(fx!(2))).unwrap();
@@ -101,9 +101,9 @@ fn a_new_time_step_damps_alike_over_time_and_keeps_the_elapsed_time_exact() {
         }
         let body = world.body(body).unwrap();
         // 2^-64 relative a step: far below the ulp these are compared to.
-        let near = |value: Fx, wanted: i32| (value - Fx::from(wanted)).to_bits().abs() <= 1;
-        assert!(near(body.velocity().x, left), "{} at {rate}", body.velocity());
-        assert!(near(body.angular_velocity(), spin), "{} at {rate}", body.angular_velocity());
+        let is_close = |value: Fx, wanted: i32| (value - Fx::from(wanted)).to_bits().abs() <= 1;
+        assert!(is_close(body.velocity().x, left), "{} at {rate}", body.velocity());
+        assert!(is_close(body.angular_velocity(), spin), "{} at {rate}", body.angular_velocity());
     }
     assert_eq!((world.elapsed().num, world.elapsed().den), (4, 1));
     assert_eq!(world.tick(), 64 + 10 + 1 + 1000);
@@ -180,8 +180,12 @@ fn a_force_acts_over_one_step_and_is_gone() {
         world.step();
         let body = world.body(body).unwrap();
         // 256 N on 4 kg, 512 N·m on 8 kg·m², over 1/64 s. Yoshida's three weights sum to one within their last bit.
-        let near = |value: Fx| (value - Fx::ONE).to_bits().abs() <= i64::from(integrator == Integrator::Yoshida4);
-        assert!(near(body.velocity().x) && near(body.angular_velocity()), "{integrator:?}: {}", body.velocity());
+        let is_close = |value: Fx| (value - Fx::ONE).to_bits().abs() <= i64::from(integrator == Integrator::Yoshida4);
+        assert!(
+            is_close(body.velocity().x) && is_close(body.angular_velocity()),
+            "{integrator:?}: {}",
+            body.velocity()
+        );
     }
 }
 
@@ -189,22 +193,22 @@ fn a_force_acts_over_one_step_and_is_gone() {
 fn calls_add_up_to_the_bit_in_any_order_and_the_report_has_the_sums_in_order_of_handles() {
     let mut world = world(sixty_four());
     let bodies = [0, 1, 2].map(|_| ball(&mut world));
-    let mut other = world.clone();
+    let mut by_twin = world.clone();
     let calls =
         [(2, fx!(0.1)), (0, fx!(-0.7)), (2, fx!(2147483647)), (0, fx!(0.3)), (2, fx!(-2147483647)), (1, fx!(5))];
     for &(i, f) in &calls {
         world.apply_force_at_point(bodies[i], Vec2::new(f, -f), vec2(fx!(0.3), fx!(1.1))).unwrap();
     }
     for &(i, f) in calls.iter().rev() {
-        other.apply_force_at_point(bodies[i], Vec2::new(f, -f), vec2(fx!(0.3), fx!(1.1))).unwrap();
+        by_twin.apply_force_at_point(bodies[i], Vec2::new(f, -f), vec2(fx!(0.3), fx!(1.1))).unwrap();
     }
-    assert_eq!(world.state_hash(), other.state_hash());
+    assert_eq!(world.state_hash(), by_twin.state_hash());
     let applied = world.step().applied.to_vec();
     assert_eq!(applied.iter().map(|row| row.body).collect::<Vec<_>>(), bodies);
-    assert_eq!(applied, other.step().applied);
+    assert_eq!(applied, by_twin.step().applied);
     let tenth = fx!(0.1);
     assert_eq!(applied[2].force(), Some(Vec2::new(wide(tenth), wide(-tenth))), "large forces cancel to the bit");
-    assert_eq!(world.state_hash(), other.state_hash());
+    assert_eq!(world.state_hash(), by_twin.state_hash());
 }
 
 #[test]
@@ -281,7 +285,7 @@ fn a_sleeper_feels_what_wakes_it_and_nothing_else() {
 #[test]
 fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothing() {
     let mut world = world(WorldDef { sleep_after: Some(3), ..sixty_four() });
-    let (pushed, other) = (ball(&mut world), ball(&mut world));
+    let (pushed, bystander) = (ball(&mut world), ball(&mut world));
     let gently = ApplyOptions { wake: false, ..ApplyOptions::default() };
     for _ in 0..10 {
         for x in [fx!(1), fx!(-1)] {
@@ -291,7 +295,7 @@ fn a_body_that_is_pushed_every_tick_stays_awake_even_where_the_push_moves_nothin
     }
     // Asleep it would no longer feel what does not wake it.
     assert_eq!(world.body(pushed).unwrap().activity(), Activity::Awake);
-    assert_eq!(world.body(other).unwrap().activity(), Activity::Asleep);
+    assert_eq!(world.body(bystander).unwrap().activity(), Activity::Asleep);
 }
 
 #[test]
@@ -353,12 +357,12 @@ fn kinds_move_as_they_say_and_change_into_each_other() {
             ..BodyDef::dynamic().with_collider(disc(fx!(1)))
         })
         .unwrap();
-    let other = ball(&mut world);
+    let anchor = ball(&mut world);
     world.set_kind(body, BodyKind::Kinematic).unwrap();
     assert_eq!(world.body(body).unwrap().mass(), None);
     let spring = SpringConstants { rest: fx!(0), stiffness: fx!(100), damping: fx!(0) };
     let far = End::Body(Attachment::centre(body));
-    world.add_field(FieldKind::Spring { near: Attachment::centre(other), far, spring }).unwrap();
+    world.add_field(FieldKind::Spring { near: Attachment::centre(anchor), far, spring }).unwrap();
     world.step();
     assert_eq!(world.body(body).unwrap().position(), vec2(1, 0), "with the velocity it was given");
     assert_eq!(world.body(body).unwrap().velocity(), vec2(64, 0));
@@ -384,11 +388,11 @@ fn a_removed_body_takes_its_fields_along_and_slots_are_used_again() {
         far: End::Body(Attachment::centre(bodies[b])),
         spring: SpringConstants { rest: fx!(1), stiffness: fx!(1), damping: fx!(1) },
     };
-    let own = FieldKind::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
+    let thrust = FieldKind::Thrust { at: Attachment::centre(bodies[0]), force: Vec2::X };
     let mu = FxFactor::ONE;
     let carried = FieldKind::Attractor { centre: End::Body(Attachment::centre(bodies[0])), mu, softening: fx!(1) };
     let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO };
-    let custom_forces = [spring(0, 1), spring(1, 0), spring(1, 2), own, carried, drag];
+    let custom_forces = [spring(0, 1), spring(1, 0), spring(1, 2), thrust, carried, drag];
     let fields: Vec<FieldId> = custom_forces.into_iter().map(|law| world.add_field(law).unwrap()).collect();
     world.remove_body(bodies[0]).unwrap();
     let left: Vec<FieldId> = world.fields().map(|(id, _)| id).collect();
@@ -524,7 +528,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::RemoveCollider(collider) => nothing(world.remove_collider(collider)),
         Command::SetContactSettings(contacts) => nothing(world.set_contact_settings(contacts)),
         Command::SetMaterialPair { first, second, pair } => nothing(world.set_material_pair(first, second, pair)),
-        other => panic!("{other:?} has no case here"),
+        command => panic!("{command:?} has no case here"),
     }
 }
 
@@ -634,18 +638,18 @@ fn a_command_does_what_the_method_of_its_name_does() {
         assert!(commands.iter().any(|command| command.number() == number), "no case for number {number}");
     }
     for command in commands {
-        let mut other = world.clone();
+        let mut twin = world.clone();
         let before = world.state_hash();
-        let (made, same) = (world.execute(&command), by_method(&mut other, &command));
-        assert_eq!(made, same, "{command:?}");
-        assert_eq!(world.state_hash(), other.state_hash(), "{command:?}");
+        let (created, same) = (world.execute(&command), by_method(&mut twin, &command));
+        assert_eq!(created, same, "{command:?}");
+        assert_eq!(world.state_hash(), twin.state_hash(), "{command:?}");
         let without_effect =
-            matches!(command, Command::Wake(_) | Command::RemoveBody(_) | Command::ClearForces) || made.is_err();
+            matches!(command, Command::Wake(_) | Command::RemoveBody(_) | Command::ClearForces) || created.is_err();
         assert!(without_effect || world.state_hash() != before, "{command:?} changed nothing");
         world.step();
-        other.step();
-        assert_eq!(world.state_hash(), other.state_hash(), "{command:?}, a step later");
-        assert_eq!(world.last_report(), other.last_report());
+        twin.step();
+        assert_eq!(world.state_hash(), twin.state_hash(), "{command:?}, a step later");
+        assert_eq!(world.last_report(), twin.last_report());
     }
 }
 

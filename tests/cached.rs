@@ -141,7 +141,7 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
         8 => world.wake(body),
         9 => world.apply_force(body, vector),
         10 => world.apply_impulse(body, vector),
-        11 => world.remove_body(body).map(|()| bodies.retain(|&other| other != body)),
+        11 => world.remove_body(body).map(|()| bodies.retain(|&candidate| candidate != body)),
         12 => world.add_body(BodyDef { position: vector, ..BodyDef::dynamic() }).map(|body| bodies.push(body)),
         13..16 => world.add_field(field(random, bodies, *is_reversible)).map(|field| fields.push(field)),
         16 | 17 if !fields.is_empty() => world.remove_field(fields.swap_remove(below(random, fields.len()))),
@@ -195,7 +195,9 @@ fn forgetful(world: &World) -> World {
 #[test]
 fn values_cached_between_steps_change_no_result() {
     let (mut slept, mut moved, mut undone) = (0, 0, 0);
-    for (integrator, is_reversible) in Integrator::ALL.into_iter().flat_map(|it| [(it, false), (it, true)]) {
+    for (integrator, is_reversible) in
+        Integrator::ALL.into_iter().flat_map(|integrator| [(integrator, false), (integrator, true)])
+    {
         let mut random = Random::seeded(3);
         let (mut world, bodies) = world(integrator);
         custom_forces().into_iter().for_each(|force| world.register_custom_force(force).expect("its id is free"));
@@ -254,14 +256,14 @@ fn same_steps(world: &mut World, ticks: u32, what: &str) {
 fn a_body_that_turned_while_no_field_was_attached_has_the_direction_it_has_now() {
     for integrator in Integrator::ALL {
         let mut world = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
-        let [body, other] = [fx!(1), fx!(-2)].map(|angular_velocity| {
+        let [body, partner] = [fx!(1), fx!(-2)].map(|angular_velocity| {
             let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
             world.add_body(BodyDef { angular_velocity, mass, ..BodyDef::dynamic() }).expect("a fair body")
         });
         let thrust = FieldKind::Thrust { at: Attachment::centre(body), force: vec2(1, 0) };
         let spring = SpringConstants { rest: fx!(1), stiffness: fx!(3), damping: fx!(0) };
         let near = Attachment { point: vec2(0, 1), ..Attachment::centre(body) };
-        let tie = FieldKind::Spring { near, far: End::Body(Attachment::centre(other)), spring };
+        let tie = FieldKind::Spring { near, far: End::Body(Attachment::centre(partner)), spring };
         for kind in [thrust, tie] {
             let field = world.add_field(kind).expect("a fair field");
             same_steps(&mut world, 1, "attached");

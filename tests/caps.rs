@@ -26,9 +26,9 @@ fn square(v: Vec2) -> u128 {
 }
 
 /// At most `most` and 0.7072 ulp long.
-fn is_within(v: Vec2, most: Fx) -> bool {
+fn is_within(v: Vec2, max: Fx) -> bool {
     // (10⁴·l)² against (10⁴·most + 7072)².
-    let bound = u128::from(most.to_bits().unsigned_abs()) * 10_000 + 7_072;
+    let bound = u128::from(max.to_bits().unsigned_abs()) * 10_000 + 7_072;
     square(v) * 100_000_000 <= bound * bound
 }
 
@@ -41,28 +41,30 @@ fn a_public_speed_is_at_most_the_cap_and_three_quarters_of_an_ulp() {
         let mut world = world(Integrator::VelocityVerlet, Vec2::ZERO);
         // With few bits above the cap, so that 10⁸ times a square fits in 128.
         let size = random.between(1, 17);
-        let most = Fx::from_bits(random.between(1, 1 << (18 + size)));
+        let max_speed = Fx::from_bits(random.between(1, 1 << (18 + size)));
         let component = |random: &mut SplitMix| Fx::from_bits(random.of_bits(20 + size as u32));
         let velocity = Vec2::new(component(&mut random), component(&mut random));
         let spin = component(&mut random);
-        let body = world.add_body(BodyDef { velocity, angular_velocity: spin, ..capped(most, most) }).expect("a body");
+        let body = world
+            .add_body(BodyDef { velocity, angular_velocity: spin, ..capped(max_speed, max_speed) })
+            .expect("a body");
         world.step();
         let now = world.body(body).expect("it is there");
         let (v, w) = (now.velocity(), now.angular_velocity());
-        assert!(is_within(v, most), "case {case}: {velocity} became {v}, more than {most}");
-        over += usize::from(square(v) > u128::from(most.to_bits().unsigned_abs()).pow(2));
-        if square(velocity) <= u128::from(most.to_bits().unsigned_abs()).pow(2) {
+        assert!(is_within(v, max_speed), "case {case}: {velocity} became {v}, more than {max_speed}");
+        over += usize::from(square(v) > u128::from(max_speed.to_bits().unsigned_abs()).pow(2));
+        if square(velocity) <= u128::from(max_speed.to_bits().unsigned_abs()).pow(2) {
             assert_eq!(v, velocity, "it was not too fast");
         } else {
             slowed += 1;
             // Not slower than it has to be, and in its direction.
-            let least = Fx::from_bits(most.to_bits() - 1);
-            assert!(square(v) >= square(Vec2::new(least, Fx::ZERO)), "case {case}: {v} is slower than {most}");
+            let least = Fx::from_bits(max_speed.to_bits() - 1);
+            assert!(square(v) >= square(Vec2::new(least, Fx::ZERO)), "case {case}: {v} is slower than {max_speed}");
             let cross = i128::from(v.x.to_bits()) * i128::from(velocity.y.to_bits())
                 - i128::from(v.y.to_bits()) * i128::from(velocity.x.to_bits());
             assert!(cross.unsigned_abs().pow(2) <= square(velocity), "case {case}: {v} is not along {velocity}");
         }
-        assert_eq!(w.abs(), spin.abs().min(most));
+        assert_eq!(w.abs(), spin.abs().min(max_speed));
         assert!(w == Fx::ZERO || (w > Fx::ZERO) == (spin > Fx::ZERO));
     }
     assert!(slowed > cases / 8 && over > 0, "{slowed} of {cases} slowed, {over} a part of an ulp above");
@@ -128,13 +130,13 @@ fn caps_are_for_dynamic_bodies_and_nobody_else_notices() {
             .map(|i| {
                 // A kinematic one is not slowed down by any.
                 let kind = if i % 2 == 1 { BodyKind::Kinematic } else { BodyKind::Dynamic };
-                let most = match kind {
+                let max_speed = match kind {
                     BodyKind::Kinematic => Some(fx!(0)),
                     _ => (is_capped && i % 7 == 0).then_some(fx!(2)),
                 };
                 let (position, velocity) = (vec2(i, 0), vec2(i % 5, 1));
                 let def = BodyDef { kind, position, velocity, angular_velocity: fx!(3), ..BodyDef::dynamic() };
-                world.add_body(BodyDef { max_speed: most, max_angular_speed: most, ..def }).expect("a body")
+                world.add_body(BodyDef { max_speed, max_angular_speed: max_speed, ..def }).expect("a body")
             })
             .collect();
         (0..60).for_each(|_| _ = world.step());

@@ -51,10 +51,10 @@ fn mu(value: Fx) -> FxFactor {
     FxFactor::from_scalar(value)
 }
 
-fn spring(near: BodyId, point: Vec2, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
+fn spring(start: BodyId, point: Vec2, end: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
     FieldKind::Spring {
-        near: Attachment { body: near, point },
-        far,
+        near: Attachment { body: start, point },
+        far: end,
         spring: SpringConstants { rest, stiffness, damping },
     }
 }
@@ -175,29 +175,29 @@ fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
         }
         assert_ne!(straight.state_hash(), shuffled.state_hash());
         let before = straight.physics_hash();
-        let mut seen = vec![before];
-        let mut other = |change: &dyn Fn(&mut World)| {
+        let mut hashes = vec![before];
+        let mut hash_after = |change: &dyn Fn(&mut World)| {
             let mut world = straight.clone();
             change(&mut world);
             let hash = world.physics_hash();
-            assert!(!seen.contains(&hash), "{integrator:?}: a change that is not in the hash");
-            seen.push(hash);
+            assert!(!hashes.contains(&hash), "{integrator:?}: a change that is not in the hash");
+            hashes.push(hash);
         };
         let body = ids[4];
         let place = straight.body(body).expect("it is there").position();
-        other(&|world| world.set_position(body, place + vec2(Fx::DELTA, 0)).expect("near"));
-        other(&|world| world.set_user_data(body, 1).expect("it is there"));
-        other(&|world| world.apply_force(body, vec2(Fx::DELTA, 0)).expect("it is dynamic"));
-        other(&|world| world.set_gravity(vec2(0, -1)).expect("in range"));
-        other(&|world| {
+        hash_after(&|world| world.set_position(body, place + vec2(Fx::DELTA, 0)).expect("near"));
+        hash_after(&|world| world.set_user_data(body, 1).expect("it is there"));
+        hash_after(&|world| world.apply_force(body, vec2(Fx::DELTA, 0)).expect("it is dynamic"));
+        hash_after(&|world| world.set_gravity(vec2(0, -1)).expect("in range"));
+        hash_after(&|world| {
             let collider = world.colliders_of(body).expect("it is there").next().expect("one");
             world.remove_collider(collider).expect("it has a mass");
         });
-        other(&|world| {
+        hash_after(&|world| {
             let (id, _) = world.fields().next().expect("one");
             world.remove_field(id).expect("it is there");
         });
-        other(&|world| {
+        hash_after(&|world| {
             // Drags act in order.
             let drags: Vec<(FieldId, ForceField)> = world
                 .fields()
@@ -207,7 +207,7 @@ fn the_hash_of_the_motion_is_the_same_in_whatever_order_the_world_was_built() {
             world.set_field(drags[0].0, drags[1].1).expect("a field");
             world.set_field(drags[1].0, drags[0].1).expect("a field");
         });
-        other(&|world| _ = world.step());
+        hash_after(&|world| _ = world.step());
     }
 }
 
@@ -224,11 +224,11 @@ fn the_order_of_adding_bodies_and_of_calling_changes_no_bit_of_a_body() {
         for tick in 0..ticks() {
             push_all(&mut straight, &ids, tick, in_order);
             straight.step();
-            for (seed, (world, other)) in others.iter_mut().enumerate() {
-                push_all(world, other, tick, |count| Dice(u64::from(tick) * 31 + seed as u64 + 1).shuffled(count));
+            for (seed, (world, handles)) in others.iter_mut().enumerate() {
+                push_all(world, handles, tick, |count| Dice(u64::from(tick) * 31 + seed as u64 + 1).shuffled(count));
                 world.step();
                 for i in 0..9 {
-                    let (is, wanted) = (bits(world, other[i]), bits(&straight, ids[i]));
+                    let (is, wanted) = (bits(world, handles[i]), bits(&straight, ids[i]));
                     assert_eq!(is, wanted, "{integrator:?}, tick {tick}, order {seed}, body {i}");
                 }
             }
@@ -240,9 +240,9 @@ fn the_order_of_adding_bodies_and_of_calling_changes_no_bit_of_a_body() {
 fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
     for integrator in Integrator::ALL {
         let (mut straight, ids) = stage(integrator, &in_order(9));
-        let (mut other, same) = stage(integrator, &in_order(9));
-        let all: Vec<FieldId> = other.fields().map(|(id, _)| id).collect();
-        all.into_iter().for_each(|id| other.remove_field(id).expect("it is there"));
+        let (mut reordered, same) = stage(integrator, &in_order(9));
+        let all: Vec<FieldId> = reordered.fields().map(|(id, _)| id).collect();
+        all.into_iter().for_each(|id| reordered.remove_field(id).expect("it is there"));
         let fields = fields(&same);
         let is_drag = |i: usize| matches!(fields[i].kind, FieldKind::Drag { .. });
         let mut order = Dice(5).shuffled(fields.len());
@@ -253,17 +253,17 @@ fn the_order_of_adding_fields_changes_no_bit_but_for_drags_among_themselves() {
         places.into_iter().zip(drags).for_each(|(place, drag)| order[place] = drag);
         let mut handles = Vec::new();
         for &i in &order {
-            handles.push(other.add_field(fields[i]).expect("a field"));
+            handles.push(reordered.add_field(fields[i]).expect("a field"));
         }
         // Free slots are taken from the last one freed on: their order is not that of the drags.
         assert!(handles.is_sorted_by(|a, b| a.parts().0 > b.parts().0));
         for tick in 0..ticks() {
             push_all(&mut straight, &ids, tick, in_order);
-            push_all(&mut other, &same, tick, in_order);
+            push_all(&mut reordered, &same, tick, in_order);
             straight.step();
-            other.step();
+            reordered.step();
             for i in 0..9 {
-                assert_eq!(bits(&other, same[i]), bits(&straight, ids[i]), "{integrator:?}, tick {tick}, body {i}");
+                assert_eq!(bits(&reordered, same[i]), bits(&straight, ids[i]), "{integrator:?}, tick {tick}, body {i}");
             }
         }
     }
@@ -391,10 +391,10 @@ fn a_clone_has_the_same_future_and_leaves_the_original_alone() {
             })
             .collect();
         for (tick, wanted) in (37..97).zip(futures) {
-            for other in [&mut straight, &mut into] {
-                push_all(other, &ids, tick, in_order);
-                other.step();
-                assert_eq!(other.state_hash(), wanted, "{integrator:?}, tick {tick}");
+            for twin in [&mut straight, &mut into] {
+                push_all(twin, &ids, tick, in_order);
+                twin.step();
+                assert_eq!(twin.state_hash(), wanted, "{integrator:?}, tick {tick}");
             }
         }
     }
@@ -429,7 +429,7 @@ fn pool(integrator: Integrator, sleep_after: Option<u32>) -> (World, Vec<BodyId>
 /// One of many changes, the same in both worlds; forces and impulses wake, as those that do not are for sleepers alone.
 fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), Error> {
     let body = bodies[dice.throw(bodies.len())];
-    let other = bodies[dice.throw(bodies.len())];
+    let partner = bodies[dice.throw(bodies.len())];
     let fields: Vec<FieldId> = world.fields().map(|(id, _)| id).collect();
     let tiny = Fx::from_bits(dice.throw(64) as i64);
     match dice.throw(26) {
@@ -468,7 +468,7 @@ fn change(world: &mut World, bodies: &[BodyId], dice: &mut Dice) -> Result<(), E
             [fx!(0.0001), fx!(0.01)].map(Damping::kept_per_second)[dice.throw(2)],
         ),
         19 => {
-            let far = End::Body(Attachment::centre(other));
+            let far = End::Body(Attachment::centre(partner));
             world.add_field(spring(body, vec2(0, fx!(0.1)), far, fx!(2), fx!(5), fx!(0.5))).map(drop)
         }
         20 => {
@@ -682,11 +682,11 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
             let position = vec2(Fx::from(x), 0);
             world.add_body(BodyDef { position, force_groups, ..BodyDef::dynamic() }).expect("a body")
         };
-        let (own, hanging, strange) = (add(4, 5), add(1, 6), add(2, 7));
+        let (active, hanging, strange) = (add(4, 5), add(1, 6), add(2, 7));
         let far = End::Body(Attachment::centre(hanging));
-        world.add_field(spring(own, Vec2::ZERO, far, fx!(1), fx!(1), fx!(0))).expect("a spring");
+        world.add_field(spring(active, Vec2::ZERO, far, fx!(1), fx!(1), fx!(0))).expect("a spring");
         let asleep = |world: &World| {
-            [own, hanging, strange].map(|body| world.body(body).expect("it is there").activity() == Activity::Asleep)
+            [active, hanging, strange].map(|body| world.body(body).expect("it is there").activity() == Activity::Asleep)
         };
         let rest = |world: &mut World| {
             for _ in 0..9 {
@@ -695,19 +695,19 @@ fn a_field_wakes_whom_it_acts_on_and_what_hangs_on_them_alone() {
             assert_eq!(asleep(world), [true; 3], "{law:?}");
         };
         rest(&mut world);
-        let of = |force_groups| ForceField { force_groups, ..ForceField::from(law) };
-        let field = world.add_field(of(8)).expect("a field");
+        let field_of = |force_groups| ForceField { force_groups, ..ForceField::from(law) };
+        let field = world.add_field(field_of(8)).expect("a field");
         assert_eq!(asleep(&world), [true; 3], "{law:?} acts on none");
-        world.set_field(field, of(4)).expect("a field");
+        world.set_field(field, field_of(4)).expect("a field");
         assert_eq!(asleep(&world), [false, false, true], "{law:?} acts on one, and a spring joins it to another");
         world.step();
-        world.set_field(field, of(8)).expect("a field");
-        for body in [own, hanging] {
+        world.set_field(field, field_of(8)).expect("a field");
+        for body in [active, hanging] {
             world.set_velocity(body, Vec2::ZERO).expect("it is there");
-            world.set_position(body, vec2(if body == own { 5 } else { 6 }, 0)).expect("it is there");
+            world.set_position(body, vec2(if body == active { 5 } else { 6 }, 0)).expect("it is there");
         }
         rest(&mut world);
-        world.set_field(field, of(2)).expect("a field");
+        world.set_field(field, field_of(2)).expect("a field");
         assert_eq!(asleep(&world), [true, true, false], "{law:?} acts on the other");
         world.remove_field(field).expect("it is there");
         assert_eq!(asleep(&world), [true, true, false], "{law:?}");
@@ -725,8 +725,8 @@ fn a_spring_added_to_a_shared_anchor_wakes_no_other_body_that_hangs_there() {
         let link = world.add_field(spring(body, Vec2::ZERO, far, rest, fx!(1), fx!(0))).expect("a spring");
         (body, link)
     };
-    let (own, _) = hang(&mut world, 3);
-    let is_asleep = |world: &World| world.body(own).expect("it is there").activity() == Activity::Asleep;
+    let (hung, _) = hang(&mut world, 3);
+    let is_asleep = |world: &World| world.body(hung).expect("it is there").activity() == Activity::Asleep;
     (0..9).for_each(|_| _ = world.step());
     assert!(is_asleep(&world));
     let (_, link) = hang(&mut world, -4);
@@ -802,12 +802,12 @@ fn the_hash_tells_histories_apart_that_lead_to_other_handles() {
         removed.into_iter().for_each(|i| world.remove_body(bodies[i]).expect("it is there"));
         world
     };
-    let (mut one, mut two) = (make([0, 1]), make([1, 0]));
+    let (mut first, mut second) = (make([0, 1]), make([1, 0]));
     let left = |world: &World| world.bodies().map(|body| bits(world, body.id())).collect::<Vec<_>>();
-    assert_eq!(left(&one), left(&two), "the bodies that are left are the same");
-    assert_ne!(one.state_hash(), two.state_hash(), "and yet the next handle is not");
-    let next =
-        [one.add_body(BodyDef::dynamic()), two.add_body(BodyDef::dynamic())].map(|id| id.expect("a body").parts().0);
+    assert_eq!(left(&first), left(&second), "the bodies that are left are the same");
+    assert_ne!(first.state_hash(), second.state_hash(), "and yet the next handle is not");
+    let next = [first.add_body(BodyDef::dynamic()), second.add_body(BodyDef::dynamic())]
+        .map(|id| id.expect("a body").parts().0);
     assert_eq!(next, [1, 0], "the last slot freed is taken first");
     let make = |removed: [usize; 2]| {
         let mut world = World::new(WorldDef::default()).expect("a world");
@@ -848,9 +848,9 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
     }
     let make = |def: WorldDef, body: BodyDef| {
         let mut world = World::new(def).expect("a world");
-        let other = world.add_body(BodyDef::dynamic()).expect("a body");
+        let anchor = world.add_body(BodyDef::dynamic()).expect("a body");
         let body = world.add_body(body).expect("a body");
-        let far = End::Body(Attachment::centre(other));
+        let far = End::Body(Attachment::centre(anchor));
         let law = FieldKind::Spring { near: Attachment::centre(body), far, spring: SPRING };
         let field = world.add_field(law).expect("a field");
         (world, body, field)
@@ -1050,12 +1050,12 @@ fn equal_worlds_hash_alike_and_any_single_difference_shows() {
             w.step();
         }),
     ];
-    let mut seen: Vec<(u64, String)> = Vec::new();
+    let mut known: Vec<(u64, String)> = Vec::new();
     let mut note = |hash: u64, name: String| {
-        if let Some((_, same)) = seen.iter().find(|(h, _)| *h == hash) {
+        if let Some((_, same)) = known.iter().find(|(h, _)| *h == hash) {
             panic!("`{name}` and `{same}` hash alike");
         }
-        seen.push((hash, name));
+        known.push((hash, name));
     };
     for (name, change) in changes {
         let hashes = [0, 1].map(|_| {
@@ -1111,9 +1111,9 @@ fn assert_foreseen(world: &World, body: BodyId, ticks: u32) -> usize {
     for tick in 0..ticks {
         ahead.step();
         world.step();
-        let there = ahead.id();
-        let (seen, is) = (bits(ahead.world(), there), bits(&world, body));
-        assert_eq!(seen, is, "{body}, {:?}, tick {tick}", world.def().integrator);
+        let twin = ahead.id();
+        let (actual, expected) = (bits(ahead.world(), twin), bits(&world, body));
+        assert_eq!(actual, expected, "{body}, {:?}, tick {tick}", world.def().integrator);
     }
     taken
 }

@@ -98,10 +98,10 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
                     refused.insert(name(&command));
                     errors.insert(name(&error));
                 }
-                Ok(made) => {
-                    assert_eq!(matches!(made, Created::Body(_)), matches!(command, Command::AddBody(_)));
-                    assert_eq!(matches!(made, Created::ForceField(_)), matches!(command, Command::AddField(_)));
-                    assert_eq!(matches!(made, Created::Collider(_)), matches!(command, Command::AddCollider { .. }));
+                Ok(created) => {
+                    assert_eq!(matches!(created, Created::Body(_)), matches!(command, Command::AddBody(_)));
+                    assert_eq!(matches!(created, Created::ForceField(_)), matches!(command, Command::AddField(_)));
+                    assert_eq!(matches!(created, Created::Collider(_)), matches!(command, Command::AddCollider { .. }));
                     accepted.insert(name(&command));
                     world = copy;
                 }
@@ -248,13 +248,13 @@ fn a_players_inputs_are_replaced_and_nobody_elses() {
             for after in 0..4 {
                 let mut inputs = Inputs::new();
                 let mut expected = Vec::new();
-                for other in 0..4 {
-                    for sequence in 0..if other == player { before } else { 2 } {
-                        let input = Input { player: other, sequence, command: command(1 + sequence) };
+                for sender in 0..4 {
+                    for sequence in 0..if sender == player { before } else { 2 } {
+                        let input = Input { player: sender, sequence, command: command(1 + sequence) };
                         inputs.insert(input).expect("each has a place of its own");
                     }
-                    for sequence in 0..if other == player { after } else { 2 } {
-                        expected.push((other, sequence, command(1 + sequence)));
+                    for sequence in 0..if sender == player { after } else { 2 } {
+                        expected.push((sender, sequence, command(1 + sequence)));
                     }
                 }
                 assert_eq!(inputs.replace(player, (0..after).map(|i| command(1 + i))), before != after);

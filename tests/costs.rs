@@ -75,9 +75,9 @@ fn read(line: &str) -> (String, BTreeMap<String, i64>) {
     let summary: Value = serde_json::from_str(line).expect("a summary a line");
     let word = |key: &str| summary[key].as_str().expect("a word");
     let events = &summary["profiles"][0]["summaries"]["total"]["summary"]["Callgrind"];
-    let count = |(event, found): (&String, &Value)| {
+    let count = |(event, value): (&String, &Value)| {
         // Beside that of the run before, if there was one.
-        let metrics = &found["metrics"];
+        let metrics = &value["metrics"];
         let new = metrics.get("Left").unwrap_or(&metrics["Both"][0]);
         Some((event.clone(), new["Int"].as_i64()?))
     };
@@ -150,8 +150,8 @@ fn piles_that_sleep_cost_nothing() {
     let asleep = counts.instructions("fx/towers_asleep_10k") / STEPS;
     assert!(asleep < 1_000, "{asleep} a step");
     // Nor do they where somebody is awake.
-    let one = |count| counts.instructions(&format!("fx/one_beside_towers_asleep_{count}")) / STEPS;
-    let (few, many) = (one("1k"), one("10k"));
+    let cost_of = |count| counts.instructions(&format!("fx/one_beside_towers_asleep_{count}")) / STEPS;
+    let (few, many) = (cost_of("1k"), cost_of("10k"));
     assert!((many - few).abs() <= 500, "{few} beside 1,000, {many} beside 10,000 a step");
     let control = counts.instructions("fx/two_beside_towers_asleep_1k") / STEPS;
     assert!(control >= few + 500, "{control} with two that fall, {few} with one");
@@ -253,8 +253,8 @@ fn a_body_costs_the_same_in_worlds_of_all_sizes() {
     let Some(counts) = counts() else { return };
     let sizes = [("fx/free_1k", 1_000), ("fx/free_2k", 2_000), ("fx/free_20k", 20_000)];
     let each = sizes.map(|(scene, bodies)| counts.instructions(scene) as f64 / (STEPS * bodies) as f64);
-    let (least, most) = (each.into_iter().fold(f64::MAX, f64::min), each.into_iter().fold(0.0, f64::max));
-    assert!(most <= 1.02 * least, "a body and step: {each:.1?}");
+    let (min, max) = (each.into_iter().fold(f64::MAX, f64::min), each.into_iter().fold(0.0, f64::max));
+    assert!(max <= 1.02 * min, "a body and step: {each:.1?}");
 }
 
 #[test]
@@ -306,15 +306,15 @@ fn no_values_make_a_step_cost_three_times_a_calm_one() {
     let Some(counts) = counts() else { return };
     let scenes: Vec<&str> = counts.0.keys().filter_map(|name| name.strip_prefix("worst/")).collect();
     assert!(scenes.len() >= 5, "{scenes:?}");
-    let mut most = 0.0;
+    let mut worst_ratio = 0.0;
     for scene in scenes {
         let (worst, calm) =
             (counts.instructions(&format!("worst/{scene}")), counts.instructions(&format!("calm/{scene}")));
         assert!(worst <= 3 * calm, "{scene}: {worst} at worst, {calm} with everyday values");
-        most = f64::max(most, worst as f64 / calm as f64);
+        worst_ratio = f64::max(worst_ratio, worst as f64 / calm as f64);
     }
     // Scenes in which values make no difference would show nothing.
-    assert!(most >= 1.5, "{most} times at worst");
+    assert!(worst_ratio >= 1.5, "{worst_ratio} times at worst");
 }
 
 #[test]

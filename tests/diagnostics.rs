@@ -128,12 +128,13 @@ impl Compiler {
             let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
             name.starts_with("libumbra_physics-") && name.ends_with(".rlib")
         };
-        let made =
+        let modified =
             |path: &PathBuf| fs::metadata(path).and_then(|file| file.modified()).unwrap_or(SystemTime::UNIX_EPOCH);
         let files = fs::read_dir(&compiler.libraries).expect("the folder of the test");
-        let mut found: Vec<PathBuf> = files.filter_map(|entry| Some(entry.ok()?.path())).filter(is_library).collect();
-        found.sort_by_key(made);
-        compiler.library = found.pop().expect("a test is built with the library");
+        let mut libraries: Vec<PathBuf> =
+            files.filter_map(|entry| Some(entry.ok()?.path())).filter(is_library).collect();
+        libraries.sort_by_key(modified);
+        compiler.library = libraries.pop().expect("a test is built with the library");
         compiler
     }
 

@@ -17,10 +17,12 @@ fn world(integrator: Integrator) -> World {
     World::new(def).expect("a world")
 }
 
-fn join(world: &mut World, near: BodyId, far: BodyId) {
+fn join(world: &mut World, start: BodyId, far: BodyId) {
     let spring = SpringConstants { rest: fx!(1), stiffness: fx!(20), damping: fx!(1) };
-    let near = Attachment { body: near, point: vec2(fx!(0.5), 0) };
-    world.add_field(FieldKind::Spring { near, far: End::Body(Attachment::centre(far)), spring }).expect("a field");
+    let start = Attachment { body: start, point: vec2(fx!(0.5), 0) };
+    world
+        .add_field(FieldKind::Spring { near: start, far: End::Body(Attachment::centre(far)), spring })
+        .expect("a field");
 }
 
 /// Every known value of a body, as text.
@@ -59,12 +61,12 @@ fn a_disabled_body_stays_as_it_is_and_goes_on_as_it_was() {
 
 trait Twins {
     /// Returns true if the body equals its twin in another world, handles apart.
-    fn last_tick_free(&self, other: &World, twin: BodyId) -> bool;
+    fn last_tick_free(&self, world: &World, twin: BodyId) -> bool;
 }
 
 impl Twins for umbra_physics::BodyRef<'_> {
-    fn last_tick_free(&self, other: &World, twin: BodyId) -> bool {
-        let twin = other.body(twin).expect("it is there");
+    fn last_tick_free(&self, world: &World, twin: BodyId) -> bool {
+        let twin = world.body(twin).expect("it is there");
         self.position_exact() == twin.position_exact()
             && self.velocity_exact() == twin.velocity_exact()
             && self.angle_exact() == twin.angle_exact()
@@ -79,34 +81,35 @@ fn fields_attached_to_a_disabled_body_are_inert() {
         let run = |is_there: bool| {
             let mut world = world(integrator);
             let body = world.add_body(BodyDef { position: vec2(5, 0), ..BodyDef::dynamic() }).expect("a body");
-            let other = world.add_body(BodyDef { position: vec2(2, 1), ..BodyDef::dynamic() }).expect("a body");
+            let partner = world.add_body(BodyDef { position: vec2(2, 1), ..BodyDef::dynamic() }).expect("a body");
             if is_there {
-                join(&mut world, body, other);
-                let centre = End::Body(Attachment::centre(other));
+                join(&mut world, body, partner);
+                let centre = End::Body(Attachment::centre(partner));
                 world.add_field(FieldKind::Attractor { centre, mu, softening: fx!(1) }).expect("a field");
                 world
-                    .add_field(FieldKind::Thrust { at: Attachment::centre(other), force: vec2(0, 9) })
+                    .add_field(FieldKind::Thrust { at: Attachment::centre(partner), force: vec2(0, 9) })
                     .expect("a field");
-                world.disable(other).expect("it takes part");
+                world.disable(partner).expect("it takes part");
             }
             let mut way = Vec::new();
             for _ in 0..30 {
                 world.step();
                 way.push(all(&world, body));
             }
-            (way, world.momentum().expect("it fits"), world.potential_energy().expect("it fits"), other, world)
+            (way, world.momentum().expect("it fits"), world.potential_energy().expect("it fits"), partner, world)
         };
-        let ((with, momentum, potential, other, world), (without, alone, _, free, there)) = (run(true), run(false));
+        let ((with, momentum, potential, partner, world), (without, alone, _, free, world_alone)) =
+            (run(true), run(false));
         assert_eq!(with, without, "{integrator:?}");
         // The totals are of those that take part.
-        let own = there.body(free).expect("it is there").momentum();
+        let free_momentum = world_alone.body(free).expect("it is there").momentum();
         let plus = |a: FxWide, b: FxWide| a.to_bits() + b.to_bits();
-        assert_eq!(plus(momentum.x, own.x), alone.x.to_bits());
-        assert_eq!(plus(momentum.y, own.y), alone.y.to_bits());
-        let out = world.body(other).expect("it is there");
+        assert_eq!(plus(momentum.x, free_momentum.x), alone.x.to_bits());
+        assert_eq!(plus(momentum.y, free_momentum.y), alone.y.to_bits());
+        let out = world.body(partner).expect("it is there");
         assert_eq!((out.momentum(), out.kinetic_energy()), (umbra_physics::Vec2::default(), Ok(FxWide::default())));
         let mut gone = world.clone();
-        gone.remove_body(other).expect("it is there");
+        gone.remove_body(partner).expect("it is there");
         assert_eq!(gone.potential_energy(), Ok(potential));
     }
 }
@@ -263,13 +266,13 @@ fn forces_on_a_body_that_was_disabled_since_are_not_undone() {
 #[test]
 fn a_body_woken_before_an_undone_step_and_disabled_since_is_not_reported_as_woken() {
     let mut world = World::new(WorldDef { sleep_after: Some(1), ..WorldDef::default() }).expect("a world");
-    let [body, other] =
+    let [body, bystander] =
         [1, 2].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }).expect("a body"));
     world.step();
     assert_eq!(world.bodies().map(|b| b.activity()).collect::<Vec<_>>(), [Activity::Asleep; 2]);
     world.set_sleep_after(None).expect("it can be");
-    assert_eq!(world.step().woke, [body, other]);
+    assert_eq!(world.step().woke, [body, bystander]);
     world.disable(body).expect("it takes part");
     assert_eq!(world.step_back(&[]), Ok(()));
-    assert_eq!(world.step().woke, [other]);
+    assert_eq!(world.step().woke, [bystander]);
 }

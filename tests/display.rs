@@ -159,13 +159,13 @@ fn nothing_is_blended_over_what_is_no_motion() {
     ];
     for (i, (call, is_new)) in calls.into_iter().enumerate() {
         let (mut world, body, mut interpolation) = watched();
-        let other = add(&mut world, mover());
+        let second = add(&mut world, mover());
         step(&mut world, &mut interpolation);
         call(&mut world, body);
         step(&mut world, &mut interpolation);
         assert_eq!(is_where_it_is(&world, &interpolation, body), is_new, "call {i}");
         // A call to one body is none to another.
-        assert_eq!(is_where_it_is(&world, &interpolation, other), i == 3, "call {i}");
+        assert_eq!(is_where_it_is(&world, &interpolation, second), i == 3, "call {i}");
         // From the next tick on it is as ever.
         step(&mut world, &mut interpolation);
         assert!(!is_where_it_is(&world, &interpolation, body), "call {i}");
@@ -561,12 +561,12 @@ fn crate_on_floor() -> (World, [umbra_physics::ColliderId; 2], BodyId) {
 }
 
 /// An arrow of the drawing by its start and its direction.
-fn arrows(marks: &[(Role, Mark)], of: Role) -> Vec<([f64; 2], [f64; 2])> {
-    let of_role = marks.iter().filter(|(role, _)| *role == of);
+fn arrows(marks: &[(Role, Mark)], arrow_role: Role) -> Vec<([f64; 2], [f64; 2])> {
+    let of_role = marks.iter().filter(|(role, _)| *role == arrow_role);
     of_role
         .map(|(_, mark)| match mark {
             Mark::Arrow(from, to) => (*from, [to[0] - from[0], to[1] - from[1]]),
-            other => panic!("{other:?}"),
+            mark => panic!("{mark:?}"),
         })
         .collect()
 }

@@ -36,8 +36,12 @@ fn mu(value: Fx) -> FxFactor {
     FxFactor::from_scalar(value)
 }
 
-fn spring(near: BodyId, far: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
-    FieldKind::Spring { near: Attachment::centre(near), far, spring: SpringConstants { rest, stiffness, damping } }
+fn spring(start: BodyId, end: End, rest: Fx, stiffness: Fx, damping: Fx) -> FieldKind {
+    FieldKind::Spring {
+        near: Attachment::centre(start),
+        far: end,
+        spring: SpringConstants { rest, stiffness, damping },
+    }
 }
 
 /// A world with a dynamic, a kinematic and a static body, and a field.
@@ -178,19 +182,19 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         linear: None,
         angular: Some(Damping::kept_per_second(kept)),
     });
-    let most = [Fx::ZERO, SPEED];
-    try_scalar(most, Quantity::MaxSpeed, |most, body, _| Command::SetMaxSpeeds {
+    let limits = [Fx::ZERO, SPEED];
+    try_scalar(limits, Quantity::MaxSpeed, |max, body, _| Command::SetMaxSpeeds {
         body,
-        linear: Some(most),
+        linear: Some(max),
         angular: None,
     });
-    try_scalar(most, Quantity::MaxAngularSpeed, |most, body, _| Command::SetMaxSpeeds {
+    try_scalar(limits, Quantity::MaxAngularSpeed, |max, body, _| Command::SetMaxSpeeds {
         body,
         linear: None,
-        angular: Some(most),
+        angular: Some(max),
     });
-    try_scalar(most, Quantity::MaxSpeed, |most, _, _| body(|def| def.max_speed = Some(most)));
-    try_scalar(most, Quantity::MaxAngularSpeed, |most, _, _| body(|def| def.max_angular_speed = Some(most)));
+    try_scalar(limits, Quantity::MaxSpeed, |max, _, _| body(|def| def.max_speed = Some(max)));
+    try_scalar(limits, Quantity::MaxAngularSpeed, |max, _, _| body(|def| def.max_angular_speed = Some(max)));
     try_scalar(kept, Quantity::Damping, |kept, _, _| {
         body(|def| def.linear_damping = Some(Damping::kept_per_second(kept)))
     });
@@ -224,18 +228,18 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
 #[test]
 fn mu_is_accepted_up_to_two_to_the_64_and_not_a_bit_further() {
     let (mut world, _, id) = stage();
-    let most = {
+    let max_mu = {
         let root = FxFactor::from_ratio(1 << (MU_MAX_LOG2 / 2), 1);
         root.times(root)
     };
     // The next factor is one part in 2^63 more.
-    let past = most.plus(FxFactor::from_ratio(2, 1));
-    assert!(past > most);
+    let past = max_mu.plus(FxFactor::from_ratio(2, 1));
+    assert!(past > max_mu);
     let attract = |mu| Command::SetField {
         id,
         field: FieldKind::Attractor { centre: End::World(Vec2::X), mu, softening: fx!(0) }.into(),
     };
-    expect(&mut world, &attract(most), Ok(()));
+    expect(&mut world, &attract(max_mu), Ok(()));
     expect(&mut world, &attract(FxFactor::ZERO), Ok(()));
     expect(&mut world, &attract(past), out_of(Quantity::Mu));
 }
@@ -268,7 +272,7 @@ fn rates_and_sleeping_times_have_their_bounds() {
 #[test]
 fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
     let refused = Err(Error::DampingHasNoInverse);
-    let (mut world, [one, ..], _) = stage();
+    let (mut world, [first, ..], _) = stage();
     expect(
         &mut world,
         &Command::SetDamping { linear: Damping::kept_per_second(Fx::ZERO), angular: Damping::NONE },
@@ -278,19 +282,19 @@ fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
     expect(&mut world, &Command::SetDamping { linear: Damping::NONE, angular: Damping::NONE }, Ok(()));
     expect(
         &mut world,
-        &Command::SetBodyDamping { body: one, linear: None, angular: Some(Damping::kept_per_second(Fx::ZERO)) },
+        &Command::SetBodyDamping { body: first, linear: None, angular: Some(Damping::kept_per_second(Fx::ZERO)) },
         Ok(()),
     );
     expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), refused);
     expect(
         &mut world,
-        &Command::SetBodyDamping { body: one, linear: None, angular: Some(Damping::kept_per_second(ULP)) },
+        &Command::SetBodyDamping { body: first, linear: None, angular: Some(Damping::kept_per_second(ULP)) },
         Ok(()),
     );
     expect(&mut world, &Command::SetIntegrator(Integrator::Yoshida4), Ok(()));
     expect(
         &mut world,
-        &Command::SetBodyDamping { body: one, linear: Some(Damping::kept_per_second(Fx::ZERO)), angular: None },
+        &Command::SetBodyDamping { body: first, linear: Some(Damping::kept_per_second(Fx::ZERO)), angular: None },
         refused,
     );
     expect(
@@ -557,7 +561,7 @@ fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause
         2 => at(Vec2::ZERO, Vec2::ZERO, ANGULAR_SPEED),
         _ => at(vec2(fx!(0.5), 0), vec2(fx!(0.1), 0), fx!(1)),
     };
-    let (doomed, near, far) = (
+    let (doomed, neighbour, bystander) = (
         world.add_body(def).unwrap(),
         world.add_body(BodyDef { position: vec2(3, 1), ..base.clone() }).unwrap(),
         world.add_body(BodyDef { position: vec2(9, 1), velocity: vec2(1, 0), ..base.clone() }).unwrap(),
@@ -601,16 +605,17 @@ fn doom(integrator: Integrator, way: usize) -> (World, [BodyId; 3], Option<Cause
             Some(Cause::Velocity)
         }
     };
-    (world, [doomed, near, far], cause)
+    (world, [doomed, neighbour, bystander], cause)
 }
 
 #[test]
 fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
     for integrator in Integrator::ALL {
         for way in 0..7 {
-            let (mut world, [doomed, near, far], cause) = doom(integrator, way);
-            let link =
-                world.add_field(spring(near, End::Body(Attachment::centre(doomed)), fx!(1), fx!(0), fx!(0))).unwrap();
+            let (mut world, [doomed, neighbour, bystander], cause) = doom(integrator, way);
+            let link = world
+                .add_field(spring(neighbour, End::Body(Attachment::centre(doomed)), fx!(1), fx!(0), fx!(0)))
+                .unwrap();
             let mut alone = world.clone();
             let (before, tick) = (bits(&world, doomed), world.tick());
             let report = world.step();
@@ -626,18 +631,18 @@ fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
             // The others are where they are without it.
             alone.remove_body(doomed).unwrap();
             alone.step();
-            for other in [near, far] {
-                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}");
+            for body in [neighbour, bystander] {
+                assert_eq!(bits(&world, body), bits(&alone, body), "{integrator:?}, way {way}");
             }
             // A spring with a pull is inert from the next tick on.
-            let pull = spring(near, End::Body(Attachment::centre(doomed)), fx!(1), fx!(50), fx!(1));
+            let pull = spring(neighbour, End::Body(Attachment::centre(doomed)), fx!(1), fx!(50), fx!(1));
             world.set_field(link, pull).unwrap();
             for _ in 0..10 {
                 assert_eq!(world.step().faults, []);
                 alone.step();
             }
-            for other in [near, far] {
-                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}: the spring is inert");
+            for body in [neighbour, bystander] {
+                assert_eq!(bits(&world, body), bits(&alone, body), "{integrator:?}, way {way}: the spring is inert");
             }
             assert_eq!(bits(&world, doomed), before);
             // Put somewhere good it is released, and pulls again.
@@ -653,7 +658,7 @@ fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
             assert_ne!(bits(&world, doomed).0[2], 0, "{integrator:?}, way {way}: it moves");
             alone.step();
             alone.step();
-            assert_ne!(bits(&world, near), bits(&alone, near), "{integrator:?}, way {way}: and pulls");
+            assert_ne!(bits(&world, neighbour), bits(&alone, neighbour), "{integrator:?}, way {way}: and pulls");
         }
     }
 }
@@ -662,7 +667,7 @@ fn a_body_that_leaves_the_envelope_is_put_back_taken_out_and_reported() {
 fn a_body_that_no_field_reaches_is_put_back_as_well() {
     for integrator in Integrator::ALL {
         for way in [0, 1, 2, 3, 6] {
-            let (mut world, [doomed, near, far], cause) = doom(integrator, way);
+            let (mut world, [doomed, neighbour, bystander], cause) = doom(integrator, way);
             let mut alone = world.clone();
             alone.remove_body(doomed).unwrap();
             let before = bits(&world, doomed);
@@ -670,8 +675,8 @@ fn a_body_that_no_field_reaches_is_put_back_as_well() {
             assert_eq!(faults, [Fault { body: doomed, cause: cause.unwrap() }], "{integrator:?}, way {way}");
             assert_eq!(bits(&world, doomed), before, "{integrator:?}, way {way}: back to the bit");
             alone.step();
-            for other in [near, far] {
-                assert_eq!(bits(&world, other), bits(&alone, other), "{integrator:?}, way {way}");
+            for body in [neighbour, bystander] {
+                assert_eq!(bits(&world, body), bits(&alone, body), "{integrator:?}, way {way}");
             }
         }
     }
@@ -734,9 +739,9 @@ fn edge() -> impl Strategy<Value = Fx> {
         Just(i64::MAX),
         Just(i64::MIN)
     ];
-    let near = (named, -1i64..=1).prop_map(|(bits, by)| bits.saturating_add(by));
-    let spread = (any::<i64>(), 0u32..63).prop_map(|(bits, by)| bits >> by);
-    prop_oneof![near, spread].prop_map(Fx::from_bits)
+    let beside = (named, -1i64..=1).prop_map(|(bits, offset)| bits.saturating_add(offset));
+    let spread = (any::<i64>(), 0u32..63).prop_map(|(bits, offset)| bits >> offset);
+    prop_oneof![beside, spread].prop_map(Fx::from_bits)
 }
 
 fn edge_vector() -> impl Strategy<Value = Vec2> {
@@ -845,8 +850,8 @@ fn end() -> impl Strategy<Value = End> {
 }
 
 fn law() -> impl Strategy<Value = FieldKind> {
-    let any_mu = (any::<u64>(), 0u32..64, any::<bool>()).prop_map(|(value, by, past)| {
-        let value = FxFactor::from_ratio((value >> by).max(1), 1);
+    let any_mu = (any::<u64>(), 0u32..64, any::<bool>()).prop_map(|(value, offset, past)| {
+        let value = FxFactor::from_ratio((value >> offset).max(1), 1);
         if past { value.times(FxFactor::from_ratio(1, 1 << 60)) } else { value }
     });
     prop_oneof![
@@ -915,7 +920,7 @@ fn action() -> impl Strategy<Value = ForceOrImpulse> {
 
 fn options() -> impl Strategy<Value = ApplyOptions> {
     (any::<bool>(), any::<bool>())
-        .prop_map(|(own, wake)| ApplyOptions { frame: if own { Frame::Body } else { Frame::World }, wake })
+        .prop_map(|(is_local, wake)| ApplyOptions { frame: if is_local { Frame::Body } else { Frame::World }, wake })
 }
 
 fn command() -> impl Strategy<Value = Command> {
@@ -1141,13 +1146,9 @@ fn the_corners_of_the_envelope_are_stepped_through_without_a_panic() {
                             })
                             .unwrap();
                     }
-                    let most = FxFactor::from_ratio(u64::MAX, 1);
+                    let mu = FxFactor::from_ratio(u64::MAX, 1);
                     world
-                        .add_field(FieldKind::Attractor {
-                            centre: End::World(Vec2::ZERO),
-                            mu: most,
-                            softening: Fx::ZERO,
-                        })
+                        .add_field(FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu, softening: Fx::ZERO })
                         .unwrap();
                     world
                         .add_field(FieldKind::Drag { linear: Fx::MAX, quadratic: Fx::MAX, wind: vec2(SPEED, SPEED) })
@@ -1193,7 +1194,7 @@ mod floats {
                 let near = Attachment { body, point: Vec2::ZERO };
                 let origin = End::World(Vec2::ZERO);
                 let disc = Region::Disc { centre: Vec2::ZERO, radius: 1.0 };
-                let own = |action| Command::Apply { body, action, options: ApplyOptions::default() };
+                let apply = |action| Command::Apply { body, action, options: ApplyOptions::default() };
                 let made_of = |change: fn(&mut ColliderDef<f64>, Vec2<f64>)| {
                     let mut def = part.clone();
                     change(&mut def, v);
@@ -1231,12 +1232,12 @@ mod floats {
                     Command::SetGravity(v),
                     Command::SetDamping { linear: Damping::kept_per_second(bad), angular: Damping::NONE },
                     Command::SetDamping { linear: Damping::NONE, angular: Damping::kept_per_second(bad) },
-                    own(ForceOrImpulse::Force { force: v, point: None }),
-                    own(ForceOrImpulse::Force { force: Vec2::X, point: Some(v) }),
-                    own(ForceOrImpulse::Torque(bad)),
-                    own(ForceOrImpulse::Impulse { impulse: v, point: None }),
-                    own(ForceOrImpulse::Impulse { impulse: Vec2::X, point: Some(v) }),
-                    own(ForceOrImpulse::AngularImpulse(bad)),
+                    apply(ForceOrImpulse::Force { force: v, point: None }),
+                    apply(ForceOrImpulse::Force { force: Vec2::X, point: Some(v) }),
+                    apply(ForceOrImpulse::Torque(bad)),
+                    apply(ForceOrImpulse::Impulse { impulse: v, point: None }),
+                    apply(ForceOrImpulse::Impulse { impulse: Vec2::X, point: Some(v) }),
+                    apply(ForceOrImpulse::AngularImpulse(bad)),
                     set(FieldKind::Drag { linear: bad, quadratic: 0.0, wind: Vec2::ZERO }),
                     set(FieldKind::Drag { linear: 0.0, quadratic: bad, wind: Vec2::ZERO }),
                     set(FieldKind::Drag { linear: 0.0, quadratic: 0.0, wind: v }),
@@ -1309,7 +1310,7 @@ mod floats {
 /// Damping to 2^-32 of a velocity makes 2^11 times of it in the middle of a step of Yoshida's, which goes back in time there.
 #[test]
 fn damping_that_goes_too_far_back_takes_out_the_body_that_it_carries_away() {
-    for own in [None, Some(Damping::kept_per_second(fx!(0.5)))] {
+    for damping in [None, Some(Damping::kept_per_second(fx!(0.5)))] {
         for at in [0, 1, 77, 199] {
             for (cause, fast) in [
                 (Cause::Velocity, BodyDef { velocity: vec2(0, 1 << 19), ..BodyDef::dynamic() }),
@@ -1325,12 +1326,13 @@ fn damping_that_goes_too_far_back_takes_out_the_body_that_it_carries_away() {
                 .expect("a world");
                 let bodies: Vec<_> = (0..200)
                     .map(|i| {
-                        let calm = BodyDef { linear_damping: own.filter(|_| i % 2 == at % 2), ..BodyDef::dynamic() };
+                        let calm =
+                            BodyDef { linear_damping: damping.filter(|_| i % 2 == at % 2), ..BodyDef::dynamic() };
                         let def = if i == at { fast.clone() } else { calm };
                         world.add_body(def).expect("there is room")
                     })
                     .collect();
-                assert_eq!(world.step().faults, [Fault { body: bodies[at], cause }], "body {at}, {own:?}");
+                assert_eq!(world.step().faults, [Fault { body: bodies[at], cause }], "body {at}, {damping:?}");
             }
         }
     }
@@ -1385,9 +1387,9 @@ fn a_body_that_leaves_is_caught_at_once_however_calm_its_block_was() {
             change(&mut kept, ids[150]).expect("a fair change");
             // A copy keeps nothing of what is cached.
             let mut fresh = kept.clone();
-            let found = faults_of(&mut kept, 80);
-            assert_eq!(found, faults_of(&mut fresh, 80), "{name}, after {calm} steps");
-            assert!(!found.concat().is_empty(), "{name}, after {calm} steps: nobody left");
+            let faults = faults_of(&mut kept, 80);
+            assert_eq!(faults, faults_of(&mut fresh, 80), "{name}, after {calm} steps");
+            assert!(!faults.concat().is_empty(), "{name}, after {calm} steps: nobody left");
             assert_eq!(kept.state_hash(), fresh.state_hash(), "{name}, after {calm} steps");
         }
     }
@@ -1419,15 +1421,25 @@ fn queries_look_as_far_as_the_limit_and_no_farther() {
     let mut world = world();
     world.add_body(BodyDef::fixed().with_collider(Shape::circle(1).expect("a disc"))).expect("a disc");
     let (queries, all) = (world.queries(), QueryFilter::default());
-    let ray = |from: Fx, by: Fx| queries.cast_ray(vec2(from, 0), vec2(by, 0), &all).map(|hit| hit.map(|hit| hit.point));
+    let ray = |from: Fx, translation: Fx| {
+        queries.cast_ray(vec2(from, 0), vec2(translation, 0), &all).map(|hit| hit.map(|hit| hit.point))
+    };
     for sign in [1, -1] {
         assert_eq!(ray((-QUERY - Fx::ONE) * sign, QUERY * sign), Ok(Some(vec2(-sign, 0))), "at the end of the ray");
         assert_eq!(ray((-QUERY - Fx::ONE - ULP) * sign, QUERY * sign), Ok(None), "beyond it");
         assert_eq!(ray(Fx::ZERO, (QUERY + ULP) * sign), out_of(Quantity::Query));
     }
-    let near = |from: Fx, most: Fx| queries.closest_point(vec2(from, 0), most, &all).map(|near| near.is_some());
-    assert_eq!((near(QUERY + Fx::ONE, QUERY), near(QUERY + Fx::ONE + ULP, QUERY)), (Ok(true), Ok(false)));
-    assert_eq!((near(Fx::ZERO, QUERY + ULP), near(Fx::ZERO, -ULP)), (out_of(Quantity::Query), out_of(Quantity::Query)));
+    let is_within_reach = |from: Fx, reach: Fx| {
+        queries.closest_point(vec2(from, 0), reach, &all).map(|is_within_reach| is_within_reach.is_some())
+    };
+    assert_eq!(
+        (is_within_reach(QUERY + Fx::ONE, QUERY), is_within_reach(QUERY + Fx::ONE + ULP, QUERY)),
+        (Ok(true), Ok(false))
+    );
+    assert_eq!(
+        (is_within_reach(Fx::ZERO, QUERY + ULP), is_within_reach(Fx::ZERO, -ULP)),
+        (out_of(Quantity::Query), out_of(Quantity::Query))
+    );
 }
 
 #[test]

@@ -199,52 +199,53 @@ fn all_sources() -> Vec<String> {
 
 /// The numbers that a source gives in functions `code` that are written out: a number for each variant, or one for all.
 fn written_out(text: &str) -> Vec<(u16, String)> {
-    let mut found = Vec::new();
+    let mut numbers = Vec::new();
     for part in text.split("\nimpl ").skip(1) {
         let name = part.split([' ', '<']).next().expect("a name");
         let Some((_, body)) = part.split_once("pub const fn code(&self) -> u16 {\n") else { continue };
         for line in body.split("\n    }").next().expect("an end").lines().map(str::trim) {
             if let Ok(number) = line.parse() {
-                found.push((number, name.to_owned()));
+                numbers.push((number, name.to_owned()));
             } else if let Some((variant, number)) = line.split_once(" => ") {
                 let variant = variant.trim_start_matches("Self::").split([' ', '(']).next().expect("a variant");
                 let number = number.trim_end_matches(',').parse().expect("a number");
-                found.push((number, format!("{name}::{variant}")));
+                numbers.push((number, format!("{name}::{variant}")));
             }
         }
     }
-    found
+    numbers
 }
 
 /// The numbers in the code: those of `codes!`, of `enum Flaw`, of functions that are written out, and what the program has of its
 /// own.
 fn in_the_code() -> Vec<(u16, String)> {
-    let mut found = Vec::new();
+    let mut numbers = Vec::new();
     for text in &all_sources() {
-        found.extend(written_out(text));
+        numbers.extend(written_out(text));
         // Calls begin a line; the definition and the text of this sentence do not.
         for part in text.split("\ncodes!(").skip(1).chain(text.split("\npub(super) enum Flaw {").skip(1)) {
             let is_flaw = part.starts_with('\n');
             let body = part.split(if is_flaw { "}" } else { ");" }).next().expect("an end");
             if let Some((name, number)) = body.split_once(" = ").filter(|_| !body.contains(['{', ','])) {
-                found.push((number.parse().expect("a number"), name.to_owned()));
+                numbers.push((number.parse().expect("a number"), name.to_owned()));
                 continue;
             }
             let (name, variants) = if is_flaw { ("Flaw", body) } else { body.split_once('{').expect("a list") };
             for line in variants.split([',', '}']).filter(|line| line.contains('=')) {
                 let (variant, number) = line.split_once('=').expect("a number");
-                found.push((number.trim().parse().expect("a number"), format!("{}::{}", name.trim(), variant.trim())));
+                numbers
+                    .push((number.trim().parse().expect("a number"), format!("{}::{}", name.trim(), variant.trim())));
             }
         }
     }
-    found
+    numbers
 }
 
 #[test]
 fn every_number_is_given_once_and_stays() {
-    let mut given = BTreeMap::new();
+    let mut names = BTreeMap::new();
     for (code, name) in GIVEN.into_iter().chain(RETIRED) {
-        assert_eq!(given.insert(code, name), None, "{code}");
+        assert_eq!(names.insert(code, name), None, "{code}");
     }
     let mut code = in_the_code();
     code.sort();
@@ -267,8 +268,8 @@ fn every_error_has_numbers() {
     // several; `CustomForceError` is a user's own word, which the engine hands on as a `Cause`.
     let others = ["Fault", "Failure", "SceneError", "SceneErrors", "CustomForceError"];
     for name in names.iter().filter(|name| !others.contains(name)) {
-        let has = |given: &str| given.split("::").next() == Some(*name);
-        assert!(GIVEN.iter().any(|(_, given)| has(given)), "{name}");
+        let has = |name_in_use: &str| name_in_use.split("::").next() == Some(*name);
+        assert!(GIVEN.iter().any(|(_, name_in_use)| has(name_in_use)), "{name}");
     }
 }
 
@@ -325,10 +326,10 @@ fn an_error_that_wraps_another_has_it_as_its_source() {
     recorder.step(&mut world, &Inputs::new());
     let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("a replay");
     let divergence = replay.verify().expect_err("it parts");
-    let most = ReplayLimits { ticks: 1, bodies: 1, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 1 };
-    let error = replay.verify_within(most).expect_err("it parts");
+    let limits = ReplayLimits { ticks: 1, bodies: 1, fields: 0, colliders: u32::MAX, pairs: u32::MAX, commands: 1 };
+    let error = replay.verify_within(limits).expect_err("it parts");
     assert_eq!((divergence.code(), error.code()), (420, 421));
     assert_eq!((error.to_string(), sourced(&error)), (divergence.to_string(), Some(divergence.to_string())));
-    let error = replay.verify_within(ReplayLimits { ticks: 0, ..most }).expect_err("it is too long");
+    let error = replay.verify_within(ReplayLimits { ticks: 0, ..limits }).expect_err("it is too long");
     assert_eq!((error.code(), sourced(&error)), (422, None));
 }

@@ -175,7 +175,7 @@ fn snapshot(layouts: &Layouts, file: &[u8]) -> (Value, u64) {
 fn compare(state: &Value, world: &World) {
     let def = world.def();
     let settings = &state["settings"];
-    let found = WorldDef {
+    let settings_read = WorldDef {
         time_step: time_step(&settings["time_step"]),
         gravity: vector(&settings["gravity"]),
         integrator: integrator(&settings["integrator"]),
@@ -184,64 +184,64 @@ fn compare(state: &Value, world: &World) {
         sleep_after: settings["sleep_after"].option().map(|ticks| ticks.natural() as u32),
         contacts: contact_settings(&settings["contacts"]),
     };
-    assert_eq!(found, *def);
+    assert_eq!(settings_read, *def);
     assert_eq!(state["tick"].natural(), world.tick());
     assert!(state["moved_at_tick"].natural() <= world.tick());
     assert_eq!(elapsed(state), (world.elapsed().num, world.elapsed().den));
     assert_eq!(random(&state["random"]), *world.random());
     assert_eq!(state["blob"].raw(), world.blob());
     let slots = state["bodies"].list();
-    let found: Vec<(BodyId, &Value)> = (0u32..)
+    let body_values: Vec<(BodyId, &Value)> = (0u32..)
         .zip(slots)
         .filter_map(|(slot, entry)| {
             let id = BodyId::from_parts(slot, entry["generation"].natural() as u32);
             Some((id, entry["present"].option()?))
         })
         .collect();
-    assert_eq!(found.len(), world.body_count());
+    assert_eq!(body_values.len(), world.body_count());
     let bits = |v: &Value| (v["x"].integer(), v["y"].integer());
-    for (id, found) in found {
-        let own = world.body(id).expect("it is there");
-        assert_eq!((kind(&found["kind"]), activity(&found["activity"])), (own.kind(), own.activity()), "{id}");
-        let (position, velocity) = (own.position_exact(), own.velocity_exact());
-        assert_eq!(bits(&found["position"]), (position.x.to_bits(), position.y.to_bits()), "{id}");
-        assert_eq!(bits(&found["velocity"]), (velocity.x.to_bits(), velocity.y.to_bits()), "{id}");
-        assert_eq!(found["angle"].natural(), own.angle_exact().to_bits(), "{id}");
-        assert_eq!(found["angular_velocity"].integer(), own.angular_velocity_exact().to_bits(), "{id}");
-        assert_eq!(number(&found["gravity_scale"]), own.gravity_scale(), "{id}");
-        assert_eq!(found["linear_damping"].option().map(damping), own.linear_damping(), "{id}");
-        assert_eq!(found["angular_damping"].option().map(damping), own.angular_damping(), "{id}");
-        assert_eq!(found["max_speed"].option().map(number), own.max_speed(), "{id}");
-        assert_eq!(found["max_angular_speed"].option().map(number), own.max_angular_speed(), "{id}");
-        assert_eq!(locks(&found["locks"]), own.locks(), "{id}");
-        let goal = found["kinematic_target"].option().and_then(|target| target["goal"].option());
+    for (id, value) in body_values {
+        let body = world.body(id).expect("it is there");
+        assert_eq!((kind(&value["kind"]), activity(&value["activity"])), (body.kind(), body.activity()), "{id}");
+        let (position, velocity) = (body.position_exact(), body.velocity_exact());
+        assert_eq!(bits(&value["position"]), (position.x.to_bits(), position.y.to_bits()), "{id}");
+        assert_eq!(bits(&value["velocity"]), (velocity.x.to_bits(), velocity.y.to_bits()), "{id}");
+        assert_eq!(value["angle"].natural(), body.angle_exact().to_bits(), "{id}");
+        assert_eq!(value["angular_velocity"].integer(), body.angular_velocity_exact().to_bits(), "{id}");
+        assert_eq!(number(&value["gravity_scale"]), body.gravity_scale(), "{id}");
+        assert_eq!(value["linear_damping"].option().map(damping), body.linear_damping(), "{id}");
+        assert_eq!(value["angular_damping"].option().map(damping), body.angular_damping(), "{id}");
+        assert_eq!(value["max_speed"].option().map(number), body.max_speed(), "{id}");
+        assert_eq!(value["max_angular_speed"].option().map(number), body.max_angular_speed(), "{id}");
+        assert_eq!(locks(&value["locks"]), body.locks(), "{id}");
+        let goal = value["kinematic_target"].option().and_then(|target| target["goal"].option());
         let goal = goal.map(|goal| (vector(&goal["position"]), Turn::from_bits(goal["angle"].natural())));
-        assert_eq!(goal, own.goal(), "{id}");
-        assert_eq!(found["dominance"].natural() as u32 as i32, own.dominance(), "{id}");
-        assert_eq!(found["force_groups"].natural(), u64::from(own.force_groups()), "{id}");
-        assert_eq!(found["key"].natural(), own.key(), "{id}");
-        assert_eq!(found["user_data"].natural(), own.user_data(), "{id}");
-        if let Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } = mass(&found["mass"]) {
-            assert!(own.mass().is_none_or(|own| own == mass), "{id}");
+        assert_eq!(goal, body.goal(), "{id}");
+        assert_eq!(value["dominance"].natural() as u32 as i32, body.dominance(), "{id}");
+        assert_eq!(value["force_groups"].natural(), u64::from(body.force_groups()), "{id}");
+        assert_eq!(value["key"].natural(), body.key(), "{id}");
+        assert_eq!(value["user_data"].natural(), body.user_data(), "{id}");
+        if let Mass::Kilograms(mass) | Mass::Explicit { mass, inertia: _ } = mass(&value["mass"]) {
+            assert!(body.mass().is_none_or(|actual| actual == mass), "{id}");
         }
-        let (force, torque) = match found["applied"].option() {
+        let (force, torque) = match value["applied"].option() {
             None => ((0, 0), 0),
             Some(applied) => (bits(&applied["force"]), applied["torque"].integer()),
         };
-        let own_force = own.applied_force().expect("it fits").map(|wide| wide.to_bits());
+        let own_force = body.applied_force().expect("it fits").map(|wide| wide.to_bits());
         assert_eq!(force, (own_force.x, own_force.y), "{id}");
-        assert_eq!(torque, own.applied_torque().expect("it fits").to_bits(), "{id}");
+        assert_eq!(torque, body.applied_torque().expect("it fits").to_bits(), "{id}");
     }
-    let found: Vec<(FieldId, ForceField)> = (0u32..)
+    let fields_read: Vec<(FieldId, ForceField)> = (0u32..)
         .zip(state["fields"].list())
         .filter_map(|(slot, entry)| {
             let id = FieldId::from_parts(slot, entry["generation"].natural() as u32);
             Some((id, field(entry["field"].option()?)))
         })
         .collect();
-    let own: Vec<(FieldId, ForceField)> = world.fields().map(|(id, field)| (id, *field)).collect();
-    assert_eq!(found, own);
-    let found: Vec<(ColliderId, BodyId, ColliderDef)> = (0u32..)
+    let fields_here: Vec<(FieldId, ForceField)> = world.fields().map(|(id, field)| (id, *field)).collect();
+    assert_eq!(fields_read, fields_here);
+    let colliders_read: Vec<(ColliderId, BodyId, ColliderDef)> = (0u32..)
         .zip(state["colliders"].list())
         .filter_map(|(slot, entry)| {
             let id = ColliderId::from_parts(slot, entry["generation"].natural() as u32);
@@ -249,11 +249,12 @@ fn compare(state: &Value, world: &World) {
             Some((id, found::body(&present["body"]), found::collider_def(&present["def"])))
         })
         .collect();
-    let own = world.colliders().map(|(id, def)| (id, world.collider_body(id).expect("it has one"), def.clone()));
-    assert_eq!(found, own.collect::<Vec<_>>());
-    let given: Vec<(u64, u32)> = custom_forces().iter().map(|force| (force.id(), force.version())).collect();
+    let colliders_here =
+        world.colliders().map(|(id, def)| (id, world.collider_body(id).expect("it has one"), def.clone()));
+    assert_eq!(colliders_read, colliders_here.collect::<Vec<_>>());
+    let forces: Vec<(u64, u32)> = custom_forces().iter().map(|force| (force.id(), force.version())).collect();
     let version = |force: &Value| (force["id"].natural(), force["version"].natural() as u32);
-    assert_eq!(state["custom_forces"].list().iter().map(version).collect::<Vec<_>>(), given);
+    assert_eq!(state["custom_forces"].list().iter().map(version).collect::<Vec<_>>(), forces);
 }
 
 /// The chunks of a replay, by their letters, each with its seal right.
@@ -343,15 +344,15 @@ fn files_of_this_format_and_version_are_there_and_made_the_same_now() {
 
 #[test]
 fn files_of_other_formats_and_versions_are_refused_with_both_numbers() {
-    let [own_format, own_snapshots] = ["Replays", "Snapshots"].map(|of| Layouts::documented().number_of(of));
+    let [own_format, own_snapshots] = ["Replays", "Snapshots"].map(|name| Layouts::documented().number_of(name));
     // As it will be once there is another physics version.
     let mut replays = committed("umbrarep");
     let mut snapshots = committed("umbrasnp");
     let newest = snapshots[&(own_snapshots, PHYSICS_VERSION)].clone();
     snapshots.extend([(12, PHYSICS_VERSION + 1), (8, PHYSICS_VERSION)].map(|(at, version)| {
-        let mut other = newest.clone();
-        other[at] += 1;
-        ((u32::from(at == 8) + own_snapshots, version), other)
+        let mut altered = newest.clone();
+        altered[at] += 1;
+        ((u32::from(at == 8) + own_snapshots, version), altered)
     }));
     let mut newest = replays[&(own_format, PHYSICS_VERSION)].clone();
     newest[8] += 1;
@@ -361,8 +362,12 @@ fn files_of_other_formats_and_versions_are_refused_with_both_numbers() {
         let read = Snapshot::from_bytes(file, &custom_forces());
         match read {
             Ok(_) => assert_eq!((*format, *version), (own_snapshots, PHYSICS_VERSION)),
-            Err(SnapshotError::Format { found, known }) => assert_eq!((found, known), (*format, own_snapshots)),
-            Err(SnapshotError::PhysicsVersion { found, own }) => assert_eq!((found, own), (*version, PHYSICS_VERSION)),
+            Err(SnapshotError::Format { found: version_found, known }) => {
+                assert_eq!((version_found, known), (*format, own_snapshots))
+            }
+            Err(SnapshotError::PhysicsVersion { found: version_found, own }) => {
+                assert_eq!((version_found, own), (*version, PHYSICS_VERSION))
+            }
             Err(error) => panic!("format {format}, physics version {version}: {error}"),
         }
     }
@@ -372,9 +377,11 @@ fn files_of_other_formats_and_versions_are_refused_with_both_numbers() {
                 assert_eq!((*format, *version), (own_format, PHYSICS_VERSION));
                 assert_eq!(replay.verify(), Ok(()));
             }
-            Err(ReplayError::Format { found, known }) => assert_eq!((found, known), (*format, own_format)),
-            Err(error @ ReplayError::PhysicsVersion { found, own }) => {
-                assert_eq!((found, own), (*version, PHYSICS_VERSION));
+            Err(ReplayError::Format { found: version_found, known }) => {
+                assert_eq!((version_found, known), (*format, own_format))
+            }
+            Err(error @ ReplayError::PhysicsVersion { found: version_found, own }) => {
+                assert_eq!((version_found, own), (*version, PHYSICS_VERSION));
                 let text = error.to_string();
                 assert!(
                     text.contains(&format!("physics version {version};"))
@@ -449,8 +456,9 @@ fn the_tables_read_a_replay() {
                     assert_eq!(done, playback.commands().collect::<Vec<_>>());
                     playback.step().expect("it goes as recorded");
                     let places = playback.outcomes().iter().map(|outcome| (outcome.player, outcome.sequence));
-                    let found = |input: &Value| (input["player"].natural() as u32, input["sequence"].natural() as u32);
-                    assert_eq!(inputs.iter().map(found).collect::<Vec<_>>(), places.collect::<Vec<_>>());
+                    let place_of =
+                        |input: &Value| (input["player"].natural() as u32, input["sequence"].natural() as u32);
+                    assert_eq!(inputs.iter().map(place_of).collect::<Vec<_>>(), places.collect::<Vec<_>>());
                     let hash = tick["hash"].option().map(|hash| hash.natural());
                     assert_eq!(hash, Some(playback.world().state_hash()));
                     inputs.iter().for_each(|input| players[input["player"].natural() as usize] += 1);
@@ -463,7 +471,7 @@ fn the_tables_read_a_replay() {
                 assert_eq!(done["tick"].natural(), playback.world().tick());
                 assert_eq!(done["hash"].natural(), playback.world().state_hash());
             }
-            other => panic!("a chunk {other}"),
+            tag => panic!("a chunk {tag}"),
         }
     }
     assert_eq!(playback.world().tick(), replay.end());
@@ -494,15 +502,15 @@ fn the_tables_read_the_names_in_a_replay() {
 fn the_tables_read_every_command_and_say_how_long_it_is() {
     let layouts = Layouts::documented();
     let mut lengths: BTreeMap<u8, Vec<usize>> = BTreeMap::new();
-    for own in commands() {
-        let bytes = own.to_bytes();
-        let found = layouts.whole("command", &bytes);
-        assert_eq!(command(&found), own);
-        assert!(format!("{own:?}").starts_with(found.case()), "{own:?}");
+    for expected in commands() {
+        let bytes = expected.to_bytes();
+        let value = layouts.whole("command", &bytes);
+        assert_eq!(command(&value), expected);
+        assert!(format!("{expected:?}").starts_with(value.case()), "{expected:?}");
         // Shapes, colliders and blobs come on top of what the table says.
-        let more = match &own {
-            Command::AddBody(_) => found["def"]["colliders"].list().iter().map(|own| own.bytes().len()).sum(),
-            Command::AddCollider { .. } | Command::SetCollider { .. } => found["def"]["shape"].bytes().len(),
+        let more = match &expected {
+            Command::AddBody(_) => value["def"]["colliders"].list().iter().map(|collider| collider.bytes().len()).sum(),
+            Command::AddCollider { .. } | Command::SetCollider { .. } => value["def"]["shape"].bytes().len(),
             Command::SetBlob(blob) => blob.len(),
             _ => 0,
         };
@@ -511,14 +519,14 @@ fn the_tables_read_every_command_and_say_how_long_it_is() {
     let Content::Choice(cases) = layouts.form("command") else { panic!("a command is a choice") };
     assert_eq!(lengths.len(), cases.len());
     for case in cases {
-        let own = &lengths[&case.tag];
-        let (least, most) = (own.iter().min().expect("one"), own.iter().max().expect("one"));
-        let range = if least == most { format!("{least}") } else { format!("{least} to {most}") };
+        let sizes = &lengths[&case.tag];
+        let (min, max) = (sizes.iter().min().expect("one"), sizes.iter().max().expect("one"));
+        let range = if min == max { format!("{min}") } else { format!("{min} to {max}") };
         let written = case.bytes.split(',').next().unwrap_or_default();
         assert_eq!(written, range, "{}", case.name);
     }
-    let most = lengths.values().flatten().max().expect("one");
-    assert_eq!(*most, Command::<Fx>::BYTES);
+    let max = lengths.values().flatten().max().expect("one");
+    assert_eq!(*max, Command::<Fx>::BYTES);
     let text = fs::read_to_string(layouts::PATH).expect("the document");
     assert!(text.contains(&format!("none has more than {} bytes\n(`Command::BYTES`)", Command::<Fx>::BYTES)));
 }

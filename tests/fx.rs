@@ -52,9 +52,9 @@ fn checked_saturating_and_wrapping_forms_agree_on_what_does_not_fit() {
     let (min, max, delta) = (Fx::MIN, Fx::MAX, Fx::DELTA);
     assert_eq!((max.checked_add(delta), max.saturating_add(delta), max.wrapping_add(delta)), (None, max, min));
     assert_eq!((min.checked_sub(delta), min.saturating_sub(delta), min.wrapping_sub(delta)), (None, min, max));
-    let one = Fx::NEG_ONE;
-    assert_eq!((min.checked_mul(one), min.saturating_mul(one), min.wrapping_mul(one)), (None, max, min));
-    assert_eq!((min.checked_div(one), min.saturating_div(one), min.wrapping_div(one)), (None, max, min));
+    let unit = Fx::NEG_ONE;
+    assert_eq!((min.checked_mul(unit), min.saturating_mul(unit), min.wrapping_mul(unit)), (None, max, min));
+    assert_eq!((min.checked_div(unit), min.saturating_div(unit), min.wrapping_div(unit)), (None, max, min));
     assert_eq!((min.checked_neg(), min.saturating_neg(), min.wrapping_neg()), (None, max, min));
     assert_eq!((min.checked_abs(), min.saturating_abs(), min.wrapping_abs()), (None, max, min));
     assert_eq!(fx!(-65536).saturating_mul(fx!(65536)), min);
@@ -97,8 +97,8 @@ fn constants_are_the_nearest_values() {
     assert_eq!(Fx::PI, fx!(3.141592653589793238462643383279502884197));
     // By how many ulps they are rounded, as documented: a double has 19 bits to spare for that.
     let rounded = [(Fx::PI, PI), (Fx::TAU, TAU), (Fx::FRAC_PI_2, FRAC_PI_2)];
-    let by = rounded.map(|(value, exact)| format!("{:.2}", value.to_bits() as f64 - exact * 4_294_967_296.0));
-    assert_eq!(by, ["0.48", "-0.04", "-0.26"]);
+    let errors = rounded.map(|(value, exact)| format!("{:.2}", value.to_bits() as f64 - exact * 4_294_967_296.0));
+    assert_eq!(errors, ["0.48", "-0.04", "-0.26"]);
     assert_eq!(Fx::TAU, fx!(6.283185307179586476925286766559005768394));
     assert_eq!(Fx::FRAC_PI_2, fx!(1.570796326794896619231321691639751442099));
     assert_eq!((Fx::MIN, Fx::MAX.to_bits()), (fx!(-2147483648), i64::MAX));
@@ -240,8 +240,8 @@ fn literals_are_constants() {
         (fx!(9_223_372_036_854_775_807 / 4_294_967_296), (i64::MAX, 1 << 32)),
         (fx!(9_223_372_036_854_775_807 / -9_223_372_036_854_775_807), (-1, 1)),
     ];
-    for (made, (num, den)) in RATIOS {
-        assert_eq!(Some(made), Fx::checked_from_ratio(num, den), "{num}/{den}");
+    for (ratio, (num, den)) in RATIOS {
+        assert_eq!(Some(ratio), Fx::checked_from_ratio(num, den), "{num}/{den}");
     }
     assert_eq!([RATIOS[4].0.to_bits(), RATIOS[5].0.to_bits()], [0, -2]);
     macro_rules! passed_on {

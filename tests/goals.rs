@@ -71,14 +71,14 @@ fn a_body_arrives_at_its_target_to_the_bit_and_then_stands_still() {
                 // The way over the time, to nearest; within an ulp for the doubles that are compared.
                 let rate = f64::from(den) / f64::from(num);
                 let float = |c: Fx| c.to_bits() as f64;
-                let near = |v: Fx, way: f64| {
+                let assert_close = |v: Fx, way: f64| {
                     let right = way * rate;
                     assert!((float(v) - right).abs() <= 1.0 + right.abs() / (1u64 << 50) as f64, "{v} for {right}");
                 };
-                near(v.x, float(place.x) - float(x.x));
-                near(v.y, float(place.y) - float(x.y));
+                assert_close(v.x, float(place.x) - float(x.x));
+                assert_close(v.y, float(place.y) - float(x.y));
                 let way = Turn::from_radians(angle).to_bits().wrapping_sub(turn.to_bits()) as i64;
-                near(spin, way as f64 / 2f64.powi(32) * std::f64::consts::TAU);
+                assert_close(spin, way as f64 / 2f64.powi(32) * std::f64::consts::TAU);
                 assert_eq!(world.body(body).expect("it is there").goal(), None);
             }
             let (place, angle) = (vec2(3, 3), fx!(1));
@@ -397,7 +397,8 @@ fn goals_are_state() {
         world.move_to(body, vec2(2, 2), fx!(0.25)).expect("near enough");
         if steps == 0 {
             assert_ne!((world.state_hash(), world.physics_hash()), (still.state_hash(), still.physics_hash()));
-            let differences: Vec<String> = world.differences(&still).iter().map(|found| format!("{found:#}")).collect();
+            let differences: Vec<String> =
+                world.differences(&still).iter().map(|difference| format!("{difference:#}")).collect();
             assert_eq!(differences[0], "body 0, kinematic_target.given: true and false");
         }
         (0..steps).for_each(|_| _ = world.step());
@@ -408,9 +409,9 @@ fn goals_are_state() {
         for _ in 0..5 {
             assert_eq!(read.state_hash(), world.state_hash());
             assert_eq!(copy.state_hash(), world.state_hash());
-            let there = ahead.body().expect("it is there");
-            assert_eq!(there.position_exact(), world.body(body).expect("one").position_exact());
-            assert_eq!(there.velocity_exact(), world.body(body).expect("one").velocity_exact());
+            let twin = ahead.body().expect("it is there");
+            assert_eq!(twin.position_exact(), world.body(body).expect("one").position_exact());
+            assert_eq!(twin.velocity_exact(), world.body(body).expect("one").velocity_exact());
             [&mut read, &mut copy, &mut world].into_iter().for_each(|world| _ = world.step());
             ahead.step();
         }

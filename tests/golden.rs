@@ -125,8 +125,8 @@ fn the_number_of_threads_changes_no_digest() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(outcomes)
     };
-    let one = run(1);
+    let single = run(1);
     for threads in [2, 3, 8] {
-        assert_eq!(run(threads), one, "{threads} threads");
+        assert_eq!(run(threads), single, "{threads} threads");
     }
 }

@@ -143,16 +143,16 @@ fn heads(code: &str) -> Vec<String> {
 /// Wrong imports of a file, given its path below `src`.
 fn wrong_imports(path: &str, source: &str) -> Vec<String> {
     let parts: Vec<&str> = path.trim_end_matches(".rs").split('/').filter(|part| *part != "mod").collect();
-    let own = parts[0];
-    let Some(own_level) = level(own) else {
-        return if own == "lib" { Vec::new() } else { vec![format!("{path}: {own} is on no level")] };
+    let module = parts[0];
+    let Some(own_level) = level(module) else {
+        return if module == "lib" { Vec::new() } else { vec![format!("{path}: {module} is on no level")] };
     };
     let code = code_of(source);
     let mut wrong = Vec::new();
     let mut check = |named: &str| match level(named) {
-        Some(level) if named == own || level < own_level || (path, named) == DEFENDED => {}
+        Some(level) if named == module || level < own_level || (path, named) == DEFENDED => {}
         None if named == CASES => {}
-        Some(_) => wrong.push(format!("{path}: {own} names {named}")),
+        Some(_) => wrong.push(format!("{path}: {module} names {named}")),
         None => wrong.push(format!("{path}: `crate::{named}` is no module: name the one it is in")),
     };
     for at in words(&code, "crate") {
@@ -265,7 +265,7 @@ fn proptest_tries_the_same_cases_in_every_run() {
         let code = code_of(&source);
         let here = code.matches("proptest! {").count();
         let is_wrong = code.matches("#![proptest_config(cases(").count() != here
-            || ["Config::default", "Config::with_cases", "TestRunner::default"].iter().any(|made| code.contains(made));
+            || ["Config::default", "Config::with_cases", "TestRunner::default"].iter().any(|form| code.contains(form));
         blocks += here;
         wrong.extend(is_wrong.then_some(path));
     }

@@ -315,11 +315,12 @@ fn locks_are_in_files_and_forgeries_are_refused() {
     let bytes = world.snapshot().to_bytes();
     let read = Snapshot::from_bytes(&bytes, &[]).expect("sound").into_world();
     assert_eq!((read.body(body).expect("it is there").locks(), read.state_hash()), (locks, world.state_hash()));
-    let mut other = world.clone();
-    other.set_locks(body, Locks::NONE).expect("it is there");
-    let differences: Vec<String> = world.differences(&other).iter().map(|found| format!("{found:#}")).collect();
+    let mut twin = world.clone();
+    twin.set_locks(body, Locks::NONE).expect("it is there");
+    let differences: Vec<String> =
+        world.differences(&twin).iter().map(|difference| format!("{difference:#}")).collect();
     assert_eq!(differences, ["body 0, locks.x: true and false"]);
-    assert_ne!(world.physics_hash(), other.physics_hash());
+    assert_ne!(world.physics_hash(), twin.physics_hash());
     // One that says it is locked along y, where it moves.
     let at = bytes.windows(3).position(|three| three == [1, 0, 0]).expect("the locks");
     let candidates = (at..bytes.len() - 16).filter(|&i| bytes[i..i + 3] == [1, 0, 0]);
@@ -337,12 +338,12 @@ fn locks_are_in_files_and_forgeries_are_refused() {
 fn the_command_is_the_call() {
     let (mut world, body) = under_everything(Integrator::Yoshida4, Locks::NONE);
     world.set_time_step(TimeStep::hz(144)).expect("a rate");
-    let mut other = world.clone();
+    let mut twin = world.clone();
     world.set_locks(body, ALL).expect("it is there");
-    other.execute(&Command::SetLocks { body, locks: ALL }).expect("it is there");
+    twin.execute(&Command::SetLocks { body, locks: ALL }).expect("it is there");
     world.step();
-    other.step();
-    assert_eq!(world.state_hash(), other.state_hash());
+    twin.step();
+    assert_eq!(world.state_hash(), twin.state_hash());
     let gone = BodyId::from_parts(9, 0);
     assert_eq!(world.set_locks(gone, ALL), Err(Error::NoSuchBody { body: gone }));
 }

@@ -124,7 +124,7 @@ struct Watched {
 
 impl Watched {
     fn new(world: World) -> Self {
-        let mut own = Self {
+        let mut mirror = Self {
             world,
             known: BTreeMap::new(),
             looked: 0,
@@ -134,8 +134,8 @@ impl Watched {
             before: BTreeSet::new(),
             still: [0; 2],
         };
-        own.start_over();
-        own
+        mirror.start_over();
+        mirror
     }
 
     fn start_over(&mut self) {
@@ -148,14 +148,14 @@ impl Watched {
 
     fn execute(&mut self, command: &Command) {
         let owner = command.collider().and_then(|collider| self.world.collider_body(collider).ok());
-        let Ok(made) = self.world.execute(command) else { return };
+        let Ok(created) = self.world.execute(command) else { return };
         let (Command::SetPosition { body, .. } | Command::SetAngle { body, .. } | Command::SetKind { body, .. }) =
             command
         else {
             if let Command::ExcludePair { a, b, .. } | Command::AllowPair { a, b } = command {
                 self.touched.extend([*a, *b]);
             }
-            let named = if let Created::Body(body) = made { Some(body) } else { command.body() };
+            let named = if let Created::Body(body) = created { Some(body) } else { command.body() };
             return self.touched.extend(owner.or(named));
         };
         self.put.insert(*body);
@@ -302,9 +302,9 @@ fn each_call_that_sets_a_world_back_counts_and_a_clone_counts_on() {
     assert!(world.step_back(&[]).is_err());
     assert_eq!(world.rewinds(), 4);
     // From bytes: nobody knows what was seen before.
-    let there = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
-    assert_eq!((still(&there, 6), still(&there, 7)), (1, 0));
-    assert_eq!(still(there.preview(wall).expect("it is there").world(), 6), 1);
+    let restored = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+    assert_eq!((still(&restored, 6), still(&restored, 7)), (1, 0));
+    assert_eq!(still(restored.preview(wall).expect("it is there").world(), 6), 1);
 }
 
 #[test]
@@ -336,9 +336,9 @@ fn a_body_of_a_step_that_is_undone_is_added_and_not_placed_as_well() {
     let new = add(&mut world, drifting());
     let at = world.body(new).expect("it is there").position();
     world.step();
-    let there = world.body(new).expect("it is there").position();
+    let end = world.body(new).expect("it is there").position();
     world.set_position(new, at).expect("it is there");
-    world.set_position(new, there).expect("it is there");
+    world.set_position(new, end).expect("it is there");
     world.step_back(&[]).expect("it has a way back");
     assert!(world.step().events().eq([Event::Added(new)]));
 }
@@ -352,9 +352,9 @@ fn a_copy_made_between_calls_reports_all_of_them() {
     world.set_position(bodies[0], vec2(3, 3)).expect("it is there");
     world.remove_body(bodies[2]).expect("it is there");
     // Into memory that has another world's calls pending.
-    let mut other = World::new(WorldDef::default()).expect("a fair definition");
-    (0..4).for_each(|_| _ = add(&mut other, drifting()));
-    let [mut fresh, mut reused] = [world.clone(), other];
+    let mut reference = World::new(WorldDef::default()).expect("a fair definition");
+    (0..4).for_each(|_| _ = add(&mut reference, drifting()));
+    let [mut fresh, mut reused] = [world.clone(), reference];
     reused.clone_from(&world);
     for copy in [&mut fresh, &mut reused, &mut world] {
         copy.set_angle(bodies[0], fx!(1)).expect("it is there");
@@ -368,13 +368,13 @@ fn a_copy_made_between_calls_reports_all_of_them() {
 #[test]
 fn bodies_that_come_and_go_without_a_step_do_not_add_up() {
     let mut world = world(None);
-    let one = add(&mut world, drifting());
+    let first = add(&mut world, drifting());
     world.step();
     for _ in 0..1_000 {
         let passing = add(&mut world, drifting());
         world.set_position(passing, vec2(1, 1)).expect("it is there");
-        world.set_position(one, vec2(1, 1)).expect("it is there");
+        world.set_position(first, vec2(1, 1)).expect("it is there");
         world.remove_body(passing).expect("it is there");
     }
-    assert!(world.step().events().eq([Event::Placed(one)]));
+    assert!(world.step().events().eq([Event::Placed(first)]));
 }

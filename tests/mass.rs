@@ -94,9 +94,9 @@ fn a_capsule_is_a_rectangle_and_two_half_discs() {
         let bar_inertia = &bar * (&l * &l + real(4) * &r * &r) / real(12);
         // A half disc about its own centroid, which is 4r/3π from the diameter, then moved out by l/2.
         let centroid = real(4) * &r / (real(3) * pi());
-        let own = &r * &r / real(2) - &centroid * &centroid;
+        let half_inertia = &r * &r / real(2) - &centroid * &centroid;
         let out = &l / real(2) + &centroid;
-        let disc_inertia = &disc * (own + &out * &out);
+        let disc_inertia = &disc * (half_inertia + &out * &out);
         let area = &bar + &disc;
         let shape = Shape::capsule(length, radius).expect("fair sizes");
         worst.look(&shape, &area, &((bar_inertia + disc_inertia) / &area));
@@ -137,11 +137,11 @@ fn polygon(corners: &[Vec2]) -> (Real, [Real; 2], Real) {
 }
 
 /// A convex polygon of up to `most` corners about a random place: points on an ellipse.
-fn random_polygon(random: &mut SplitMix, most: i64) -> Vec<Vec2> {
+fn random_polygon(random: &mut SplitMix, max_corners: i64) -> Vec<Vec2> {
     let (width, height) = (size(random), size(random));
     let half = |s: Fx| s.to_bits() as f64 / 2.0 / 1.5;
     let centre = [random.between(-1 << 42, 1 << 42), random.between(-1 << 42, 1 << 42)];
-    let mut angles: Vec<f64> = (0..random.between(3, most + 1))
+    let mut angles: Vec<f64> = (0..random.between(3, max_corners + 1))
         .map(|_| random.next() as f64 / 2f64.powi(64) * core::f64::consts::TAU)
         .collect();
     angles.sort_by(f64::total_cmp);
@@ -158,11 +158,11 @@ fn random_polygon(random: &mut SplitMix, most: i64) -> Vec<Vec2> {
 #[test]
 fn a_polygon_has_the_moments_of_its_triangles() {
     let (mut random, mut worst) = (SplitMix::seeded(5), Worst::new("polygon"));
-    let (mut made, mut shifted) = (0, 0.0f64);
+    let (mut count, mut shifted) = (0, 0.0f64);
     for _ in 0..cases() {
         let corners = random_polygon(&mut random, 12);
         let Ok(shape) = Shape::polygon(&corners) else { continue };
-        made += 1;
+        count += 1;
         let (area, centroid, gyration) = polygon(&corners);
         for (shift, right) in [shape.shift().x, shape.shift().y].into_iter().zip(&centroid) {
             let off = to_f64(&((exact(shift) - right) << 32)).abs();
@@ -171,8 +171,8 @@ fn a_polygon_has_the_moments_of_its_triangles() {
         }
         worst.look(&shape, &area, &gyration);
     }
-    assert!(made > cases() / 2, "{made} were convex");
-    println!("{made} polygons, the centroid within {shifted:.3} ulps");
+    assert!(count > cases() / 2, "{count} were convex");
+    println!("{count} polygons, the centroid within {shifted:.3} ulps");
 }
 
 /// The angle between the ways from `a` to `b` and from there to `c`, to 2^-100: halved until its tangent is small.
@@ -220,9 +220,9 @@ fn rounded(corners: &[Vec2], radius: Fx) -> (Real, [Real; 2], Real) {
     }
     let area = parts.iter().fold(real(0), |sum, part| sum + &part.0);
     let centre = [0, 1].map(|k| parts.iter().fold(real(0), |sum, part| sum + &part.0 * &part.1[k]) / &area);
-    let moment = parts.iter().fold(real(0), |sum, (area, at, own)| {
+    let moment = parts.iter().fold(real(0), |sum, (area, at, inertia)| {
         let [x, y] = [&at[0] - &centre[0], &at[1] - &centre[1]];
-        sum + area * (own + &x * &x + &y * &y)
+        sum + area * (inertia + &x * &x + &y * &y)
     });
     (area.clone(), centre, moment / area)
 }
@@ -230,11 +230,11 @@ fn rounded(corners: &[Vec2], radius: Fx) -> (Real, [Real; 2], Real) {
 #[test]
 fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
     let mut random = SplitMix::seeded(8);
-    let (mut made, mut shifted, mut area_off, mut inertia_off) = (0, 0.0f64, f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let (mut count, mut shifted, mut area_off, mut inertia_off) = (0, 0.0f64, f64::NEG_INFINITY, f64::NEG_INFINITY);
     for _ in 0..cases() / 10 {
         let (corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
         let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
-        made += 1;
+        count += 1;
         let (area, centroid, gyration) = rounded(&corners, radius);
         for (shift, right) in [shape.shift().x, shape.shift().y].into_iter().zip(&centroid) {
             shifted = shifted.max(to_f64(&((exact(shift) - right) << 32)).abs());
@@ -244,36 +244,44 @@ fn a_rounded_polygon_has_the_moments_of_its_strips_and_sectors() {
         let off = to_f64(&(factor(shape.gyration()) - &gyration)).abs() - 2f64.powi(-63);
         inertia_off = inertia_off.max((off.max(0.0) / to_f64(&gyration)).log2());
     }
-    assert!(made > cases() / 20, "{made} were convex");
-    println!("{made} rounded: centre within {shifted:.3} ulps, area 2^{area_off:.1}, inertia 2^{inertia_off:.1}");
+    assert!(count > cases() / 20, "{count} were convex");
+    println!("{count} rounded: centre within {shifted:.3} ulps, area 2^{area_off:.1}, inertia 2^{inertia_off:.1}");
     assert!(shifted <= 1.1 && area_off <= AREA && inertia_off <= GYRATION);
 }
 
 #[test]
 fn a_rounded_polygon_does_not_depend_on_its_first_corner_or_winding_or_image() {
     let mut random = SplitMix::seeded(9);
-    let mut made = 0;
+    let mut count = 0;
     for _ in 0..cases() / 20 {
         let (mut corners, radius) = (random_polygon(&mut random, 9), size(&mut random));
         let Ok(shape) = Shape::rounded_polygon(&corners, radius) else { continue };
-        made += 1;
-        let of = |shape: &Shape| (shape.measure(), shape.gyration());
+        count += 1;
+        let measure_of = |shape: &Shape| (shape.measure(), shape.gyration());
         for _ in 0..2 {
             for _ in 0..corners.len() {
                 corners.rotate_left(1);
-                let other = Shape::rounded_polygon(&corners, radius).expect("as convex as before");
-                assert_eq!((other.shift(), of(&other)), (shape.shift(), of(&shape)), "{corners:?}");
+                let turned_shape = Shape::rounded_polygon(&corners, radius).expect("as convex as before");
+                assert_eq!(
+                    (turned_shape.shift(), measure_of(&turned_shape)),
+                    (shape.shift(), measure_of(&shape)),
+                    "{corners:?}"
+                );
             }
             corners.reverse();
         }
         let images: [fn(Vec2) -> Vec2; 2] = [|c| Vec2::new(-c.x, c.y), |c| Vec2::new(-c.y, c.x)];
         for image in images {
             let turned: Vec<Vec2> = corners.iter().map(|&c| image(c)).collect();
-            let other = Shape::rounded_polygon(&turned, radius).expect("as convex as before");
-            assert_eq!((other.shift(), of(&other)), (image(shape.shift()), of(&shape)), "{corners:?}");
+            let turned_shape = Shape::rounded_polygon(&turned, radius).expect("as convex as before");
+            assert_eq!(
+                (turned_shape.shift(), measure_of(&turned_shape)),
+                (image(shape.shift()), measure_of(&shape)),
+                "{corners:?}"
+            );
         }
     }
-    assert!(made > cases() / 40, "{made} were convex");
+    assert!(count > cases() / 40, "{count} were convex");
 }
 
 #[test]
@@ -299,24 +307,24 @@ fn from_the_least(shape: &Shape) -> Vec<(i64, i64)> {
 #[test]
 fn a_polygon_does_not_depend_on_its_first_corner_or_winding() {
     let mut random = SplitMix::seeded(6);
-    let mut made = 0;
+    let mut count = 0;
     for _ in 0..cases() / 10 {
         let mut corners = random_polygon(&mut random, 9);
         let Ok(shape) = Shape::polygon(&corners) else { continue };
-        made += 1;
+        count += 1;
         for _ in 0..2 {
             for _ in 0..corners.len() {
                 corners.rotate_left(1);
-                let other = Shape::polygon(&corners).expect("as convex as before");
-                assert_eq!(other.shift(), shape.shift(), "{corners:?}");
-                assert_eq!(other.measure(), shape.measure(), "{corners:?}");
-                assert_eq!(other.gyration(), shape.gyration(), "{corners:?}");
-                assert_eq!(from_the_least(&other), from_the_least(&shape), "{corners:?}");
+                let turned_shape = Shape::polygon(&corners).expect("as convex as before");
+                assert_eq!(turned_shape.shift(), shape.shift(), "{corners:?}");
+                assert_eq!(turned_shape.measure(), shape.measure(), "{corners:?}");
+                assert_eq!(turned_shape.gyration(), shape.gyration(), "{corners:?}");
+                assert_eq!(from_the_least(&turned_shape), from_the_least(&shape), "{corners:?}");
             }
             corners.reverse();
         }
     }
-    assert!(made > cases() / 20, "{made} were convex");
+    assert!(count > cases() / 20, "{count} were convex");
 }
 
 #[test]
@@ -371,13 +379,13 @@ fn two_halves_make_a_whole() {
 fn a_body_has_mass_and_inertia_of_its_collider() {
     let mut world = World::new(WorldDef::default()).expect("a fair definition");
     let mut random = SplitMix::seeded(8);
-    let mut made = 0;
+    let mut count = 0;
     for _ in 0..cases() / 10 {
         let shape = Shape::capsule(size(&mut random), size(&mut random)).expect("fair sizes");
         let density = Fx::from_bits(random.of_bits(40).abs() + 1);
         let def = BodyDef::dynamic().with_collider(ColliderDef { density, ..ColliderDef::ghost(shape.clone()) });
         let Ok(body) = world.add_body(def) else { continue };
-        made += 1;
+        count += 1;
         let body = world.body(body).expect("it is there");
         let mass = exact(density) * factor(shape.measure());
         let off = to_f64(&((exact(body.mass().expect("it is dynamic")) - &mass) << 32)).abs();
@@ -389,7 +397,7 @@ fn a_body_has_mass_and_inertia_of_its_collider() {
         assert!(bits_off(&factor(body.inverse_inertia()), &(real(1) / inertia)) <= GYRATION);
         assert!(bits_off(&factor(body.inverse_mass()), &(real(1) / mass)) <= -64.0);
     }
-    assert!(made > cases() / 40, "{made} had a mass within the limits");
+    assert!(count > cases() / 40, "{count} had a mass within the limits");
 }
 
 #[test]

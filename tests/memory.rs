@@ -51,18 +51,19 @@ fn heap_a_body(count: i32, integrator: Integrator, def: impl Fn(i32) -> BodyDef)
 
 #[test]
 fn a_free_body_takes_as_much_of_the_heap_as_documented() {
-    let own = |value: Fx, i: i32| value + Fx::from_bits(i.into());
+    let varied = |value: Fx, i: i32| value + Fx::from_bits(i.into());
     let own_disc = |i: i32| BodyDef {
-        mass: Mass::Explicit { mass: own(fx!(1), i), inertia: fx!(1) },
-        ..BodyDef::dynamic().with_collider(ColliderDef::ghost(Shape::circle(own(fx!(0.5), i)).expect("a fair radius")))
+        mass: Mass::Explicit { mass: varied(fx!(1), i), inertia: fx!(1) },
+        ..BodyDef::dynamic()
+            .with_collider(ColliderDef::ghost(Shape::circle(varied(fx!(0.5), i)).expect("a fair radius")))
     };
     // What bodies otherwise share, with a value for each.
     let nothing_shared = |i: i32| BodyDef {
-        gravity_scale: own(fx!(0.5), i),
-        linear_damping: Some(Damping::kept_per_second(own(fx!(0.5), i))),
-        angular_damping: Some(Damping::kept_per_second(own(fx!(0.5), i))),
-        max_speed: Some(own(fx!(5), i)),
-        max_angular_speed: Some(own(fx!(5), i)),
+        gravity_scale: varied(fx!(0.5), i),
+        linear_damping: Some(Damping::kept_per_second(varied(fx!(0.5), i))),
+        angular_damping: Some(Damping::kept_per_second(varied(fx!(0.5), i))),
+        max_speed: Some(varied(fx!(5), i)),
+        max_angular_speed: Some(varied(fx!(5), i)),
         ..own_disc(i)
     };
     let same_disc = |_| own_disc(0);
@@ -74,10 +75,10 @@ fn a_free_body_takes_as_much_of_the_heap_as_documented() {
     for (integrator, count) in
         Integrator::ALL.into_iter().flat_map(|i| [(i, 10_000), (i, 100_000)].into_iter().take(sizes))
     {
-        for (most, def) in kinds {
-            let most = if integrator == Integrator::PublishedVerlet { most + 256 } else { most };
+        for (max, def) in kinds {
+            let max = if integrator == Integrator::PublishedVerlet { max + 256 } else { max };
             let taken = heap_a_body(count, integrator, def);
-            assert!(taken <= most, "{integrator:?}, {count}: {taken} bytes each, not {most}");
+            assert!(taken <= max, "{integrator:?}, {count}: {taken} bytes each, not {max}");
         }
     }
 }

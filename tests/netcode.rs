@@ -199,12 +199,12 @@ fn an_ulp_on_one_side_of_a_rollback_match_is_found_by_both() {
     for ((frame, honest), (_, cheat)) in honest.into_iter().zip(cheat) {
         assert_eq!(honest == cheat, frame <= 100, "frame {frame}");
     }
-    let found = ended.each_ref().map(|peer| {
+    let desyncs = ended.each_ref().map(|peer| {
         assert_eq!(peer.status, Some(1));
-        let found = lines(peer, "desync").into_iter();
-        found.map(|line| (line[0].to_owned(), BTreeSet::from([line[1].to_owned(), line[2].to_owned()])))
+        let reports = lines(peer, "desync").into_iter();
+        reports.map(|line| (line[0].to_owned(), BTreeSet::from([line[1].to_owned(), line[2].to_owned()])))
     });
-    let [mut honest, cheat] = found;
+    let [mut honest, cheat] = desyncs;
     // A report of a hash may be lost, but not all of them on either way.
     let cheat: Vec<_> = cheat.collect();
     assert!(cheat.iter().all(|(frame, _)| frame.parse::<u32>().is_ok_and(|frame| frame > 100)), "{cheat:?}");
@@ -246,9 +246,9 @@ fn parted(orders: [&[&str]; 2]) -> (usize, Difference) {
     let [a, b] = ended.each_ref().map(|side| {
         assert_eq!(side.status, Some(1), "{:?}", side.said);
         assert!(lines(side, "done").is_empty());
-        let found = lines(side, "desync");
-        assert_eq!(found.len(), 1, "{found:?}");
-        found[0].iter().map(|&word| word.to_owned()).collect::<Vec<_>>()
+        let reports = lines(side, "desync");
+        assert_eq!(reports.len(), 1, "{reports:?}");
+        reports[0].iter().map(|&word| word.to_owned()).collect::<Vec<_>>()
     });
     assert_eq!((&a[0], &a[1], &a[2]), (&b[0], &b[2], &b[1]), "the same tick, and each other's hash");
     let tick: usize = a[0].parse().expect("a tick");
@@ -271,11 +271,15 @@ fn parted(orders: [&[&str]; 2]) -> (usize, Difference) {
 fn an_ulp_on_one_side_is_found_by_both_at_its_tick() {
     let cheat: &[&str] = &["--desync", "ulp"];
     for orders in [[cheat, &[]], [&[], cheat]] {
-        let (tick, found) = parted(orders);
+        let (tick, difference) = parted(orders);
         assert_eq!(tick, 100);
         // Nothing that was done, and no stage: one world was changed from without after the step.
-        assert_eq!((found.tick, found.phase), (99, TickPhase::End), "{found}");
-        assert_eq!((found.owner, &found.field[..]), (Owner::Body(BodyId::from_parts(0, 0)), "position.x"), "{found}");
+        assert_eq!((difference.tick, difference.phase), (99, TickPhase::End), "{difference}");
+        assert_eq!(
+            (difference.owner, &difference.field[..]),
+            (Owner::Body(BodyId::from_parts(0, 0)), "position.x"),
+            "{difference}"
+        );
     }
 }
 
@@ -284,9 +288,9 @@ fn an_input_that_one_side_misses_is_found_by_both_at_the_next_tick() {
     let cheat: &[&str] = &["--desync", "drop"];
     for (orders, missed) in [([cheat, &[]], 1), ([&[], cheat], 0)] {
         let first = (100..).find(|tick| bot(1, missed, tick - DELAY) != Controls::default()).expect("a bot plays");
-        let (tick, found) = parted(orders);
+        let (tick, difference) = parted(orders);
         assert_eq!(tick as u64, first + 1);
-        assert_eq!((found.tick, found.phase), (first, TickPhase::Calls), "{found}");
+        assert_eq!((difference.tick, difference.phase), (first, TickPhase::Calls), "{difference}");
     }
 }
 
@@ -312,7 +316,8 @@ fn packets_are_decoded_whole_or_not_at_all() {
         assert_eq!(cut, Err(ErrorKind::UnexpectedEof), "cut at {length}");
     }
     // One for the other; a byte too many; and more than there is, which is not waited for.
-    let invalid = |of: Result<(), std::io::Error>| assert_eq!(of.map_err(|e| e.kind()), Err(ErrorKind::InvalidData));
+    let invalid =
+        |result: Result<(), std::io::Error>| assert_eq!(result.map_err(|e| e.kind()), Err(ErrorKind::InvalidData));
     invalid(receive::<Hello>(&mut &word[..]).map(drop));
     invalid(receive::<Turn>(&mut &greeting[..]).map(drop));
     word[0] += 1;

@@ -373,9 +373,9 @@ fn the_reference_is_the_closed_form_of_the_oscillators() {
 #[test]
 fn the_reference_is_keplers_ellipse() {
     let (start, end) = solved(&ELLIPSE, 20);
-    let (near, speed, mu) = (&start[0], &start[3], ratio(9, 16));
-    let e = near * speed * speed / &mu - real(1);
-    let half_axis = near / (real(1) - &e);
+    let (periapsis, speed, mu) = (&start[0], &start[3], ratio(9, 16));
+    let e = periapsis * speed * speed / &mu - real(1);
+    let half_axis = periapsis / (real(1) - &e);
     let mean = (&mu / (&half_axis * &half_axis * &half_axis)).sqrt() * ratio(ELLIPSE.tenths.into(), 10);
     // Newton's iteration for Kepler's equation, E − e·sin E = M.
     let mut anomaly = mean.clone();

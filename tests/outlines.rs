@@ -177,8 +177,8 @@ fn images_of_a_polygon_have_the_images_of_its_outline() {
         let again = image(|c| c).expect("the same");
         let quarter = image(Vec2::perp).expect("the same, turned");
         let want: Vec<_> = edges(only(&again)).map(|(n, a, _)| (a.perp(), n.perp())).collect();
-        let found: Vec<_> = edges(only(&quarter)).map(|(n, a, _)| (a, n)).collect();
-        assert_eq!(found, want);
+        let actual: Vec<_> = edges(only(&quarter)).map(|(n, a, _)| (a, n)).collect();
+        assert_eq!(actual, want);
         let mirrored = image(mirror).expect("the same, mirrored");
         // An edge from a to b is one from the image of b to that of a.
         let mut want: Vec<_> = edges(only(&again)).map(|(n, _, b)| (mirror(b), mirror(n))).collect();
@@ -194,7 +194,7 @@ fn parts_of_a_compound_are_turned_and_moved_to_their_places() {
     let mut random = SplitMix::seeded(5);
     let bound = real(51) / real(100) / real(1 << 32);
     for _ in 0..cases() / 10 {
-        let given: Vec<Part> = (0..random.between(1, 6))
+        let definitions: Vec<Part> = (0..random.between(1, 6))
             .map(|i| {
                 let shape = match i % 3 {
                     0 => Shape::capsule(size(&mut random), size(&mut random)).expect("fair sizes"),
@@ -205,23 +205,34 @@ fn parts_of_a_compound_are_turned_and_moved_to_their_places() {
                 Part { shape, position: point(&mut random, 1 << 40), angle, density: fx!(1) }
             })
             .collect();
-        let compound = Shape::compound(&given).expect("a fair compound");
+        let compound = Shape::compound(&definitions).expect("a fair compound");
         let Geometry::Compound { parts } = compound.geometry() else { panic!("a compound") };
         assert_eq!(compound.outlines().len(), parts.len());
         for (outline, part) in compound.outlines().iter().zip(parts.iter()) {
-            let own = only(&part.shape);
+            let local = only(&part.shape);
             let (sin, cos): (Real, Real) = exact(part.angle).sin_cos();
-            let near = |found: Vec2, given: Vec2, position: Vec2| {
-                let (x, y) = (exact(given.x), exact(given.y));
+            let assert_close = |actual: Vec2, local: Vec2, position: Vec2| {
+                let (x, y) = (exact(local.x), exact(local.y));
                 let right = [&x * &cos - &y * &sin + exact(position.x), &x * &sin + &y * &cos + exact(position.y)];
-                let off = [exact(found.x) - &right[0], exact(found.y) - &right[1]].map(|off| to_f64(&off).abs());
-                assert!(off.iter().all(|&off| off <= to_f64(&bound)), "{off:?} at {found} from {given}");
+                let off = [exact(actual.x) - &right[0], exact(actual.y) - &right[1]].map(|off| to_f64(&off).abs());
+                assert!(off.iter().all(|&off| off <= to_f64(&bound)), "{off:?} at {actual} from {local}");
             };
-            assert_eq!(outline.radius(), own.radius());
+            assert_eq!(outline.radius(), local.radius());
             assert_eq!(outline.bounds(), box_of(outline));
-            assert_eq!((outline.corners().len(), outline.normals().len()), (own.corners().len(), own.normals().len()));
-            outline.corners().iter().zip(own.corners()).for_each(|(&found, &own)| near(found, own, part.position));
-            outline.normals().iter().zip(own.normals()).for_each(|(&found, &own)| near(found, own, Vec2::ZERO));
+            assert_eq!(
+                (outline.corners().len(), outline.normals().len()),
+                (local.corners().len(), local.normals().len())
+            );
+            outline
+                .corners()
+                .iter()
+                .zip(local.corners())
+                .for_each(|(&actual, &local)| assert_close(actual, local, part.position));
+            outline
+                .normals()
+                .iter()
+                .zip(local.normals())
+                .for_each(|(&actual, &local)| assert_close(actual, local, Vec2::ZERO));
             let (whole, bounds) = (compound.bounds(), outline.bounds());
             assert!(whole.contains(bounds.min) && whole.contains(bounds.max), "{whole:?}, {bounds:?}");
         }

@@ -18,16 +18,16 @@ impl Exact {
         Self(num.into(), den.into())
     }
 
-    fn plus(&self, other: &Self) -> Self {
-        Self(&self.0 * &other.1 + &other.0 * &self.1, &self.1 * &other.1)
+    fn plus(&self, rhs: &Self) -> Self {
+        Self(&self.0 * &rhs.1 + &rhs.0 * &self.1, &self.1 * &rhs.1)
     }
 
-    fn times(&self, other: &Self) -> Self {
-        Self(&self.0 * &other.0, &self.1 * &other.1)
+    fn times(&self, rhs: &Self) -> Self {
+        Self(&self.0 * &rhs.0, &self.1 * &rhs.1)
     }
 
-    fn over(&self, other: &Self) -> Self {
-        Self(&self.0 * &other.1, &self.1 * &other.0)
+    fn over(&self, rhs: &Self) -> Self {
+        Self(&self.0 * &rhs.1, &self.1 * &rhs.0)
     }
 
     fn floor(&self) -> UBig {
@@ -38,8 +38,8 @@ impl Exact {
         Self(&self.0 - whole * &self.1, self.1.clone())
     }
 
-    fn minus(&self, other: &Self) -> Self {
-        Self(&self.0 * &other.1 - &other.0 * &self.1, &self.1 * &other.1)
+    fn minus(&self, rhs: &Self) -> Self {
+        Self(&self.0 * &rhs.1 - &rhs.0 * &self.1, &self.1 * &rhs.1)
     }
 
     fn in_lowest_terms(&self) -> Self {
@@ -310,14 +310,14 @@ fn a_frame_beyond_the_limit_drops_ticks_and_no_part_of_one() {
 fn the_limit_of_a_new_one_holds_fast_motion_with_frames_that_are_late() {
     let mut step_clock = StepClock::new(TimeStep::hz(60)).expect("a fair step");
     step_clock.set_speed(3, 1).expect("a fresh one takes any");
-    let mut most = 0;
+    let mut largest = 0;
     for round in 0..10_000u64 {
         // On time, or by anything up to a third late.
         let due = step_clock.frame(33_333_334 + round * round * 7_919 % 11_111_111);
         assert_eq!(due.dropped, 0, "round {round}");
-        most = most.max(due.ticks);
+        largest = largest.max(due.ticks);
     }
-    assert_eq!(most, StepClock::LIMIT);
+    assert_eq!(largest, StepClock::LIMIT);
 }
 
 #[test]

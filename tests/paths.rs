@@ -59,23 +59,23 @@ fn world(def: WorldDef, mut beside: impl FnMut(&mut World, usize)) -> (World, Ve
 
 /// All the bits of these bodies that a step changes.
 fn bits(world: &World, ids: &[BodyId]) -> Vec<impl PartialEq + std::fmt::Debug> {
-    let of = |&id: &BodyId| {
+    let bits_of = |&id: &BodyId| {
         let body = world.body(id).expect("it is there");
         (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
     };
-    ids.iter().map(of).collect()
+    ids.iter().map(bits_of).collect()
 }
 
 /// Runs a world beside the plain one, and compares the bodies they have in common.
 fn same(case: &str, beside: impl Fn(&mut World, usize), each_tick: impl Fn(&mut World, &[BodyId])) {
     for integrator in Integrator::ALL {
         let (mut plain, ids) = world(def(integrator), |_, _| {});
-        let (mut other, others) = world(def(integrator), &beside);
+        let (mut second, others) = world(def(integrator), &beside);
         for tick in 0..TICKS {
-            each_tick(&mut other, &others);
+            each_tick(&mut second, &others);
             plain.step();
-            other.step();
-            assert!(bits(&plain, &ids) == bits(&other, &others), "{case}, {integrator:?}: tick {tick}");
+            second.step();
+            assert!(bits(&plain, &ids) == bits(&second, &others), "{case}, {integrator:?}: tick {tick}");
         }
     }
 }
@@ -113,10 +113,10 @@ fn a_field_that_acts_on_all_and_pushes_nobody_changes_nothing() {
 fn a_spring_in_the_same_block_changes_nothing() {
     let spring = |world: &mut World, i: usize| {
         if i % 100 == 50 {
-            let near = world.add_body(BodyDef::dynamic()).expect("a fair body");
+            let body = world.add_body(BodyDef::dynamic()).expect("a fair body");
             let far = End::World(vec2(1, 2));
             let spring = SpringConstants { rest: fx!(1), stiffness: fx!(10), damping: fx!(0.25) };
-            world.add_field(FieldKind::Spring { near: Attachment::centre(near), far, spring }).expect("a fair field");
+            world.add_field(FieldKind::Spring { near: Attachment::centre(body), far, spring }).expect("a fair field");
         }
     };
     same("some blocks stage by stage", spring, |_, _| {});
@@ -194,7 +194,7 @@ fn next_to_the_envelope_and_to_half_of_it_every_way_is_the_same() {
 
 #[test]
 fn neighbours_with_other_damping_and_gravity_change_nothing() {
-    let other = |world: &mut World, i: usize| {
+    let add_neighbour = |world: &mut World, i: usize| {
         let body = match i % 4 {
             0 => BodyDef {
                 linear_damping: Some(Damping::NONE),
@@ -211,7 +211,7 @@ fn neighbours_with_other_damping_and_gravity_change_nothing() {
         };
         world.add_body(body).expect("a fair body");
     };
-    same("each its own factors", other, |_, _| {});
+    same("each its own factors", add_neighbour, |_, _| {});
 }
 
 #[test]
@@ -306,16 +306,16 @@ fn the_number_of_threads_changes_nothing() {
             (0..60)
                 .map(|_| {
                     let report = world.step();
-                    let found = (report.faults.to_vec(), report.fell_asleep.to_vec());
-                    (found, world.state_hash())
+                    let lists = (report.faults.to_vec(), report.fell_asleep.to_vec());
+                    (lists, world.state_hash())
                 })
                 .collect::<Vec<_>>()
         })
     };
-    let one = run(1);
-    assert!(one.iter().any(|((faults, _), _)| !faults.is_empty()), "nobody left the envelope");
-    assert!(one.iter().any(|((_, asleep), _)| !asleep.is_empty()), "nobody fell asleep");
+    let single = run(1);
+    assert!(single.iter().any(|((faults, _), _)| !faults.is_empty()), "nobody left the envelope");
+    assert!(single.iter().any(|((_, asleep), _)| !asleep.is_empty()), "nobody fell asleep");
     for threads in [2, 3, 8] {
-        assert!(run(threads) == one, "{threads} threads");
+        assert!(run(threads) == single, "{threads} threads");
     }
 }

@@ -19,8 +19,8 @@ fn cases() -> usize {
 }
 
 fn number(random: &mut SplitMix, log2: i64) -> Fx {
-    let most = 1 << (32 + random.between(-8, log2));
-    Fx::from_bits(random.between(-most, most))
+    let bound = 1 << (32 + random.between(-8, log2));
+    Fx::from_bits(random.between(-bound, bound))
 }
 
 fn vector(random: &mut SplitMix, log2: i64) -> Vec2 {
@@ -33,21 +33,21 @@ fn sin_cos(angle: Turn) -> (Real, Real) {
 }
 
 /// Distance of a number from the exact one, in ulps beyond the half of one rounding, in units of 2^-60 of a length.
-fn check(found: Option<Vec2>, [x, y]: [Real; 2], length: &Real, what: &str) {
+fn check(actual: Option<Vec2>, [x, y]: [Real; 2], length: &Real, what: &str) {
     let half = units(1, 33);
     let bound = &half + (length.clone() >> 60);
-    match found {
-        Some(found) => {
-            for (found, right) in [(found.x, x), (found.y, y)] {
-                let off = exact(found) - &right;
+    match actual {
+        Some(actual) => {
+            for (actual, right) in [(actual.x, x), (actual.y, y)] {
+                let off = exact(actual) - &right;
                 let off = if off < units(0, 0) { -off } else { off };
-                assert!(off <= bound, "{what}: {found} for {right}");
+                assert!(off <= bound, "{what}: {actual} for {right}");
             }
         }
         None => {
             // What is refused does not fit, to within the error of what was computed.
-            let most = exact(Fx::MAX) - &bound;
-            let beyond = |c: &Real| *c > most || -c.clone() > most;
+            let limit = exact(Fx::MAX) - &bound;
+            let beyond = |c: &Real| *c > limit || -c.clone() > limit;
             assert!(beyond(&x) || beyond(&y), "{what}: refused ({x}, {y})");
         }
     }
@@ -78,16 +78,21 @@ fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
         let (centre, v) = (at.position(), at.velocity());
         let p = if case % 64 == 0 { Vec2::new(Fx::MAX, Fx::MIN) } else { vector(&mut random, far) };
         let [x, y] = [p.x, p.y].map(exact);
-        let own = length([&x, &y]);
+        let length_of_point = length([&x, &y]);
         let turned = [&x * &cos - &y * &sin, &x * &sin + &y * &cos];
-        check(at.world_vector(p), turned.clone(), &own, "world_vector");
+        check(at.world_vector(p), turned.clone(), &length_of_point, "world_vector");
         let [right, up] = turned;
         match at.world_vector(p) {
-            Some(_) => check(at.world_point(p), [exact(centre.x) + right, exact(centre.y) + up], &own, "world_point"),
+            Some(_) => check(
+                at.world_point(p),
+                [exact(centre.x) + right, exact(centre.y) + up],
+                &length_of_point,
+                "world_point",
+            ),
             None => assert_eq!(at.world_point(p), None),
         }
         if p.y != Fx::MIN {
-            check(at.local_vector(p), [&x * &cos + &y * &sin, &y * &cos - &x * &sin], &own, "local_vector");
+            check(at.local_vector(p), [&x * &cos + &y * &sin, &y * &cos - &x * &sin], &length_of_point, "local_vector");
         }
         let [x, y] = [&x - exact(centre.x), &y - exact(centre.y)];
         let spin = exact(at.angular_velocity());
@@ -105,8 +110,8 @@ fn points_and_vectors_are_within_their_bound_of_the_exact_ones() {
     assert!(refused > cases() / 50 && refused < cases() / 2, "{refused} of {} velocities did not fit", cases());
 }
 
-fn within(found: Real, right: &Real, bound: &Real, what: &str) {
-    let off = found - right;
+fn within(actual: Real, right: &Real, bound: &Real, what: &str) {
+    let off = actual - right;
     let off = if off < units(0, 0) { -off } else { off };
     assert!(off <= *bound, "{what}: off by {off}, {bound} allowed");
 }
@@ -137,8 +142,8 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
         world.apply_force_at_point(body, force, point).expect("it fits");
         let at = world.body(body).expect("it is there");
         let arm = [&p[0] - exact(at.position().x), &p[1] - exact(at.position().y)];
-        let found = at.applied_force().expect("it fits");
-        assert_eq!([wide(found.x), wide(found.y)], f);
+        let applied = at.applied_force().expect("it fits");
+        assert_eq!([wide(applied.x), wide(applied.y)], f);
         let torque = wide(at.applied_torque().expect("it fits"));
         assert_eq!(torque, &arm[0] * &f[1] - &arm[1] * &f[0]);
 
@@ -149,10 +154,10 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
         let at = world.body(body).expect("it is there");
         let (sin, cos) = sin_cos(at.angle_exact());
         let turned = [&f[0] * &cos - &f[1] * &sin, &f[0] * &sin + &f[1] * &cos];
-        let found = at.applied_force().expect("it fits");
+        let force = at.applied_force().expect("it fits");
         let bound = (norm(&f) >> 60) + units(1, 64);
-        within(wide(found.x), &turned[0], &bound, "a force");
-        within(wide(found.y), &turned[1], &bound, "a force");
+        within(wide(force.x), &turned[0], &bound, "a force");
+        within(wide(force.y), &turned[1], &bound, "a force");
         let (long, strong) = (norm(&p), norm(&f));
         let bound = ((&long * &strong) >> 58) + ((long + strong + units(1, 0)) >> 64);
         let torque = wide(at.applied_torque().expect("it fits"));
@@ -167,13 +172,13 @@ fn forces_and_impulses_are_within_their_bounds_of_the_exact_ones() {
         struck += 1;
         let at = world.body(body).expect("it is there");
         let (v, spun) = (at.velocity_exact(), at.angular_velocity_exact());
-        for (found, right, relative) in [
+        for (actual, right, relative) in [
             (v.x, exact(impulse.x) / exact(kg), 64),
             (v.y, exact(impulse.y) / exact(kg), 64),
             (spun, exact(spin) / exact(inertia), 58),
         ] {
             let size = if right < units(0, 0) { -right.clone() } else { right.clone() };
-            within(units(found.to_bits(), 96), &right, &((size >> relative) + units(1, 96)), "a change by an impulse");
+            within(units(actual.to_bits(), 96), &right, &((size >> relative) + units(1, 96)), "a change by an impulse");
         }
     }
     assert!(struck > cases() / 2, "{struck} of {} were struck", cases());
@@ -275,20 +280,20 @@ fn a_term_that_does_not_fit_is_refused() {
 fn masses_are_read_as_they_were_given() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let disc = ColliderDef::ghost(Shape::circle(fx!(0.3)).expect("a circle"));
-    let given = [
+    let definitions = [
         Mass::Kilograms(fx!(0.1)),
         Mass::Explicit { mass: fx!(0.3), inertia: fx!(0.7) },
         Mass::FromColliders,
         Mass::Explicit { mass: limits::MASS_MIN, inertia: Fx::DELTA },
     ];
     for kind in [BodyKind::Dynamic, BodyKind::Kinematic, BodyKind::Static] {
-        for mass in given {
+        for mass in definitions {
             let body = world.add_body(BodyDef { kind, mass, ..BodyDef::dynamic().with_collider(disc.clone()) });
             let body = body.expect("a body");
             assert_eq!(world.body(body).expect("it is there").mass_def(), mass);
             world.set_mass(body, Mass::Explicit { mass: fx!(0.2), inertia: fx!(0.6) }).expect("a mass");
-            let there = umbra_physics::Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("sound");
-            let read = there.world().body(body).expect("it is there").mass_def();
+            let restored = umbra_physics::Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("sound");
+            let read = restored.world().body(body).expect("it is there").mass_def();
             assert_eq!(read, Mass::Explicit { mass: fx!(0.2), inertia: fx!(0.6) });
         }
     }
@@ -324,8 +329,8 @@ fn floats_read_alike() {
         .add_body(BodyDef { mass: Mass::Explicit { mass: 3.0, inertia: 5.0 }, angle: 0.5, ..def })
         .expect("a body");
     let at = world.body(body).expect("it is there");
-    let there = at.world_point(Vec2::new(0.25, 0.5)).expect("it fits");
-    let back = at.local_point(there).expect("it fits");
+    let outside = at.world_point(Vec2::new(0.25, 0.5)).expect("it fits");
+    let back = at.local_point(outside).expect("it fits");
     assert!((back.x - 0.25).abs() < 1e-15 && (back.y - 0.5).abs() < 1e-15);
     assert_eq!(at.velocity_at(Vec2::new(2.0, 4.0)), Some(Vec2::new(3.0 - 4.0, 4.0 + 2.0)));
     assert_eq!(at.velocity_at(Vec2::new(f64::INFINITY, 0.0)), None);

@@ -66,10 +66,10 @@ fn kepler(integrator: Integrator) -> (World, Vec<BodyId>) {
         [planet, asteroid, moon].map(|b| BodyDef { force_groups: 3, ..b }),
     );
     let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0) };
-    let own =
+    let carried =
         FieldKind::Attractor { centre: End::Body(Attachment::centre(ids[1])), mu: mu(fx!(1)), softening: fx!(0.25) };
     world.add_field(star).expect("a fair field");
-    world.add_field(own).expect("a fair field");
+    world.add_field(carried).expect("a fair field");
     (world, ids)
 }
 
@@ -87,10 +87,10 @@ fn net(integrator: Integrator) -> (World, Vec<BodyId>) {
     });
     let (mut world, ids) = world(def(integrator), rods);
     let point = |x: Fx| vec2(x, fx!(0.03125));
-    let mut join = |near: usize, far: End| {
+    let mut join = |index: usize, far: End| {
         let spring = SpringConstants { rest: fx!(0.5), stiffness: fx!(90), damping: fx!(0) };
-        let near = Attachment { body: ids[near], point: point(fx!(0.25)) };
-        world.add_field(FieldKind::Spring { near, far, spring }).expect("a fair field");
+        let start = Attachment { body: ids[index], point: point(fx!(0.25)) };
+        world.add_field(FieldKind::Spring { near: start, far, spring }).expect("a fair field");
     };
     let left = |i: usize| End::Body(Attachment { body: ids[i], point: point(fx!(-0.25)) });
     for i in 0..SIDE * SIDE {
@@ -289,8 +289,8 @@ fn many_steps_go_back_to_the_bit() {
         let steps = if integrator == Integrator::VelocityVerlet { steps } else { steps / 4 };
         // A planet with spin, a pair that a spring joins around it, and one that no field reaches.
         let planet = BodyDef { position: vec2(10, 0), velocity: vec2(0, fx!(2.5)), ..BodyDef::dynamic() };
-        let one = BodyDef { position: vec2(-20, 1), velocity: vec2(0, fx!(-2)), ..BodyDef::dynamic() };
-        let other = BodyDef { position: vec2(-21, 1), angular_velocity: fx!(3), ..one.clone() };
+        let first = BodyDef { position: vec2(-20, 1), velocity: vec2(0, fx!(-2)), ..BodyDef::dynamic() };
+        let second = BodyDef { position: vec2(-21, 1), angular_velocity: fx!(3), ..first.clone() };
         let free = BodyDef {
             force_groups: 0,
             velocity: vec2(fx!(0.01), fx!(0.02)),
@@ -298,7 +298,7 @@ fn many_steps_go_back_to_the_bit() {
             ..planet.clone()
         };
         let calm = WorldDef { gravity: Vec2::ZERO, ..def(integrator) };
-        let (mut world, ids) = world(calm, [planet, one, other, free]);
+        let (mut world, ids) = world(calm, [planet, first, second, free]);
         let star = FieldKind::Attractor { centre: End::World(Vec2::ZERO), mu: mu(fx!(100)), softening: fx!(0.125) };
         let spring = SpringConstants { rest: fx!(1), stiffness: fx!(30), damping: fx!(0) };
         let far = End::Body(Attachment { body: ids[2], point: vec2(fx!(0.25), 0) });
@@ -364,9 +364,9 @@ fn the_inverse_of_an_integrator_has_each_kick_and_drift_of_a_step_once() {
             let moves = stages.iter().filter(|stage| matches!(stage.kind, StageKind::Kick | StageKind::Drift));
             moves.map(|stage| (stage.kind, stage.span)).collect::<Vec<_>>()
         };
-        let mut there = shears(integrator.stages());
-        there.reverse();
-        assert_eq!(shears(inverse), there, "{integrator:?}");
+        let mut reversed = shears(integrator.stages());
+        reversed.reverse();
+        assert_eq!(shears(inverse), reversed, "{integrator:?}");
     }
 }
 
@@ -390,7 +390,7 @@ fn refused(world: &mut World, applied: &[AppliedForce]) -> Error {
 fn why(error: Error) -> Irreversible {
     match error {
         Error::NotReversible { why } => why,
-        other => panic!("{other}"),
+        error => panic!("{error}"),
     }
 }
 
@@ -448,9 +448,9 @@ fn damping_that_acts_is_refused_and_one_that_does_not_is_not() {
         world.step();
         assert_eq!(world.step_back(&[]), Ok(()));
     }
-    for own in [(Some(Damping::kept_per_second(fx!(0.5))), None), (None, Some(Damping::kept_per_second(fx!(0))))] {
+    for damping in [(Some(Damping::kept_per_second(fx!(0.5))), None), (None, Some(Damping::kept_per_second(fx!(0))))] {
         let (mut world, ball) = stepped(calm);
-        world.set_body_damping(ball, own.0, own.1).expect("a fair damping");
+        world.set_body_damping(ball, damping.0, damping.1).expect("a fair damping");
         assert_eq!(why(refused(&mut world, &[])), Irreversible::Damping);
     }
 }
@@ -522,8 +522,8 @@ fn sleep_and_quarantine_are_refused() {
 #[test]
 fn forces_that_would_be_lost_or_given_to_nobody_are_refused() {
     let (mut world, ball) = stepped(def(Integrator::VelocityVerlet));
-    let other = self::ball(&mut world);
-    for body in [ball, other] {
+    let second = self::ball(&mut world);
+    for body in [ball, second] {
         world.apply_force(body, vec2(1, 2)).expect("a fair force");
     }
     assert_eq!(why(refused(&mut world, &[])), Irreversible::Pending);
@@ -531,16 +531,16 @@ fn forces_that_would_be_lost_or_given_to_nobody_are_refused() {
     world.apply_torque(ball, fx!(0)).expect("a fair torque");
     assert_eq!(why(refused(&mut world, &applied)), Irreversible::Pending);
     world.clear_forces();
-    let [one, two] = applied[..] else { panic!("two were pushed") };
-    assert_eq!(why(refused(&mut world, &[one, two, one])), Irreversible::Twice { body: ball });
-    world.remove_body(other).expect("it is there");
-    assert_eq!(refused(&mut world, &applied), Error::NoSuchBody { body: other });
+    let [first_push, second_push] = applied[..] else { panic!("two were pushed") };
+    assert_eq!(why(refused(&mut world, &[first_push, second_push, first_push])), Irreversible::Twice { body: ball });
+    world.remove_body(second).expect("it is there");
+    assert_eq!(refused(&mut world, &applied), Error::NoSuchBody { body: second });
     // In the slot of the one that was removed.
     self::ball(&mut world);
-    assert_eq!(refused(&mut world, &applied), Error::NoSuchBody { body: other });
+    assert_eq!(refused(&mut world, &applied), Error::NoSuchBody { body: second });
     for kind in [umbra_physics::BodyKind::Static, umbra_physics::BodyKind::Kinematic] {
         world.set_kind(ball, kind).expect("it is there");
-        assert_eq!(refused(&mut world, &[one]), Error::NotDynamic { body: ball });
+        assert_eq!(refused(&mut world, &[first_push]), Error::NotDynamic { body: ball });
     }
     // The others were not kept from their way by what was refused.
     assert_eq!(world.step_back(&[]), Ok(()));

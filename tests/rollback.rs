@@ -120,16 +120,16 @@ struct Counts {
 
 impl Counts {
     fn add(&mut self, played: &Match) {
-        for (commands, seen) in played.inputs.iter().zip(&played.seen) {
+        for (commands, tick_log) in played.inputs.iter().zip(&played.seen) {
             let done = all_of(commands);
-            for (input, outcome) in done.iter().zip(&seen.outcomes) {
+            for (input, outcome) in done.iter().zip(&tick_log.outcomes) {
                 self.added += usize::from(matches!(outcome.result, Ok(Created::Body(_))));
                 self.removed += usize::from(matches!(input.command, Command::RemoveBody(_)) && outcome.result.is_ok());
                 self.refused += usize::from(outcome.result.is_err());
             }
-            self.quarantined += seen.faults.len();
-            self.slept += seen.fell_asleep.len();
-            self.woke += seen.woke.len();
+            self.quarantined += tick_log.faults.len();
+            self.slept += tick_log.fell_asleep.len();
+            self.woke += tick_log.woke.len();
         }
     }
 }
@@ -233,8 +233,8 @@ fn play_late(author: &mut Author, played: &Match, window: usize, predict: Predic
             counts.returns += 1;
         }
     }
-    for (tick, (again, seen)) in log.seen.iter().zip(&played.seen).enumerate() {
-        assert_eq!(again.as_ref(), Some(seen), "tick {tick}, a window of {window}");
+    for (tick, (again, tick_log)) in log.seen.iter().zip(&played.seen).enumerate() {
+        assert_eq!(again.as_ref(), Some(tick_log), "tick {tick}, a window of {window}");
     }
 }
 
@@ -415,14 +415,14 @@ fn late_inputs_of_several_ticks_take_one_rollback_from_the_first_of_them() {
 fn a_handle_from_a_tick_that_is_made_again_may_name_another_body() {
     let (mut world, _) = small();
     let mut rollback = Rollback::new(&world, [0, 1], 8).with_prediction(PREDICTIONS[0]);
-    let mut made = Vec::new();
+    let mut created = Vec::new();
     let shot = |key| vec![Command::AddBody(BodyDef { key, ..BodyDef::dynamic() })];
     rollback.add_input(0, 1, shot(1)).expect("a player");
-    rollback.advance(&mut world, |world, inputs| made.extend(carry_out(world, inputs))).expect("unchanged");
+    rollback.advance(&mut world, |world, inputs| created.extend(carry_out(world, inputs))).expect("unchanged");
     rollback.add_input(0, 0, shot(2)).expect("a player");
-    rollback.advance(&mut world, |world, inputs| made.extend(carry_out(world, inputs))).expect("unchanged");
-    assert_eq!(made[0].result, made[1].result);
-    let Ok(Created::Body(body)) = made[0].result else { panic!("{made:?}") };
+    rollback.advance(&mut world, |world, inputs| created.extend(carry_out(world, inputs))).expect("unchanged");
+    assert_eq!(created[0].result, created[1].result);
+    let Ok(Created::Body(body)) = created[0].result else { panic!("{created:?}") };
     assert_eq!(world.body(body).expect("it is there").key(), 2);
     assert_eq!(world.body(body).expect("it is there").activity(), Activity::Awake);
 }

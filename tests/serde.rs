@@ -70,16 +70,16 @@ fn every_variant<T: Serialize + DeserializeOwned + PartialEq + Debug>(values: im
     let mut all = Vec::new();
     assert!(T::deserialize(Variants(&mut all)).is_err());
     assert!(!all.is_empty(), "it is no enum");
-    let mut seen = BTreeSet::new();
+    let mut variants = BTreeSet::new();
     for value in values {
         through_both(&value);
-        seen.insert(match serde_json::to_value(&value).expect("JSON can say it") {
+        variants.insert(match serde_json::to_value(&value).expect("JSON can say it") {
             Value::String(name) => name,
-            Value::Object(one) => one.keys().next().expect("a variant has a name").clone(),
-            other => panic!("{other} is no variant"),
+            Value::Object(object) => object.keys().next().expect("a variant has a name").clone(),
+            json => panic!("{json} is no variant"),
         });
     }
-    assert_eq!(seen, all.iter().map(|&name| name.to_owned()).collect());
+    assert_eq!(variants, all.iter().map(|&name| name.to_owned()).collect());
 }
 
 fn body(slot: u32) -> BodyId {
@@ -339,12 +339,12 @@ fn every_plain_struct_comes_back() {
     };
     let filter = Filter { category: u32::MAX, mask: 1 << 31, group: i32::MIN };
     let flags = ColliderDef { sensor: true, contact_events: true, ..disc.clone() };
-    let other = ColliderDef { material, filter, angle: fx!(-0.1), hit_events: true, key: u64::MAX, ..flags };
+    let full = ColliderDef { material, filter, angle: fx!(-0.1), hit_events: true, key: u64::MAX, ..flags };
     through_both(&material);
     through_both(&filter);
-    through_both(&other);
+    through_both(&full);
     through_both(&ContactSettings::<Fx> { substeps: 8, push_speed: fx!(0.1), ..ContactSettings::default() });
-    through_both(&BodyDef::dynamic().with_collider(disc).with_collider(other));
+    through_both(&BodyDef::dynamic().with_collider(disc).with_collider(full));
     for integrator in Integrator::ALL {
         integrator.stages().iter().for_each(through_both::<Stage>);
     }
@@ -515,9 +515,9 @@ fn a_compound_has_no_compounds_however_deep() {
     let compound = |inner: &str| {
         format!(r#"{{"compound":{{"parts":[{{"shape":{inner},"position":{{"x":0,"y":0}},"angle":0,"density":1}}]}}}}"#)
     };
-    let one = compound(r#"{"circle":{"radius":1}}"#);
-    assert!(serde_json::from_str::<Shape>(&one).is_ok());
-    refused::<Shape>(&compound(&one), "no compound");
+    let single = compound(r#"{"circle":{"radius":1}}"#);
+    assert!(serde_json::from_str::<Shape>(&single).is_ok());
+    refused::<Shape>(&compound(&single), "no compound");
     // Variant 5 with one part, whose shape is variant 5 with one part, and so on: bytes enough for any stack.
     let bytes = [5, 1].repeat(1 << 20);
     assert!(postcard::from_bytes::<Shape>(&bytes).is_err());

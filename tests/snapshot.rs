@@ -91,9 +91,9 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
     for _ in 0..dice.next() % 5 {
         let ids: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
         let any = |dice: &mut SplitMix| ids.get((dice.next() % 64) as usize % ids.len().max(1)).copied();
-        let one = any(&mut dice);
+        let target = any(&mut dice);
         let shape = shapes()[(dice.next() % 6) as usize].clone();
-        match (dice.next() % 16, one) {
+        match (dice.next() % 16, target) {
             (0..=4, _) | (_, None) => {
                 let def = match dice.next() % 5 {
                     0 => BodyDef::fixed(),
@@ -131,12 +131,12 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                 _ = world.set_velocity(body, vec2(Fx::from_int(1 << 20), 0));
             }
             (9, Some(body)) => _ = world.set_user_data(body, dice.next()),
-            (10, Some(near)) => {
+            (10, Some(start)) => {
                 let far = any(&mut dice).map_or(End::World(vector(&mut dice)), |body| {
                     End::Body(Attachment { body, point: vec2(fx!(0.1), 0) })
                 });
                 let spring = SpringConstants { rest: fx!(1), stiffness: fx!(5), damping: fx!(0.1) };
-                _ = world.add_field(FieldKind::Spring { near: Attachment::centre(near), far, spring });
+                _ = world.add_field(FieldKind::Spring { near: Attachment::centre(start), far, spring });
             }
             (11, Some(_)) => {
                 let law = match dice.next() % 4 {
@@ -186,14 +186,14 @@ fn seeds() -> u64 {
 
 #[test]
 fn a_restored_world_has_the_same_future_and_handles() {
-    let mut seen = [false; 4];
+    let mut kinds = [false; 4];
     for integrator in Integrator::ALL {
         for seed in 0..seeds() {
             let mut world = lived(integrator, seed, 60 + seed as u32);
-            seen[0] |= world.bodies().any(|body| body.activity() == Activity::Asleep);
-            seen[1] |= world.bodies().any(|body| body.activity() == Activity::Quarantined);
-            seen[2] |= world.bodies().any(|body| body.id().parts().1 > 0);
-            seen[3] |= world.bodies().any(|body| body.applied_force() != Some(Vec2::default()));
+            kinds[0] |= world.bodies().any(|body| body.activity() == Activity::Asleep);
+            kinds[1] |= world.bodies().any(|body| body.activity() == Activity::Quarantined);
+            kinds[2] |= world.bodies().any(|body| body.id().parts().1 > 0);
+            kinds[3] |= world.bodies().any(|body| body.applied_force() != Some(Vec2::default()));
             let saved = world.snapshot();
             let bytes = saved.to_bytes();
             let expected = future(&mut world, seed, 1_000);
@@ -205,20 +205,20 @@ fn a_restored_world_has_the_same_future_and_handles() {
             saved.world().snapshot_into(&mut buffer);
             world.restore(&buffer);
             assert_eq!(future(&mut world, seed, 1_000), expected, "{integrator:?}, {seed}: from a buffer");
-            let there = Snapshot::from_bytes(&bytes, &custom_forces()).expect("it is whole");
-            assert_eq!(there.to_bytes(), bytes, "{integrator:?}, {seed}: bytes of what was read from them");
-            assert_eq!(there.world().differences(saved.world()), []);
-            let mut there = there.into_world();
-            for (a, b) in there.bodies().zip(saved.world().bodies()) {
+            let restored = Snapshot::from_bytes(&bytes, &custom_forces()).expect("it is whole");
+            assert_eq!(restored.to_bytes(), bytes, "{integrator:?}, {seed}: bytes of what was read from them");
+            assert_eq!(restored.world().differences(saved.world()), []);
+            let mut restored = restored.into_world();
+            for (a, b) in restored.bodies().zip(saved.world().bodies()) {
                 assert_eq!((a.id(), a.mass(), a.inertia()), (b.id(), b.mass(), b.inertia()));
                 assert_eq!((a.kind(), a.activity()), (b.kind(), b.activity()));
             }
             let woke = |world: &mut World| (world.step().woke.to_vec(), world.state_hash());
-            assert_eq!(woke(&mut there.clone()), woke(&mut saved.world().clone()), "what calls woke is reported");
-            assert_eq!(future(&mut there, seed, 1_000), expected, "{integrator:?}, {seed}: from bytes");
+            assert_eq!(woke(&mut restored.clone()), woke(&mut saved.world().clone()), "what calls woke is reported");
+            assert_eq!(future(&mut restored, seed, 1_000), expected, "{integrator:?}, {seed}: from bytes");
         }
     }
-    assert_eq!(seen, [true; 4], "slept, quarantined, recycled, pushed");
+    assert_eq!(kinds, [true; 4], "slept, quarantined, recycled, pushed");
 }
 
 /// Bytes that each of 1,000 bodies like this one adds to a snapshot.
@@ -325,13 +325,13 @@ fn bytes_that_are_no_snapshot_are_refused_with_a_reason() {
 fn a_difference_is_named_to_the_body_and_field() {
     let world = lived(Integrator::default(), 5, 60);
     let body = world.bodies().find(|body| body.kind() == umbra_physics::BodyKind::Dynamic).expect("one").id();
-    let mut other = world.clone();
+    let mut twin = world.clone();
     let data = world.body(body).expect("it is there").user_data().to_string();
-    other.set_user_data(body, 99).expect("it is there");
-    let (ours, theirs) = (HashTree::of(&world), HashTree::of(&other));
+    twin.set_user_data(body, 99).expect("it is there");
+    let (ours, theirs) = (HashTree::of(&world), HashTree::of(&twin));
     let slot = body.parts().0.to_string();
-    let found = world.differences(&other);
-    let named = found.iter().find(|d| d.field == "user_data").expect("named");
+    let differences = world.differences(&twin);
+    let named = differences.iter().find(|d| d.field == "user_data").expect("named");
     assert_eq!(
         (named.owner, named.left.as_deref(), named.right.as_deref()),
         (Owner::Body(body), Some(&data[..]), Some("99"))
@@ -341,12 +341,12 @@ fn a_difference_is_named_to_the_body_and_field() {
     assert_eq!(ours.first_difference(&ours.clone()), None);
 
     // Less than an ulp: what is carried below it is dropped by a setter.
-    let mut other = world.clone();
+    let mut twin = world.clone();
     let carries = |body: &umbra_physics::BodyRef| body.velocity_exact().x.to_string() != body.velocity().x.to_string();
     let body = world.bodies().find(carries).expect("one");
     let (body, velocity) = (body.id(), body.velocity());
-    other.set_velocity(body, velocity).expect("it moves");
-    let fields: Vec<_> = world.differences(&other).into_iter().map(|d| (d.owner, d.field)).collect();
+    twin.set_velocity(body, velocity).expect("it moves");
+    let fields: Vec<_> = world.differences(&twin).into_iter().map(|d| (d.owner, d.field)).collect();
     assert!(fields.iter().all(|(owner, _)| *owner == Owner::Body(body)), "{fields:?}");
     assert!(fields.iter().any(|(_, field)| field.starts_with("velocity.")), "{fields:?}");
 }
@@ -354,15 +354,15 @@ fn a_difference_is_named_to_the_body_and_field() {
 #[test]
 fn a_tree_of_a_step_leads_to_the_stage_the_body_and_the_field() {
     let mut world = lived(Integrator::Yoshida4, 8, 60);
-    let mut other = world.clone();
+    let mut twin = world.clone();
     let dynamic = |body: &umbra_physics::BodyRef| {
         body.kind() == umbra_physics::BodyKind::Dynamic && body.activity() == Activity::Awake
     };
     let body = world.bodies().find(dynamic).expect("one").id();
-    assert_eq!(HashTree::of(&world), HashTree::of(&other));
-    other.apply_torque(body, fx!(0.001)).expect("it is dynamic");
-    let (ours, theirs) = (world.step_traced(), other.step_traced());
-    let (ours, theirs) = (HashTree::of_step(&ours, &world), HashTree::of_step(&theirs, &other));
+    assert_eq!(HashTree::of(&world), HashTree::of(&twin));
+    twin.apply_torque(body, fx!(0.001)).expect("it is dynamic");
+    let (ours, theirs) = (world.step_traced(), twin.step_traced());
+    let (ours, theirs) = (HashTree::of_step(&ours, &world), HashTree::of_step(&theirs, &twin));
     // What was applied is there from the first stage on, and turns the body in the first kick.
     let path = ours.first_difference(&theirs).expect("they differ");
     let slot = body.parts().0.to_string();
@@ -375,11 +375,11 @@ fn a_tree_of_a_step_leads_to_the_stage_the_body_and_the_field() {
 #[test]
 fn a_blob_has_its_limit() {
     let mut world = World::new(WorldDef::default()).expect("a world");
-    let most = umbra_physics::limits::BLOB;
-    assert_eq!(world.set_blob(&vec![1; most]), Ok(()));
+    let limit = umbra_physics::limits::BLOB;
+    assert_eq!(world.set_blob(&vec![1; limit]), Ok(()));
     let hash = world.state_hash();
     let error = Error::OutOfRange { quantity: umbra_physics::Quantity::Blob };
-    assert_eq!(world.set_blob(&vec![2; most + 1]), Err(error));
+    assert_eq!(world.set_blob(&vec![2; limit + 1]), Err(error));
     assert_eq!(world.state_hash(), hash);
 }
 
@@ -396,9 +396,9 @@ fn a_hash_does_not_depend_on_where_in_memory_bodies_stand() {
                 world.remove_body(gone).expect("it is there");
             }
             world.step();
-            let there =
+            let restored =
                 Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("it has the same hash").into_world();
-            assert_eq!(there.state_hash(), world.state_hash());
+            assert_eq!(restored.state_hash(), world.state_hash());
         }
     }
 }

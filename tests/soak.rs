@@ -158,13 +158,13 @@ impl Soak {
     fn execute(&mut self, command: Command) -> Result<Created, Error> {
         let refused = self.world.check(&command).err();
         let before = refused.map(|_| self.world.state_hash());
-        let (made, twin) = (self.world.execute(&command), self.twin.execute(&command));
-        assert_eq!(made, twin, "{command:?}");
-        assert_eq!(made.err(), refused, "{command:?}");
+        let (created, twin) = (self.world.execute(&command), self.twin.execute(&command));
+        assert_eq!(created, twin, "{command:?}");
+        assert_eq!(created.err(), refused, "{command:?}");
         assert!(before.is_none_or(|before| self.world.state_hash() == before), "{command:?}");
         self.rollback.commands.push((self.world.tick(), command));
-        self.counts.refused += u64::from(made.is_err());
-        made
+        self.counts.refused += u64::from(created.is_err());
+        created
     }
 
     fn tick(&mut self) {

@@ -405,16 +405,18 @@ fn first_difference<S: Scalar>(
     for tick in 0..=steps {
         let bits: Vec<_> = world.bodies().map(|body| (Bits::of(&body), body.activity())).collect();
         ties += bits.iter().map(|(bits, _)| bits.ties()).sum::<u64>();
-        for (image, (other, cast), found) in mirrored.iter_mut().filter(|(_, _, found)| found.is_none()) {
-            for ((bits, activity), body) in bits.iter().zip(other.bodies()) {
+        for (image, (image_world, cast), difference) in
+            mirrored.iter_mut().filter(|(_, _, difference)| difference.is_none())
+        {
+            for ((bits, activity), body) in bits.iter().zip(image_world.bodies()) {
                 let (wanted, is) = ((bits.image(image), *activity), (Bits::of(&body), body.activity()));
                 if wanted != is {
-                    *found = Some((tick, format!("{}: {} is {is:?}, not {wanted:?}", image.name, body.id())));
+                    *difference = Some((tick, format!("{}: {} is {is:?}, not {wanted:?}", image.name, body.id())));
                     break;
                 }
             }
-            drive(other, cast, image, tick);
-            other.step();
+            drive(image_world, cast, image, tick);
+            image_world.step();
         }
         drive(&mut world, &cast, &Symmetry::NONE, tick);
         let report = world.step();
@@ -422,13 +424,13 @@ fn first_difference<S: Scalar>(
         slept += report.fell_asleep.len();
     }
     assert!(steps < 2_000 || slept > 0, "something is to sleep on the way");
-    (mirrored.into_iter().map(|(_, _, found)| found).collect(), ties)
+    (mirrored.into_iter().map(|(_, _, difference)| difference).collect(), ties)
 }
 
 fn assert_fair(integrator: Integrator) {
     for rate in [60, 64] {
-        let (found, ties) = first_difference::<Fx>(&symmetries(rate), integrator, rate, steps());
-        if let Some((tick, what)) = found.into_iter().flatten().next() {
+        let (differences, ties) = first_difference::<Fx>(&symmetries(rate), integrator, rate, steps());
+        if let Some((tick, what)) = differences.into_iter().flatten().next() {
             panic!("{integrator:?} at 1/{rate}, tick {tick}: {what}");
         }
         println!("{integrator:?} at 1/{rate}: {} steps, {ties} ties", steps());
@@ -470,34 +472,34 @@ fn images_that_move_the_origin_by_an_odd_number_of_ulps_do_not_stay_images() {
     let even_shift = Symmetry::shift([2, 0]);
     let even_turn = Symmetry { name: "even turn", shift: [2, 0], ..odd_turn };
     let images = [odd_shift, odd_turn, even_shift, even_turn];
-    let (found, _) = first_difference::<Fx>(&images, Integrator::VelocityVerlet, 64, steps() / 10);
-    let breaks: Vec<bool> = found.iter().map(Option::is_some).collect();
-    assert_eq!(breaks, [true, true, false, false], "{found:?}");
+    let (differences, _) = first_difference::<Fx>(&images, Integrator::VelocityVerlet, 64, steps() / 10);
+    let breaks: Vec<bool> = differences.iter().map(Option::is_some).collect();
+    assert_eq!(breaks, [true, true, false, false], "{differences:?}");
 }
 
 /// The images that a rounding breaks within these steps, by name.
 fn broken_by(rounding: Rounding, rate: u32) -> Vec<&'static str> {
     rounding.set();
-    let (found, _) = first_difference::<Twin>(&symmetries(rate), Integrator::VelocityVerlet, rate, steps() / 10);
-    for (tick, what) in found.iter().flatten() {
+    let (differences, _) = first_difference::<Twin>(&symmetries(rate), Integrator::VelocityVerlet, rate, steps() / 10);
+    for (tick, what) in differences.iter().flatten() {
         println!("1/{rate}: tick {tick}, {what}");
     }
-    symmetries(rate).iter().zip(found).filter_map(|(image, found)| found.map(|_| image.name)).collect()
+    symmetries(rate).iter().zip(differences).filter_map(|(image, difference)| difference.map(|_| image.name)).collect()
 }
 
 #[test]
 fn a_twin_that_rounds_as_fx_does_keeps_all_images() {
     assert_eq!(broken_by(Rounding::Even, 64), [""; 0]);
     let world = |_: ()| scene::<Fx>(&Symmetry::NONE, Integrator::VelocityVerlet, 60);
-    let ((mut own, cast), (mut twin, same)) =
+    let ((mut original, cast), (mut twin, same)) =
         (world(()), scene::<Twin>(&Symmetry::NONE, Integrator::VelocityVerlet, 60));
     for tick in 0..1_000 {
-        drive(&mut own, &cast, &Symmetry::NONE, tick);
+        drive(&mut original, &cast, &Symmetry::NONE, tick);
         drive(&mut twin, &same, &Symmetry::NONE, tick);
-        own.step();
+        original.step();
         twin.step();
     }
-    assert_eq!(own.state_hash(), twin.state_hash(), "the twins are the engine but for one rounding");
+    assert_eq!(original.state_hash(), twin.state_hash(), "the twins are the engine but for one rounding");
 }
 
 #[test]

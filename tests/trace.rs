@@ -161,7 +161,7 @@ fn a_stage_writes_what_its_verb_says_alone() {
                         continue;
                     }
                     StageKind::Solve | StageKind::Push => "",
-                    other => panic!("{other:?} has no list of what it may write"),
+                    kind => panic!("{kind:?} has no list of what it may write"),
                 };
                 for ((name, old), (_, new)) in parts(&before).iter().zip(&parts(after)) {
                     assert!(old == new || *name == may, "{integrator:?}, {stage:?} writes {name}");
@@ -206,9 +206,9 @@ fn two_runs_part_in_the_stage_that_parts_them() {
                 .expect("fair");
             world
         };
-        let (mut one, mut other) = (make(fx!(1)), make(fx!(2)));
-        let (one, other) = (one.step_traced(), other.step_traced());
-        let parted = one.stages().zip(other.stages()).find(|((_, a), (_, b))| parts(a) != parts(b));
+        let (mut first, mut second) = (make(fx!(1)), make(fx!(2)));
+        let (first_trace, second_trace) = (first.step_traced(), second.step_traced());
+        let parted = first_trace.stages().zip(second_trace.stages()).find(|((_, a), (_, b))| parts(a) != parts(b));
         assert_eq!(parted.map(|((stage, _), _)| stage.kind), Some(StageKind::Damp), "{integrator:?}");
     }
 }
@@ -246,13 +246,13 @@ fn a_body_beyond_the_envelope_in_the_midst_of_a_step_is_quarantined_there() {
     }
     assert_eq!(midway.body(still).expect("it is there").activity(), Activity::Awake);
     // A world like any other.
-    let mut other = midway.clone();
-    assert_eq!(other.release(ids[0]), Err(Error::OutOfRange { quantity: Quantity::Velocity }));
-    other.step();
-    other.set_velocity(ids[0], Vec2::new(fx!(0), -limit)).expect("a fair velocity");
-    other.release(ids[0]).expect("it is quarantined");
-    assert!(other.step().faults.is_empty());
-    assert_eq!(other.body(ids[0]).expect("it is there").velocity().y, fx!(20_000) - limit);
+    let mut continued = midway.clone();
+    assert_eq!(continued.release(ids[0]), Err(Error::OutOfRange { quantity: Quantity::Velocity }));
+    continued.step();
+    continued.set_velocity(ids[0], Vec2::new(fx!(0), -limit)).expect("a fair velocity");
+    continued.release(ids[0]).expect("it is quarantined");
+    assert!(continued.step().faults.is_empty());
+    assert_eq!(continued.body(ids[0]).expect("it is there").velocity().y, fx!(20_000) - limit);
 }
 
 #[test]
@@ -273,14 +273,14 @@ fn a_body_pushed_beyond_the_envelope_is_quarantined_in_worlds_that_go_on() {
         for (stage, midway) in trace.stages() {
             let copy = Snapshot::from_bytes(&midway.snapshot().to_bytes(), &[]).expect("a world like any other");
             assert_eq!(copy.world().state_hash(), midway.state_hash());
-            let mut other = midway.clone();
-            other.step();
+            let mut continued = midway.clone();
+            continued.step();
             let body = midway.body(ids[1]).expect("it is there");
             if body.activity() == Activity::Quarantined {
                 assert_eq!(body.applied_force().map(|force| force.x.to_bits()), Some(0), "{integrator:?} {stage:?}");
                 strayed = true;
             }
-            let after = other.body(ids[0]).expect("it is there");
+            let after = continued.body(ids[0]).expect("it is there");
             assert_eq!(after.velocity(), Vec2::ZERO);
         }
         assert!(strayed, "{integrator:?}");

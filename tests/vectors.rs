@@ -71,12 +71,12 @@ fn products_of_vectors_are_the_nearest() {
         let (a, b) = (numbers.vector(), numbers.vector());
         let dot = big(a.x) * big(b.x) + big(a.y) * big(b.y);
         let cross = big(a.x) * big(b.y) - big(a.y) * big(b.x);
-        for (found, wide, exact) in
+        for (actual, wide, exact) in
             [(a.checked_dot(b), a.wide_dot(b), dot), (a.checked_cross(b), a.wide_cross(b), cross)]
         {
-            assert_eq!(found, fitting(nearest(&exact, &ulp())), "{a} and {b}");
+            assert_eq!(actual, fitting(nearest(&exact, &ulp())), "{a} and {b}");
             assert_eq!(wide.map(FxWide::to_bits), i128::try_from(exact).ok(), "{a} and {b}");
-            *if found.is_some() { &mut fits } else { &mut beyond } += 1;
+            *if actual.is_some() { &mut fits } else { &mut beyond } += 1;
         }
         let squares = |x: IBig, y: IBig| fitting(nearest(&(&x * &x + &y * &y), &ulp()));
         assert_eq!(a.checked_length_squared(), squares(big(a.x), big(a.y)), "{a}");
@@ -108,19 +108,19 @@ fn lengths_and_distances_are_the_nearest() {
     let mut numbers = Numbers(SplitMix::seeded(2));
     let square = |c: IBig| UBig::try_from(&c * &c).expect("a square");
     // Half an ulp above the greatest number, squared and times four: lengths from there on do not fit.
-    let most = (UBig::from(u64::MAX)).pow(2);
+    let limit = (UBig::from(u64::MAX)).pow(2);
     for _ in 0..cases() {
         let (a, b) = (numbers.vector(), numbers.vector());
-        for (found, x, y) in [
+        for (actual, x, y) in [
             (a.checked_length(), big(a.x), big(a.y)),
             (a.checked_distance(b), big(b.x) - big(a.x), big(b.y) - big(a.y)),
         ] {
             let squares = square(x) + square(y);
-            match found {
+            match actual {
                 Some(length) => {
                     assert!(length >= Fx::ZERO && is_nearest_root(length.to_bits() as u64, &squares), "{a} and {b}")
                 }
-                None => assert!(&squares * 4u8 >= most, "{a} and {b}"),
+                None => assert!(&squares * 4u8 >= limit, "{a} and {b}"),
             }
         }
     }
@@ -131,29 +131,29 @@ fn unit_vectors_and_shortened_ones_have_the_nearest_components() {
     let mut numbers = Numbers(SplitMix::seeded(3));
     let (mut shortened, mut kept) = (0, 0);
     for _ in 0..cases() {
-        let (v, most) = (numbers.vector(), numbers.number().saturating_abs());
+        let (v, max) = (numbers.vector(), numbers.number().saturating_abs());
         if v == Vec2::ZERO {
             continue;
         }
         let squares = UBig::from(v.x.to_bits().unsigned_abs()).pow(2) + UBig::from(v.y.to_bits().unsigned_abs()).pow(2);
         // |q − c·length/√squares| <= ½.
-        let check = |of: Fx, found: Fx, length: Fx| {
-            let (q, length) = (2 * u128::from(found.to_bits().unsigned_abs()), length.to_bits().unsigned_abs());
-            let exact = (UBig::from(of.to_bits().unsigned_abs()) * length * 2u8).pow(2);
+        let check = |component: Fx, actual: Fx, length: Fx| {
+            let (q, length) = (2 * u128::from(actual.to_bits().unsigned_abs()), length.to_bits().unsigned_abs());
+            let exact = (UBig::from(component.to_bits().unsigned_abs()) * length * 2u8).pow(2);
             let bound = |twice: u128| UBig::from(twice).pow(2) * &squares;
-            assert!(exact <= bound(q + 1) && (q == 0 || exact >= bound(q - 1)), "{found} of {v}");
-            assert!(found == Fx::ZERO || found.signum() == of.signum(), "{found} of {v}");
+            assert!(exact <= bound(q + 1) && (q == 0 || exact >= bound(q - 1)), "{actual} of {v}");
+            assert!(actual == Fx::ZERO || actual.signum() == component.signum(), "{actual} of {v}");
         };
         let unit = v.normalize().expect("it is not zero");
         check(v.x, unit.x, Fx::ONE);
         check(v.y, unit.y, Fx::ONE);
-        let clamped = v.clamp_length(most);
-        if squares <= UBig::from(most.to_bits().unsigned_abs()).pow(2) {
+        let clamped = v.clamp_length(max);
+        if squares <= UBig::from(max.to_bits().unsigned_abs()).pow(2) {
             assert_eq!(clamped, v);
             kept += 1;
         } else {
-            check(v.x, clamped.x, most);
-            check(v.y, clamped.y, most);
+            check(v.x, clamped.x, max);
+            check(v.y, clamped.y, max);
             shortened += 1;
         }
     }
@@ -222,9 +222,9 @@ fn operators_of_vectors_are_those_of_their_components() {
 /// Each of these does not fit, and says so in every profile.
 #[test]
 fn operators_panic_where_a_result_does_not_fit() {
-    let (max, one, min) = (Vec2::new(Fx::MAX, Fx::ZERO), Vec2::<Fx>::X, Vec2::new(Fx::ZERO, Fx::MIN));
+    let (max, unit, min) = (Vec2::new(Fx::MAX, Fx::ZERO), Vec2::<Fx>::X, Vec2::new(Fx::ZERO, Fx::MIN));
     let cases: [(&str, &dyn Fn() -> Vec2); 13] = [
-        ("sum", &|| max + one),
+        ("sum", &|| max + unit),
         ("difference", &|| min - Vec2::Y),
         ("negative", &|| -min),
         ("product", &|| max * fx!(2)),
@@ -232,7 +232,7 @@ fn operators_panic_where_a_result_does_not_fit() {
         ("product", &|| max * 2),
         ("division by zero", &|| max / 0),
         ("magnitude", &|| min.abs()),
-        ("sum", &|| [max, one].into_iter().sum()),
+        ("sum", &|| [max, unit].into_iter().sum()),
         ("point", &|| Vec2::ZERO.lerp(max, fx!(2))),
         ("length is not negative", &|| max.clamp_length(fx!(-1))),
         ("negative", &|| min.perp()),
@@ -322,7 +322,7 @@ fn degrees_are_the_nearest() {
         worst[0] = worst[0].max(off);
         let degrees = exact(a) * real(360) / &*TAU;
         match a.checked_to_degrees() {
-            Some(found) => worst[1] = worst[1].max(to_f64(&((exact(found) - degrees) << 32)).abs()),
+            Some(actual) => worst[1] = worst[1].max(to_f64(&((exact(actual) - degrees) << 32)).abs()),
             None => assert!(to_f64(&degrees).abs() >= 2f64.powi(31) * 0.999_999, "{a}"),
         }
         // Whole turns are cut off.

@@ -258,9 +258,9 @@ fn asleep(mut world: World) -> World {
     world
 }
 
-fn spring(near: BodyId, far: BodyId) -> FieldKind {
+fn spring(start: BodyId, end: BodyId) -> FieldKind {
     let spring = SpringConstants { rest: fx!(4), stiffness: fx!(0), damping: fx!(0) };
-    FieldKind::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+    FieldKind::Spring { near: Attachment::centre(start), far: End::Body(Attachment::centre(end)), spring }
 }
 
 fn integrators(count: usize) -> (World, Vec<Command>) {
@@ -293,10 +293,10 @@ fn sleep_after(count: usize) -> (World, Vec<Command>) {
 
 fn own_dampings(count: usize) -> (World, Vec<Command>) {
     let (world, bodies) = unlike_world(count);
-    let own = |i: i64| Some(Damping::kept_per_second(Fx::from_bits(Fx::HALF.to_bits() / 2 + i)));
+    let damping = |i: i64| Some(Damping::kept_per_second(Fx::from_bits(Fx::HALF.to_bits() / 2 + i)));
     let set = |(i, &body): (usize, &BodyId)| {
         let i = i as i64;
-        Command::SetBodyDamping { body, linear: own(2 * i), angular: own(2 * i + 1) }
+        Command::SetBodyDamping { body, linear: damping(2 * i), angular: damping(2 * i + 1) }
     };
     (world, bodies.iter().enumerate().take(100).map(set).collect())
 }
@@ -305,8 +305,8 @@ fn bodies_come_and_go(count: usize) -> (World, Vec<Command>) {
     let (world, bodies) = unlike_world(count);
     // The first free slot, time and again.
     let pairs = (0..100).flat_map(|i| {
-        let own = Some(Damping::kept_per_second(Fx::from_bits(i64::from(i) + 1)));
-        let def = BodyDef { linear_damping: own, angular_damping: own, ..BodyDef::dynamic() };
+        let damping = Some(Damping::kept_per_second(Fx::from_bits(i64::from(i) + 1)));
+        let def = BodyDef { linear_damping: damping, angular_damping: damping, ..BodyDef::dynamic() };
         [Command::AddBody(def), Command::RemoveBody(BodyId::from_parts(bodies.len() as u32, i))]
     });
     (world, pairs.collect())

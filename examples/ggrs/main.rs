@@ -40,7 +40,7 @@ fn main() -> ExitCode {
         Some("synctest") => {
             Options::read(arguments, &["frames", "seed"]).map_err(Into::into).and_then(|o| synctest(&o))
         }
-        Some(other) => Err(format!("unknown role {other}: peer, synctest, or none for both peers").into()),
+        Some(role) => Err(format!("unknown role {role}: peer, synctest, or none for both peers").into()),
     };
     done.unwrap_or_else(|error| {
         eprintln!("ggrs: {error}");
@@ -80,12 +80,13 @@ fn both(arguments: impl Iterator<Item = String>) -> Result<ExitCode, Box<dyn Err
     }
     let [a, b] = peers;
     let (a, b) = (a.end()?, b.end()?);
-    let of = |said: &[String], word| said.iter().filter(|line| line.starts_with(word)).cloned().collect::<Vec<_>>();
-    let (hashes, others) = (of(&a.said, "hash"), of(&b.said, "hash"));
+    let lines_of =
+        |said: &[String], word| said.iter().filter(|line| line.starts_with(word)).cloned().collect::<Vec<_>>();
+    let (hashes, others) = (lines_of(&a.said, "hash"), lines_of(&b.said, "hash"));
     let same = hashes.iter().zip(&others).take_while(|(a, b)| a == b).count();
     println!("{same} of {} hashes are the same; the last is {:?}", hashes.len(), hashes.last());
     for (player, said) in [a.said, b.said].iter().enumerate() {
-        if let Some(first) = of(said, "desync").first() {
+        if let Some(first) = lines_of(said, "desync").first() {
             println!("player {player}: {first}");
         }
     }

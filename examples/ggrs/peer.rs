@@ -54,9 +54,9 @@ impl Orders {
         })
     }
 
-    fn start(&self, socket: BadLine, other: u16) -> Result<P2PSession<Match>, GgrsError> {
-        let other = PlayerType::Remote(SocketAddr::from((Ipv4Addr::LOCALHOST, other)));
-        let players = if self.player == 0 { [PlayerType::Local, other] } else { [other, PlayerType::Local] };
+    fn start(&self, socket: BadLine, port: u16) -> Result<P2PSession<Match>, GgrsError> {
+        let remote = PlayerType::Remote(SocketAddr::from((Ipv4Addr::LOCALHOST, port)));
+        let players = if self.player == 0 { [PlayerType::Local, remote] } else { [remote, PlayerType::Local] };
         let [first, second] = players;
         SessionBuilder::<Match>::new()
             .with_num_players(2)?
@@ -94,9 +94,9 @@ pub(crate) fn play(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let orders = Orders::read(options)?;
     let socket = BadLine::bind(orders.line, orders.seed.wrapping_add(orders.player as u64))?;
     println!("port {}", socket.port()?);
-    let mut other = String::new();
-    std::io::stdin().lock().read_line(&mut other)?;
-    let session = orders.start(socket, other.trim().parse()?)?;
+    let mut port = String::new();
+    std::io::stdin().lock().read_line(&mut port)?;
+    let session = orders.start(socket, port.trim().parse()?)?;
     let dismissed = when_input_ends();
 
     let (game, world) = Game::start()?;

@@ -59,7 +59,7 @@ fn run(role: Option<&str>, arguments: impl Iterator<Item = String>) -> Result<Ex
             let port: u16 = options.get("port")?.ok_or("join needs --port")?;
             (1, TcpStream::connect((Ipv4Addr::LOCALHOST, port))?)
         }
-        Some(other) => return Err(format!("unknown role {other}: serve, join, or none for both").into()),
+        Some(role) => return Err(format!("unknown role {role}: serve, join, or none for both").into()),
     };
     let (ticks, seed) = (options.get("ticks")?.unwrap_or(600), options.get("seed")?.unwrap_or(1));
     let agreed = play(player, stream, ticks, seed, options.get::<Cheat>("desync")?)?;
@@ -85,36 +85,37 @@ fn accept(listener: &TcpListener) -> io::Result<TcpStream> {
 fn both(options: &Options) -> Result<ExitCode, Box<dyn Error>> {
     let program = env::current_exe()?;
     let start = |role: &[&str], cheats: bool| {
-        let given = options.pairs().filter(|(name, _)| cheats || *name != "desync");
-        let given = given.flat_map(|(name, value)| [format!("--{name}"), value.to_owned()]);
-        let all: Vec<_> = role.iter().map(|&word| word.to_owned()).chain(given).collect();
+        let passed = options.pairs().filter(|(name, _)| cheats || *name != "desync");
+        let passed = passed.flat_map(|(name, value)| [format!("--{name}"), value.to_owned()]);
+        let all: Vec<_> = role.iter().map(|&word| word.to_owned()).chain(passed).collect();
         Peer::start(&program, &all, Duration::from_secs(60))
     };
     let mut server = start(&["serve"], false)?;
     let port = server.hear("port")?;
     let client = start(&["join", "--port", &port], true)?;
     let sides = [server.end()?, client.end()?];
-    let of = |side: usize, of_hashes: bool| {
+    let lines_of = |side: usize, of_hashes: bool| {
         let said = sides[side].said.iter().filter(|line| !line.starts_with("port"));
         said.filter(move |line| line.starts_with("hash") == of_hashes).collect::<Vec<_>>()
     };
-    let same = of(0, true).iter().zip(of(1, true)).take_while(|(a, b)| **a == *b).count();
+    let same = lines_of(0, true).iter().zip(lines_of(1, true)).take_while(|(a, b)| **a == *b).count();
     println!("{same} hashes, one every tenth tick, are the same");
-    let (ours, theirs) = (of(0, false), of(1, false));
-    for (player, (said, other)) in [(&ours, &theirs), (&theirs, &ours)].into_iter().enumerate() {
+    let (ours, theirs) = (lines_of(0, false), lines_of(1, false));
+    for (player, (said, opposite)) in [(&ours, &theirs), (&theirs, &ours)].into_iter().enumerate() {
         println!("player {player} ends with status {:?}", sides[player].status);
         // The first value that differs, if the sides diverged.
-        said.iter().filter(|line| !other.contains(line)).for_each(|line| println!("  {line}"));
+        said.iter().filter(|line| !opposite.contains(line)).for_each(|line| println!("  {line}"));
     }
     let dumps: Vec<&str> =
         sides.iter().flat_map(|side| &side.said).filter_map(|line| line.strip_prefix("dump ")).collect();
     if let [a, b] = dumps[..] {
         let [a, b] = [a, b].map(|file| Ok::<_, Box<dyn Error>>(Dump::from_bytes(&fs::read(file)?, &[])?));
         match a?.first_difference(&b?) {
-            Some(found) => println!("the first value that is not the same: {found}"),
+            Some(difference) => println!("the first value that is not the same: {difference}"),
             None => println!("the sides do the same from the same world: one of them was changed from without"),
         }
     }
-    let agree = of(0, true) == of(1, true) && ours == theirs && sides.iter().all(|side| side.status == Some(0));
+    let agree =
+        lines_of(0, true) == lines_of(1, true) && ours == theirs && sides.iter().all(|side| side.status == Some(0));
     Ok(if agree { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

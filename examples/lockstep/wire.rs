@@ -40,13 +40,13 @@ pub(crate) struct Turn {
 
 impl Hello {
     /// First setting that two peers do not agree on, if any.
-    pub(crate) fn differs_from(&self, other: &Self) -> Option<&'static str> {
+    pub(crate) fn differs_from(&self, rhs: &Self) -> Option<&'static str> {
         let differ = [
-            (self.magic != other.magic, "game"),
-            (self.physics_version != other.physics_version, "physics version"),
-            (self.seed != other.seed, "seed"),
-            (self.ticks != other.ticks, "number of ticks"),
-            (self.start != other.start, "world to start from"),
+            (self.magic != rhs.magic, "game"),
+            (self.physics_version != rhs.physics_version, "physics version"),
+            (self.seed != rhs.seed, "seed"),
+            (self.ticks != rhs.ticks, "number of ticks"),
+            (self.start != rhs.start, "world to start from"),
         ];
         differ.into_iter().find(|(differs, _)| *differs).map(|(_, what)| what)
     }

@@ -33,14 +33,14 @@ fn run() -> Result<ExitCode, Box<dyn std::error::Error>> {
             "--mended" => is_mended = true,
             "--seed" => seed = value()?.parse()?,
             "--out" => out = PathBuf::from(value()?),
-            other => return Err(format!("unknown option {other}; known are --mended --seed --out").into()),
+            option => return Err(format!("unknown option {option}; known are --mended --seed --out").into()),
         }
     }
     let campaign = fuzz(&Tow::new(is_mended), &Fuzz { seed, ..Fuzz::default() }, |random, _| bots(random));
     report(&campaign);
-    if let Some(found) = &campaign.found {
-        show(found);
-        fs::write(&out, &found.replay)?;
+    if let Some(counterexample) = &campaign.found {
+        show(counterexample);
+        fs::write(&out, &counterexample.replay)?;
         println!("the replay is in {}: `umbra view` makes a page of it", out.display());
     }
     Ok(if campaign.found.is_some() != is_mended { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -58,10 +58,13 @@ fn report(campaign: &Campaign<Input>) {
 }
 
 /// The smallest match that was found.
-fn show(found: &Counterexample<Input>) {
-    println!("{}", found.violation);
-    println!("it takes {} ticks and no more than this, as {} tries found out:", found.course.ticks, found.tries);
-    for (tick, Input { player, action }) in &found.course.inputs {
+fn show(counterexample: &Counterexample<Input>) {
+    println!("{}", counterexample.violation);
+    println!(
+        "it takes {} ticks and no more than this, as {} tries found out:",
+        counterexample.course.ticks, counterexample.tries
+    );
+    for (tick, Input { player, action }) in &counterexample.course.inputs {
         match action {
             Action::Thrust(direction) => println!("  tick {tick}: player {player} thrusts along {direction}"),
             Action::Grab => println!("  tick {tick}: player {player} reaches for the ball"),

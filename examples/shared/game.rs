@@ -66,13 +66,13 @@ fn of_player(player: usize, shape: Shape) -> ColliderDef {
 }
 
 /// A spring with a damper between the centres of two bodies.
-fn spring(near: BodyId, far: BodyId, rest: Fx) -> FieldKind {
+fn spring(start: BodyId, end: BodyId, rest: Fx) -> FieldKind {
     let spring = SpringConstants { rest, stiffness: fx!(30), damping: fx!(0.5) };
-    FieldKind::Spring { near: Attachment::centre(near), far: End::Body(Attachment::centre(far)), spring }
+    FieldKind::Spring { near: Attachment::centre(start), far: End::Body(Attachment::centre(end)), spring }
 }
 
-fn engine(ship: BodyId, on: bool) -> FieldKind {
-    let force = vec2(if on { PUSH } else { Fx::ZERO }, 0);
+fn engine(ship: BodyId, is_on: bool) -> FieldKind {
+    let force = vec2(if is_on { PUSH } else { Fx::ZERO }, 0);
     FieldKind::Thrust { at: Attachment { body: ship, point: vec2(fx!(-0.75), 0) }, force }
 }
 

@@ -35,9 +35,9 @@ const FLAGS: [&str; 11] = [
 fn program() -> Option<PathBuf> {
     let path = env::var_os("PATH").unwrap_or_default();
     let names = ["chromium", "chromium-browser", "google-chrome"];
-    let found =
+    let program =
         env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name))).find(|file| file.is_file());
-    if found.is_none() || !Path::new("/bin/sh").is_file() {
+    if program.is_none() || !Path::new("/bin/sh").is_file() {
         let required = env::var("UMBRA_REQUIRE_BROWSER").is_ok_and(|value| value == "1");
         assert!(!required, "UMBRA_REQUIRE_BROWSER=1, and there is no Chromium");
         // Past the harness, which shows what passed tests print to nobody.
@@ -45,7 +45,7 @@ fn program() -> Option<PathBuf> {
         let _ = writeln!(std::io::stderr(), "{name}: SKIPPED, there is no Chromium");
         return None;
     }
-    found
+    program
 }
 
 /// A browser with one page. Dropping it ends it.
@@ -228,9 +228,9 @@ impl Browser {
     }
 
     /// Turns the wheel there; towards the user is above zero.
-    pub(crate) fn wheel(&mut self, selector: &str, at: [f64; 2], by: f64) {
+    pub(crate) fn wheel(&mut self, selector: &str, at: [f64; 2], delta: f64) {
         let point = self.point(selector, at);
-        self.mouse("mouseWheel", point, json!({"deltaX": 0, "deltaY": by}));
+        self.mouse("mouseWheel", point, json!({"deltaX": 0, "deltaY": delta}));
         self.settle();
     }
 

@@ -19,8 +19,8 @@ fn sub(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1]]
 }
 
-fn add_scaled(a: Point, n: Point, by: f64) -> Point {
-    [a[0] + by * n[0], a[1] + by * n[1]]
+fn add_scaled(a: Point, n: Point, length: f64) -> Point {
+    [a[0] + length * n[0], a[1] + length * n[1]]
 }
 
 fn dot(a: Point, b: Point) -> f64 {
@@ -65,21 +65,21 @@ impl Core {
     }
 
     /// The largest separation of another core along a normal of this one.
-    fn separation(&self, other: &Self) -> f64 {
+    fn separation(&self, rhs: &Self) -> f64 {
         if self.corners.len() < 2 {
             return f64::MIN;
         }
         let along = |[p, q]: [Point; 2]| {
             let edge = sub(q, p);
             let n = [edge[1] / length(edge), -edge[0] / length(edge)];
-            other.corners.iter().map(|&c| dot(n, sub(c, p))).fold(f64::MAX, f64::min)
+            rhs.corners.iter().map(|&c| dot(n, sub(c, p))).fold(f64::MAX, f64::min)
         };
         self.edges().map(along).fold(f64::MIN, f64::max)
     }
 
     /// The largest distance of two corners.
     fn size(&self) -> f64 {
-        let from = |c: &Point| self.corners.iter().map(|&other| length(sub(*c, other))).fold(0.0, f64::max);
+        let from = |c: &Point| self.corners.iter().map(|&corner| length(sub(*c, corner))).fold(0.0, f64::max);
         self.corners.iter().map(from).fold(0.0, f64::max)
     }
 
@@ -144,7 +144,7 @@ struct Seen {
     worst: f64,
 }
 
-fn check_points(case: &Case, pair: &Pair, manifold: &Manifold, seen: &mut Seen) {
+fn check_points(case: &Case, pair: &Pair, manifold: &Manifold, tally: &mut Seen) {
     let n = manifold.normal.map(|part| f64::from(part) / 2f64.powi(30));
     assert!((length(n) - 1.0).abs() < 2f64.powi(-29), "{case:?}");
     for point in &manifold.points[..manifold.count] {
@@ -158,12 +158,12 @@ fn check_points(case: &Case, pair: &Pair, manifold: &Manifold, seen: &mut Seen) 
         let off = pair.a.distance(on_a).max(pair.b.distance(on_b));
         if off > 1e-7 {
             assert!(pair.separation < 0.0, "{off} m off: {case:?}\n{manifold:?}");
-            seen.beside += 1;
+            tally.beside += 1;
         }
     }
 }
 
-fn check(case: &Case, seen: &mut Seen) {
+fn check(case: &Case, tally: &mut Seen) {
     let pair = Pair::new(case);
     let radii = pair.a.radius + pair.b.radius;
     let (expected, margin) = (pair.expected() - radii, to_f64(case.margin));
@@ -178,12 +178,12 @@ fn check(case: &Case, seen: &mut Seen) {
         return;
     };
     assert!(expected < margin, "{expected} m apart: {case:?}");
-    seen.touching += 1;
-    seen.two_points += usize::from(manifold.count == 2);
-    check_points(case, &pair, &manifold, seen);
+    tally.touching += 1;
+    tally.two_points += usize::from(manifold.count == 2);
+    check_points(case, &pair, &manifold, tally);
     let nearest = manifold.points[..manifold.count].iter().map(|p| to_f64(p.separation)).fold(f64::MAX, f64::min);
     let error = (nearest - expected).abs() / tolerance;
-    seen.worst = seen.worst.max(error);
+    tally.worst = tally.worst.max(error);
     assert!(error < 1.0, "{nearest}, not {expected}: {case:?}\n{manifold:?}");
 }
 
@@ -192,17 +192,17 @@ fn separations_are_those_of_floats() {
     for (i, first) in KINDS.into_iter().enumerate() {
         for second in &KINDS[i..] {
             let mut random = SplitMix::seeded(7 + i as u64);
-            let mut seen = Seen::default();
+            let mut tally = Seen::default();
             for _ in 0..cases() / 5 {
                 let exponents = [30, 33].map(|e| (e + random.between(-3, 2)) as u32);
                 let mut case = random_case(&mut random, [first, second], exponents);
                 // Near the origin, doubles hold the corners.
                 case.margin = if random.between(0, 2) == 0 { case.margin } else { fx!(0.05) };
-                check(&case, &mut seen);
+                check(&case, &mut tally);
             }
-            println!("{first}, {second}: {seen:?}");
-            assert!(seen.touching > cases() / 100, "{first}, {second}: {seen:?}");
-            assert!(seen.beside * 100 < seen.touching, "{first}, {second}: {seen:?}");
+            println!("{first}, {second}: {tally:?}");
+            assert!(tally.touching > cases() / 100, "{first}, {second}: {tally:?}");
+            assert!(tally.beside * 100 < tally.touching, "{first}, {second}: {tally:?}");
         }
     }
 }

@@ -7,8 +7,8 @@ use crate::collide::random::SplitMix;
 use umbra_physics::collide::{Pose, collide, radius_bound};
 use umbra_physics::{Aabb, Fx, Part, Shape, Turn, Vec2, fx, limits, vec2};
 
-fn bits(random: &mut SplitMix, most: u32) -> Fx {
-    Fx::from_bits(random.of_bits(most))
+fn bits(random: &mut SplitMix, max_bits: u32) -> Fx {
+    Fx::from_bits(random.of_bits(max_bits))
 }
 
 #[test]
@@ -110,10 +110,10 @@ fn the_box_of_a_pose_is_the_least_one_around_its_corners() {
             let ends = [0, 1].map(|_| bits(&mut random, exponent));
             [ends[0].min(ends[1]), ends[0].max(ends[1])]
         });
-        let of = Aabb { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) };
+        let local_bounds = Aabb { min: Vec2::new(x[0], y[0]), max: Vec2::new(x[1], y[1]) };
         let radius = Fx::from_bits(bits(&mut random, 44).to_bits().abs());
         let (position, angle) = (Vec2::new(bits(&mut random, 52), bits(&mut random, 52)), random.next());
-        let bounds = Pose::new(position, Turn::from_bits(angle)).bounds(&of, radius);
+        let bounds = Pose::new(position, Turn::from_bits(angle)).bounds(&local_bounds, radius);
 
         // Ulps, to 2^-53 of 2^53.
         let ulps = |value: Fx| value.to_bits() as f64;
@@ -121,18 +121,21 @@ fn the_box_of_a_pose_is_the_least_one_around_its_corners() {
         let corners = [(x[0], y[0]), (x[1], y[0]), (x[1], y[1]), (x[0], y[1])].map(|(x, y)| (ulps(x), ulps(y)));
         let along = |part: &dyn Fn((f64, f64)) -> f64, centre: Fx, [low, high]: [Fx; 2]| {
             let parts = corners.map(part);
-            let most = parts.iter().copied().fold(f64::MIN, f64::max) + ulps(radius);
+            let greatest = parts.iter().copied().fold(f64::MIN, f64::max) + ulps(radius);
             let least = parts.iter().copied().fold(f64::MAX, f64::min) - ulps(radius);
-            let over = [ulps(high) - ulps(centre) - most, least - (ulps(low) - ulps(centre))];
-            assert!(over.iter().all(|over| (0.9..3.1).contains(over)), "{over:?} at {angle:#x} of {of:?}");
+            let over = [ulps(high) - ulps(centre) - greatest, least - (ulps(low) - ulps(centre))];
+            assert!(over.iter().all(|over| (0.9..3.1).contains(over)), "{over:?} at {angle:#x} of {local_bounds:?}");
         };
         along(&|(x, y)| x * cos - y * sin, position.x, [bounds.min.x, bounds.max.x]);
         along(&|(x, y)| x * sin + y * cos, position.y, [bounds.min.y, bounds.max.y]);
 
         // Mirrored at the y axis.
-        let of = Aabb { min: Vec2::new(-of.max.x, of.min.y), max: Vec2::new(-of.min.x, of.max.y) };
+        let mirrored = Aabb {
+            min: Vec2::new(-local_bounds.max.x, local_bounds.min.y),
+            max: Vec2::new(-local_bounds.min.x, local_bounds.max.y),
+        };
         let position = Vec2::new(-position.x, position.y);
-        let image = Pose::new(position, Turn::from_bits(angle.wrapping_neg())).bounds(&of, radius);
+        let image = Pose::new(position, Turn::from_bits(angle.wrapping_neg())).bounds(&mirrored, radius);
         assert_eq!((image.min.x, image.max.x), (-bounds.max.x, -bounds.min.x));
         assert_eq!((image.min.y, image.max.y), (bounds.min.y, bounds.max.y));
     }

@@ -18,13 +18,16 @@ struct Image {
 
 /// The number of each corner of a shape in its image.
 fn numbers(shape: &Shape, image: &Shape, map: fn(Vec2) -> Vec2) -> Vec<usize> {
-    let (own, other) = (shape.outlines()[0].corners(), image.outlines()[0].corners());
-    own.iter().map(|&corner| other.iter().position(|&c| c == map(corner)).expect("the image of a corner")).collect()
+    let (corners, images) = (shape.outlines()[0].corners(), image.outlines()[0].corners());
+    corners
+        .iter()
+        .map(|&corner| images.iter().position(|&c| c == map(corner)).expect("the image of a corner"))
+        .collect()
 }
 
 fn same_numbers(case: &Case, image: &Case, map: fn(Vec2) -> Vec2) -> [Vec<usize>; 2] {
-    let (own, other) = (case.shapes(), image.shapes());
-    [0, 1].map(|i| numbers(&own[i], &other[i], map))
+    let (shapes, image_shapes) = (case.shapes(), image.shapes());
+    [0, 1].map(|i| numbers(&shapes[i], &image_shapes[i], map))
 }
 
 fn flip(v: Vec2) -> Vec2 {
@@ -53,8 +56,8 @@ fn images(random: &mut SplitMix, case: &Case) -> Vec<Image> {
     add(quarter, Vec2::perp, same, false, false);
     let shift = Vec2::new(Fx::from_bits(random.between(-999, 999)), Fx::from_bits(random.between(-1 << 40, 1 << 40)));
     add(Case { positions: case.positions.map(|p| p + shift), ..case.clone() }, same, same, false, false);
-    let by = [0; 2].map(|_| random.between(1, 128) as usize);
-    let renumbered = Case { recipes: [0, 1].map(|i| case.recipes[i].renumbered(by[i])), ..case.clone() };
+    let steps = [0; 2].map(|_| random.between(1, 128) as usize);
+    let renumbered = Case { recipes: [0, 1].map(|i| case.recipes[i].renumbered(steps[i])), ..case.clone() };
     add(renumbered, same, same, false, false);
     images.push(Image {
         case: Case {
@@ -119,8 +122,8 @@ fn images_of_random_pairs_have_the_images_of_their_manifolds() {
     for i in 0..cases() {
         let kinds = [0, 1].map(|_| KINDS[random.between(0, KINDS.len() as i64) as usize]);
         let exponent = random.between(27, 42) as u32;
-        let other = if i % 3 == 0 { random.between(27, 42) as u32 } else { exponent };
-        let case = random_case(&mut random, kinds, [exponent, other]);
+        let second_exponent = if i % 3 == 0 { random.between(27, 42) as u32 } else { exponent };
+        let case = random_case(&mut random, kinds, [exponent, second_exponent]);
         counts[check(&mut random, &case).map_or(0, |m| m.count)] += 1;
     }
     assert!(counts.iter().all(|&count| count > cases() / 10), "{counts:?}");

@@ -152,10 +152,10 @@ fn sharp_segments_on_one_line_meet_at_their_ends() {
     let segment = Recipe::Segment([vec2(fx!(-1), fx!(0)), vec2(fx!(1), fx!(0))]);
     for quarter in 0..4 {
         let angle = Turn::from_bits(quarter << 62);
-        for (other, length) in [(segment.clone(), fx!(1)), (Recipe::Disc(fx!(0.5)), fx!(0.5))] {
+        for (recipe, length) in [(segment.clone(), fx!(1)), (Recipe::Disc(fx!(0.5)), fx!(0.5))] {
             let along = vec2(fx!(1.01) + length, fx!(0));
             let offset = angle.rotate(along).and_then(|v| v.try_map(FxWide::to_scalar)).expect("small");
-            let m = manifold([segment.clone(), other], offset, [angle; 2]).expect("a contact");
+            let m = manifold([segment.clone(), recipe], offset, [angle; 2]).expect("a contact");
             assert_eq!((m.count, features(&m)), (1, vec![feature([1, 1], [0, 0])]));
             assert_eq!(m.points[0].separation, fx!(1.01) - fx!(1));
         }

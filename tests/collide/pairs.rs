@@ -39,14 +39,14 @@ impl Recipe {
     }
 
     /// Returns the same shape with another first corner, and for odd numbers with the other winding.
-    pub(crate) fn renumbered(&self, by: usize) -> Self {
+    pub(crate) fn renumbered(&self, steps: usize) -> Self {
         match self {
             Self::Segment([a, b]) => Self::Segment([*b, *a]),
             Self::Polygon(corners) => {
                 let mut corners = corners.clone();
                 let count = corners.len();
-                corners.rotate_left(by / 2 % count);
-                if by % 2 == 1 {
+                corners.rotate_left(steps / 2 % count);
+                if steps % 2 == 1 {
                     corners.reverse();
                 }
                 Self::Polygon(corners)
@@ -138,7 +138,7 @@ pub(crate) fn tied_case(random: &mut SplitMix) -> Case {
     let unit = 1i64 << random.between(29, 34);
     let f = Fx::from_bits;
     let square = Recipe::Rectangle(f(2 * unit), f(2 * unit));
-    let other = match random.between(0, 8) {
+    let partner = match random.between(0, 8) {
         0 => Recipe::Rectangle(f(4 * unit), f(2 * unit)),
         1 => Recipe::Disc(f(unit)),
         2 => Recipe::Capsule(f(2 * unit), f(unit / 2)),
@@ -152,7 +152,7 @@ pub(crate) fn tied_case(random: &mut SplitMix) -> Case {
         5 => Recipe::Polygon([[0, -unit], [unit, 0], [0, unit], [-unit, 0]].map(|[x, y]| Vec2::new(f(x), f(y))).into()),
         _ => square.clone(),
     };
-    let mut recipes = [square, other];
+    let mut recipes = [square, partner];
     if random.between(0, 3) == 0 {
         recipes[0] = recipes[1].clone();
     }
@@ -223,7 +223,7 @@ pub(crate) fn resting_case(random: &mut SplitMix, exponents: [u32; 2]) -> Case {
 
 /// A shape with edges along the axes and the diagonals, whose corners are multiples of two steps.
 fn lattice_recipe(random: &mut SplitMix, step: i64) -> Recipe {
-    let size = |random: &mut SplitMix, most| 2 * random.between(1, most) * step;
+    let size = |random: &mut SplitMix, max| 2 * random.between(1, max) * step;
     let (x, y, cut) = (size(random, 16), size(random, 16), size(random, 6));
     let f = Fx::from_bits;
     let polygon = |corners: &[[i64; 2]]| Recipe::Polygon(corners.iter().map(|&[x, y]| Vec2::new(f(x), f(y))).collect());

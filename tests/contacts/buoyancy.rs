@@ -130,7 +130,7 @@ fn fluid(kind: FieldKind, drag: Fx, flow: Vec2) -> FieldKind {
         FieldKind::Buoyancy { min, max, density, .. } => {
             FieldKind::Buoyancy { min, max, density, linear_drag: drag, angular_drag: drag, flow }
         }
-        other => other,
+        command => command,
     }
 }
 
@@ -347,13 +347,13 @@ fn drag_is_for_bodies_that_feel_the_fluid_and_along_axes_that_are_free() {
         world.add_field(ForceField { kind: fluid(POOL, stiff, flow), force_groups: 1 }).expect("a field");
         world.add_field(ForceField { kind: FAR_POOL, force_groups: 2 }).expect("a field");
         let at = |x: i32| BodyDef { position: vec2(x, -5), velocity: vec2(1, 0), angular_velocity: fx!(1), ..square() };
-        let other = world.add_body(BodyDef { force_groups: 2, ..at(-8) }).expect("a body");
+        let bystander = world.add_body(BodyDef { force_groups: 2, ..at(-8) }).expect("a body");
         assert_eq!(world.step().drag_outside, 0);
         let locks = Locks { x: true, ..Locks::NONE };
         let guided = world.add_body(BodyDef { locks, velocity: vec2(0, 0), ..at(8) }).expect("a body");
         steps(&mut world, 60);
-        let other = world.body(other).expect("it is there");
-        assert_eq!((other.velocity(), other.angular_velocity()), (vec2(1, 0), fx!(1)));
+        let bystander = world.body(bystander).expect("it is there");
+        assert_eq!((bystander.velocity(), bystander.angular_velocity()), (vec2(1, 0), fx!(1)));
         let guided = world.body(guided).expect("it is there");
         assert_eq!((guided.position().x, guided.velocity().x), (fx!(8), fx!(0)));
         assert!((guided.velocity().y - fx!(1)).abs() < fx!(0.001), "{}", guided.velocity());

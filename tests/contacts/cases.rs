@@ -89,16 +89,16 @@ fn a_body_put_inside_of_a_static_one_comes_out_no_faster_than_the_push_speed() {
 #[test]
 fn a_filter_that_is_changed_lets_a_body_fall_at_once() {
     let (mut world, ids) = resting();
-    let own = world.colliders_of(ids[1]).expect("it is there").next().expect("a collider");
-    let collider = world.collider(own).expect("it is there").clone();
+    let collider_id = world.colliders_of(ids[1]).expect("it is there").next().expect("a collider");
+    let collider = world.collider(collider_id).expect("it is there").clone();
     let filter = Filter { category: 2, mask: 2, ..Filter::default() };
-    world.set_collider(own, ColliderDef { filter, ..collider.clone() }).expect("a collider");
+    world.set_collider(collider_id, ColliderDef { filter, ..collider.clone() }).expect("a collider");
     for _ in 0..3 {
         let expected = alone(&world, ids[1]);
         world.step();
         assert_eq!(motion(&world, ids[1]), expected);
     }
-    world.set_collider(own, collider).expect("a collider");
+    world.set_collider(collider_id, collider).expect("a collider");
     world.step();
     assert!(pressed(&world, ids[1]) > Fx::ZERO);
 }
@@ -124,18 +124,18 @@ fn a_mass_that_is_changed_is_carried() {
 #[test]
 fn a_material_that_is_changed_acts_from_the_next_step_on() {
     let (mut world, ids) = resting();
-    let own = world.colliders_of(ids[1]).expect("it is there").next().expect("a collider");
+    let collider_id = world.colliders_of(ids[1]).expect("it is there").next().expect("a collider");
     let surface = |friction| {
         let material = Material { friction, ..Material::default() };
-        ColliderDef { material, ..world.collider(own).expect("it is there").clone() }
+        ColliderDef { material, ..world.collider(collider_id).expect("it is there").clone() }
     };
     // With 0.6 of the ground: √(0.6 · 0.6) = 0.6.
     let (ice, wood) = (surface(fx!(0)), surface(fx!(0.6)));
-    world.set_collider(own, ice).expect("a collider");
+    world.set_collider(collider_id, ice).expect("a collider");
     world.set_velocity(ids[1], vec2(10, 0)).expect("a velocity");
     (0..30).for_each(|_| _ = world.step());
     assert_eq!(world.body(ids[1]).expect("it is there").velocity().x, fx!(10));
-    world.set_collider(own, wood).expect("a collider");
+    world.set_collider(collider_id, wood).expect("a collider");
     for tick in 1..=30 {
         world.step();
         let expected = fx!(10) - Fx::from_ratio(6 * tick, 60);
@@ -197,8 +197,8 @@ fn kinematic_and_static_bodies_exchange_no_impulse() {
         crossing.step();
         apart.step();
         assert_eq!(crossing.contacts().count(), 0);
-        for (id, other) in ids.iter().zip(&others) {
-            assert_eq!(motion(&crossing, *id), motion(&apart, *other));
+        for (id, twin) in ids.iter().zip(&others) {
+            assert_eq!(motion(&crossing, *id), motion(&apart, *twin));
         }
     }
 }

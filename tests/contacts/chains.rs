@@ -38,23 +38,23 @@ fn ground(segments: usize) -> Shape {
 /// many seams it went over, and in how many steps it had two contacts.
 fn differences(shape: &Shape, body: &BodyDef, settled: usize, steps: usize) -> ([u64; 4], usize, usize) {
     let (mut here, ids) = world(def(), [fixed(shape.clone()), body.clone()]).expect("a scene");
-    let (mut there, _) = world(def(), [fixed(ground(1)), body.clone()]).expect("a scene");
-    let (mut most, mut seams, mut last, mut double) = ([0; 4], 0, 0, 0);
+    let (mut reference, _) = world(def(), [fixed(ground(1)), body.clone()]).expect("a scene");
+    let (mut largest, mut seams, mut last, mut double) = ([0; 4], 0, 0, 0);
     for step in 0..steps {
         here.step();
-        there.step();
+        reference.step();
         if step < settled {
             continue;
         }
-        let [own, other] = [&here, &there].map(|world| world.body(ids[1]).expect("it is there"));
+        let [here_body, there_body] = [&here, &reference].map(|world| world.body(ids[1]).expect("it is there"));
         let apart = |a: Fx, b: Fx| a.to_bits().abs_diff(b.to_bits());
         let now = [
-            apart(own.position().y, other.position().y),
-            apart(own.velocity().y, other.velocity().y),
-            apart(own.velocity().x, other.velocity().x),
-            apart(own.angular_velocity(), other.angular_velocity()),
+            apart(here_body.position().y, there_body.position().y),
+            apart(here_body.velocity().y, there_body.velocity().y),
+            apart(here_body.velocity().x, there_body.velocity().x),
+            apart(here_body.angular_velocity(), there_body.angular_velocity()),
         ];
-        most = [0, 1, 2, 3].map(|i| most[i].max(now[i]));
+        largest = [0, 1, 2, 3].map(|i| largest[i].max(now[i]));
         if let Some(contact) = here.contacts().next() {
             let part = contact.parts[0] as usize;
             seams += part.abs_diff(last);
@@ -62,19 +62,19 @@ fn differences(shape: &Shape, body: &BodyDef, settled: usize, steps: usize) -> (
         }
         double += usize::from(here.contacts().count() > 1);
     }
-    (most, seams, double)
+    (largest, seams, double)
 }
 
 #[test]
 fn a_ball_rolls_over_ten_thousand_seams_without_a_bump() {
     let start =
         BodyDef { velocity: vec2(30, 0), angular_velocity: fx!(-60), ..ball(vec2(-1_990, fx!(0.5)), fx!(0.5), 1) };
-    let (most, seams, double) = differences(&ground(12_000), &start, 0, 7_200);
+    let (largest, seams, double) = differences(&ground(12_000), &start, 0, 7_200);
     assert!(seams >= 10_000, "{seams}");
     // With the middle within half a micrometre of a seam, which happens at one of 10^5, it is on both segments for a step: it is off
     // by 8 µm and 0.3 mm/s afterwards.
     let most_allowed = if double == 0 { [0; 4] } else { [1 << 15, 1 << 20, 1 << 20, 1 << 21] };
-    assert!(double < 3 && (0..4).all(|i| most[i] <= most_allowed[i]), "{most:?} ulp, after {seams} seams");
+    assert!(double < 3 && (0..4).all(|i| largest[i] <= most_allowed[i]), "{largest:?} ulp, after {seams} seams");
 }
 
 #[test]
@@ -91,12 +91,12 @@ fn boxes_and_capsules_slide_over_seams_without_a_bump() {
             velocity: vec2(20, 0),
             ..BodyDef::dynamic().with_collider(collider)
         };
-        let (most, seams, _) = differences(&ground(12_000), &body, 120, 1_200);
+        let (largest, seams, _) = differences(&ground(12_000), &body, 120, 1_200);
         assert!(seams >= 1_100, "{seams}");
         // 2^12 ulp are 1 µm, and 2^19 ulp are 0.12 mm/s: the corners are on two segments, which the solver does not have in one block, and
         // a corner that comes over a seam in a step is on one of both segments for all of it.
-        let [height, velocities @ ..] = most;
-        assert!(height <= 1 << 12 && velocities.iter().all(|&ulps| ulps <= 1 << 19), "shape {i}: {most:?} ulp");
+        let [height, velocities @ ..] = largest;
+        assert!(height <= 1 << 12 && velocities.iter().all(|&ulps| ulps <= 1 << 19), "shape {i}: {largest:?} ulp");
     }
 }
 
@@ -167,23 +167,24 @@ fn a_body_passes_from_behind_and_stands_in_front() {
         Shape::segment(vec2(-1, 0), vec2(1, 0)),
     ];
     for shape in shapes {
-        let of = |position, velocity| BodyDef {
+        let body_at = |position, velocity| BodyDef {
             position,
             velocity,
             ..BodyDef::dynamic().with_collider(shape.clone().expect("a shape"))
         };
         // From right to left: the outer side is above.
         let floor = fixed(chain(&[vec2(20, 0), vec2(3, 0), vec2(-2, 0), vec2(-20, 0)], false));
-        let bodies = [floor, of(vec2(-5, -3), vec2(0, 12)), of(vec2(5, 2), vec2(0, 0))];
+        let bodies = [floor, body_at(vec2(-5, -3), vec2(0, 12)), body_at(vec2(5, 2), vec2(0, 0))];
         let (mut world, ids) = world(def(), bodies).expect("a scene");
-        let (mut free, other) = super::scenes::world(def(), [of(vec2(-5, -3), vec2(0, 12))]).expect("a scene");
+        let (mut free, free_ids) = super::scenes::world(def(), [body_at(vec2(-5, -3), vec2(0, 12))]).expect("a scene");
         for _ in 0..600 {
             world.step();
             free.step();
-            let [own, alone] = [world.body(ids[1]), free.body(other[0])].map(|body| body.expect("it is there"));
+            let [body_here, alone] =
+                [world.body(ids[1]), free.body(free_ids[0])].map(|body| body.expect("it is there"));
             // Its middle is behind the chain: as if nothing was there.
-            if own.position().y < fx!(-0.25) && own.velocity().y > Fx::ZERO {
-                assert_eq!(own.position_exact(), alone.position_exact());
+            if body_here.position().y < fx!(-0.25) && body_here.velocity().y > Fx::ZERO {
+                assert_eq!(body_here.position_exact(), alone.position_exact());
             }
         }
         for &id in &ids[1..] {
@@ -219,19 +220,19 @@ fn a_kinematic_chain_carries_and_pushes() {
 
 #[test]
 fn invalid_chains_are_refused_and_the_world_unchanged() {
-    let of = |quantity| Err(Error::OutOfRange { quantity });
+    let out_of_range = |quantity| Err(Error::OutOfRange { quantity });
     let size = |dimension, value| Quantity::Size { dimension, value };
     let line = |count: i32| (0..count).map(|x| vec2(Fx::from_ratio(x.into(), 16), 0)).collect::<Vec<_>>();
     let far = umbra_physics::limits::SIZE_MAX + Fx::DELTA;
     let cases = [
-        (line(0), false, of(Quantity::Count)),
-        (line(1), false, of(Quantity::Count)),
-        (line(2), true, of(Quantity::Count)),
-        (line((1 << 16) + 1), false, of(Quantity::Count)),
-        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 0), vec2(2, 0)], false, of(size(Dimension::Edge(1), fx!(0)))),
-        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0)], true, of(size(Dimension::Edge(3), fx!(0)))),
-        (vec![vec2(0, 0), vec2(fx!(0.0078), 0)], false, of(size(Dimension::Edge(0), fx!(0.0078)))),
-        (vec![vec2(0, 0), Vec2::new(far, fx!(0))], false, of(size(Dimension::Coordinate(1), far))),
+        (line(0), false, out_of_range(Quantity::Count)),
+        (line(1), false, out_of_range(Quantity::Count)),
+        (line(2), true, out_of_range(Quantity::Count)),
+        (line((1 << 16) + 1), false, out_of_range(Quantity::Count)),
+        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 0), vec2(2, 0)], false, out_of_range(size(Dimension::Edge(1), fx!(0)))),
+        (vec![vec2(0, 0), vec2(1, 0), vec2(1, 1), vec2(0, 0)], true, out_of_range(size(Dimension::Edge(3), fx!(0)))),
+        (vec![vec2(0, 0), vec2(fx!(0.0078), 0)], false, out_of_range(size(Dimension::Edge(0), fx!(0.0078)))),
+        (vec![vec2(0, 0), Vec2::new(far, fx!(0))], false, out_of_range(size(Dimension::Coordinate(1), far))),
         // Across, back along itself, onto a segment, onto a point.
         (vec![vec2(0, 0), vec2(2, 2), vec2(2, 0), vec2(0, 2)], false, Err(Error::ChainCrosses { segments: [0, 2] })),
         (vec![vec2(0, 0), vec2(2, 0), vec2(1, 0)], false, Err(Error::ChainCrosses { segments: [0, 1] })),
@@ -252,7 +253,7 @@ fn invalid_chains_are_refused_and_the_world_unchanged() {
     assert_eq!(world.set_kind(ids[0], BodyKind::Dynamic), refused);
     assert_eq!(world.add_body(BodyDef::dynamic().with_collider(ground(2))), Err(Error::DynamicChain));
     let part = umbra_physics::Part { shape: ground(2), position: vec2(0, 0), angle: fx!(0), density: fx!(1) };
-    assert_eq!(Shape::compound(&[part]), of(Quantity::Count));
+    assert_eq!(Shape::compound(&[part]), out_of_range(Quantity::Count));
     assert_eq!(world.state_hash(), before);
     world.set_kind(ids[0], BodyKind::Kinematic).expect("a chain may move");
 }
@@ -267,13 +268,13 @@ fn metres(value: Fx) -> f64 {
 
 /// The nearest point of a polyline, and its distance.
 fn nearest(points: &[[f64; 2]], at: [f64; 2]) -> ([f64; 2], f64) {
-    let on = |ends: &[[f64; 2]]| {
+    let closest_on = |ends: &[[f64; 2]]| {
         let [d, to] = [[ends[1][0] - ends[0][0], ends[1][1] - ends[0][1]], [at[0] - ends[0][0], at[1] - ends[0][1]]];
         let t = ((d[0] * to[0] + d[1] * to[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
         let point = [ends[0][0] + t * d[0], ends[0][1] + t * d[1]];
         (point, (at[0] - point[0]).hypot(at[1] - point[1]))
     };
-    points.windows(2).map(on).min_by(|a, b| a.1.total_cmp(&b.1)).expect("a segment")
+    points.windows(2).map(closest_on).min_by(|a, b| a.1.total_cmp(&b.1)).expect("a segment")
 }
 
 #[test]
@@ -302,43 +303,44 @@ fn discs_touch_the_nearest_point_of_a_chain_and_nothing_else() {
             continue;
         }
         let disc = Shape::circle(radius).expect("a disc");
-        let (origin, there) = (pose(vec2(0, 0), 0), pose(centre, 0));
-        let found: Vec<Manifold> = shape
+        let (origin, disc_pose) = (pose(vec2(0, 0), 0), pose(centre, 0));
+        let manifolds: Vec<Manifold> = shape
             .outlines()
             .iter()
-            .filter_map(|outline| collide(outline, &origin, &disc.outlines()[0], &there, margin))
+            .filter_map(|outline| collide(outline, &origin, &disc.outlines()[0], &disc_pose, margin))
             .collect();
         let gap = distance - metres(radius);
         let separation = |manifold: &Manifold| metres(manifold.points[0].separation);
-        let least = found.iter().map(separation).reduce(f64::min);
+        let least = manifolds.iter().map(separation).reduce(f64::min);
         if gap < 0.0199 {
             let least = least.unwrap_or_else(|| panic!("nothing at {at:?} with {gap} on {line:?}"));
             assert!((least - gap).abs() < 1e-7, "{least} and {gap} at {at:?} on {line:?}");
-            let near = found.iter().find(|manifold| separation(manifold) == least).expect("the nearest");
-            let normal = near.normal.map(|part| f64::from(part) / f64::from(1 << 30));
+            let nearest_manifold =
+                manifolds.iter().find(|manifold| separation(manifold) == least).expect("the nearest");
+            let normal = nearest_manifold.normal.map(|part| f64::from(part) / f64::from(1 << 30));
             let expected = [(at[0] - foot[0]) / distance, (at[1] - foot[1]) / distance];
             assert!((normal[0] - expected[0]).hypot(normal[1] - expected[1]) < 1e-5, "{normal:?} and {expected:?}");
             touched += 1;
             corners += usize::from(line.iter().any(|point| (point[0] - foot[0]).abs() < 1e-12));
-            both += usize::from(found.len() > 1);
+            both += usize::from(manifolds.len() > 1);
         } else if gap > 0.0201 {
-            assert!(found.is_empty(), "{found:?} at {gap}");
+            assert!(manifolds.is_empty(), "{manifolds:?} at {gap}");
         }
     }
     assert!(touched > 1_000 && corners > 100 && both > 50, "{touched} {corners} {both}");
 }
 
 /// The manifolds that all segments have with an outline.
-fn all(chain: &Shape, at: &Pose, other: &Shape, there: &Pose) -> Vec<(usize, Manifold)> {
-    let one = |(i, outline)| Some((i, collide(outline, at, &other.outlines()[0], there, fx!(0.02))?));
-    chain.outlines().iter().enumerate().filter_map(one).collect()
+fn all(chain: &Shape, at: &Pose, shape: &Shape, shape_pose: &Pose) -> Vec<(usize, Manifold)> {
+    let collide_part = |(i, outline)| Some((i, collide(outline, at, &shape.outlines()[0], shape_pose, fx!(0.02))?));
+    chain.outlines().iter().enumerate().filter_map(collide_part).collect()
 }
 
 #[test]
 fn a_world_has_the_contacts_of_all_segments() {
     let ground = chain(&hills(40), false);
     let (mut world, ids) = world(def(), std::iter::once(fixed(ground.clone())).chain(crowd(60, 36))).expect("a scene");
-    let (mut pressed, mut seen) = (0, 0);
+    let (mut pressed, mut count) = (0, 0);
     for step in 0..240 {
         let place = |world: &World, id: BodyId| {
             let body = world.body(id).expect("it is there");
@@ -346,9 +348,9 @@ fn a_world_has_the_contacts_of_all_segments() {
         };
         let mut expected = Vec::new();
         for &id in &ids[1..] {
-            let shape = world.colliders_of(id).expect("it").next().and_then(|own| world.collider(own).ok());
+            let shape = world.colliders_of(id).expect("it").next().and_then(|collider| world.collider(collider).ok());
             let (at, velocity) = place(&world, id);
-            let found = all(&ground, &pose(vec2(0, 0), 0), &shape.expect("a collider").shape, &at);
+            let manifolds = all(&ground, &pose(vec2(0, 0), 0), &shape.expect("a collider").shape, &at);
             // What overlaps by more than a hundredth of a millimetre and does not fly off is pushed.
             let is_pressed = |manifold: &Manifold| {
                 let [x, y] = manifold.normal.map(|part| Fx::from_bits(i64::from(part) << 2));
@@ -357,27 +359,27 @@ fn a_world_has_the_contacts_of_all_segments() {
                     && leaves < fx!(0.001)
                     && manifold.count == 1
             };
-            expected.extend(found.iter().filter(|(_, manifold)| is_pressed(manifold)).map(|(part, _)| (*part, id)));
+            expected.extend(manifolds.iter().filter(|(_, manifold)| is_pressed(manifold)).map(|(part, _)| (*part, id)));
         }
         world.step();
         for (part, id) in expected {
             let is_own = |parts: [u32; 2], bodies: [BodyId; 2]| parts[0] as usize == part && bodies[1] == id;
             let is_there = world.contacts().any(|contact| is_own(contact.parts, contact.bodies));
             pressed += 1;
-            seen += usize::from(is_there);
+            count += usize::from(is_there);
         }
-        let own = world.contacts().filter(|contact| contact.bodies[0] == ids[0]);
-        for contact in own {
+        let contacts_of_ground = world.contacts().filter(|contact| contact.bodies[0] == ids[0]);
+        for contact in contacts_of_ground {
             let (at, _) = place(&world, contact.bodies[1]);
             let shape = world.collider(contact.colliders[1]).expect("it is there").shape.clone();
-            let found = all(&ground, &pose(vec2(0, 0), 0), &shape, &at);
+            let manifolds = all(&ground, &pose(vec2(0, 0), 0), &shape, &at);
             let (_, manifold) =
-                found.iter().find(|(part, _)| *part == contact.parts[0] as usize).expect("its own manifold");
+                manifolds.iter().find(|(part, _)| *part == contact.parts[0] as usize).expect("its own manifold");
             assert_eq!(contact.points().len(), manifold.count, "{step}");
         }
     }
     // Some have several contacts, of which one is relieved by the others.
-    assert!(pressed > 1_000 && seen * 100 > pressed * 95, "{seen} of {pressed}");
+    assert!(pressed > 1_000 && count * 100 > pressed * 95, "{count} of {pressed}");
 }
 
 /// A disc with its middle less than 2 cm behind an outward corner leaves by the nearer of the two sides, and by that one alone.
@@ -389,8 +391,8 @@ fn a_disc_behind_a_corner_leaves_by_the_nearer_side() {
     for (x, y, normal, part) in
         [(fx!(-0.015), fx!(-0.005), [0, 1 << 30], 1), (fx!(-0.005), fx!(-0.015), [1 << 30, 0], 0)]
     {
-        let found = all(&corner, &pose(vec2(0, 0), 0), &disc, &pose(vec2(x, y), 0));
-        let sides: Vec<_> = found.iter().map(|(part, manifold)| (*part, manifold.normal)).collect();
+        let manifolds = all(&corner, &pose(vec2(0, 0), 0), &disc, &pose(vec2(x, y), 0));
+        let sides: Vec<_> = manifolds.iter().map(|(part, manifold)| (*part, manifold.normal)).collect();
         assert_eq!(sides, [(part, normal)]);
     }
 }

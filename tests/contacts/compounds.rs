@@ -42,13 +42,13 @@ fn cups(count: i32) -> Result<Vec<BodyDef>, Error> {
 fn taken_apart(def: &BodyDef) -> BodyDef {
     let each = |collider: &ColliderDef| match collider.shape.geometry() {
         Geometry::Compound { parts } => {
-            let one = |part: &Part| ColliderDef {
+            let collider_of = |part: &Part| ColliderDef {
                 shape: part.shape.clone(),
                 position: part.position,
                 angle: part.angle,
                 ..collider.clone()
             };
-            parts.iter().map(one).collect()
+            parts.iter().map(collider_of).collect()
         }
         _ => vec![collider.clone()],
     };
@@ -69,13 +69,13 @@ fn a_compound_moves_as_a_body_with_a_collider_for_each_part() {
         .map(|(i, def)| if i == 0 { BodyDef { mass: Mass::FromColliders, ..def } } else { def })
         .collect();
     let (mut here, ids) = world(def(), bodies.clone()).expect("a scene");
-    let (mut there, twins) = world(def(), bodies.iter().map(taken_apart)).expect("a scene");
+    let (mut twin, twins) = world(def(), bodies.iter().map(taken_apart)).expect("a scene");
     let mut inside = 0;
     for step in 0..300 {
         here.step();
-        there.step();
-        for (&own, &other) in ids.iter().zip(&twins) {
-            assert_eq!(bits(&here, own), bits(&there, other), "{own} after {step} steps");
+        twin.step();
+        for (&body, &twin_body) in ids.iter().zip(&twins) {
+            assert_eq!(bits(&here, body), bits(&twin, twin_body), "{body} after {step} steps");
         }
         inside += here.contacts().filter(|contact| contact.parts.contains(&2)).count();
     }
@@ -105,12 +105,14 @@ fn colliders_and_their_parts_come_and_go() {
     let shapes = [Shape::circle(fx!(0.5)), cup(), Shape::rectangle(1, 1)].map(|shape| shape.expect("a shape"));
     for step in 0..180_usize {
         let body = ids[1 + step / 3 % (ids.len() - 1)];
-        let own = here.colliders_of(body).expect("it").next();
-        match (step % 3, own) {
+        let collider_id = here.colliders_of(body).expect("it").next();
+        match (step % 3, collider_id) {
             (0, _) => _ = here.add_collider(body, shapes[step / 3 % 3].clone()).expect("a collider"),
-            (1, Some(own)) => here.set_collider(own, shapes[step / 7 % 3].clone()).expect("a collider"),
-            (_, Some(own)) if here.colliders_of(body).expect("it").count() > 1 => {
-                here.remove_collider(own).expect("a collider");
+            (1, Some(first_collider)) => {
+                here.set_collider(first_collider, shapes[step / 7 % 3].clone()).expect("a collider")
+            }
+            (_, Some(first_collider)) if here.colliders_of(body).expect("it").count() > 1 => {
+                here.remove_collider(first_collider).expect("a collider");
             }
             _ => {}
         }
@@ -220,7 +222,7 @@ fn rafts_that_are_turned_or_listed_otherwise_keep_their_bits() {
 fn stairs(random: &mut umbra_physics::Random, key: u64) -> BodyDef {
     let mut left = Fx::ZERO;
     let mut collider = |i: u64| {
-        let [width, height, up] = [fx!(1), fx!(1), fx!(0.25)].map(|most| random.number(fx!(0.125)..=most));
+        let [width, height, up] = [fx!(1), fx!(1), fx!(0.25)].map(|max| random.number(fx!(0.125)..=max));
         let position = Vec2::new(left + width / 2, up);
         left += width;
         ColliderDef { position, key: key + i, ..ColliderDef::new(Shape::rectangle(width, height).expect("a box")) }
@@ -239,12 +241,12 @@ fn edges_that_are_covered_in_part_have_the_same_contacts_in_either_order() {
             BodyDef { position: Vec2::new(x, y), angle, ..stairs(&mut random, key) }
         });
         let (mut here, ids) = world(def(), bodies.clone()).expect("a scene");
-        let (mut there, twins) = world(def(), bodies.into_iter().rev()).expect("a scene");
+        let (mut reversed, twins) = world(def(), bodies.into_iter().rev()).expect("a scene");
         for step in 0..4 {
             here.step();
-            there.step();
+            reversed.step();
             for (&id, &twin) in ids.iter().zip(twins.iter().rev()) {
-                assert_eq!(bits(&here, id), bits(&there, twin), "case {case}, {step}");
+                assert_eq!(bits(&here, id), bits(&reversed, twin), "case {case}, {step}");
             }
         }
         contacts += here.contacts().count();
@@ -266,7 +268,7 @@ fn a_heap_of_rafts_and_pieces_does_not_sink_in() {
     (0..900).for_each(|_| _ = world.step());
     let contacts = world.contacts().flat_map(|contact| contact.points().to_vec());
     let pushed = contacts.filter(|point| point.normal_impulse > Fx::ZERO);
-    let deepest = pushed.fold(Fx::ZERO, |most, point| most.min(point.separation));
+    let deepest = pushed.fold(Fx::ZERO, |deepest, point| deepest.min(point.separation));
     assert!(deepest > fx!(-0.02), "{deepest}");
     for &id in &ids[1..37] {
         let body = world.body(id).expect("a body");
@@ -284,12 +286,12 @@ fn square(side: f64, at: [f64; 2], angle: f64) -> [[f64; 2]; 4] {
 
 /// The depth by which two convex polygons overlap, negative if they are apart.
 fn depth(a: &[[f64; 2]; 4], b: &[[f64; 2]; 4]) -> f64 {
-    let separation = |polygon: &[[f64; 2]; 4], other: &[[f64; 2]; 4]| {
+    let separation = |polygon: &[[f64; 2]; 4], second: &[[f64; 2]; 4]| {
         let along = (0..4).map(|i| {
             let ([x, y], [to_x, to_y]) = (polygon[i], polygon[(i + 1) % 4]);
             let length = (to_x - x).hypot(to_y - y);
             let height = |&[px, py]: &[f64; 2]| ((to_y - y) * (px - x) - (to_x - x) * (py - y)) / length;
-            other.iter().map(height).fold(f64::INFINITY, f64::min)
+            second.iter().map(height).fold(f64::INFINITY, f64::min)
         });
         along.fold(f64::NEG_INFINITY, f64::max)
     };

@@ -42,8 +42,11 @@ fn a_dominant_body_has_the_bits_of_a_world_without_the_others() {
         world.step();
         alone.step();
         assert_eq!(bits(&world, id), bits(&alone, same), "step {step}");
-        let own = world.contacts_of(id).expect("it").filter(|of| of.bodies.iter().any(|body| others.contains(body)));
-        touched += own.count();
+        let contacts = world
+            .contacts_of(id)
+            .expect("it")
+            .filter(|contact| contact.bodies.iter().any(|body| others.contains(body)));
+        touched += contacts.count();
         moved += usize::from(alone.contacts_of(same).expect("it").next().is_some());
     }
     // It hits the others, and lies on the ground for most of the time.
@@ -52,7 +55,7 @@ fn a_dominant_body_has_the_bits_of_a_world_without_the_others() {
     assert!(pushed > Some(fx!(0.5)), "{pushed:?}");
     // In the other order of numbers it is moved.
     let (mut world, id, others) = thrown(true);
-    others.iter().for_each(|&other| world.set_dominance(other, 1).expect("a body"));
+    others.iter().for_each(|&body| world.set_dominance(body, 1).expect("a body"));
     (0..300).for_each(|_| _ = world.step());
     assert_ne!(bits(&world, id), bits(&alone, same));
 }
@@ -68,12 +71,12 @@ fn others_meet_it_as_a_kinematic_body() {
     let dominant = with(ram.clone(), 3);
     let kinematic = BodyDef { kind: BodyKind::Kinematic, ..ram };
     let (mut here, ids) = world(space, [dominant].into_iter().chain(pile())).expect("a scene");
-    let (mut there, same) = world(space, [kinematic].into_iter().chain(pile())).expect("a scene");
+    let (mut twin, same) = world(space, [kinematic].into_iter().chain(pile())).expect("a scene");
     for step in 0..200 {
         here.step();
-        there.step();
+        twin.step();
         for (&id, &same) in ids.iter().zip(&same) {
-            assert_eq!(bits(&here, id), bits(&there, same), "step {step}");
+            assert_eq!(bits(&here, id), bits(&twin, same), "step {step}");
         }
     }
     assert!(here.body(ids[12]).expect("it").velocity() != vec2(0, 0));
@@ -139,14 +142,14 @@ fn images_and_bytes_and_order_change_no_bit() {
         [ground().expect("a ground")].into_iter().chain(falling).collect()
     };
     let (mut here, _) = world(def(), scene()).expect("a scene");
-    let (mut there, _) = world(def(), scene().into_iter().rev()).expect("a scene");
+    let (mut twin, _) = world(def(), scene().into_iter().rev()).expect("a scene");
     let image = |world: &World| Symmetry::MIRROR.world(world).expect("an image");
     let mut mirrored = image(&here);
     for step in 0..150 {
         here.step();
-        there.step();
+        twin.step();
         mirrored.step();
-        assert_eq!(here.physics_hash(), there.physics_hash(), "{step}");
+        assert_eq!(here.physics_hash(), twin.physics_hash(), "{step}");
         assert_eq!(image(&here).state_hash(), mirrored.state_hash(), "{step}");
         here = through_bytes(&here);
     }
@@ -155,7 +158,7 @@ fn images_and_bytes_and_order_change_no_bit() {
 
 /// A heavy ball that flies into a box of a dominance above, in any scalar: the velocities of both after it.
 fn hit<S: Scalar>(dominance: i32) -> [S; 2] {
-    let of = |value| S::from_fx(value);
+    let scalar = |value| S::from_fx(value);
     let def = WorldDef { sleep_after: None, ..WorldDef::default() };
     let mut world = World::with_scalar(def).expect("a world");
     let body = |x, speed, geometry, dominance| {
@@ -163,16 +166,16 @@ fn hit<S: Scalar>(dominance: i32) -> [S; 2] {
         let mut collider = ColliderDef::new(shape);
         collider.material.restitution = S::ONE;
         BodyDef {
-            position: Vec2::new(of(x), S::ZERO),
-            velocity: Vec2::new(of(speed), S::ZERO),
+            position: Vec2::new(scalar(x), S::ZERO),
+            velocity: Vec2::new(scalar(speed), S::ZERO),
             colliders: vec![collider],
             dominance,
             ..BodyDef::dynamic()
         }
     };
-    let one = of(fx!(1));
-    let target = body(fx!(0), fx!(1), Geometry::Rectangle { width: one, height: one }, dominance);
-    let ball = body(fx!(4), fx!(-5), Geometry::Circle { radius: one }, 0);
+    let unit = scalar(fx!(1));
+    let target = body(fx!(0), fx!(1), Geometry::Rectangle { width: unit, height: unit }, dominance);
+    let ball = body(fx!(4), fx!(-5), Geometry::Circle { radius: unit }, 0);
     let ids = [target, ball].map(|def| world.add_body(def).expect("a body"));
     (0..60).for_each(|_| _ = world.step());
     ids.map(|id| world.body(id).expect("it").velocity().x)

@@ -78,7 +78,7 @@ pub(super) fn crowd(count: u64, seed: u64) -> Vec<BodyDef> {
     let mut random = Random::seeded(run_seed(seed));
     let mut bodies = vec![BodyDef { key: 1_000, ..ground().expect("a ground") }];
     for key in 0..count {
-        let mut number = |most: i32| random.number(Fx::from(-most)..=Fx::from(most));
+        let mut number = |max: i32| random.number(Fx::from(-max)..=Fx::from(max));
         let at = vec2(number(4), number(3) + fx!(4));
         let velocity = vec2(number(4), number(4));
         let def = if key % 3 == 0 { disc(at, key) } else { square(at, key).expect("a square") };
@@ -100,16 +100,16 @@ fn pairs(world: &World) -> BTreeSet<Pair> {
         let body = world.collider_body(id).expect("it is there");
         (world.body(body).expect("it is there").key(), world.collider(id).expect("it is there").key, id)
     };
-    let own = world.contacts().map(|contact| contact.colliders);
-    let own = own.filter(|pair| pair.iter().any(|id| flagged(*id)));
-    own.map(|[a, b]| if rank(a) < rank(b) { [a, b] } else { [b, a] }).collect()
+    let touching_pairs = world.contacts().map(|contact| contact.colliders);
+    let touching_pairs = touching_pairs.filter(|pair| pair.iter().any(|id| flagged(*id)));
+    touching_pairs.map(|[a, b]| if rank(a) < rank(b) { [a, b] } else { [b, a] }).collect()
 }
 
 /// Makes a random call: bodies and colliders come, go, and change.
 pub(super) fn shake(world: &mut World, random: &mut Random) {
     let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
     let body = bodies[1 + random.below(bodies.len() as u64 - 1) as usize];
-    let other = bodies[random.below(bodies.len() as u64) as usize];
+    let partner = bodies[random.below(bodies.len() as u64) as usize];
     let collider = world.colliders_of(body).expect("a body").next();
     let at = vec2(random.number(fx!(-4)..=fx!(4)), random.number(fx!(0)..=fx!(6)));
     // A refused call changes nothing.
@@ -120,17 +120,17 @@ pub(super) fn shake(world: &mut World, random: &mut Random) {
         3 | 4 => bodies.iter().for_each(|body| _ = world.enable(*body)),
         5 => _ = world.set_position(body, at),
         6 => {
-            let place = world.body(other).expect("a body").position();
+            let place = world.body(partner).expect("a body").position();
             _ = world.set_position(body, place + vec2(fx!(0.2), fx!(0.1)));
         }
         7 | 8 => {
             let Some(collider) = collider else { return };
-            let own = world.collider(collider).expect("a collider").clone();
+            let def = world.collider(collider).expect("a collider").clone();
             let next = match random.below(4) {
-                0 => ColliderDef { contact_events: !own.contact_events, ..own },
-                1 => ColliderDef { filter: Filter { mask: own.filter.mask ^ 2, ..own.filter }, ..own },
-                2 => ColliderDef { sensor: !own.sensor, ..own },
-                _ => own,
+                0 => ColliderDef { contact_events: !def.contact_events, ..def },
+                1 => ColliderDef { filter: Filter { mask: def.filter.mask ^ 2, ..def.filter }, ..def },
+                2 => ColliderDef { sensor: !def.sensor, ..def },
+                _ => def,
             };
             _ = world.set_collider(collider, next);
         }
@@ -140,7 +140,7 @@ pub(super) fn shake(world: &mut World, random: &mut Random) {
             }
             _ = world.add_collider(body, Shape::circle(fx!(0.4)).expect("a disc"));
         }
-        10 => drop(world.exclude_pair(body, other, Exclusion::UntilApart)),
+        10 => drop(world.exclude_pair(body, partner, Exclusion::UntilApart)),
         _ => {
             let kind = if random.below(2) == 0 { BodyKind::Kinematic } else { BodyKind::Dynamic };
             _ = world.set_kind(body, kind);
@@ -159,14 +159,14 @@ fn events_are_the_differences_of_contacts_whatever_calls_do() {
                 shake(&mut world, &mut random);
             }
             observer.step(&mut world);
-            let there = pairs(&world);
+            let touching = pairs(&world);
             // Bodies that bounced may be apart at the end of the step.
-            assert!(there.is_subset(&observer.touching), "{there:?} {:?}", observer.touching);
+            assert!(touching.is_subset(&observer.touching), "{touching:?} {:?}", observer.touching);
             let is_apart = |[a, b]: &Pair| {
                 let body = |id: ColliderId| world.collider_body(id).expect("it touches");
                 world.contacts_of(body(*a)).expect("a body").all(|contact| !contact.bodies.contains(&body(*b)))
             };
-            assert!(observer.touching.difference(&there).all(is_apart));
+            assert!(observer.touching.difference(&touching).all(is_apart));
         }
         counts[0] += observer.counts[0];
         counts[1] += observer.counts[1];
@@ -237,10 +237,10 @@ fn the_order_of_insertion_changes_no_event() {
         shuffled.swap(i, random.below(i as u64 + 1) as usize);
     }
     let (mut here, _) = world(def(), bodies).expect("a scene");
-    let (mut there, _) = world(def(), shuffled).expect("a scene");
+    let (mut twin, _) = world(def(), shuffled).expect("a scene");
     let mut count = 0;
     for tick in 0..400 {
-        let [a, b] = [&mut here, &mut there].map(|world| StepLists::of(&world.step()).by_key());
+        let [a, b] = [&mut here, &mut twin].map(|world| StepLists::of(&world.step()).by_key());
         count += a.0[0].len() + a.1.len();
         assert_eq!(a, b, "{tick}");
     }
@@ -251,10 +251,10 @@ fn the_order_of_insertion_changes_no_event() {
 fn a_mirror_image_has_the_image_of_each_event() {
     for symmetry in [Symmetry::MIRROR, Symmetry::TURN] {
         let (mut here, _) = world(quiet(), crowd(20, 9)).expect("a scene");
-        let mut there = symmetry.world(&here).expect("an image");
+        let mut twin = symmetry.world(&here).expect("an image");
         let (mut count, mut random) = (0, Random::seeded(run_seed(2)));
         for tick in 0..400 {
-            let (a, b) = (StepLists::of(&here.step()), StepLists::of(&there.step()));
+            let (a, b) = (StepLists::of(&here.step()), StepLists::of(&twin.step()));
             assert_eq!(a.lists, b.lists, "{tick}");
             let image = |v: Vec2| if symmetry == Symmetry::MIRROR { vec2(-v.x, v.y) } else { vec2(-v.y, v.x) };
             assert_eq!(a.hits.len(), b.hits.len());
@@ -266,7 +266,7 @@ fn a_mirror_image_has_the_image_of_each_event() {
             if tick % 20 == 19 {
                 // A call, and an image of what is there then.
                 shake(&mut here, &mut random);
-                there = symmetry.world(&here).expect("an image");
+                twin = symmetry.world(&here).expect("an image");
             }
         }
         assert!(count > 100, "{count}");
@@ -284,19 +284,19 @@ fn events_change_no_motion() {
     for seed in 0..6 {
         let loud = crowd(16, seed);
         let (mut here, ids) = world(quiet(), loud.clone()).expect("a scene");
-        let (mut there, _) = world(quiet(), loud.into_iter().map(silent)).expect("a scene");
+        let (mut twin, _) = world(quiet(), loud.into_iter().map(silent)).expect("a scene");
         for tick in 0..600 {
             here.step();
-            there.step();
+            twin.step();
             for &id in &ids {
-                let [a, b] = [&here, &there].map(|world| {
+                let [a, b] = [&here, &twin].map(|world| {
                     let body = world.body(id).expect("a body");
                     (body.position_exact(), body.angle_exact(), body.activity())
                 });
                 assert_eq!(a, b, "{tick}");
             }
             if tick == 400 {
-                for world in [&mut here, &mut there] {
+                for world in [&mut here, &mut twin] {
                     world.set_velocity(ids[3], vec2(2, 4)).expect("a body");
                 }
             }
@@ -330,37 +330,38 @@ fn contacts_ended_by_calls_are_reported_by_the_next_step() {
         (
             "collider",
             |world, [_, disc]| {
-                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
-                world.remove_collider(own).expect("a collider");
+                let collider = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                world.remove_collider(collider).expect("a collider");
             },
             [1, 0],
         ),
         (
             "slot used again",
             |world, [_, disc]| {
-                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
-                let def = world.collider(own).expect("a collider").clone();
-                world.remove_collider(own).expect("a collider");
+                let collider = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def = world.collider(collider).expect("a collider").clone();
+                world.remove_collider(collider).expect("a collider");
                 let again = world.add_collider(disc, def).expect("a collider");
-                assert_eq!(again.parts().0, own.parts().0);
+                assert_eq!(again.parts().0, collider.parts().0);
             },
             [1, 1],
         ),
         (
             "replaced",
             |world, [_, disc]| {
-                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
-                let def = world.collider(own).expect("a collider").clone();
-                world.set_collider(own, def).expect("a collider");
+                let collider = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def = world.collider(collider).expect("a collider").clone();
+                world.set_collider(collider, def).expect("a collider");
             },
             [1, 1],
         ),
         (
             "flag",
             |world, [_, disc]| {
-                let own = world.colliders_of(disc).expect("a body").next().expect("a collider");
-                let def = ColliderDef { contact_events: false, ..world.collider(own).expect("a collider").clone() };
-                world.set_collider(own, def).expect("a collider");
+                let collider = world.colliders_of(disc).expect("a body").next().expect("a collider");
+                let def =
+                    ColliderDef { contact_events: false, ..world.collider(collider).expect("a collider").clone() };
+                world.set_collider(collider, def).expect("a collider");
             },
             [1, 0],
         ),
@@ -505,8 +506,9 @@ fn a_bounce_begins_and_ends_and_is_a_hit_of_the_right_size() {
 fn each_flag_has_its_own_events() {
     for (contact_events, hit_events) in [(true, false), (false, true)] {
         let mut ball = BodyDef { velocity: vec2(0, -8), ..disc(vec2(0, 3), 4) };
-        let own = ball.colliders[0].clone();
-        ball.colliders[0] = ColliderDef { material: material(fx!(0), fx!(0.5)), contact_events, hit_events, ..own };
+        let collider = ball.colliders[0].clone();
+        ball.colliders[0] =
+            ColliderDef { material: material(fx!(0), fx!(0.5)), contact_events, hit_events, ..collider };
         let (mut world, _) =
             world(WorldDef { gravity: Vec2::ZERO, ..def() }, [ground().expect("a ground"), ball]).expect("a scene");
         let mut observer = Observer::default();
@@ -657,7 +659,7 @@ fn a_game_tells_new_events_from_those_it_has_shown() {
     let push = |tick: u64| Push(tick % 37 < 8);
     let mut rollback = Rollback::new(&world, [0, 1], 16);
     let mut shown: Vec<(u64, Event)> = Vec::new();
-    let (mut undone, mut seen) = (0, 0);
+    let (mut undone, mut count) = (0, 0);
     for now in 0..300 {
         rollback.add_input(now, 0, Push(false)).expect("a tick");
         if now >= 10 {
@@ -667,9 +669,9 @@ fn a_game_tells_new_events_from_those_it_has_shown() {
         for event in report.events {
             match event.status {
                 EventStatus::New => shown.push((event.tick, event.event)),
-                EventStatus::SeenBefore => seen += 1,
+                EventStatus::SeenBefore => count += 1,
                 EventStatus::Undone => {
-                    let at = shown.iter().position(|one| *one == (event.tick, event.event));
+                    let at = shown.iter().position(|entry| *entry == (event.tick, event.event));
                     shown.remove(at.expect("it was shown"));
                     undone += 1;
                 }
@@ -695,7 +697,7 @@ fn a_game_tells_new_events_from_those_it_has_shown() {
         names
     };
     assert_eq!(names(&shown), names(&told));
-    assert!(told.len() > 10 && undone > 3 && seen > 3, "{} {undone} {seen}", told.len());
+    assert!(told.len() > 10 && undone > 3 && count > 3, "{} {undone} {count}", told.len());
 }
 
 type Change = fn(&mut World, BodyId) -> Result<(), Error>;

@@ -111,8 +111,8 @@ fn a_pair_stays_excluded_while_one_collider_is_near() {
         position: Vec2::new(x, y),
         ..umbra_physics::ColliderDef::new(Shape::circle(fx!(0.4)).expect("a disc"))
     };
-    let [near, far] = [part(fx!(0.1), fx!(0)), part(fx!(0.65), fx!(0.65))];
-    for colliders in [vec![near.clone(), far.clone()], vec![far, near]] {
+    let [left, right] = [part(fx!(0.1), fx!(0)), part(fx!(0.65), fx!(0.65))];
+    for colliders in [vec![left.clone(), right.clone()], vec![right, left]] {
         let double = BodyDef { colliders, key: 2, ..BodyDef::dynamic() };
         let (mut world, ids) = world(space(), [disc(vec2(0, 0), fx!(0.4), 1), double]).expect("a scene");
         world.exclude_pair(ids[0], ids[1], Exclusion::UntilApart).expect("a pair");
@@ -231,26 +231,26 @@ fn excluded_pairs_are_in_snapshots_images_and_hashes() {
         bodies
     };
     let (mut here, ids) = world(space(), bodies(false)).expect("a scene");
-    let (mut other, others) = world(space(), bodies(true)).expect("a scene");
+    let (mut twin_world, others) = world(space(), bodies(true)).expect("a scene");
     let twin = |i: usize| others[5 - i];
     for (a, b, exclusion) in [(0, 1, Exclusion::Always), (1, 2, Exclusion::UntilApart), (3, 4, Exclusion::UntilApart)] {
         let before = (here.state_hash(), here.physics_hash());
         here.exclude_pair(ids[a], ids[b], exclusion).expect("a pair");
-        other.exclude_pair(twin(a), twin(b), exclusion).expect("a pair");
+        twin_world.exclude_pair(twin(a), twin(b), exclusion).expect("a pair");
         assert!(here.state_hash() != before.0 && here.physics_hash() != before.1);
     }
     let mut image = Symmetry::MIRROR.world(&here).expect("an image");
     for (i, &id) in ids.iter().enumerate().take(6) {
         let velocity = vec2(1 - i as i32, 2 - i as i32);
         here.set_velocity(id, velocity).expect("a velocity");
-        other.set_velocity(twin(i), velocity).expect("a velocity");
+        twin_world.set_velocity(twin(i), velocity).expect("a velocity");
         image.set_velocity(id, vec2(-velocity.x, velocity.y)).expect("a velocity");
     }
     for tick in 0..90 {
-        for world in [&mut here, &mut other, &mut image] {
+        for world in [&mut here, &mut twin_world, &mut image] {
             world.step();
         }
-        assert_eq!(here.physics_hash(), other.physics_hash(), "{tick}");
+        assert_eq!(here.physics_hash(), twin_world.physics_hash(), "{tick}");
         assert_eq!(Symmetry::MIRROR.world(&here).expect("an image").first_difference(&image), None, "{tick}");
         let bytes = here.snapshot().to_bytes();
         here = Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").into_world();
@@ -259,8 +259,11 @@ fn excluded_pairs_are_in_snapshots_images_and_hashes() {
     assert!(here.excluded_pairs().eq([([ids[0], ids[1]], Exclusion::Always)]));
     let mut without = here.clone();
     without.allow_pair(ids[0], ids[1]).expect("a pair");
-    let found: Vec<String> = here.differences(&without).iter().map(ToString::to_string).collect();
-    assert!(found.iter().any(|line| line.contains("body 0") && line.contains("excluded_pairs[0]")), "{found:?}");
+    let differences: Vec<String> = here.differences(&without).iter().map(ToString::to_string).collect();
+    assert!(
+        differences.iter().any(|line| line.contains("body 0") && line.contains("excluded_pairs[0]")),
+        "{differences:?}"
+    );
 }
 
 #[test]

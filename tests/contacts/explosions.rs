@@ -90,10 +90,10 @@ fn parts_and_colliders_of_one_body_count_each_by_itself() {
 fn an_explosion_acts_on_dynamic_bodies_of_its_categories_and_wakes_only_those() {
     let mut world = world();
     let disc = Shape::circle(1).unwrap();
-    let near = add(&mut world, vec2(2, 0), disc.clone());
+    let close = add(&mut world, vec2(2, 0), disc.clone());
     let far = add(&mut world, vec2(9, 0), disc.clone());
     let filter = Filter { category: 4, ..Filter::default() };
-    let other = add(&mut world, vec2(-2, 0), ColliderDef { filter, ..ColliderDef::new(disc.clone()) });
+    let filtered = add(&mut world, vec2(-2, 0), ColliderDef { filter, ..ColliderDef::new(disc.clone()) });
     let bare = world.add_body(BodyDef { position: vec2(0, 1), ..BodyDef::dynamic() }).unwrap();
     let moved = BodyDef { position: vec2(0, 2), ..BodyDef::kinematic().with_collider(disc.clone()) };
     let moved = world.add_body(moved).unwrap();
@@ -102,9 +102,9 @@ fn an_explosion_acts_on_dynamic_bodies_of_its_categories_and_wakes_only_those() 
     (0..6).for_each(|_| _ = world.step());
     assert_eq!(world.moving_count(), 0, "all are asleep");
     world.explode(&Explosion { mask: 1, ..Explosion::new(vec2(0, 0), fx!(1)) }).unwrap();
-    assert_eq!(velocity(&world, near), vec2(1, 0));
-    assert_eq!(world.body(near).unwrap().activity(), Activity::Awake);
-    for body in [far, other, bare, moved] {
+    assert_eq!(velocity(&world, close), vec2(1, 0));
+    assert_eq!(world.body(close).unwrap().activity(), Activity::Awake);
+    for body in [far, filtered, bare, moved] {
         assert_eq!((velocity(&world, body), world.body(body).unwrap().activity()), (vec2(0, 0), Activity::Asleep));
     }
     assert_eq!((velocity(&world, moved), velocity(&world, off)), (vec2(0, 0), vec2(0, 0)));
@@ -158,7 +158,7 @@ fn an_explosion_that_would_make_one_body_too_fast_is_refused_as_a_whole() {
 
 /// Bodies at random, by keys.
 fn clutter(random: &mut Random, count: u64) -> Vec<BodyDef> {
-    let mut number = |most: i32| random.number(-Fx::from(most)..=Fx::from(most));
+    let mut number = |max: i32| random.number(-Fx::from(max)..=Fx::from(max));
     (0..count)
         .map(|key| {
             let shape = match key % 4 {
@@ -185,20 +185,20 @@ fn images_explode_to_images_and_order_makes_no_difference() {
             bodies.for_each(|def| _ = world.add_body(def.clone()).expect("a body"));
             world
         };
-        let (mut world, mut other) = (build(&mut bodies.iter()), build(&mut bodies.iter().rev()));
+        let (mut world, mut reordered) = (build(&mut bodies.iter()), build(&mut bodies.iter().rev()));
         let position = Vec2::new(random.number(fx!(-4)..=fx!(4)), random.number(fx!(-4)..=fx!(4)));
         let blast = Explosion { falloff: fx!(6), ..Explosion::new(position, random.number(fx!(-4)..=fx!(9))) };
         let before = world.state_hash();
         let symmetries = [Symmetry::MIRROR, Symmetry::TURN];
         let mut images = symmetries.map(|symmetry| symmetry.world(&world).expect("an image"));
         world.explode(&blast).unwrap();
-        other.explode(&blast).unwrap();
+        reordered.explode(&blast).unwrap();
         assert_ne!(world.state_hash(), before);
-        assert_eq!(world.physics_hash(), other.physics_hash());
+        assert_eq!(world.physics_hash(), reordered.physics_hash());
         for (symmetry, image) in symmetries.iter().zip(&mut images) {
             image.execute(&symmetry.command(&Command::Explode(blast)).unwrap()).unwrap();
             assert_eq!(
-                symmetry.world(&world).map(|there| there.state_hash()),
+                symmetry.world(&world).map(|moved| moved.state_hash()),
                 Some(image.state_hash()),
                 "{symmetry:?}"
             );

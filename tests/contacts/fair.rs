@@ -7,7 +7,7 @@ use umbra_physics::{BodyDef, BodyKind, ColliderDef, Fx, Locks, MixRule, Shape, S
 /// The body at the mirror image of each body's place.
 fn partners(bodies: &[BodyDef]) -> Vec<usize> {
     let image = |at: Vec2| vec2(-at.x, at.y);
-    let partner = |def: &BodyDef| bodies.iter().position(|other| other.position == image(def.position));
+    let partner = |def: &BodyDef| bodies.iter().position(|candidate| candidate.position == image(def.position));
     bodies.iter().map(|def| partner(def).expect("a symmetric scene")).collect()
 }
 
@@ -18,11 +18,11 @@ fn stays_symmetric(bodies: Vec<BodyDef>, steps: usize) {
     for step in 0..steps {
         world.step();
         for (&id, &partner) in ids.iter().zip(&partners) {
-            let [own, other] = [id, ids[partner]].map(|id| world.body(id).expect("a body"));
-            let at = own.position_exact();
-            let there = other.position_exact();
-            assert_eq!((at.x.negated(), at.y), (there.x, there.y), "{id} after {step} steps");
-            assert_eq!(own.angle_exact().to_bits().wrapping_neg(), other.angle_exact().to_bits(), "{id}");
+            let [body, partner_body] = [id, ids[partner]].map(|id| world.body(id).expect("a body"));
+            let at = body.position_exact();
+            let partner_at = partner_body.position_exact();
+            assert_eq!((at.x.negated(), at.y), (partner_at.x, partner_at.y), "{id} after {step} steps");
+            assert_eq!(body.angle_exact().to_bits().wrapping_neg(), partner_body.angle_exact().to_bits(), "{id}");
         }
     }
 }
@@ -58,13 +58,13 @@ fn the_order_of_insertion_changes_no_bit() {
         shuffled.swap(i, random.below(i as u64 + 1) as usize);
     }
     let (mut here, _) = world(def(), bodies).expect("a scene");
-    let (mut there, _) = world(def(), shuffled).expect("a scene");
+    let (mut twin, _) = world(def(), shuffled).expect("a scene");
     for _ in 0..300 {
         here.step();
-        there.step();
-        assert_eq!(here.physics_hash(), there.physics_hash());
+        twin.step();
+        assert_eq!(here.physics_hash(), twin.physics_hash());
     }
-    assert_ne!(here.state_hash(), there.state_hash());
+    assert_ne!(here.state_hash(), twin.state_hash());
 }
 
 #[test]
@@ -72,12 +72,12 @@ fn a_mirrored_world_stays_the_mirror_image() {
     let mut bodies = pyramid(6).expect("a pyramid");
     bodies.iter_mut().skip(1).for_each(|def| def.position += vec2(fx!(0.25), fx!(1)));
     let (mut here, _) = world(def(), bodies).expect("a scene");
-    let mut there = Symmetry::MIRROR.world(&here).expect("an image");
+    let mut twin = Symmetry::MIRROR.world(&here).expect("an image");
     for _ in 0..300 {
         here.step();
-        there.step();
+        twin.step();
         let image = Symmetry::MIRROR.world(&here).expect("an image");
-        assert_eq!(image.first_difference(&there), None);
+        assert_eq!(image.first_difference(&twin), None);
     }
 }
 
@@ -88,18 +88,18 @@ fn impulses_of_several_units_that_go_over_a_seam_keep_their_image() {
     let hill = |i: i32| Vec2::new(fx!(8) - Fx::from_ratio(i.into(), 4), Fx::from_ratio(i64::from(i * i % 5), 16));
     let chain = Shape::chain(&(0..50).map(hill).collect::<Vec<_>>(), false).expect("a chain");
     let disc = || ColliderDef::new(Shape::circle(fx!(0.5)).expect("a disc"));
-    let of = |friction, restitution, friction_rule, restitution_rule| umbra_physics::Material {
+    let surface = |friction, restitution, friction_rule, restitution_rule| umbra_physics::Material {
         friction_rule,
         restitution_rule,
         ..material(friction, restitution)
     };
     let (standard, product) = (MixRule::Standard, MixRule::Product);
-    let bouncing = ColliderDef { material: of(fx!(1), fx!(1), standard, product), ..disc() };
-    let smooth = ColliderDef { material: of(fx!(0), fx!(0), MixRule::GeometricMean, standard), ..disc() };
-    let turning = ColliderDef { material: of(fx!(0), fx!(1), standard, MixRule::Mean), ..disc() };
+    let bouncing = ColliderDef { material: surface(fx!(1), fx!(1), standard, product), ..disc() };
+    let smooth = ColliderDef { material: surface(fx!(0), fx!(0), MixRule::GeometricMean, standard), ..disc() };
+    let turning = ColliderDef { material: surface(fx!(0), fx!(1), standard, MixRule::Mean), ..disc() };
     let half = |x| ColliderDef {
         position: Vec2::new(x, fx!(0)),
-        material: of(fx!(0), fx!(0), MixRule::Mean, standard),
+        material: surface(fx!(0), fx!(0), MixRule::Mean, standard),
         ..ColliderDef::new(Shape::rectangle(fx!(0.5), fx!(0.5)).expect("a box"))
     };
     let body =
@@ -119,16 +119,16 @@ fn impulses_of_several_units_that_go_over_a_seam_keep_their_image() {
     for symmetry in [Symmetry::FLIP, Symmetry::MIRROR, Symmetry::DIAGONAL, Symmetry::TURN] {
         let still = WorldDef { gravity: vec2(0, 0), ..def() };
         let (mut here, _) = world(still, bodies.clone()).expect("a scene");
-        let mut there = symmetry.world(&here).expect("an image");
+        let mut twin = symmetry.world(&here).expect("an image");
         for step in 0..24 {
             if step == 2 {
                 here.set_gravity(vec2(0, -65_536)).expect("strong, and within the limit");
-                there = symmetry.world(&here).expect("an image");
+                twin = symmetry.world(&here).expect("an image");
             }
             here.step();
-            there.step();
+            twin.step();
             let image = symmetry.world(&here).expect("an image");
-            assert_eq!(image.first_difference(&there), None, "{symmetry:?} after {step} steps");
+            assert_eq!(image.first_difference(&twin), None, "{symmetry:?} after {step} steps");
         }
     }
 }

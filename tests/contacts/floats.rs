@@ -166,19 +166,19 @@ fn a_box_slides_down_a_slope_or_does_not() {
 /// A scene in two scalars, side by side: the largest difference of a component of a position over the steps.
 fn apart<S: Real, T: Real>(
     (mut here, ids): (World<S>, Vec<BodyId>),
-    (mut there, others): (World<T>, Vec<BodyId>),
+    (mut twin, others): (World<T>, Vec<BodyId>),
     steps: usize,
 ) -> f64 {
-    let mut most = 0f64;
+    let mut largest = 0f64;
     for _ in 0..steps {
         here.step();
-        there.step();
-        for (&id, &other) in ids.iter().zip(&others) {
-            let (a, b) = (motion(&here, id), motion(&there, other));
-            most = (0..3).map(|i| (a[i] - b[i]).abs()).fold(most, f64::max);
+        twin.step();
+        for (&id, &twin_id) in ids.iter().zip(&others) {
+            let (a, b) = (motion(&here, id), motion(&twin, twin_id));
+            largest = (0..3).map(|i| (a[i] - b[i]).abs()).fold(largest, f64::max);
         }
     }
-    most
+    largest
 }
 
 /// A body that meets the ground slower than bodies bounce, and how far both worlds may be apart within a second, m and rad. A sub-step stops a corner exactly at the

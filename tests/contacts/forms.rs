@@ -40,15 +40,15 @@ fn a_body_that_touches_nothing_keeps_the_bits_of_a_free_one() {
     loop {
         world.step();
         alone.step();
-        let [here, there] = [world.body(ids[1]).expect("it"), alone.body(alone_ids[0]).expect("it")];
+        let [pushed, free] = [world.body(ids[1]).expect("it"), alone.body(alone_ids[0]).expect("it")];
         // The last pass of the solver looks a sub-step ahead, a fifth of a step.
-        let ahead = there.velocity().y * Fx::from_ratio(1, 300);
-        if there.position().y + ahead < fx!(0.5) {
-            assert!(here.position().y > fx!(0.49));
+        let ahead = free.velocity().y * Fx::from_ratio(1, 300);
+        if free.position().y + ahead < fx!(0.5) {
+            assert!(pushed.position().y > fx!(0.49));
             break;
         }
-        assert_eq!(here.position_exact(), there.position_exact());
-        assert_eq!(here.angle_exact(), there.angle_exact());
+        assert_eq!(pushed.position_exact(), free.position_exact());
+        assert_eq!(pushed.angle_exact(), free.angle_exact());
         steps += 1;
     }
     assert!(steps > 60);

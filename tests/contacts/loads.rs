@@ -29,19 +29,19 @@ fn deepest(world: &World) -> Fx {
 }
 
 fn bits(world: &World, ids: &[BodyId]) -> Vec<[i128; 6]> {
-    let of = |&id: &BodyId| {
+    let bits_of = |&id: &BodyId| {
         let body = world.body(id).expect("a body");
         let (at, velocity) = (body.position_exact(), body.velocity_exact());
         let [x, y, vx, vy, spin] =
             [at.x, at.y, velocity.x, velocity.y, body.angular_velocity_exact()].map(|word| word.to_bits());
         [x, y, vx, vy, spin, body.angle_exact().to_bits().into()]
     };
-    ids.iter().map(of).collect()
+    ids.iter().map(bits_of).collect()
 }
 
 #[test]
 fn light_boxes_carry_a_thousand_times_their_mass() {
-    for (masses, most) in [
+    for (masses, max_overlap) in [
         (&[1, 1, 1, 1, 1000][..], fx!(0.05)),
         // No box is much heavier than the one below it.
         (&[1, 10, 100, 1000], fx!(0.03)),
@@ -51,7 +51,7 @@ fn light_boxes_carry_a_thousand_times_their_mass() {
         for tick in 0..600 {
             world.step();
             let overlap = deepest(&world);
-            assert!(overlap <= most, "{masses:?} {tick}: {overlap}");
+            assert!(overlap <= max_overlap, "{masses:?} {tick}: {overlap}");
         }
         for &id in &ids[1..] {
             let body = world.body(id).expect("a box");
@@ -122,8 +122,8 @@ fn a_load_elsewhere_changes_no_bit() {
 /// Boxes under one of dominance 1, which lies on a wall: its bits do not depend on them.
 #[test]
 fn a_body_that_dominates_a_load_keeps_its_bits() {
-    let run = |below: &[i32], own: &[i32]| {
-        let mut bodies = on_ground(tower(fx!(0), own));
+    let run = |below: &[i32], masses: &[i32]| {
+        let mut bodies = on_ground(tower(fx!(0), masses));
         bodies.iter_mut().skip(1).for_each(|def| def.dominance = 1);
         let count = bodies.len();
         // Beside the dominant tower: they lean on it.
@@ -140,7 +140,7 @@ fn a_body_that_dominates_a_load_keeps_its_bits() {
                 let is_own = |id: &BodyId| ids[1..count].contains(id);
                 touched += world
                     .contacts()
-                    .filter(|of| of.bodies.iter().any(is_below) && of.bodies.iter().any(is_own))
+                    .filter(|contact| contact.bodies.iter().any(is_below) && contact.bodies.iter().any(is_own))
                     .count();
                 bits(&world, &ids[..count])
             })
@@ -148,12 +148,12 @@ fn a_body_that_dominates_a_load_keeps_its_bits() {
         (path, touched)
     };
     // Heavy loads in neither island, in the dominant one, in the lower one, in both.
-    for own in [&[1, 2][..], &[1, 100]] {
-        let (alone, _) = run(&[], own);
+    for masses in [&[1, 2][..], &[1, 100]] {
+        let (alone, _) = run(&[], masses);
         for below in [&[1, 2][..], &[1, 100]] {
-            let (path, touched) = run(below, own);
+            let (path, touched) = run(below, masses);
             assert!(touched > 10, "{touched}");
-            assert!(path == alone, "{own:?} {below:?}");
+            assert!(path == alone, "{masses:?} {below:?}");
         }
     }
 }
@@ -212,7 +212,7 @@ fn other_sub_steps_do_not_move_a_load() {
         let weight: Fx = world
             .contacts_of(ids[3])
             .expect("it")
-            .flat_map(|of| of.points().to_vec())
+            .flat_map(|contact| contact.points().to_vec())
             .fold(Fx::ZERO, |sum, point| sum + point.normal_impulse);
         // 500 kg at 10 m/s² over a sub-step.
         let expected = fx!(5000) / 60 / substeps as i32;
@@ -246,8 +246,8 @@ fn a_hit_of_a_load_has_its_pair_and_its_impulse() {
         }
     }
     for (falling, below, slot, mass) in [(ids[4], ids[2], 0, 200), (ids[5], ids[3], 1, 2)] {
-        let own = |(hit, _): &&(ContactHit, [Fx; 2])| hit.pair.bodies.contains(&falling);
-        let (hit, before) = hits.iter().find(own).expect("a hit");
+        let is_falling = |(hit, _): &&(ContactHit, [Fx; 2])| hit.pair.bodies.contains(&falling);
+        let (hit, before) = hits.iter().find(is_falling).expect("a hit");
         assert!(hit.pair.bodies.contains(&below), "{hit:?}");
         // Gravity adds to the speed of the step before up to the touch.
         let (speed, gained) = (hit.approach_speed, hit.approach_speed + before[slot]);

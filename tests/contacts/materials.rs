@@ -87,13 +87,13 @@ fn rules_mix_coefficients() {
         (MixRule::Product, MixRule::Minimum, fx!(0.16)),
         (MixRule::Product, MixRule::Maximum, fx!(0.8)),
     ];
-    for (own, other, friction) in rules {
-        for (own, other) in [(own, other), (other, own)] {
+    for (rule, ground_rule, friction) in rules {
+        for (rule, ground_rule) in [(rule, ground_rule), (ground_rule, rule)] {
             let surface = |friction, friction_rule| Material { friction, friction_rule, ..Material::default() };
             let mut slider = square(Vec2::new(fx!(0), fx!(0.5)), 1).expect("a square");
-            slider.colliders[0].material = surface(fx!(0.2), own);
+            slider.colliders[0].material = surface(fx!(0.2), rule);
             slider.velocity = vec2(20, 0);
-            let (mut world, ids) = world(def(), [belt(surface(fx!(0.8), other)), slider]).expect("a scene");
+            let (mut world, ids) = world(def(), [belt(surface(fx!(0.8), ground_rule)), slider]).expect("a scene");
             (0..60).for_each(|_| _ = world.step());
             let lost = fx!(20) - world.body(ids[1]).expect("the box").velocity().x;
             near(lost, friction * fx!(10), fx!(0.02));
@@ -119,17 +119,19 @@ fn rules_mix_restitution() {
 
 /// The velocity of a box on a belt of 2 m/s after two seconds, and the friction of a pair by each rule.
 fn carried<S: Scalar>() -> S {
-    let of = |value| S::from_fx(value);
-    let material = Material { friction: of(fx!(0.5)), surface_speed: of(fx!(-2)), ..Material::default() };
+    let scalar = |value| S::from_fx(value);
+    let material = Material { friction: scalar(fx!(0.5)), surface_speed: scalar(fx!(-2)), ..Material::default() };
     let collider = |width, height| -> ColliderDef<S> {
         ColliderDef {
             material,
-            ..ColliderDef::new(Shape::new(Geometry::Rectangle { width: of(width), height: of(height) }).expect("a box"))
+            ..ColliderDef::new(
+                Shape::new(Geometry::Rectangle { width: scalar(width), height: scalar(height) }).expect("a box"),
+            )
         }
     };
-    let gravity = Vec2::new(S::ZERO, of(fx!(-10)));
+    let gravity = Vec2::new(S::ZERO, scalar(fx!(-10)));
     let mut world = World::with_scalar(WorldDef { gravity, ..WorldDef::default() }).expect("a world");
-    let at = |y| Vec2::new(S::ZERO, of(y));
+    let at = |y| Vec2::new(S::ZERO, scalar(y));
     world
         .add_body(BodyDef { position: at(fx!(-1)), ..BodyDef::fixed().with_collider(collider(fx!(100), fx!(2))) })
         .expect("a belt");

@@ -8,7 +8,7 @@ use umbra_physics::{BodyDef, BodyId, ColliderDef, Fx, Mass, Random, Shape, Vec2,
 /// are 2 m thick. Masses are 1 and 3 kg in turn.
 fn drum() -> (World, Vec<(BodyId, i128)>) {
     let mut random = Random::seeded(run_seed(63));
-    let mut upto = |most: i32| Fx::from_ratio(random.below(2_000) as i64 - 1_000, 1_000) * most;
+    let mut upto = |max: i32| Fx::from_ratio(random.below(2_000) as i64 - 1_000, 1_000) * max;
     let wall = |x: i32, y: i32, width: i32, height: i32| ColliderDef {
         position: vec2(x, y),
         material: material(fx!(0.5), fx!(0.5)),
@@ -40,15 +40,15 @@ fn drum() -> (World, Vec<(BodyId, i128)>) {
 
 /// The momentum of each body in 2^-96 N·s, exactly.
 fn momenta(world: &World, bodies: &[(BodyId, i128)]) -> Vec<[i128; 2]> {
-    let of = |&(id, mass): &(BodyId, i128)| {
+    let momentum_of = |&(id, mass): &(BodyId, i128)| {
         let velocity = world.body(id).expect("it").velocity_exact();
         [velocity.x, velocity.y].map(|v| mass * v.to_bits())
     };
-    bodies.iter().map(of).collect()
+    bodies.iter().map(momentum_of).collect()
 }
 
 fn total(momenta: &[[i128; 2]]) -> [i128; 2] {
-    momenta.iter().fold([0; 2], |[x, y], own| [x + own[0], y + own[1]])
+    momenta.iter().fold([0; 2], |[x, y], momentum| [x + momentum[0], y + momentum[1]])
 }
 
 /// Steps the drum. After each tick its momentum has changed by at most 2^-63 of the sum of all impulses, plus 2^-96 m/s times mass for each
@@ -59,18 +59,18 @@ fn is_kept(ticks: i128) {
     let mut before = momenta(&world, &bodies);
     let (start, spin) = (total(&before), world.angular_momentum());
     // The impulses that bodies took, in 2^-96 N·s: at most twice the sum of the impulses of contacts, each of which two bodies take.
-    let (mut taken, mut pressed, mut most) = (0i128, 0, 0);
+    let (mut taken, mut pressed, mut largest) = (0i128, 0, 0);
     for tick in 1..=ticks {
         world.step();
         let after = momenta(&world, &bodies);
-        let own = |(a, b): (&[i128; 2], &[i128; 2])| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
-        let impulses: i128 = after.iter().zip(&before).map(own).sum();
+        let change = |(a, b): (&[i128; 2], &[i128; 2])| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+        let impulses: i128 = after.iter().zip(&before).map(change).sum();
         taken += impulses;
         pressed += i128::from(impulses > 0);
         for (now, start) in total(&after).into_iter().zip(start) {
             let (off, bound) = ((now - start).abs(), (taken >> 64) + mass * tick);
             assert!(off <= bound, "{off} of {bound} after {tick} ticks");
-            most = most.max(off);
+            largest = largest.max(off);
         }
         before = after;
     }
@@ -78,7 +78,7 @@ fn is_kept(ticks: i128) {
     println!(
         "{ticks} ticks, impulses {:.0} N·s, momentum off by at most {:.1e} N·s, angular momentum {:.6} to {:.6} N·m·s",
         taken as f64 / 2f64.powi(97),
-        most as f64 / 2f64.powi(96),
+        largest as f64 / 2f64.powi(96),
         spin.expect("it fits"),
         world.angular_momentum().expect("it fits")
     );

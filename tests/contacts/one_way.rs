@@ -33,11 +33,11 @@ fn over(platform: BodyDef, body: BodyDef) -> (World, BodyId) {
 }
 
 /// The first tick, of so many, after which two bodies are not in the same state to the bit.
-fn parting(here: &mut (World, BodyId), there: &mut (World, BodyId), ticks: usize) -> Option<usize> {
+fn parting(here: &mut (World, BodyId), twin: &mut (World, BodyId), ticks: usize) -> Option<usize> {
     (0..ticks).find(|_| {
         here.0.step();
-        there.0.step();
-        let [a, b] = [&*here, &*there].map(|(world, body)| world.body(*body).expect("it is there"));
+        twin.0.step();
+        let [a, b] = [&*here, &*twin].map(|(world, body)| world.body(*body).expect("it is there"));
         a.first_difference(&b).is_some()
     })
 }
@@ -264,10 +264,10 @@ fn a_body_put_into_a_platform_passes_and_one_put_on_it_is_held() {
     {
         let at = Vec2::new(fx!(0), y);
         let (mut added, body) = over(plank(up()), disc(at, vec2(0, 0)));
-        let (mut moved, other) = over(plank(up()), disc(vec2(0, 50), vec2(0, 0)));
+        let (mut moved, moved_body) = over(plank(up()), disc(vec2(0, 50), vec2(0, 0)));
         moved.step();
-        moved.set_position(other, at).expect("a position");
-        for (world, body) in [(&mut added, body), (&mut moved, other)] {
+        moved.set_position(moved_body, at).expect("a position");
+        for (world, body) in [(&mut added, body), (&mut moved, moved_body)] {
             (0..60).for_each(|_| _ = world.step());
             assert_eq!(world.body(body).expect("it").position().y > fx!(0.5), holds, "{y}");
         }
@@ -288,14 +288,14 @@ fn changes_of_a_platform_decide_anew() {
     solid.step();
     assert!(solid.body(body).expect("it").velocity().y < fx!(5)); // from 5.3 m/s
     // Another one in the same slot, that holds from below: it passes, as it overlaps.
-    let mut other = world.clone();
-    other.remove_collider(collider).expect("a collider");
+    let mut replaced = world.clone();
+    replaced.remove_collider(collider).expect("a collider");
     let down = OneWay { direction: vec2(0, -1), ..OneWay::default() };
-    let again = other.add_collider(platform, plank(Some(down)).colliders.remove(0)).expect("a collider");
+    let again = replaced.add_collider(platform, plank(Some(down)).colliders.remove(0)).expect("a collider");
     assert_eq!(again.parts().0, collider.parts().0);
-    assert!(!format!("{:?}", other.differences(&World::new(def()).expect("a world"))).contains("passes"));
-    other.step();
-    assert_eq!(other.contacts_of(body).expect("it").count(), 0);
+    assert!(!format!("{:?}", replaced.differences(&World::new(def()).expect("a world"))).contains("passes"));
+    replaced.step();
+    assert_eq!(replaced.contacts_of(body).expect("it").count(), 0);
     // Another body in the same slot, and nothing is left of the one before.
     world.remove_body(body).expect("a body");
     let on_it = world.add_body(disc(vec2(0, fx!(0.615)), vec2(0, 0))).expect("a body");
@@ -370,10 +370,10 @@ fn a_change_near_a_sleeping_platform_has_the_result_of_a_restored_world() {
             let (mut world, ids) = world(def, [platform.clone(), body.clone()]).expect("a scene");
             (0..20).for_each(|_| _ = world.step());
             assert_eq!(world.moving_count(), 0);
-            let own = world.colliders_of(ids[1]).expect("it").next().expect("a disc");
+            let collider = world.colliders_of(ids[1]).expect("it").next().expect("a disc");
             match change.clone() {
-                Some(def) => world.set_collider(own, def),
-                None => world.remove_collider(own),
+                Some(def) => world.set_collider(collider, def),
+                None => world.remove_collider(collider),
             }
             .expect("a change");
             for tick in 0..3 {

@@ -113,8 +113,8 @@ fn the_table_is_state() {
     let without = world.clone();
     world.set_material_pair(3, 5, of(fx!(0.1))).expect("a pair");
     assert!(world.state_hash() != plain.0 && world.physics_hash() != plain.1);
-    let found = without.differences(&world);
-    let fields: Vec<&str> = found.iter().map(|found| &found.field[..]).collect();
+    let differences = without.differences(&world);
+    let fields: Vec<&str> = differences.iter().map(|difference| &difference.field[..]).collect();
     assert!(fields.contains(&"material_pairs[0].coefficients.friction"), "{fields:?}");
     let mut back = through_bytes(&world);
     let mut mirrored = Symmetry::MIRROR.world(&world).expect("an image");

@@ -10,16 +10,16 @@ use umbra_physics::{
 const ALL: QueryFilter<'_> = QueryFilter { filter: None, without_bodies: &[], without_colliders: &[], predicate: None };
 
 /// A multiple of ½ m or any number up to `most` m either way.
-fn length(random: &mut Random, most: i64) -> Fx {
+fn length(random: &mut Random, max: i64) -> Fx {
     if random.below(2) == 0 {
-        Fx::from_bits(random.integer(-2 * most..=2 * most) << 31)
+        Fx::from_bits(random.integer(-2 * max..=2 * max) << 31)
     } else {
-        random.number(-Fx::from(most as i32)..=Fx::from(most as i32))
+        random.number(-Fx::from(max as i32)..=Fx::from(max as i32))
     }
 }
 
-fn point(random: &mut Random, most: i64) -> Vec2 {
-    Vec2::new(length(random, most), length(random, most))
+fn point(random: &mut Random, max: i64) -> Vec2 {
+    Vec2::new(length(random, max), length(random, max))
 }
 
 fn angle(random: &mut Random) -> Fx {
@@ -63,13 +63,13 @@ fn scene(random: &mut Random, count: u64) -> Vec<BodyDef> {
     let mut body = |random: &mut Random| {
         let kind =
             [BodyKind::Static, BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][random.below(4) as usize];
-        let own = if kind == BodyKind::Static && random.below(4) == 0 {
+        let body_shape = if kind == BodyKind::Static && random.below(4) == 0 {
             let points = [vec2(4, 1), vec2(1, 0), vec2(-1, 0), vec2(-4, 2)];
             Shape::chain(&points, random.below(2) == 0).expect("a chain")
         } else {
             shape(random)
         };
-        let mut colliders = vec![collider(random, own)];
+        let mut colliders = vec![collider(random, body_shape)];
         if random.below(3) == 0 {
             let more = shape(random);
             colliders.push(collider(random, more));
@@ -107,7 +107,9 @@ fn casts(world: &World, hits: &[CastHit]) -> Vec<Said> {
 }
 
 fn nears(world: &World, all: &[ClosestPoint]) -> Vec<Said> {
-    all.iter().map(|near| Said::Near(key(world, near.collider), near.distance, near.point, near.part)).collect()
+    all.iter()
+        .map(|closest| Said::Near(key(world, closest.collider), closest.distance, closest.point, closest.part))
+        .collect()
 }
 
 fn overlaps(world: &World, all: &[ColliderId]) -> Vec<Said> {
@@ -163,10 +165,10 @@ fn ask(world: &World, queries: &Queries<'_>, query: &Query, filter: &QueryFilter
             assert!(all.is_sorted_by_key(|hit| hit.fraction));
             casts(world, &all)
         }
-        Query::Near(from, most) => {
-            let all = queries.closest_points(*from, *most, filter).expect("in range");
-            assert_eq!(queries.closest_point(*from, *most, filter), Ok(all.first().copied()));
-            assert!(all.is_sorted_by_key(|near| near.distance));
+        Query::Near(from, reach) => {
+            let all = queries.closest_points(*from, *reach, filter).expect("in range");
+            assert_eq!(queries.closest_point(*from, *reach, filter), Ok(all.first().copied()));
+            assert!(all.is_sorted_by_key(|closest| closest.distance));
             nears(world, &all)
         }
         Query::Overlap(shape, from, angle) => {
@@ -186,13 +188,14 @@ fn name(said: &Said) -> u64 {
 #[test]
 fn a_world_finds_what_worlds_with_one_collider_each_find() {
     let mut random = Random::seeded(run_seed(1));
-    let mut found = [0; 2];
+    let mut counts = [0; 2];
     for round in 0..60 {
         let bodies = scene(&mut random, 40);
         let world = build(&bodies);
         let single = |body: &BodyDef| -> Vec<World> {
-            let one = |collider: &ColliderDef| build(&[BodyDef { colliders: vec![collider.clone()], ..body.clone() }]);
-            body.colliders.iter().map(one).collect()
+            let world_of =
+                |collider: &ColliderDef| build(&[BodyDef { colliders: vec![collider.clone()], ..body.clone() }]);
+            body.colliders.iter().map(world_of).collect()
         };
         let singles: Vec<World> = bodies.iter().flat_map(single).collect();
         let queries = world.queries();
@@ -205,13 +208,13 @@ fn a_world_finds_what_worlds_with_one_collider_each_find() {
             let mut actual = ask(&world, &queries, &query, &filter);
             let mut expected: Vec<Said> =
                 singles.iter().flat_map(|single| ask(single, &single.queries(), &query, &filter)).collect();
-            found[usize::from(expected.len() > 1)] += 1;
+            counts[usize::from(expected.len() > 1)] += 1;
             actual.sort_by_key(name);
             expected.sort_by_key(name);
             assert_eq!(actual, expected, "{round}: {query:?}");
         }
     }
-    assert!(found[1] > 1000, "{found:?}");
+    assert!(counts[1] > 1000, "{counts:?}");
 }
 
 #[test]
@@ -230,13 +233,13 @@ fn restored_copied_and_shuffled_worlds_give_the_same_answers() {
             let restored = through_bytes(&world);
             let mut copy = World::new(WorldDef::default()).expect("a world");
             copy.clone_from(&world);
-            let [own, back, copied, other] = [&world, &restored, &copy, &shuffled].map(World::queries);
+            let [queries_here, back, copied, others] = [&world, &restored, &copy, &shuffled].map(World::queries);
             for _ in 0..40 {
                 let query = query(&mut random);
-                let expected = ask(&world, &own, &query, &ALL);
+                let expected = ask(&world, &queries_here, &query, &ALL);
                 assert_eq!(ask(&restored, &back, &query, &ALL), expected, "restored: {query:?}");
                 assert_eq!(ask(&copy, &copied, &query, &ALL), expected, "copied: {query:?}");
-                assert_eq!(ask(&shuffled, &other, &query, &ALL), expected, "shuffled: {query:?}");
+                assert_eq!(ask(&shuffled, &others, &query, &ALL), expected, "shuffled: {query:?}");
             }
         }
     }
@@ -259,21 +262,21 @@ fn a_mirrored_world_has_the_mirrored_answers() {
     for _ in 0..20 {
         let world = build(&scene(&mut random, 50));
         let mirrored = Symmetry::MIRROR.world(&world).expect("a mirror image");
-        let [own, other] = [&world, &mirrored].map(World::queries);
+        let [queries_here, others] = [&world, &mirrored].map(World::queries);
         let across = |v: Vec2| Vec2::new(-v.x, v.y);
         for _ in 0..60 {
             let (from, translation) = (point(&mut random, 15), point(&mut random, 20));
-            let near = length(&mut random, 8).abs();
+            let reach = length(&mut random, 8).abs();
             let queries = [
                 [Query::Ray(from, translation), Query::Ray(across(from), across(translation))],
-                [Query::Near(from, near), Query::Near(across(from), near)],
+                [Query::Near(from, reach), Query::Near(across(from), reach)],
                 [Query::Point(from), Query::Point(across(from))],
             ];
             for [query, mirror] in queries {
-                let answer = ask(&world, &own, &query, &ALL);
+                let answer = ask(&world, &queries_here, &query, &ALL);
                 let expected: Vec<Said> = answer.into_iter().map(|said| image(said, true)).collect();
                 let actual: Vec<Said> =
-                    ask(&mirrored, &other, &mirror, &ALL).into_iter().map(|said| image(said, false)).collect();
+                    ask(&mirrored, &others, &mirror, &ALL).into_iter().map(|said| image(said, false)).collect();
                 assert_eq!(actual, expected, "{query:?}");
                 count += expected.len();
             }
@@ -309,10 +312,14 @@ fn answers_follow_every_change_between_steps() {
             world.step();
         }
         let fresh = through_bytes(&world);
-        let [own, other] = [&world, &fresh].map(World::queries);
+        let [queries_here, others] = [&world, &fresh].map(World::queries);
         for _ in 0..6 {
             let query = query(&mut random);
-            assert_eq!(ask(&world, &own, &query, &ALL), ask(&fresh, &other, &query, &ALL), "{round}: {query:?}");
+            assert_eq!(
+                ask(&world, &queries_here, &query, &ALL),
+                ask(&fresh, &others, &query, &ALL),
+                "{round}: {query:?}"
+            );
         }
     }
 }
@@ -383,10 +390,10 @@ fn a_predicate_leaves_colliders_out_of_ties_overlaps_and_closest_points() {
         assert_eq!(colliders(hits), ties);
         let hits = queries.cast_shape_ties(&ball, (vec2(0, 0), fx!(0)), vec2(20, 0), &filter).expect("in range");
         assert_eq!(colliders(hits), ties);
-        let near = queries.closest_points(vec2(4, 0), fx!(1), &filter).expect("in range");
-        let near = keys(near.into_iter().map(|near| near.collider).collect());
-        assert_eq!(near, ties.iter().copied().filter(|key| *key < 2).collect::<Vec<_>>());
-        assert_eq!(keys(queries.overlap_point(vec2(4, 0), &filter).expect("in range")), near);
+        let nearest = queries.closest_points(vec2(4, 0), fx!(1), &filter).expect("in range");
+        let nearest_keys = keys(nearest.into_iter().map(|point| point.collider).collect());
+        assert_eq!(nearest_keys, ties.iter().copied().filter(|key| *key < 2).collect::<Vec<_>>());
+        assert_eq!(keys(queries.overlap_point(vec2(4, 0), &filter).expect("in range")), nearest_keys);
     }
     let named = keys(queries.overlap_point(vec2(4, 0), &ALL).expect("in range"));
     let without = queries.overlap_point(vec2(4, 0), &ALL).expect("in range");
@@ -430,7 +437,7 @@ fn contacts_of_a_body_are_those_on_either_side_and_no_others() {
     (0..30).for_each(|_| _ = world.step());
     let others = |body: BodyId| -> Vec<BodyId> {
         let contacts = world.contacts_of(body).expect("a body");
-        let mut all: Vec<_> = contacts.flat_map(|contact| contact.bodies).filter(|other| *other != body).collect();
+        let mut all: Vec<_> = contacts.flat_map(|contact| contact.bodies).filter(|id| *id != body).collect();
         all.sort_unstable();
         all
     };
@@ -442,17 +449,17 @@ fn arguments_out_of_range_are_refused() {
     let (world, _) = three_discs();
     let queries = world.queries();
     let out = |quantity| Some(Error::OutOfRange { quantity });
-    let most = limits::QUERY;
+    let limit = limits::QUERY;
     let ray = |from: Vec2, translation: Vec2| queries.cast_ray(from, translation, &ALL).err();
-    assert_eq!(ray(vec2(0, 0), Vec2::new(most, -most)), None);
-    assert_eq!(ray(vec2(0, 0), Vec2::new(most + Fx::DELTA, fx!(0))), out(Quantity::Query));
+    assert_eq!(ray(vec2(0, 0), Vec2::new(limit, -limit)), None);
+    assert_eq!(ray(vec2(0, 0), Vec2::new(limit + Fx::DELTA, fx!(0))), out(Quantity::Query));
     assert_eq!(ray(Vec2::new(limits::POSITION, fx!(0)), vec2(0, 0)), None);
     assert_eq!(ray(Vec2::new(limits::POSITION + Fx::DELTA, fx!(0)), vec2(0, 0)), out(Quantity::Position));
-    assert_eq!(queries.closest_point(vec2(0, 0), most, &ALL).map(|near| near.is_some()), Ok(true));
-    assert_eq!(queries.closest_point(vec2(0, 0), most + Fx::DELTA, &ALL).err(), out(Quantity::Query));
+    assert_eq!(queries.closest_point(vec2(0, 0), limit, &ALL).map(|closest| closest.is_some()), Ok(true));
+    assert_eq!(queries.closest_point(vec2(0, 0), limit + Fx::DELTA, &ALL).err(), out(Quantity::Query));
     assert_eq!(queries.closest_point(vec2(0, 0), -Fx::DELTA, &ALL).err(), out(Quantity::Query));
     // A disc that is as far away as it may be.
-    assert_eq!(queries.closest_point(vec2(3, 5), fx!(4), &ALL).map(|near| near.is_some()), Ok(true));
+    assert_eq!(queries.closest_point(vec2(3, 5), fx!(4), &ALL).map(|closest| closest.is_some()), Ok(true));
     assert_eq!(queries.closest_point(vec2(3, 5), fx!(4) - Fx::DELTA, &ALL), Ok(None));
     for backwards in [Aabb { min: vec2(1, 0), max: vec2(0, 1) }, Aabb { min: vec2(0, 1), max: vec2(1, 0) }] {
         assert_eq!(queries.overlap_box(backwards, &ALL).err(), out(Quantity::Query));
@@ -468,11 +475,11 @@ fn arguments_out_of_range_are_refused() {
     }
     for sign in [1, -1] {
         let end = limits::POSITION * sign;
-        let from = vec2(end - most * sign, 0);
-        let hit = world.queries().cast_ray(from, vec2(most * sign, 0), &ALL).expect("in range").expect("a hit");
+        let from = vec2(end - limit * sign, 0);
+        let hit = world.queries().cast_ray(from, vec2(limit * sign, 0), &ALL).expect("in range").expect("a hit");
         assert_eq!((hit.point, hit.normal), (vec2(end - limits::SIZE_MAX * sign, 0), vec2(-sign, 0)));
-        let near = world.queries().closest_point(from, most, &ALL).expect("in range").expect("a disc");
-        assert_eq!((near.point, near.distance), (hit.point, most - limits::SIZE_MAX));
+        let closest = world.queries().closest_point(from, limit, &ALL).expect("in range").expect("a disc");
+        assert_eq!((closest.point, closest.distance), (hit.point, limit - limits::SIZE_MAX));
     }
 }
 

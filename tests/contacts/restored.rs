@@ -35,13 +35,13 @@ fn a_sleeper_in_a_tile_whose_neighbour_changes_has_the_future_of_a_restored_worl
         |world, tile| world.set_position(tile, vec2(9, 9)),
         |world, tile| world.disable(tile),
         |world, tile| {
-            let own = world.colliders_of(tile)?.next().expect("a collider");
-            world.remove_collider(own)
+            let collider = world.colliders_of(tile)?.next().expect("a collider");
+            world.remove_collider(collider)
         },
         // The numbers of the outlines behind it are others from here on.
         |world, tile| {
-            let own = world.colliders_of(tile)?.next().expect("a collider");
-            world.set_collider(own, ColliderDef { position: vec2(9, 9), ..ColliderDef::new(compound(3)) })
+            let collider = world.colliders_of(tile)?.next().expect("a collider");
+            world.set_collider(collider, ColliderDef { position: vec2(9, 9), ..ColliderDef::new(compound(3)) })
         },
     ];
     let mut woke = [0; 4];
@@ -102,8 +102,8 @@ fn a_tick_that_numbers_outlines_anew_is_made_again() {
     let (start, ids) = world(WorldDef { sleep_after: Some(5), ..def() }, bodies).expect("a scene");
     let act = |world: &mut World, is_pushed: bool| {
         if world.tick() == 10 {
-            let own = world.colliders_of(ids[0]).expect("it").next().expect("a tile");
-            world.set_collider(own, compound(3)).expect("a change");
+            let collider = world.colliders_of(ids[0]).expect("it").next().expect("a tile");
+            world.set_collider(collider, compound(3)).expect("a change");
         }
         if is_pushed {
             world.set_velocity(ids[3], vec2(2, 0)).expect("a push");
@@ -177,33 +177,33 @@ fn random_body(random: &mut Random) -> BodyDef {
 /// Makes a call at random. Whether it is refused does not matter.
 fn disturb(world: &mut World, random: &mut Random) {
     let bodies: Vec<BodyId> = world.bodies().map(|body| body.id()).collect();
-    let [one, other] = [0, 1].map(|_| bodies[random.below(bodies.len() as u64) as usize]);
-    let kind = world.body(one).expect("it is there").kind();
+    let [first, second] = [0, 1].map(|_| bodies[random.below(bodies.len() as u64) as usize]);
+    let kind = world.body(first).expect("it is there").kind();
     let may_be_chain = kind != BodyKind::Dynamic;
     let place = random_place(random);
-    let colliders: Vec<_> = world.colliders_of(one).expect("it is there").collect();
+    let colliders: Vec<_> = world.colliders_of(first).expect("it is there").collect();
     _ = match random.below(24) {
-        0..3 if kind != BodyKind::Dynamic => world.set_position(one, place),
-        3 => world.wake(one),
-        4 if one != other => {
-            world.exclude_pair(one, other, [Exclusion::UntilApart, Exclusion::Always][random.below(2) as usize])
+        0..3 if kind != BodyKind::Dynamic => world.set_position(first, place),
+        3 => world.wake(first),
+        4 if first != second => {
+            world.exclude_pair(first, second, [Exclusion::UntilApart, Exclusion::Always][random.below(2) as usize])
         }
-        5 if one != other => world.allow_pair(one, other),
-        6 | 7 if colliders.len() < 4 => world.add_collider(one, random_collider(random, may_be_chain)).map(drop),
+        5 if first != second => world.allow_pair(first, second),
+        6 | 7 if colliders.len() < 4 => world.add_collider(first, random_collider(random, may_be_chain)).map(drop),
         8 | 9 if !colliders.is_empty() => world.remove_collider(colliders[0]),
         10 | 11 if !colliders.is_empty() => {
             world.set_collider(colliders[colliders.len() - 1], random_collider(random, may_be_chain))
         }
-        12 => world.disable(one),
-        13 => world.enable(one),
+        12 => world.disable(first),
+        13 => world.enable(first),
         14 => {
             let kinds = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic];
-            world.set_kind(one, kinds[random.below(3) as usize])
+            world.set_kind(first, kinds[random.below(3) as usize])
         }
         15 => {
             let body = random_body(random);
             let is_replaced = random.below(2) == 0;
-            world.remove_body(one).and_then(|()| if is_replaced { world.add_body(body).map(drop) } else { Ok(()) })
+            world.remove_body(first).and_then(|()| if is_replaced { world.add_body(body).map(drop) } else { Ok(()) })
         }
         16 | 17 if bodies.len() < 45 => world.add_body(random_body(random)).map(drop),
         18 if random.below(8) == 0 => world.set_contact_settings(ContactSettings {
@@ -218,9 +218,9 @@ fn disturb(world: &mut World, random: &mut Random) {
             let pair = MaterialPair { friction: fx!(0.1), restitution: fx!(0), rolling_resistance: fx!(0) };
             world.set_material_pair(0, 0, (random.below(2) == 0).then_some(pair))
         }
-        21 if kind == BodyKind::Dynamic => world.set_velocity(one, vec2(random.number(fx!(-3)..=fx!(3)), 1)),
-        22 if kind == BodyKind::Kinematic => world.move_to(one, place, fx!(0)),
-        23 => world.release(one),
+        21 if kind == BodyKind::Dynamic => world.set_velocity(first, vec2(random.number(fx!(-3)..=fx!(3)), 1)),
+        22 if kind == BodyKind::Kinematic => world.move_to(first, place, fx!(0)),
+        23 => world.release(first),
         _ => Ok(()),
     };
 }

@@ -26,15 +26,15 @@ fn floor<S: Scalar>() -> BodyDef<S> {
 
 /// A disc at this velocity on a level floor, rolling without slip.
 fn on_the_floor<S: Scalar>(c: Fx, velocity: Fx) -> (World<S>, BodyId) {
-    let of = |value: Fx| S::from_fx(value);
-    let gravity = Vec2::new(S::ZERO, of(fx!(-10)));
+    let scalar = |value: Fx| S::from_fx(value);
+    let gravity = Vec2::new(S::ZERO, scalar(fx!(-10)));
     let def = WorldDef { gravity, sleep_after: None, ..WorldDef::default() };
     let mut world = World::with_scalar(def).expect("a world");
     world.add_body(floor()).expect("a floor");
     let disc = BodyDef {
-        position: Vec2::new(S::ZERO, of(fx!(0.5))),
-        velocity: Vec2::new(of(velocity), S::ZERO),
-        angular_velocity: of(velocity * -2),
+        position: Vec2::new(S::ZERO, scalar(fx!(0.5))),
+        velocity: Vec2::new(scalar(velocity), S::ZERO),
+        angular_velocity: scalar(velocity * -2),
         ..disc(c)
     };
     let id = world.add_body(disc).expect("a disc");
@@ -76,9 +76,9 @@ fn a_ball_stopped_by_rolling_resistance_stays() {
     (0..180).for_each(|_| _ = world.step());
     let at = world.body(id).expect("it").position();
     (0..3600).for_each(|_| _ = world.step());
-    let there = world.body(id).expect("it").position();
+    let end = world.body(id).expect("it").position();
     // A minute at a velocity that the solver does not see: about half a unit, 2^-23 m/s.
-    near(there.x, at.x, fx!(0.00001));
+    near(end.x, at.x, fx!(0.00001));
 }
 
 #[test]
@@ -220,11 +220,11 @@ fn a_heap_from_bytes_or_in_another_order_goes_on_with_the_same_bits() {
     let reversed: Vec<BodyDef> = bodies.iter().rev().cloned().collect();
     let (mut here, _) = world(def(), bodies).expect("a scene");
     // All pairs are the other way round.
-    let (mut there, _) = world(def(), reversed).expect("a scene");
+    let (mut twin, _) = world(def(), reversed).expect("a scene");
     for _ in 0..200 {
         here.step();
-        there.step();
-        assert_eq!(here.physics_hash(), there.physics_hash());
+        twin.step();
+        assert_eq!(here.physics_hash(), twin.physics_hash());
         here = through_bytes(&here);
     }
 }

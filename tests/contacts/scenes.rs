@@ -58,14 +58,14 @@ pub(crate) fn keeps_its_bits(bodies: Vec<BodyDef>, (steps, every): (u32, u32), m
     let mut shuffled = bodies.clone();
     Random::seeded(5).shuffle(&mut shuffled);
     let (mut here, _) = world(def(), bodies).expect("a scene");
-    let (mut there, _) = world(def(), shuffled).expect("a scene");
+    let (mut twin, _) = world(def(), shuffled).expect("a scene");
     let mut image = Symmetry::MIRROR.world(&here).expect("an image");
     let mut restored = here.clone();
     for step in 0..steps {
-        for world in [&mut here, &mut there, &mut image, &mut restored] {
+        for world in [&mut here, &mut twin, &mut image, &mut restored] {
             world.step();
         }
-        assert_eq!(here.physics_hash(), there.physics_hash(), "{step}");
+        assert_eq!(here.physics_hash(), twin.physics_hash(), "{step}");
         assert_eq!(Symmetry::MIRROR.world(&here).expect("an image").first_difference(&image), None, "{step}");
         assert_eq!(here.state_hash(), restored.state_hash(), "{step}");
         if step % every == 0 {

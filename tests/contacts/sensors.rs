@@ -34,26 +34,26 @@ fn watched(seed: u64) -> Vec<BodyDef> {
 /// The overlaps of each sensor, by the queries: of sensors that are discs or on bodies that are not turned.
 fn overlaps(world: &World) -> BTreeSet<Pair> {
     let queries = world.queries();
-    let mut found = BTreeSet::new();
+    let mut pairs = BTreeSet::new();
     for (id, def) in world.colliders().filter(|(_, def)| def.sensor) {
-        let own = world.collider_body(id).expect("a body");
-        let body = world.body(own).expect("a body");
+        let own_body = world.collider_body(id).expect("a body");
+        let body = world.body(own_body).expect("a body");
         if !matches!(body.activity(), Activity::Awake | Activity::Asleep) {
             continue;
         }
         assert!(def.position == Vec2::ZERO || body.angle() == fx!(0));
         let pose = (body.position() + def.position, body.angle());
-        let filter = QueryFilter { without_bodies: &[own], ..QueryFilter::default() };
-        for other in queries.overlap_shape(&def.shape, pose, &filter).expect("a shape") {
-            let there = world.collider_body(other).expect("a body");
-            let there = world.body(there).expect("a body").kind();
-            let moves = [body.kind(), there].iter().any(|kind| *kind != BodyKind::Static);
-            if moves && world.collider(other).expect("a collider").filter.agrees(def.filter) {
-                found.insert([id, other]);
+        let filter = QueryFilter { without_bodies: &[own_body], ..QueryFilter::default() };
+        for collider in queries.overlap_shape(&def.shape, pose, &filter).expect("a shape") {
+            let met_body = world.collider_body(collider).expect("a body");
+            let met_body = world.body(met_body).expect("a body").kind();
+            let moves = [body.kind(), met_body].iter().any(|kind| *kind != BodyKind::Static);
+            if moves && world.collider(collider).expect("a collider").filter.agrees(def.filter) {
+                pairs.insert([id, collider]);
             }
         }
     }
-    found
+    pairs
 }
 
 #[test]
@@ -94,13 +94,13 @@ fn sensors_change_no_motion() {
         });
         let silent: Vec<BodyDef> = silent.collect();
         let (mut here, ids) = world(quiet(), loud).expect("a scene");
-        let (mut there, _) = world(quiet(), silent).expect("a scene");
+        let (mut twin, _) = world(quiet(), silent).expect("a scene");
         let mut slept = 0;
         for tick in 0..500 {
             slept += here.step().fell_asleep.len();
-            there.step();
+            twin.step();
             for &id in &ids {
-                let [a, b] = [&here, &there].map(|world| {
+                let [a, b] = [&here, &twin].map(|world| {
                     let body = world.body(id).expect("a body");
                     (body.position_exact(), body.angle_exact(), body.velocity_exact(), body.activity())
                 });
@@ -117,7 +117,7 @@ fn a_restored_world_a_mirror_image_and_a_shuffled_one_have_the_same_overlaps() {
     let mut shuffled = bodies.clone();
     Random::seeded(3).shuffle(&mut shuffled);
     let (mut here, _) = world(quiet(), bodies).expect("a scene");
-    let (mut there, _) = world(quiet(), shuffled).expect("a scene");
+    let (mut twin, _) = world(quiet(), shuffled).expect("a scene");
     let mut image = Symmetry::MIRROR.world(&here).expect("an image");
     let mut restored = here.clone();
     let mut count = 0;
@@ -128,15 +128,15 @@ fn a_restored_world_a_mirror_image_and_a_shuffled_one_have_the_same_overlaps() {
             let report = world.step();
             [report.sensors_left.to_vec(), report.sensors_entered.to_vec()]
         };
-        let own = lists(&mut here);
-        count += own[0].len();
-        assert_eq!(own, lists(&mut restored), "{tick}");
-        assert_eq!(own, lists(&mut image), "{tick}");
+        let actual = lists(&mut here);
+        count += actual[0].len();
+        assert_eq!(actual, lists(&mut restored), "{tick}");
+        assert_eq!(actual, lists(&mut image), "{tick}");
         let keys = |lists: [Vec<umbra_physics::ColliderPair>; 2]| {
             lists.map(|list| list.iter().map(|pair| (pair.body_keys, pair.collider_keys)).collect::<Vec<_>>())
         };
-        assert_eq!(keys(own), keys(lists(&mut there)), "{tick}");
-        assert_eq!(here.physics_hash(), there.physics_hash(), "{tick}");
+        assert_eq!(keys(actual), keys(lists(&mut twin)), "{tick}");
+        assert_eq!(here.physics_hash(), twin.physics_hash(), "{tick}");
         assert_eq!(here.state_hash(), restored.state_hash(), "{tick}");
         assert_eq!(Symmetry::MIRROR.world(&here).expect("an image").first_difference(&image), None, "{tick}");
     }
@@ -365,7 +365,7 @@ fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
     let down: Vec<u64> = up.iter().rev().copied().collect();
     let mixed: Vec<u64> = up.iter().map(|i| i * 7 % 30).collect();
     let all = found_by_keys(&row(ContactSettings::default(), &up, 1));
-    let count = |found: &BTreeSet<[u64; 2]>, sensor: u64| found.iter().filter(|[own, _]| *own == sensor).count();
+    let count = |pairs: &BTreeSet<[u64; 2]>, sensor: u64| pairs.iter().filter(|[number, _]| *number == sensor).count();
     for sensor in 0..12u64 {
         // A static one sees no static body.
         let statics = (12..12 + sensor).filter(|key| key % 4 == 0 && sensor % 3 == 0).count();
@@ -374,11 +374,13 @@ fn with_too_many_pairs_the_sensors_with_the_most_find_nothing() {
     let mut cuts = BTreeSet::new();
     for (max_pairs, per_sensor) in [(0x1000, 1), (60, 256), (40, 256), (40, 4), (10, 256), (10, 3), (1, 256), (1, 1)] {
         let contacts = ContactSettings { max_pairs, max_pairs_per_collider: per_sensor, ..ContactSettings::default() };
-        let most = max_pairs as usize;
+        let max = max_pairs as usize;
         // The largest number at which the sensors that have as many at most fit.
-        let fits = |cap: usize| (0..12).map(|own| count(&all, own)).filter(|&own| own <= cap).sum::<usize>() <= most;
+        let fits = |cap: usize| {
+            (0..12).map(|number| count(&all, number)).filter(|&number| number <= cap).sum::<usize>() <= max
+        };
         let cap =
-            if all.len() <= most { 12 } else { (0..=per_sensor as usize).rev().find(|&cap| fits(cap)).expect("none") };
+            if all.len() <= max { 12 } else { (0..=per_sensor as usize).rev().find(|&cap| fits(cap)).expect("none") };
         let expected: BTreeSet<[u64; 2]> = all.iter().copied().filter(|pair| count(&all, pair[0]) <= cap).collect();
         cuts.insert(expected.len());
         for (order, steps) in [(&up, 1), (&down, 1), (&mixed, 1), (&up, 2), (&mixed, 6), (&down, 6)] {

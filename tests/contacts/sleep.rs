@@ -19,11 +19,11 @@ fn row() -> Vec<BodyDef> {
 }
 
 fn motion(world: &World) -> Vec<[i128; 5]> {
-    let of = |body: umbra_physics::BodyRef<'_>| {
+    let motion_of = |body: umbra_physics::BodyRef<'_>| {
         let (x, v) = (body.position_exact(), body.velocity_exact());
         [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(umbra_physics::FxAccumulator::to_bits)
     };
-    world.bodies().map(of).collect()
+    world.bodies().map(motion_of).collect()
 }
 
 #[test]
@@ -101,16 +101,16 @@ fn a_sleeping_body_wakes_where_a_static_one_is_put_into_it() {
 
 #[test]
 fn bystanders_change_no_bit() {
-    let near = |i: i32| square(Vec2::new(fx!(0.3) * i, fx!(2) * i), i as u64).expect("a square");
+    let square_near = |i: i32| square(Vec2::new(fx!(0.3) * i, fx!(2) * i), i as u64).expect("a square");
     let ground = || super::scenes::ground().expect("a ground");
-    let own: Vec<BodyDef> = [ground()].into_iter().chain((1..8).map(near)).collect();
+    let pile: Vec<BodyDef> = [ground()].into_iter().chain((1..8).map(square_near)).collect();
     let others = (1..8).map(|i| {
-        let def = near(i);
+        let def = square_near(i);
         BodyDef { position: def.position + vec2(1_000, 0), ..def }
     });
     let far_ground = BodyDef { position: vec2(1_000, -1), ..ground() };
-    let (mut alone, _) = world(def(), own.clone()).expect("a scene");
-    let (mut crowd, _) = world(def(), own.into_iter().chain([far_ground]).chain(others)).expect("a scene");
+    let (mut alone, _) = world(def(), pile.clone()).expect("a scene");
+    let (mut crowd, _) = world(def(), pile.into_iter().chain([far_ground]).chain(others)).expect("a scene");
     for _ in 0..300 {
         alone.step();
         crowd.step();
@@ -306,18 +306,18 @@ fn a_body_that_is_touched_flies_with_its_own_gravity_and_damping() {
     let shots = [disc(vec2(-40, fx!(0.6)), vec2(20, 0)), disc(vec2(-60, fx!(0.6)), vec2(20, 0))];
     let flying = shots.map(|shot| BodyDef { gravity_scale: fx!(0), ..shot });
     let bodies = [floor, sleeper].into_iter().chain(flying);
-    let (mut there, ids) = world(WorldDef { sleep_after: Some(20), ..def() }, bodies).expect("a scene");
+    let (mut twin, ids) = world(WorldDef { sleep_after: Some(20), ..def() }, bodies).expect("a scene");
     let mut woke = 0;
     for tick in 0..400 {
         if tick == 60 {
             // All factors of a step are others from here on, and the box sleeps.
-            assert_eq!(there.body(ids[1]).expect("a box").activity(), Activity::Asleep);
-            there.set_time_step(TimeStep::hz(120)).expect("within the limit of time");
+            assert_eq!(twin.body(ids[1]).expect("a box").activity(), Activity::Asleep);
+            twin.set_time_step(TimeStep::hz(120)).expect("within the limit of time");
         }
-        let mut restored = through_bytes(&there);
-        woke += usize::from(there.step().woke.contains(&ids[1]));
+        let mut restored = through_bytes(&twin);
+        woke += usize::from(twin.step().woke.contains(&ids[1]));
         restored.step();
-        assert_eq!(restored.first_difference(&there), None, "tick {tick}");
+        assert_eq!(restored.first_difference(&twin), None, "tick {tick}");
     }
     assert!(woke > 0, "no shot woke the box");
 }
@@ -340,9 +340,9 @@ fn a_sleeper_that_is_locked_in_a_wall_has_the_future_of_a_restored_world() {
                 world.set_position(ids[1], vec2(20 + tick, 0)).expect("elsewhere");
             }
             let mut restored = through_bytes(&world);
-            let (own, other) = (world.step(), restored.step());
-            assert_eq!(own.woke, other.woke, "{locks:?}, tick {tick}");
-            fell += own.fell_asleep.len();
+            let (step, restored_step) = (world.step(), restored.step());
+            assert_eq!(step.woke, restored_step.woke, "{locks:?}, tick {tick}");
+            fell += step.fell_asleep.len();
             assert_eq!(restored.first_difference(&world), None, "{locks:?}, tick {tick}");
         }
         assert!(fell > 0, "{locks:?}: it is awake");

@@ -160,23 +160,23 @@ fn a_change_of_the_time_step_keeps_forces() {
 
 /// All quantities of each body that a step changes.
 fn bits(world: &World, ids: &[BodyId]) -> Vec<([i128; 5], u64)> {
-    let of = |&id: &BodyId| {
+    let bits_of = |&id: &BodyId| {
         let body = world.body(id).expect("it is there");
         let (x, v) = (body.position_exact(), body.velocity_exact());
         ([x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(FxAccumulator::to_bits), body.angle_exact().to_bits())
     };
-    ids.iter().map(of).collect()
+    ids.iter().map(bits_of).collect()
 }
 
 #[test]
 fn bodies_with_too_many_pairs_stay_as_they_were_and_change_no_bit_of_the_others() {
     let contacts = ContactSettings { max_pairs: 60, max_pairs_per_collider: 8, ..ContactSettings::default() };
     let def = WorldDef { contacts, ..def() };
-    let own = || pyramid(3).expect("a pyramid");
+    let pile = || pyramid(3).expect("a pyramid");
     let moving = |i: i32| BodyDef { velocity: vec2(i, -i), ..square(vec2(50, 50), i as u64).expect("a square") };
     let crowd: Vec<BodyDef> = (0..40).map(moving).collect();
-    let (mut alone, _) = world(def, own()).expect("a scene");
-    let (mut crowded, ids) = world(def, own().into_iter().chain(crowd)).expect("a scene");
+    let (mut alone, _) = world(def, pile()).expect("a scene");
+    let (mut crowded, ids) = world(def, pile().into_iter().chain(crowd)).expect("a scene");
     let (others, crowd) = ids.split_at(7);
     let before = bits(&crowded, crowd);
     for step in 0..100 {
@@ -224,14 +224,14 @@ fn invalid_definitions_are_refused_and_the_world_unchanged() {
     (0..30).for_each(|_| _ = world.step());
     let collider = world.colliders_of(ids[3]).expect("it").next().expect("a collider");
     let good = ColliderDef::new(Shape::circle(fx!(1)).expect("a disc"));
-    let of = |quantity| Error::OutOfRange { quantity };
+    let out_of_range = |quantity| Error::OutOfRange { quantity };
     let bad = [
-        (ColliderDef { material: material(fx!(-1), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
-        (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, of(Quantity::Friction)),
-        (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, of(Quantity::Restitution)),
-        (ColliderDef { material: material(fx!(1), fx!(-0.5)), ..good.clone() }, of(Quantity::Restitution)),
-        (ColliderDef { density: fx!(-1), ..good.clone() }, of(Quantity::ColliderDensity)),
-        (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, of(Quantity::ColliderPosition)),
+        (ColliderDef { material: material(fx!(-1), fx!(0)), ..good.clone() }, out_of_range(Quantity::Friction)),
+        (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, out_of_range(Quantity::Friction)),
+        (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, out_of_range(Quantity::Restitution)),
+        (ColliderDef { material: material(fx!(1), fx!(-0.5)), ..good.clone() }, out_of_range(Quantity::Restitution)),
+        (ColliderDef { density: fx!(-1), ..good.clone() }, out_of_range(Quantity::ColliderDensity)),
+        (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, out_of_range(Quantity::ColliderPosition)),
     ];
     let (before, contacts) = (world.state_hash(), (world.collider_count(), world.contacts().count()));
     for (def, error) in bad {
@@ -248,12 +248,12 @@ fn invalid_definitions_are_refused_and_the_world_unchanged() {
     assert_eq!(world.set_collider(none, good), Err(Error::NoSuchCollider { collider: none }));
     assert_eq!(world.remove_collider(none), Err(Error::NoSuchCollider { collider: none }));
     let slow = ContactSettings { push_speed: fx!(-1), ..ContactSettings::default() };
-    assert_eq!(world.set_contact_settings(slow), Err(of(Quantity::ContactSpeed)));
+    assert_eq!(world.set_contact_settings(slow), Err(out_of_range(Quantity::ContactSpeed)));
     for (substeps, max_pairs, quantity) in
         [(0, 9, Quantity::Substeps), (17, 9, Quantity::Substeps), (5, 0, Quantity::Pairs)]
     {
         let settings = ContactSettings { substeps, max_pairs, ..ContactSettings::default() };
-        assert_eq!(world.set_contact_settings(settings), Err(of(quantity)));
+        assert_eq!(world.set_contact_settings(settings), Err(out_of_range(quantity)));
     }
     assert_eq!(world.state_hash(), before);
     assert_eq!((world.collider_count(), world.contacts().count()), contacts);
@@ -263,9 +263,9 @@ fn invalid_definitions_are_refused_and_the_world_unchanged() {
 fn colliders_that_are_gone_are_refused_and_the_world_unchanged() {
     let (mut world, ids) = world(def(), pyramid(3).expect("a pyramid")).expect("a scene");
     (0..30).for_each(|_| _ = world.step());
-    let [body, other] = [ids[6], ids[5]];
-    let own = world.colliders_of(body).expect("it").next().expect("a collider");
-    let lost = world.colliders_of(other).expect("it").next().expect("a collider");
+    let [body, partner] = [ids[6], ids[5]];
+    let lost_collider = world.colliders_of(body).expect("it").next().expect("a collider");
+    let lost = world.colliders_of(partner).expect("it").next().expect("a collider");
     let disc = || ColliderDef::new(Shape::circle(fx!(0.5)).expect("a disc"));
     world.remove_body(body).expect("it is there");
     world.remove_collider(lost).expect("it is there");
@@ -273,7 +273,8 @@ fn colliders_that_are_gone_are_refused_and_the_world_unchanged() {
         let before = world.state_hash();
         assert_eq!(world.add_collider(body, disc()), Err(Error::NoSuchBody { body }));
         assert_eq!(world.colliders_of(body).err(), Some(Error::NoSuchBody { body }));
-        for collider in [own, lost, ColliderId::from_parts(99, 0), ColliderId::from_parts(u32::MAX, u32::MAX)] {
+        for collider in [lost_collider, lost, ColliderId::from_parts(99, 0), ColliderId::from_parts(u32::MAX, u32::MAX)]
+        {
             let gone = Error::NoSuchCollider { collider };
             assert_eq!(world.collider(collider).err(), Some(gone));
             assert_eq!(world.collider_body(collider), Err(gone));
@@ -284,9 +285,9 @@ fn colliders_that_are_gone_are_refused_and_the_world_unchanged() {
     };
     check(&mut world);
     // Their slots are taken again.
-    let made = [ids[1], ids[2]].map(|body| world.add_collider(body, disc()).expect("it is there"));
+    let added = [ids[1], ids[2]].map(|body| world.add_collider(body, disc()).expect("it is there"));
     let slots = |colliders: [ColliderId; 2]| colliders.map(|collider| collider.parts().0);
-    assert_eq!(slots(made), slots([lost, own]));
+    assert_eq!(slots(added), slots([lost, lost_collider]));
     world.add_body(BodyDef::dynamic()).expect("a body");
     check(&mut world);
     world.step();
@@ -301,14 +302,14 @@ fn colliders_of_one_key_hash_alike_in_either_order() {
         block.angle = fx!(0.01);
         [ground().expect("a ground"), block]
     };
-    let (mut one, _) = world(def(), bodies()).expect("a scene");
-    let (mut two, _) = world(def(), bodies().into_iter().rev()).expect("a scene");
+    let (mut first, _) = world(def(), bodies()).expect("a scene");
+    let (mut second, _) = world(def(), bodies().into_iter().rev()).expect("a scene");
     let mut touched = 0;
     for step in 0..60 {
-        one.step();
-        two.step();
-        touched += one.contacts().count();
-        assert_eq!(one.physics_hash(), two.physics_hash(), "{step}");
+        first.step();
+        second.step();
+        touched += first.contacts().count();
+        assert_eq!(first.physics_hash(), second.physics_hash(), "{step}");
     }
     assert!(touched > 30, "{touched}");
 }

@@ -52,14 +52,15 @@ fn floor(kind: Floor, length: Fx) -> Vec<BodyDef> {
             tiles
         }
         Floor::Colliders | Floor::Compounds => {
-            let most = if matches!(kind, Floor::Colliders) { 1_000 } else { 200 };
+            let max_tiles = if matches!(kind, Floor::Colliders) { 1_000 } else { 200 };
             let centres: Vec<Fx> = ends(length, count).map(|end| end - length / 2).collect();
-            let of = |xs: &[Fx]| {
+            let row_of = |xs: &[Fx]| {
                 let at = Vec2::new(xs[0], fx!(-0.5));
                 let shape = tile(length, fx!(1));
-                if most == 1_000 {
-                    let one = |x: &Fx| ColliderDef { position: Vec2::new(*x - at.x, Fx::ZERO), ..shape.clone().into() };
-                    return BodyDef { colliders: xs.iter().map(one).collect(), ..body(at) };
+                if max_tiles == 1_000 {
+                    let collider_at =
+                        |x: &Fx| ColliderDef { position: Vec2::new(*x - at.x, Fx::ZERO), ..shape.clone().into() };
+                    return BodyDef { colliders: xs.iter().map(collider_at).collect(), ..body(at) };
                 }
                 let part = |x: &Fx| Part {
                     shape: shape.clone(),
@@ -71,34 +72,35 @@ fn floor(kind: Floor, length: Fx) -> Vec<BodyDef> {
                 let shift = shape.shift();
                 BodyDef { position: at + shift, ..BodyDef::fixed().with_collider(shape) }
             };
-            centres.chunks(most).map(of).collect()
+            centres.chunks(max_tiles).map(row_of).collect()
         }
     }
 }
 
 /// The largest differences of height, of velocities and of the angular velocity, ulp, from a body on one long tile; how far it went, m.
 fn differences(tiles: Vec<BodyDef>, body: &BodyDef, settled: usize, steps: usize) -> ([u64; 4], Fx) {
-    let (mut here, own) = world(def(), std::iter::once(body.clone()).chain(tiles)).expect("a scene");
-    let (mut there, other) =
+    let (mut here, body_ids) = world(def(), std::iter::once(body.clone()).chain(tiles)).expect("a scene");
+    let (mut twin, twin_ids) =
         world(def(), std::iter::once(body.clone()).chain(floor(Floor::One, fx!(1)))).expect("a scene");
-    let mut most = [0; 4];
+    let mut largest = [0; 4];
     for step in 0..steps {
         here.step();
-        there.step();
+        twin.step();
         if step < settled {
             continue;
         }
-        let (own, other) = (here.body(own[0]).expect("it is there"), there.body(other[0]).expect("it is there"));
+        let (body_here, twin_body) =
+            (here.body(body_ids[0]).expect("it is there"), twin.body(twin_ids[0]).expect("it is there"));
         let apart = |a: Fx, b: Fx| a.to_bits().abs_diff(b.to_bits());
         let now = [
-            apart(own.position().y, other.position().y),
-            apart(own.velocity().y, other.velocity().y),
-            apart(own.velocity().x, other.velocity().x),
-            apart(own.angular_velocity(), other.angular_velocity()),
+            apart(body_here.position().y, twin_body.position().y),
+            apart(body_here.velocity().y, twin_body.velocity().y),
+            apart(body_here.velocity().x, twin_body.velocity().x),
+            apart(body_here.angular_velocity(), twin_body.angular_velocity()),
         ];
-        most = [0, 1, 2, 3].map(|i| most[i].max(now[i]));
+        largest = [0, 1, 2, 3].map(|i| largest[i].max(now[i]));
     }
-    (most, here.body(own[0]).expect("it is there").position().x - body.position.x)
+    (largest, here.body(body_ids[0]).expect("it is there").position().x - body.position.x)
 }
 
 fn ball(position: Vec2, radius: Fx, key: u64) -> BodyDef {
@@ -119,14 +121,14 @@ fn a_ball_rolls_over_thousands_of_tiles_without_a_bump() {
             ..ball(vec2(fx!(-1_990.0371), fx!(0.5)), fx!(0.5), 1)
         };
         let steps = if speed == 10 { 7_600 } else { 7_200 } / share;
-        let (most, way) = differences(floor(kind, length), &start, 0, steps);
+        let (largest, way) = differences(floor(kind, length), &start, 0, steps);
         let seams = (way / length).ceil_to_int();
         assert!(seams >= 10_000 / share as i64, "{kind:?}: {seams}");
         // With the middle within half a micrometre of a seam, which happens at one of 10^5 where lengths are random, it is on both tiles for a
         // step.
         let allowed = if kind == Floor::Lengths { [1 << 15, 1 << 20, 1 << 20, 1 << 21] } else { [0; 4] };
-        let is_within = (0..4).all(|i| most[i] <= allowed[i]);
-        assert!(is_within, "{kind:?} at {speed} m/s: {most:?} ulp, after {seams} seams");
+        let is_within = (0..4).all(|i| largest[i] <= allowed[i]);
+        assert!(is_within, "{kind:?} at {speed} m/s: {largest:?} ulp, after {seams} seams");
     }
 }
 
@@ -146,7 +148,7 @@ fn boxes_and_capsules_slide_over_tiles_without_a_bump() {
                     velocity: vec2(speed, 0),
                     ..BodyDef::dynamic().with_collider(collider)
                 };
-                let (most, way) = differences(floor(kind, fx!(0.375)), &body, 120, 1_200);
+                let (largest, way) = differences(floor(kind, fx!(0.375)), &body, 120, 1_200);
                 assert!(way / fx!(0.375) > fx!(500), "{kind:?}: {way} m");
                 // The corners are on two tiles, as on two segments of a chain: two manifolds, each of which ends its last pass within a
                 // unit of velocity of rest, as the one manifold of a long tile does. The unit is 2^-26 of the power of two above five times
@@ -154,9 +156,9 @@ fn boxes_and_capsules_slide_over_tiles_without_a_bump() {
                 // adds some units. Heights add up what is left of that: at most 1/22 s of it, as an overlap shrinks to 0.63 in a step, if
                 // all of it had one sign.
                 let units = if speed == 10 { 1 << 16 } else { 1 << 18 };
-                let [height, velocities @ ..] = most;
+                let [height, velocities @ ..] = largest;
                 let is_smooth = height <= units / 32 && velocities.iter().all(|&ulps| ulps <= units);
-                assert!(is_smooth, "{kind:?}, shape {i} at {speed} m/s: {most:?} ulp");
+                assert!(is_smooth, "{kind:?}, shape {i} at {speed} m/s: {largest:?} ulp");
             }
         }
     }
@@ -225,8 +227,8 @@ fn tiles_that_were_added_before_and_after_a_body_are_alike() {
     };
     let expected = run(0);
     for after in [1, 7, 12, 20, 40] {
-        let found = run(after);
-        assert_eq!(found.iter().zip(&expected).position(|(a, b)| a != b), None, "after {after} tiles");
+        let actual = run(after);
+        assert_eq!(actual.iter().zip(&expected).position(|(a, b)| a != b), None, "after {after} tiles");
     }
 }
 
@@ -293,13 +295,13 @@ fn steps_walls_and_ends_are_real() {
             ..BodyDef::dynamic().with_collider(collider)
         };
         let (mut world, ids) = world(def(), std::iter::once(body).chain(tiles.clone())).expect("a scene");
-        let mut most = fx!(0);
+        let mut farthest = fx!(0);
         for _ in 0..180 {
             world.step();
-            most = most.max(position(&world, ids[0]).x * Fx::from(speed.signum()));
+            farthest = farthest.max(position(&world, ids[0]).x * Fx::from(speed.signum()));
         }
         // It reaches the edge, and no more than the overlap of a hit.
-        assert!((most - Fx::from(end * speed.signum())).abs() < fx!(0.02), "{most} at {speed} m/s");
+        assert!((farthest - Fx::from(end * speed.signum())).abs() < fx!(0.02), "{farthest} at {speed} m/s");
     }
     // Over the end of the floor it falls.
     let start = BodyDef { velocity: vec2(3, 0), ..ball(vec2(6, fx!(1.3)), fx!(0.25), 1) };
@@ -339,12 +341,12 @@ fn cut(random: &mut Random) -> Option<[Vec<Vec2>; 3]> {
     if i == j {
         return None;
     }
-    let mut on = |k: usize| {
+    let mut point_on = |k: usize| {
         let (a, b) = (corners[k], corners[(k + 1) % count]);
         let part = Fx::from_ratio(1 + random.below(3) as i64, 4);
         Vec2::new(a.x + (b.x - a.x) * part, a.y + (b.y - a.y) * part)
     };
-    let (from, to) = (on(i), on(j));
+    let (from, to) = (point_on(i), point_on(j));
     let first = [from].into_iter().chain(corners[i + 1..=j].iter().copied()).chain([to]).collect();
     let second = [to].into_iter().chain(corners[j + 1..].iter().chain(&corners[..=i]).copied()).chain([from]).collect();
     Some([corners, first, second])
@@ -383,20 +385,20 @@ fn a_polygon_in_two_parts_pushes_as_a_whole_one() {
         // Nobody whose nearest edge may be the cut: a body that is deep in one of the parts.
         let pose = |def: &BodyDef| Pose::new(def.position, Turn::from_radians(def.angle));
         let outline = |def: &BodyDef| def.colliders[0].shape.outlines()[0].clone();
-        let found = collide(&outline(&whole), &pose(&whole), &outline(&body), &pose(&body), fx!(0.02));
-        let is_shallow = |found: &Manifold| found.count == 1 && found.points[0].separation > fx!(-0.05);
-        if !found.as_ref().is_none_or(is_shallow) {
+        let manifold = collide(&outline(&whole), &pose(&whole), &outline(&body), &pose(&body), fx!(0.02));
+        let is_shallow = |manifold: &Manifold| manifold.count == 1 && manifold.points[0].separation > fx!(-0.05);
+        if !manifold.as_ref().is_none_or(is_shallow) {
             continue;
         }
-        let (one, two) = (step(vec![whole]), step(vec![first, second]));
+        let (whole_speeds, halves_speeds) = (step(vec![whole]), step(vec![first, second]));
         let size = |v: Vec2| v.x.abs() + v.y.abs();
-        if size(one.0) < fx!(0.01) && size(two.0) < fx!(0.01) {
+        if size(whole_speeds.0) < fx!(0.01) && size(halves_speeds.0) < fx!(0.01) {
             continue;
         }
         counts[usize::from(is_disc)][0] += 1;
-        let apart = size(one.0 - two.0);
-        let differs = apart > fx!(0.0001) + size(one.0) / 1_000;
-        counts[usize::from(is_disc)][1] += i32::from(differs && found.is_some());
+        let apart = size(whole_speeds.0 - halves_speeds.0);
+        let differs = apart > fx!(0.0001) + size(whole_speeds.0) / 1_000;
+        counts[usize::from(is_disc)][1] += i32::from(differs && manifold.is_some());
     }
     // Near a corner of the whole, one manifold has the deeper edge alone, and two manifolds have both. How many do depends on the seed.
     let is_alike = |[pushed, off]: &[i32; 2]| cfg!(debug_assertions) || *pushed > 50 && off * 8 < *pushed;
@@ -445,7 +447,7 @@ fn mirrored_shuffled_and_restored_tiles_keep_their_bits() {
     let mut order: Vec<usize> = (0..bodies.len()).collect();
     Random::seeded(5).shuffle(&mut order);
     let (mut here, ids) = world(def(), bodies.clone()).expect("a scene");
-    let (mut there, twins) = world(def(), order.iter().map(|&i| bodies[i].clone())).expect("a scene");
+    let (mut twin_world, twins) = world(def(), order.iter().map(|&i| bodies[i].clone())).expect("a scene");
     let twin = |i: usize| twins[order.iter().position(|&at| at == i).expect("it is there")];
     let mut image = Symmetry::MIRROR.world(&here).expect("an image");
     let mut restored = here.clone();
@@ -455,16 +457,16 @@ fn mirrored_shuffled_and_restored_tiles_keep_their_bits() {
             // A tile goes: its place is empty, and later edges are real there.
             let i = step / 20 * 3;
             for (world, id) in
-                [(&mut here, ids[i]), (&mut image, ids[i]), (&mut restored, ids[i]), (&mut there, twin(i))]
+                [(&mut here, ids[i]), (&mut image, ids[i]), (&mut restored, ids[i]), (&mut twin_world, twin(i))]
             {
                 world.remove_body(id).expect("a tile");
             }
         }
         let kept = here.clone();
-        for world in [&mut here, &mut there, &mut image, &mut restored] {
+        for world in [&mut here, &mut twin_world, &mut image, &mut restored] {
             world.step();
         }
-        assert_eq!(here.physics_hash(), there.physics_hash(), "{step}");
+        assert_eq!(here.physics_hash(), twin_world.physics_hash(), "{step}");
         assert_eq!(Symmetry::MIRROR.world(&here).expect("an image").first_difference(&image), None, "{step}");
         assert_eq!(here.state_hash(), restored.state_hash(), "{step}");
         if step % 10 == 0 {
@@ -488,27 +490,27 @@ fn mirrored_shuffled_and_restored_tiles_keep_their_bits() {
 fn floats_have_no_bumps_either() {
     use umbra_physics::{Geometry, Scalar, TimeStep, scalar::ToF64};
     fn height<S: Scalar + ToF64>(is_disc: bool) -> [f64; 2] {
-        let of = S::from_fx;
+        let scalar = S::from_fx;
         let def = WorldDef {
-            gravity: Vec2::new(S::ZERO, of(fx!(-10))),
+            gravity: Vec2::new(S::ZERO, scalar(fx!(-10))),
             time_step: TimeStep::hz(60),
             sleep_after: None,
             ..WorldDef::default()
         };
         let mut world = World::with_scalar(def).expect("a world");
         for i in -4..900 {
-            let rectangle = Geometry::Rectangle { width: of(fx!(0.375)), height: S::ONE };
+            let rectangle = Geometry::Rectangle { width: scalar(fx!(0.375)), height: S::ONE };
             let shape = Shape::new(rectangle).expect("a tile");
-            let position = Vec2::new(of(fx!(0.375) * Fx::from(i)), of(fx!(-0.5)));
+            let position = Vec2::new(scalar(fx!(0.375) * Fx::from(i)), scalar(fx!(-0.5)));
             world.add_body(BodyDef { position, ..BodyDef::fixed().with_collider(shape) }).expect("a tile");
         }
-        let disc = Geometry::Circle { radius: of(fx!(0.5)) };
+        let disc = Geometry::Circle { radius: scalar(fx!(0.5)) };
         let shape = Shape::new(if is_disc { disc } else { Geometry::Rectangle { width: S::ONE, height: S::ONE } });
         let mut collider = ColliderDef::new(shape.expect("a shape"));
         collider.material.friction = S::ZERO;
         let start = BodyDef {
-            position: Vec2::new(S::ZERO, of(fx!(0.5))),
-            velocity: Vec2::new(of(fx!(10)), S::ZERO),
+            position: Vec2::new(S::ZERO, scalar(fx!(0.5))),
+            velocity: Vec2::new(scalar(fx!(10)), S::ZERO),
             ..BodyDef::dynamic().with_collider(collider)
         };
         let id = world.add_body(start).expect("a body");

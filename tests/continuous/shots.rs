@@ -93,12 +93,12 @@ fn walls(room: Room) -> Vec<ColliderDef> {
     places.into_iter().map(wall).collect()
 }
 
-fn missile(random: &mut Random, of: Missile) -> Shape {
+fn missile(random: &mut Random, kind: Missile) -> Shape {
     let size = of_any_size(random, fx!(0.02), fx!(0.75));
     let half = size.checked_div(fx!(2)).expect("it");
     let part =
         |random: &mut Random| random.number(fx!(0.25)..=fx!(1)).checked_mul(half).expect("it").max(fx!(0.0078125));
-    match of {
+    match kind {
         Missile::Disc => Shape::circle(half),
         Missile::Box => Shape::rectangle(size, part(random)),
         Missile::Capsule => Shape::capsule(size, part(random)),
@@ -113,12 +113,12 @@ fn missile(random: &mut Random, of: Missile) -> Shape {
                     Vec2::new(cos.checked_mul(size).expect("it"), sin.checked_mul(size).expect("it"))
                 })
                 .collect();
-            let made = match of {
+            let polygon = match kind {
                 Missile::Polygon => Shape::polygon(&corners),
                 _ => Shape::rounded_polygon(&corners, part(random)),
             };
             // Corners may be too near to each other.
-            return made.unwrap_or_else(|_| missile(random, of));
+            return polygon.unwrap_or_else(|_| missile(random, kind));
         }
         Missile::Segment => {
             let (sin, cos) = random.angle().sin_cos();
@@ -138,7 +138,7 @@ enum Without {
 }
 
 /// A room and bodies in it, none of which touches another one.
-pub(crate) fn scene(random: &mut Random, of: Missile, room: Room, count: usize) -> (WorldDef, Vec<BodyDef>) {
+pub(crate) fn scene(random: &mut Random, kind: Missile, room: Room, count: usize) -> (WorldDef, Vec<BodyDef>) {
     let rate = [60, 1, 10_000][random.integer(0..=2) as usize];
     let def = WorldDef { time_step: TimeStep::hz(rate), sleep_after: None, ..WorldDef::default() };
     let mut house = match room {
@@ -150,9 +150,9 @@ pub(crate) fn scene(random: &mut Random, of: Missile, room: Room, count: usize) 
     };
     (house.colliders, house.key) = (walls(room), 1 << 40);
     if house.kind == BodyKind::Kinematic {
-        let any = |random: &mut Random, most: i32| {
-            let most = Fx::from(most).checked_mul(Fx::from(rate as i32)).expect("it").min(fx!(100000));
-            let size = of_any_size(random, fx!(0.01), most);
+        let any = |random: &mut Random, max: i32| {
+            let max = Fx::from(max).checked_mul(Fx::from(rate as i32)).expect("it").min(fx!(100000));
+            let size = of_any_size(random, fx!(0.01), max);
             if random.bits() & 1 == 0 { size } else { -size }
         };
         house.velocity = Vec2::new(any(random, 20), any(random, 20));
@@ -161,7 +161,7 @@ pub(crate) fn scene(random: &mut Random, of: Missile, room: Room, count: usize) 
     let filter = Filter { group: -1, ..Filter::default() };
     let mut bodies = vec![house];
     bodies.extend((0..count).map(|key| {
-        let shape = missile(random, of);
+        let shape = missile(random, kind);
         let material = Material {
             friction: random.number(fx!(0)..=fx!(1)),
             restitution: random.number(fx!(0)..=fx!(1)),
@@ -213,12 +213,12 @@ fn is_out(world: &World, house: BodyId, body: BodyId) -> bool {
 }
 
 /// The number of bodies that leave the room within some ticks.
-fn crossing(of: Missile, room: Room, without: Without, shots: usize, ticks: usize) -> usize {
+fn crossing(missile: Missile, room: Room, without: Without, shots: usize, ticks: usize) -> usize {
     const AT_ONCE: usize = 25;
     let mut crossed = 0;
     for seed in 0..shots / AT_ONCE {
         let mut random = Random::seeded(run_seed(seed as u64));
-        let (def, bodies) = scene(&mut random, of, room, AT_ONCE);
+        let (def, bodies) = scene(&mut random, missile, room, AT_ONCE);
         let mut world = World::new(def).expect("a world");
         let ids: Vec<BodyId> = bodies.into_iter().map(|def| world.add_body(def).expect("a body")).collect();
         world.do_without_continuous_collision(without != Without::Nothing, without == Without::EndsAndSpeculation);
@@ -227,7 +227,7 @@ fn crossing(of: Missile, room: Room, without: Without, shots: usize, ticks: usiz
         for (i, _) in out {
             crossed += 1;
             if without == Without::Nothing {
-                println!("{of:?} in {room:?}: seed {seed}, body {i}");
+                println!("{missile:?} in {room:?}: seed {seed}, body {i}");
             }
         }
     }
@@ -238,20 +238,20 @@ fn crossing(of: Missile, room: Room, without: Without, shots: usize, ticks: usiz
 fn shoot(shots: usize, ticks: usize, rooms: &[Room]) {
     let mut all = [0; 3];
     for &room in rooms {
-        for of in MISSILES {
+        for missile in MISSILES {
             let counts = [Without::EndsAndSpeculation, Without::Ends, Without::Nothing]
-                .map(|without| crossing(of, room, without, shots, ticks));
-            println!("{of:?} in {room:?}: {counts:?}");
+                .map(|without| crossing(missile, room, without, shots, ticks));
+            println!("{missile:?} in {room:?}: {counts:?}");
             // Two bodies that give way, one of them without width: 14 of 10,000 cross.
-            if (of, room) == (Missile::Segment, Room::DynamicBoxes) {
+            if (missile, room) == (Missile::Segment, Room::DynamicBoxes) {
                 continue;
             }
             // A line that flies along itself at 100 km/s into the corner between two segments overlaps neither of them by 5 mm.
             let has_corners = matches!(room, Room::Chain | Room::MovingChain | Room::Segments);
-            let passing = if of == Missile::Segment && has_corners { shots / 500 } else { 0 };
-            assert!(counts[2] <= passing, "{of:?} in {room:?}: {counts:?}");
+            let passing = if missile == Missile::Segment && has_corners { shots / 500 } else { 0 };
+            assert!(counts[2] <= passing, "{missile:?} in {room:?}: {counts:?}");
             (0..3).for_each(|i| all[i] += counts[i]);
-            assert!(counts[0] >= shots / 10 * 9, "{of:?} in {room:?}: {counts:?}");
+            assert!(counts[0] >= shots / 10 * 9, "{missile:?} in {room:?}: {counts:?}");
         }
     }
     println!("{all:?}");

@@ -308,8 +308,8 @@ fn a_glancing_hit_takes_the_normal_of_the_moment_of_contact() {
         let speed = of_any_size(random, 2.0, 200.0);
         let restitution = [1.0, 0.7, 0.3, 0.0][random.below(4) as usize];
         let is_static = random.below(3) == 0;
-        let other = of_material(dynamic(disc(number(radii[1])), vec2(0, 0)), fx!(0), number(restitution));
-        let other = BodyDef { kind: if is_static { BodyKind::Static } else { BodyKind::Dynamic }, ..other };
+        let partner = of_material(dynamic(disc(number(radii[1])), vec2(0, 0)), fx!(0), number(restitution));
+        let partner = BodyDef { kind: if is_static { BodyKind::Static } else { BodyKind::Dynamic }, ..partner };
         let way = 0.01 * between(random, 0.0, 628.0);
         let (sin, cos) = way.sin_cos();
         // Up to 20 steps before they meet, at any moment of a step.
@@ -321,7 +321,7 @@ fn a_glancing_hit_takes_the_normal_of_the_moment_of_contact() {
             ..dynamic(disc(number(radii[0])), vec2(0, 0))
         };
         let body = of_material(body, fx!(0), number(restitution));
-        let (mut world, ids) = build(bouncing(floating()), [other, body]);
+        let (mut world, ids) = build(bouncing(floating()), [partner, body]);
         steps(&mut world, (60.0 * distance / speed) as u32 + 2);
         let masses = radii.map(|radius| radius * radius);
         let [after, rebound] = glanced([cos, sin], [speed, offset / reach], restitution, masses, is_static);
@@ -455,10 +455,10 @@ fn a_pile_that_always_bounces_comes_to_rest() {
     let bodies = bodies.into_iter().map(|body| of_material(body, fx!(0.5), fx!(0.5)));
     let def = WorldDef { sleep_after: Some(30), ..bouncing(falling()) };
     let (mut world, ids) = build(def, bodies);
-    let most = energy(&world) + allowance(&world);
+    let bound = energy(&world) + allowance(&world);
     for tick in 0..1_200 {
         world.step();
-        assert!(energy(&world) <= most, "tick {tick}: {} for {most}", energy(&world));
+        assert!(energy(&world) <= bound, "tick {tick}: {} for {bound}", energy(&world));
     }
     let fastest = ids.iter().map(|&id| length(velocity(&world, id))).fold(0.0, f64::max);
     let awake = world.moving_count();

@@ -96,7 +96,7 @@ fn core_distance(a: &Core, b: &Core) -> f64 {
         (0..corners.len()).map(|i| [corners[i], corners[(i + 1) % corners.len()]]).collect()
     };
     let others = edges(b);
-    let pairs = edges(a).into_iter().flat_map(|edge| others.iter().map(move |&other| edge_distance(edge, other)));
+    let pairs = edges(a).into_iter().flat_map(|edge| others.iter().map(move |&second| edge_distance(edge, second)));
     pairs.fold(f64::INFINITY, f64::min)
 }
 

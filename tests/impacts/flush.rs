@@ -223,8 +223,8 @@ fn a_part_with_another_filter_covers_no_edge() {
         ball.colliders[0].filter.mask = 1;
         let (mut world, ids) = build(floating(), [body, ball]);
         steps(&mut world, 60);
-        let [own, other] = [ids[0], ids[1]].map(|id| float(world.body(id).expect("a body").position().x));
-        assert!(other - own > 0.24, "{kind}: {other} from {own}");
+        let [left, right] = [ids[0], ids[1]].map(|id| float(world.body(id).expect("a body").position().x));
+        assert!(right - left > 0.24, "{kind}: {right} from {left}");
     }
 }
 

@@ -88,12 +88,12 @@ fn random_worlds_gain_no_energy() {
         }
         let (mut world, _) = build(def, bodies);
         let before = energy(&world);
-        let most = before + allowance(&world) + 0.001 * kinetic_energy(&world);
+        let bound = before + allowance(&world) + 0.001 * kinetic_energy(&world);
         tried += 1;
         let mut gain = (0.0, 0);
         for tick in 0..240 {
             world.step();
-            let over = energy(&world) - most;
+            let over = energy(&world) - bound;
             if over > gain.0 {
                 gain = (over, tick);
             }

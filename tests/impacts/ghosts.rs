@@ -170,9 +170,9 @@ fn random_bodies_that_pass_each_other_exchange_nothing() {
         close += usize::from(gap < 0.1);
         if let Some((tick, body)) = first_exchange(def, &bodies, 45) {
             let speed = length([float(bodies[1].velocity.x), float(bodies[1].velocity.y)]);
-            let [kind, other] = [0, 1].map(|i| (bodies[i].kind, bodies[i].bullet));
+            let [first, second] = [0, 1].map(|i| (bodies[i].kind, bodies[i].bullet));
             failures.push(format!(
-                "seed {seed}: gap {gap:.4} m, {speed:.2} m/s, tick {tick}, body {body}, {kind:?} {other:?}"
+                "seed {seed}: gap {gap:.4} m, {speed:.2} m/s, tick {tick}, body {body}, {first:?} {second:?}"
             ));
         }
     }

@@ -20,12 +20,12 @@ fn rim_speed(world: &World, body: BodyId, reach: f64) -> f64 {
 
 /// The greatest rim speed over so many ticks, and the rim speed at their end.
 fn fastest(world: &mut World, body: BodyId, reach: f64, ticks: u32) -> [f64; 2] {
-    let mut most = 0.0f64;
+    let mut fastest = 0.0f64;
     for _ in 0..ticks {
         world.step();
-        most = most.max(rim_speed(world, body, reach));
+        fastest = fastest.max(rim_speed(world, body, reach));
     }
-    [most, rim_speed(world, body, reach)]
+    [fastest, rim_speed(world, body, reach)]
 }
 
 /// A little more than the default of `push_speed`, for what rounding adds.
@@ -38,8 +38,8 @@ fn a_pinned_wheel_in_the_ground_gets_the_push_speed_at_its_rim_once() {
             let wheel = ColliderDef { position: point(offset, 0.0), ..ColliderDef::new(disc(fx!(0.5))) };
             let wheel = pinned(dynamic(wheel, point(0.0, 0.5 - depth)));
             let (mut world, ids) = build(falling(), [floor(), wheel]);
-            let [most, _] = fastest(&mut world, ids[1], 0.5 + offset, 300);
-            assert!(most <= PUSH_SPEED, "{offset} m off its pin, {depth} m deep: {most} m/s at the rim");
+            let [fastest, _] = fastest(&mut world, ids[1], 0.5 + offset, 300);
+            assert!(fastest <= PUSH_SPEED, "{offset} m off its pin, {depth} m deep: {fastest} m/s at the rim");
         }
     }
 }
@@ -49,8 +49,8 @@ fn a_pinned_disc_in_a_box_gets_no_more_than_the_push_speed() {
     let block = fixed(rectangle(fx!(1), fx!(1)), vec2(1, 1));
     let disc = ColliderDef { position: vec2(fx!(0.53125), fx!(-0.78125)), ..ColliderDef::new(disc(fx!(0.5))) };
     let (mut world, ids) = build(floating(), [block, pinned(dynamic(disc, vec2(1, 1)))]);
-    let [most, _] = fastest(&mut world, ids[1], 1.45, 90);
-    assert!(most <= PUSH_SPEED, "{most} m/s at the rim");
+    let [fastest, _] = fastest(&mut world, ids[1], 1.45, 90);
+    assert!(fastest <= PUSH_SPEED, "{fastest} m/s at the rim");
 }
 
 #[test]
@@ -61,8 +61,8 @@ fn a_pinned_box_at_rest_in_another_body_gets_no_more_than_the_push_speed() {
         for offset in [0.0, 0.003, 0.2] {
             let body = pinned(BodyDef { angle, ..dynamic(rectangle(fx!(1), fx!(0.6)), point(offset, 0.3)) });
             let (mut world, ids) = build(floating(), [fixed(triangle.clone(), vec2(0, 0)), body]);
-            let [most, _] = fastest(&mut world, ids[1], 0.583, 90);
-            assert!(most <= PUSH_SPEED, "{angle} rad, {offset} m: {most} m/s at the rim");
+            let [fastest, _] = fastest(&mut world, ids[1], 0.583, 90);
+            assert!(fastest <= PUSH_SPEED, "{angle} rad, {offset} m: {fastest} m/s at the rim");
         }
     }
 }
@@ -84,12 +84,12 @@ fn a_pinned_bar_near_the_ground_gains_no_energy() {
         }
         let (mut world, _) = build(falling(), bodies);
         let before = energy(&world);
-        let most = before + crate::impacts::scenes::allowance(&world);
+        let bound = before + crate::impacts::scenes::allowance(&world);
         tried += 1;
         let mut gain = 0.0f64;
         for _ in 0..240 {
             world.step();
-            gain = gain.max(energy(&world) - most);
+            gain = gain.max(energy(&world) - bound);
         }
         if gain > 0.0 {
             failures.push(format!("seed {seed}: {before:.2} J, and {gain:.3} more"));
@@ -131,8 +131,8 @@ fn wedged(restitution: Fx) -> (World, BodyId) {
 fn a_wedged_body_is_pushed_out_at_the_push_speed() {
     for restitution in [fx!(0), fx!(0.5), fx!(1)] {
         let (mut world, body) = wedged(restitution);
-        let [most, _] = fastest(&mut world, body, 0.0, 360);
-        assert!(most <= PUSH_SPEED, "e {restitution}: {most} m/s");
+        let [fastest, _] = fastest(&mut world, body, 0.0, 360);
+        assert!(fastest <= PUSH_SPEED, "e {restitution}: {fastest} m/s");
     }
 }
 
@@ -155,9 +155,9 @@ fn a_disc_between_surfaces_at_a_small_angle_is_pushed_out_at_the_push_speed() {
                 let bodies = [wall(1.0), wall(-1.0), dynamic(disc(fx!(0.5)), vec2(0, 0))];
                 let (mut world, ids) = build(floating(), bodies.map(|body| of_material(body, fx!(0), restitution)));
                 tried += 1;
-                let [most, _] = fastest(&mut world, ids[2], 0.0, 120);
-                if most > PUSH_SPEED {
-                    failures.push(format!("{lean} rad, {depth} m deep, e {restitution}: {most:.2} m/s"));
+                let [fastest, _] = fastest(&mut world, ids[2], 0.0, 120);
+                if fastest > PUSH_SPEED {
+                    failures.push(format!("{lean} rad, {depth} m deep, e {restitution}: {fastest:.2} m/s"));
                 }
             }
         }
@@ -180,10 +180,10 @@ fn a_disc_that_another_one_wedges_out_leaves_about_as_fast_as_it_is_pushed() {
                         .map(|(body, mass)| BodyDef { mass: Mass::Kilograms(mass), ..body });
                     let bodies = [floor(), ceiling, small, large].map(|body| of_material(body, friction, fx!(0)));
                     let (mut world, ids) = build(floating(), bodies);
-                    let [most, _] = fastest(&mut world, ids[2], 0.0, 90);
-                    assert!(most > 0.0, "nothing pushed");
+                    let [fastest, _] = fastest(&mut world, ids[2], 0.0, 90);
+                    assert!(fastest > 0.0, "nothing pushed");
                     let limit = 4.0 / 3.0 * PUSH_SPEED;
-                    assert!(most < limit, "{across} m, {depth} m, μ {friction}, masses 1:{ratio}: {most} m/s");
+                    assert!(fastest < limit, "{across} m, {depth} m, μ {friction}, masses 1:{ratio}: {fastest} m/s");
                 }
             }
         }
@@ -220,17 +220,17 @@ fn random_bodies_at_rest_in_each_other_are_pushed_apart_gently() {
         }
         let (mut world, ids) = build(floating(), bodies);
         tried += 1;
-        let mut most = 0.0f64;
+        let mut fastest = 0.0f64;
         for _ in 0..120 {
             world.step();
             for (&id, &reach) in ids.iter().zip(&reaches) {
-                most = most.max(rim_speed(&world, id, reach));
+                fastest = fastest.max(rim_speed(&world, id, reach));
             }
         }
         // Each of two bodies may have the speed, and a rim that of its middle and that of its turning; between two bodies that do not give
         // way a body may have no way out, and turns to and fro.
-        if most > 4.0 * PUSH_SPEED {
-            failures.push(format!("seed {seed}: {most:.2} m/s, {count} bodies, e {restitution}"));
+        if fastest > 4.0 * PUSH_SPEED {
+            failures.push(format!("seed {seed}: {fastest:.2} m/s, {count} bodies, e {restitution}"));
         }
     }
     // A small wheel on a pin, between a segment and a body that slides on a rail: up to 60 m/s.

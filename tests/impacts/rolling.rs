@@ -88,14 +88,14 @@ fn a_ball_in_a_half_pipe_never_rises_above_its_start() {
                 let def = WorldDef { time_step: TimeStep::hz(rate), ..falling() };
                 let (mut world, ids) = build(def, [half_pipe(segments), ball]);
                 let start = position(&world, ids[1])[1];
-                let most = energy(&world) + allowance(&world);
+                let bound = energy(&world) + allowance(&world);
                 let mut highest = [0.0f64; 6];
                 let mut gain = 0.0f64;
                 for part in &mut highest {
                     for _ in 0..10 * rate {
                         world.step();
                         *part = part.max(position(&world, ids[1])[1]);
-                        gain = gain.max(energy(&world) - most);
+                        gain = gain.max(energy(&world) - bound);
                     }
                 }
                 tried += 1;
@@ -136,14 +136,14 @@ fn a_wheel_with_its_weight_off_the_centre_keeps_its_energy() {
         let def = WorldDef { time_step: TimeStep::hz(rate), ..falling() };
         let ground = fixed(rectangle(fx!(2000), fx!(2)), vec2(0, -1));
         let (mut world, _) = build(def, [ground, wheel]);
-        let (before, most) = (energy(&world), energy(&world) + allowance(&world));
+        let (before, bound) = (energy(&world), energy(&world) + allowance(&world));
         let [mut lowest, mut highest] = [before; 2];
         for _ in 0..30 * rate {
             world.step();
             lowest = lowest.min(energy(&world));
             highest = highest.max(energy(&world));
         }
-        if highest > most || lowest < 0.98 * before {
+        if highest > bound || lowest < 0.98 * before {
             failures.push(format!("{rate} Hz, μ {friction}: from {before:.4} J {lowest:.4} to {highest:.4}"));
         }
     }

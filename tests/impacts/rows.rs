@@ -91,7 +91,7 @@ fn an_impact_that_passes_many_bodies_in_a_step_goes_through_none() {
         let after = speeds(&world, &ids);
         let (last, others) = after.split_last().expect("a row");
         assert!((last - speed).abs() < 0.01 * speed, "{gap} m, {speed} m/s: {after:.3?}");
-        assert!(others.iter().all(|other| other.abs() < 0.01 * speed), "{gap} m, {speed} m/s: {after:.3?}");
+        assert!(others.iter().all(|v| v.abs() < 0.01 * speed), "{gap} m, {speed} m/s: {after:.3?}");
     }
 }
 
@@ -151,7 +151,7 @@ fn the_exact_sequence_of_impacts_passes_half_of_one_and_e_on() {
 #[test]
 fn a_cradle_without_gaps_keeps_energy_momentum_and_its_mirror_image() {
     for (arriving, count) in [(1, 6), (2, 7), (3, 6), (1, 2), (2, 12)] {
-        for (restitution, least, most) in [(fx!(1), 0.999, 1.0001), (fx!(0.8), 0.0, 1.0), (fx!(0), 0.0, 1.0)] {
+        for (restitution, min, max) in [(fx!(1), 0.999, 1.0001), (fx!(0.8), 0.0, 1.0), (fx!(0), 0.0, 1.0)] {
             let places: Vec<f64> =
                 (0..count).map(|i| if i < arriving { i as f64 - 4.0 - arriving as f64 } else { i as f64 }).collect();
             let (mut world, ids) = build(floating(), row(&disc(fx!(0.5)), &places, arriving, 3.0, restitution));
@@ -162,7 +162,7 @@ fn a_cradle_without_gaps_keeps_energy_momentum_and_its_mirror_image() {
                 image.step();
                 let name = format!("{arriving} of {count}, e {restitution}, tick {tick}");
                 let share = kinetic_energy(&world) / energy;
-                assert!(share >= least && share <= most, "{name}: energy × {share}");
+                assert!(share >= min && share <= max, "{name}: energy × {share}");
                 let [x, y] = momentum(&world);
                 assert!((x - px).abs() < 1e-6 && (y - py).abs() < 1e-6, "{name}: {x} {y} for {px} {py}");
                 assert_eq!(Symmetry::MIRROR.world(&world).expect("an image").first_difference(&image), None, "{name}");

@@ -16,9 +16,9 @@ fn named_files(path: &str, source: &str, folder: &str, files: &[String]) -> Vec<
     let mut name = |start: &str, rest: &str| {
         for head in heads(rest) {
             let inner = format!("{start}/{head}");
-            let of = |module: &str| [format!("{module}.rs"), format!("{module}/mod.rs")];
-            let found = [of(&inner), of(start)].concat().into_iter().find(|file| files.contains(file));
-            named.extend(found.filter(|file| file != path));
+            let files_of = |module: &str| [format!("{module}.rs"), format!("{module}/mod.rs")];
+            let source = [files_of(&inner), files_of(start)].concat().into_iter().find(|file| files.contains(file));
+            named.extend(source.filter(|file| file != path));
         }
     };
     for at in words(code, "crate") {
@@ -92,7 +92,7 @@ fn no_file_of_these_folders_leads_back_to_itself() {
 
 #[test]
 fn the_checker_sees_a_cycle_in_every_form() {
-    let own = |files: &[(&str, &str)]| -> Vec<(String, String)> {
+    let owned = |files: &[(&str, &str)]| -> Vec<(String, String)> {
         files.iter().map(|(path, source)| ((*path).to_owned(), (*source).to_owned())).collect()
     };
     for files in [
@@ -103,13 +103,13 @@ fn the_checker_sees_a_cycle_in_every_form() {
         &[("a/b/mod.rs", "mod e;"), ("a/b/e.rs", "use crate::a::c::X;"), ("a/c.rs", "use super::b::Y;")],
         &[("a/b.rs", "use super::c::X;"), ("a/c.rs", "use super::d;"), ("a/d.rs", "use crate::a::{b::Y};")],
     ] {
-        assert!(cyclic(&own(files), "a").len() > 1, "{files:?}");
+        assert!(cyclic(&owned(files), "a").len() > 1, "{files:?}");
     }
     for files in [
         &[("a/b.rs", "use super::c::X;"), ("a/c.rs", "use super::d::{Y, Z};"), ("a/d.rs", "")][..],
         &[("a/mod.rs", "mod b; mod c;"), ("a/b.rs", "use crate::a::c::X;\npub(super) fn f() {}"), ("a/c.rs", "")],
         &[("a/b.rs", "//! See [`super::c`]."), ("a/c.rs", "use super::b::Y; mod tests { use super::*; }")],
     ] {
-        assert_eq!(cyclic(&own(files), "a"), [""; 0], "{files:?}");
+        assert_eq!(cyclic(&owned(files), "a"), [""; 0], "{files:?}");
     }
 }

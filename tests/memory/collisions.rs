@@ -25,18 +25,18 @@ fn unit() -> Shape {
 fn a_step_takes_nothing_from_the_heap_once_there_were_as_many_contacts() {
     let mut world = heap();
     let start = world.snapshot();
-    let mut most = 0;
+    let mut max_contacts = 0;
     for _ in 0..240 {
         world.step();
-        most = most.max(world.contacts().count());
+        max_contacts = max_contacts.max(world.contacts().count());
     }
-    assert!(most > 150, "{most}");
+    assert!(max_contacts > 150, "{max_contacts}");
     world.restore(&start);
     // The first step after a restore builds the tree of static colliders.
     world.step();
     for step in 1..240 {
         let taken = measure(|| _ = world.step());
-        assert_eq!(taken.count_total, 0, "step {step} of {most} contacts");
+        assert_eq!(taken.count_total, 0, "step {step} of {max_contacts} contacts");
     }
 }
 
@@ -94,10 +94,10 @@ fn many_faults_that_are_found_again_take_nothing_from_the_heap() {
 fn changes_that_no_step_looks_at_are_not_kept_for_ever() {
     let mut world = World::new(WorldDef::default()).expect("a world");
     let wall = world.add_body(BodyDef::fixed().with_collider(Shape::circle(1).expect("a disc"))).expect("a body");
-    let own = world.colliders_of(wall).expect("it").next().expect("a disc");
+    let disc = world.colliders_of(wall).expect("it").next().expect("a disc");
     let mut change = |count: i32| {
         for i in 0..count {
-            world.set_collider(own, Shape::circle(1 + i % 2).expect("a disc")).expect("it is there");
+            world.set_collider(disc, Shape::circle(1 + i % 2).expect("a disc")).expect("it is there");
             world.step();
         }
     };
@@ -151,13 +151,13 @@ fn a_surface_of_a_raft_that_is_found_again_takes_nothing_from_the_heap() {
     assert!(world.contacts().count() > 0);
     let end = world.colliders_of(raft).expect("a raft").next().expect("a collider");
     let def = world.collider(end).expect("a collider").clone();
-    let other = ColliderDef { user_data: 1, ..def };
+    let changed = ColliderDef { user_data: 1, ..def };
     world.step();
     let start = world.clone();
     // A call may take memory; the steps after it do not.
     let steps = |world: &mut World| {
         world.clone_from(&start);
-        world.set_collider(end, other.clone()).expect("a collider");
+        world.set_collider(end, changed.clone()).expect("a collider");
         measure(|| (0..30).for_each(|_| _ = world.step())).count_total
     };
     steps(&mut world);

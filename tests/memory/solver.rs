@@ -98,7 +98,9 @@ fn a_step_of_the_solver_takes_nothing_from_the_heap_once_its_buffers_are_as_long
             assert!((round, count) == (0, 8) || taken.count_total == 0, "round {round}, {count}: {taken:?}");
             // All parts of the solver have work to do.
             assert!(joints.iter().all(|joint| joint.impulses.values[0] != 0));
-            let is_solved = |of: &Correction| of.velocity.x.value() != fx!(0) || of.velocity.y.value() != fx!(0);
+            let is_solved = |correction: &Correction| {
+                correction.velocity.x.value() != fx!(0) || correction.velocity.y.value() != fx!(0)
+            };
             assert!(corrections[1..].iter().all(is_solved));
             // They meet at 4 m/s, and part at half of that.
             let met = contacts.iter().filter(|contact| contact.normal[1] == 0).map(|contact| contact.bodies[1]);

@@ -26,8 +26,8 @@ pub(crate) fn until_found() -> Config {
 
 /// Returns true if one of the generated values satisfies the condition.
 pub(crate) fn there_is<T: std::fmt::Debug>(values: impl Strategy<Value = T>, is_such: impl Fn(&T) -> bool) -> bool {
-    let found = |value: &T| if is_such(value) { Err("found".to_owned()) } else { Ok(()) };
-    falsified(Config { max_shrink_iters: 0, ..until_found() }, values, found).is_some()
+    let property = |value: &T| if is_such(value) { Err("found".to_owned()) } else { Ok(()) };
+    falsified(Config { max_shrink_iters: 0, ..until_found() }, values, property).is_some()
 }
 
 /// The least value for which a property does not hold, and what it says of it.
@@ -36,8 +36,8 @@ pub(crate) fn falsified<T: std::fmt::Debug>(
     values: impl Strategy<Value = T>,
     property: impl Fn(&T) -> Verdict,
 ) -> Option<(T, String)> {
-    let found = TestRunner::new(config).run(&values, |value| property(&value).map_err(TestCaseError::fail));
-    match found {
+    let outcome = TestRunner::new(config).run(&values, |value| property(&value).map_err(TestCaseError::fail));
+    match outcome {
         Ok(()) => None,
         Err(TestError::Fail(why, value)) => Some((value, why.message().to_owned())),
         Err(TestError::Abort(why)) => panic!("no plan was tried to the end: {why}"),

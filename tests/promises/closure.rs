@@ -106,7 +106,8 @@ fn in_groups(command: Command, force_groups: impl Fn(u32) -> u32) -> (Command, b
 
 /// A bystander that stops at once would keep `Yoshida4` out of the world for all.
 fn goes_on(command: Command) -> Command {
-    let some = |own: Option<Damping>| own.map(|own| Damping::kept_per_second(own.kept().max(Fx::DELTA)));
+    let some =
+        |damping: Option<Damping>| damping.map(|damping| Damping::kept_per_second(damping.kept().max(Fx::DELTA)));
     match command {
         Command::AddBody(def) => Command::AddBody(BodyDef {
             linear_damping: some(def.linear_damping),
@@ -146,7 +147,7 @@ fn seen(world: &World, cast: &Cast) -> Vec<Result<Seen, ()>> {
 
 /// Members of a cast in a list of handles, by number.
 fn numbers(cast: &Cast, bodies: impl Iterator<Item = BodyId>) -> Vec<Option<usize>> {
-    let mut numbers: Vec<_> = bodies.map(|body| cast.bodies.iter().position(|&other| other == body)).collect();
+    let mut numbers: Vec<_> = bodies.map(|body| cast.bodies.iter().position(|&candidate| candidate == body)).collect();
     numbers.retain(Option::is_some);
     numbers.sort_unstable();
     numbers
@@ -183,13 +184,13 @@ impl Company {
     /// With or without bystanders: what becomes of the others, and how many bystanders are, or were, and were quarantined.
     fn play(&self, with_bystanders: bool, mut see: impl FnMut(u64, String) -> Verdict) -> Result<[usize; 2], String> {
         let mut world = World::new(self.plan.world).map_err(|error| error.to_string())?;
-        let (mut own, mut strange) = (Cast::default(), Cast::default());
+        let (mut cast, mut strange) = (Cast::default(), Cast::default());
         let mut quarantined = 0;
         if with_bystanders && self.throng {
-            let one = BodyDef { velocity: Vec2::X, force_groups: BYSTANDERS, ..BodyDef::kinematic() };
+            let bystander = BodyDef { velocity: Vec2::X, force_groups: BYSTANDERS, ..BodyDef::kinematic() };
             for i in 0..THRONG {
                 let position = Vec2::new(Fx::from(i), Fx::from(-1_000));
-                world.add_body(BodyDef { position, ..one.clone() }).map_err(|error| error.to_string())?;
+                world.add_body(BodyDef { position, ..bystander.clone() }).map_err(|error| error.to_string())?;
             }
         }
         for tick in 0..self.plan.ticks {
@@ -203,36 +204,36 @@ impl Company {
                 if let Some(command) = strange_due.next_if(|_| bystanders_turn || own_due.peek().is_none()) {
                     strange.carry_out(&mut world, &command);
                 } else if let Some(command) = own_due.next() {
-                    let done = world.execute(&own.command(&command));
+                    let done = world.execute(&cast.command(&command));
                     told += &kind(done);
-                    if let Ok(made) = done {
-                        own.made(&world, made);
+                    if let Ok(created) = done {
+                        cast.made(&world, created);
                     }
                 }
             }
             world.step();
             let report = world.last_report();
             quarantined += numbers(&strange, report.faults.iter().map(|fault| fault.body)).len();
-            let faults = numbers(&own, report.faults.iter().map(|fault| fault.body));
+            let faults = numbers(&cast, report.faults.iter().map(|fault| fault.body));
             let (slept, woke) = (report.fell_asleep, report.woke);
-            let [slept, woke] = [slept, woke].map(|bodies| numbers(&own, bodies.iter().copied()));
-            let seen = seen(&world, &own);
-            see(tick, format!("{told}, {faults:?} {slept:?} {woke:?}: {seen:?}"))?;
+            let [slept, woke] = [slept, woke].map(|bodies| numbers(&cast, bodies.iter().copied()));
+            let picture = seen(&world, &cast);
+            see(tick, format!("{told}, {faults:?} {slept:?} {woke:?}: {picture:?}"))?;
         }
         Ok([strange.bodies.len(), quarantined])
     }
 
     fn is_closed(&self) -> Verdict {
         let mut alone = Vec::new();
-        self.play(false, |_, seen| {
-            alone.push(seen);
+        self.play(false, |_, picture| {
+            alone.push(picture);
             Ok(())
         })?;
-        let beside = |tick: u64, seen: String| {
-            if alone[tick as usize] == seen {
+        let beside = |tick: u64, picture: String| {
+            if alone[tick as usize] == picture {
                 return Ok(());
             }
-            Err(format!("at tick {tick}: {seen}\nand alone: {}", alone[tick as usize]))
+            Err(format!("at tick {tick}: {picture}\nand alone: {}", alone[tick as usize]))
         };
         self.on_threads(|| self.play(true, beside)).map(drop)
     }
@@ -251,11 +252,11 @@ impl Company {
     /// The run with all bystanders, but for the throng.
     fn script(&self) -> Script {
         let mut world = World::new(self.plan.world).expect("plans have fair worlds");
-        let (mut own, mut strange, mut commands) = (Cast::default(), Cast::default(), Vec::new());
+        let (mut cast, mut strange, mut commands) = (Cast::default(), Cast::default(), Vec::new());
         for tick in 0..self.plan.ticks {
             // Without turns: bystanders last.
             for command in self.own(tick) {
-                commands.push((tick, own.carry_out(&mut world, &command)));
+                commands.push((tick, cast.carry_out(&mut world, &command)));
             }
             for command in self.strange(tick) {
                 commands.push((tick, strange.carry_out(&mut world, &command)));
@@ -267,12 +268,12 @@ impl Company {
 }
 
 fn companies() -> impl Strategy<Value = Company> {
-    let near = Taste { near: 3, ..FAIR };
-    let deeds = || vec((0..near.ticks, near.command()), 0..14);
-    let bystanders = (vec(near.body(), 0..=17), vec(near.field(), 0..9), deeds());
-    let expelled = proptest::option::of((0u32..17, 0..near.ticks / 2));
+    let taste = Taste { near: 3, ..FAIR };
+    let deeds = || vec((0..taste.ticks, taste.command()), 0..14);
+    let bystanders = (vec(taste.body(), 0..=17), vec(taste.field(), 0..9), deeds());
+    let expelled = proptest::option::of((0u32..17, 0..taste.ticks / 2));
     let throng = proptest::bool::weighted(if cfg!(feature = "parallel") { 0.03 } else { 0.0 });
-    (near.plan(), bystanders, vec(any::<bool>(), 1..8), expelled, 1usize..4, throng).prop_map(
+    (taste.plan(), bystanders, vec(any::<bool>(), 1..8), expelled, 1usize..4, throng).prop_map(
         |(plan, (bodies, fields, deeds), turns, expelled, threads, throng)| {
             let bystanders = Plan { bodies, fields, deeds, ..plan.clone() };
             Company { plan, bystanders, turns, expelled, threads, throng, friends: false }
@@ -282,9 +283,9 @@ fn companies() -> impl Strategy<Value = Company> {
 
 #[test]
 fn the_order_in_which_a_world_is_built_changes_no_bit_and_neither_do_bystanders() {
-    let near = Taste { near: 3, ..FAIR };
-    judge("closure", 50, near.plan(), Oracle::Order);
-    judge("closure", 20, near.plan(), Oracle::Bystanders);
+    let taste = Taste { near: 3, ..FAIR };
+    judge("closure", 50, taste.plan(), Oracle::Order);
+    judge("closure", 20, taste.plan(), Oracle::Bystanders);
 }
 
 #[test]

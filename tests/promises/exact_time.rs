@@ -77,8 +77,8 @@ fn any_step() -> BoxedStrategy<TimeStep> {
 #[test]
 fn elapsed_time_is_the_sum_of_any_steps() {
     let steps = vec((any_step(), 0u64..20), 0..24);
-    let found = falsified(config(40), steps, is_the_sum);
-    assert!(found.is_none(), "{found:?}");
+    let counterexample = falsified(config(40), steps, is_the_sum);
+    assert!(counterexample.is_none(), "{counterexample:?}");
 }
 
 /// A body thrown in a gravity, and the steps it goes.

@@ -45,8 +45,9 @@ impl Problem {
         for tick in 1..=script.ticks {
             script.advance(&mut world, &mut ());
             if tick % u64::from(rate / 4) == 0 {
-                let of = |world: &World| -> Vec<_> { world.bodies().map(|body| body.position_exact()).collect() };
-                places.extend(of(&world).into_iter().flat_map(|place| [place.x, place.y].map(|x| x.to_bits())));
+                let places_of =
+                    |world: &World| -> Vec<_> { world.bodies().map(|body| body.position_exact()).collect() };
+                places.extend(places_of(&world).into_iter().flat_map(|place| [place.x, place.y].map(|x| x.to_bits())));
             }
         }
         Ok(places)

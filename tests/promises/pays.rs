@@ -32,24 +32,23 @@ fn moves_those_alone_who_may_move(script: &Script) -> Verdict {
 /// The bodies whose fields reach a body, by way of others or not: what there is to ask about its future, and no more.
 fn reaching(world: &World, body: BodyId) -> BTreeSet<BodyId> {
     let mut reaching = BTreeSet::from([body]);
-    let is_acted_on = |field: &ForceField, one: BodyId| {
-        world.body(one).is_ok_and(|body| body.force_groups() & field.force_groups != 0)
-    };
+    let is_acted_on =
+        |field: &ForceField, id: BodyId| world.body(id).is_ok_and(|body| body.force_groups() & field.force_groups != 0);
     loop {
         let mut more = reaching.clone();
         for (_, field) in world.fields() {
             match field.kind {
-                FieldKind::Spring { near, far: End::Body(far), .. } => {
-                    for (one, other) in [(near.body, far.body), (far.body, near.body)] {
+                FieldKind::Spring { near: start, far: End::Body(end), .. } => {
+                    for (first, second) in [(start.body, end.body), (end.body, start.body)] {
                         // A static body hands nothing on, but who hangs on it asks where it is.
-                        let hands_on = world.body(one).is_ok_and(|body| body.kind() != BodyKind::Static);
-                        if reaching.contains(&one) && hands_on {
-                            more.insert(other);
+                        let hands_on = world.body(first).is_ok_and(|body| body.kind() != BodyKind::Static);
+                        if reaching.contains(&first) && hands_on {
+                            more.insert(second);
                         }
                     }
                 }
                 FieldKind::Attractor { centre: End::Body(at), .. }
-                    if reaching.iter().any(|&one| is_acted_on(field, one)) =>
+                    if reaching.iter().any(|&member| is_acted_on(field, member)) =>
                 {
                     more.insert(at.body);
                 }
@@ -80,11 +79,12 @@ fn looks_ahead_with_few(script: &Script) -> Verdict {
         for tick in 0..20 {
             ahead.step();
             world.step();
-            let (seen, is) = (ahead.body().map_err(|error| error.to_string())?, world.body(body).expect("it stays"));
+            let (actual, expected) =
+                (ahead.body().map_err(|error| error.to_string())?, world.body(body).expect("it stays"));
             let bits = |body: &umbra_physics::BodyRef<'_>| {
                 (body.position_exact(), body.velocity_exact(), body.angle_exact(), body.angular_velocity_exact())
             };
-            if bits(&seen) != bits(&is) {
+            if bits(&actual) != bits(&expected) {
                 return Err(format!("{body} does not move as its preview, {tick} ticks on"));
             }
         }

@@ -71,8 +71,8 @@ impl Cast {
         }
     }
 
-    pub(crate) fn made(&mut self, world: &World, made: Created) {
-        match made {
+    pub(crate) fn made(&mut self, world: &World, created: Created) {
+        match created {
             Created::Body(body) => {
                 self.bodies.push(body);
                 self.colliders.extend(world.colliders_of(body).into_iter().flatten());
@@ -86,8 +86,8 @@ impl Cast {
     /// Carries out a command of the plan's, unless the world refuses it.
     pub(crate) fn carry_out(&mut self, world: &mut World, command: &Command) -> Command {
         let command = self.command(command);
-        if let Ok(made) = world.execute(&command) {
-            self.made(world, made);
+        if let Ok(created) = world.execute(&command) {
+            self.made(world, created);
         }
         command
     }
@@ -183,8 +183,8 @@ impl Taste {
     }
 
     /// From `low` to `high`; at times at one of the limits, or beyond.
-    pub(crate) fn number(self, low: Fx, high: Fx, least: Fx, most: Fx) -> BoxedStrategy<Fx> {
-        self.made(move |generator| generator.number([low, high], [least, most]))
+    pub(crate) fn number(self, low: Fx, high: Fx, min: Fx, max: Fx) -> BoxedStrategy<Fx> {
+        self.made(move |generator| generator.number([low, high], [min, max]))
     }
 
     /// Within ±`usual`.

@@ -20,7 +20,7 @@ fn goes_there_and_back(script: &Script) -> Verdict {
     }
     let after = world.state_hash();
     while let Some((before, applied)) = ticks.pop() {
-        let there = world.state_hash();
+        let hash_after = world.state_hash();
         let quarantined = world.bodies().any(|body| body.activity() == Activity::Quarantined);
         match world.step_back(&applied) {
             Ok(()) if quarantined => return Err("what left the envelope came back".to_owned()),
@@ -28,7 +28,7 @@ fn goes_there_and_back(script: &Script) -> Verdict {
             Err(Error::NotReversible { why: Irreversible::Quarantined { .. } | Irreversible::Fault(_) })
                 if quarantined =>
             {
-                if world.state_hash() != there {
+                if world.state_hash() != hash_after {
                     return Err("refused, but something changed".to_owned());
                 }
                 return Ok(());
@@ -62,7 +62,9 @@ fn any_step_is_undone_or_nothing_changes() {
     judge("reverse", 40, REVERSIBLE.plan(), Oracle::Reverse);
     // In few of these there is a step that can be undone, and in many one that cannot.
     let any = Taste { near: 3, ..FAIR }.plan();
-    check("reverse-any", 40, any, |script| script.judge(Oracle::Reverse).map(drop).map_err(|seen| seen.to_string()));
+    check("reverse-any", 40, any, |script| {
+        script.judge(Oracle::Reverse).map(drop).map_err(|violation| violation.to_string())
+    });
 }
 
 #[test]

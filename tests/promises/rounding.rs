@@ -38,14 +38,14 @@ fn equal(what: &str, is: Option<Fx>, exact: Option<i64>) -> Verdict {
 
 #[test]
 fn products_and_quotients_are_the_nearest_and_ties_go_to_even() {
-    let found = falsified(config(2_000), (raw(), raw()), |&(a, b)| {
+    let counterexample = falsified(config(2_000), (raw(), raw()), |&(a, b)| {
         let (x, y) = (Fx::from_bits(a), Fx::from_bits(b));
         equal("product", x.checked_mul(y), nearest(i128::from(a) * i128::from(b), 1 << 32))?;
         let quotient = if b == 0 { None } else { nearest(i128::from(a) << 32, b.into()) };
         equal("quotient", x.checked_div(y), quotient)?;
         equal("ratio", Fx::checked_from_ratio(a, b), quotient)
     });
-    assert!(found.is_none(), "{found:?}");
+    assert!(counterexample.is_none(), "{counterexample:?}");
 }
 
 /// Returns true if r is √n to the nearest integer: r − ½ < √n < r + ½, as no integer's root is halfway.
@@ -57,7 +57,7 @@ fn is_root(r: u64, n: u128) -> bool {
 
 #[test]
 fn roots_and_lengths_are_the_nearest() {
-    let found = falsified(config(2_000), (raw(), raw()), |&(a, b)| {
+    let counterexample = falsified(config(2_000), (raw(), raw()), |&(a, b)| {
         let root = Fx::from_bits(a).checked_sqrt();
         match root {
             Some(root) if !is_root(root.to_bits() as u64, (a as u128) << 32) => {
@@ -73,7 +73,7 @@ fn roots_and_lengths_are_the_nearest() {
             length => Err(format!("the length is {length:?}")),
         }
     });
-    assert!(found.is_none(), "{found:?}");
+    assert!(counterexample.is_none(), "{counterexample:?}");
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn transcendental_functions_are_within_their_bounds() {
     // Beside where powers of two begin to be too great, and to be 0.
     let edge = (prop_oneof![Just(31i64 << 32), Just(-33i64 << 32)], -3i64..=3).prop_map(|(edge, off)| edge + off);
     let power = prop_oneof![7 => raw(), 1 => edge];
-    let found = falsified(config(400), (angle, power), |&(a, b)| {
+    let counterexample = falsified(config(400), (angle, power), |&(a, b)| {
         let (sin, cos) = Fx::from_bits(a).sin_cos();
         let (exact_sin, exact_cos) = reference.sin_cos(a);
         within("the sine", error(sin.to_bits(), &exact_sin), 0.5001)?;
@@ -117,5 +117,5 @@ fn transcendental_functions_are_within_their_bounds() {
             Err(error) => Err(format!("there is a power of two: {error}")),
         }
     });
-    assert!(found.is_none(), "{found:?}");
+    assert!(counterexample.is_none(), "{counterexample:?}");
 }

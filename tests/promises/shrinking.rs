@@ -53,8 +53,8 @@ fn breaks_as_a_file(name: &str, taste: Taste, property: fn(&World) -> Verdict) {
 #[test]
 fn a_false_property_leaves_a_small_scene_that_breaks_it() {
     breaks_as_a_file("springs", FAIR, nobody_is_pulled);
-    let near = Taste { near: 10, ..FAIR };
-    breaks_as_a_file("quarantine", near, nobody_leaves);
+    let taste = Taste { near: 10, ..FAIR };
+    breaks_as_a_file("quarantine", taste, nobody_leaves);
 }
 
 #[test]

@@ -115,8 +115,12 @@ impl Reflected {
         mut act: impl FnMut(&mut Side) -> T,
     ) -> Result<T, Ended> {
         let [ours, theirs] = &mut self.sides;
-        let (here, there) = (act(ours), act(theirs));
-        if here == there { Ok(here) } else { Err(Ended::Unlike(format!("{what}: {here:?} and {there:?}"))) }
+        let (ours_result, theirs_result) = (act(ours), act(theirs));
+        if ours_result == theirs_result {
+            Ok(ours_result)
+        } else {
+            Err(Ended::Unlike(format!("{what}: {ours_result:?} and {theirs_result:?}")))
+        }
     }
 
     fn image(&self, command: &Command) -> Result<Command, Ended> {
@@ -131,23 +135,23 @@ impl Reflected {
         Some(Event::ContactHit(hit))
     }
 
-    fn is_image(&self, what: &str, here: &World, there: &World) -> Result<(), Ended> {
-        let image = self.symmetry.world(here).ok_or(Ended::Over)?;
-        match image.first_difference(there) {
-            None if image.state_hash() == there.state_hash() => Ok(()),
-            found => Err(Ended::Unlike(format!("{what}, {}: {found:?}", self.symmetry.name()))),
+    fn is_image(&self, what: &str, world: &World, counterpart: &World) -> Result<(), Ended> {
+        let image = self.symmetry.world(world).ok_or(Ended::Over)?;
+        match image.first_difference(counterpart) {
+            None if image.state_hash() == counterpart.state_hash() => Ok(()),
+            difference => Err(Ended::Unlike(format!("{what}, {}: {difference:?}", self.symmetry.name()))),
         }
     }
 
     fn compare(&mut self, what: &str) -> Result<(), Ended> {
-        let [(events, outside, changed), there] = self.sides.each_ref().map(Side::told);
+        let [(events, outside, changed), theirs] = self.sides.each_ref().map(Side::told);
         let events: Option<Vec<Event>> = events.into_iter().map(|event| self.image_of(event)).collect();
         let here = (events.ok_or(Ended::Over)?, outside, changed);
-        if here != there {
-            return Err(Ended::Unlike(format!("{what}: {here:?} and {there:?}")));
+        if here != theirs {
+            return Err(Ended::Unlike(format!("{what}: {here:?} and {theirs:?}")));
         }
-        let [here, there] = &self.sides;
-        self.is_image(what, &here.world, &there.world)?;
+        let [left, right] = &self.sides;
+        self.is_image(what, &left.world, &right.world)?;
         self.compared += 1;
         Ok(())
     }
@@ -165,22 +169,22 @@ impl Reflected {
         self.by_rollback ^= self.dice.below(8) == 0;
         if self.by_rollback {
             // By a rollback, as inputs of a player.
-            let (here, there) = (ours.advance(commands), theirs.advance(&images));
-            if here != there {
-                return Err(Ended::Unlike(format!("what became of inputs: {here:?} and {there:?}")));
+            let (left, right) = (ours.advance(commands), theirs.advance(&images));
+            if left != right {
+                return Err(Ended::Unlike(format!("what became of inputs: {left:?} and {right:?}")));
             }
-            self.redone += here.0.unwrap_or(0);
+            self.redone += left.0.unwrap_or(0);
         } else {
             for (command, image) in commands.iter().zip(&images) {
-                let (here, there) = (ours.world.execute(command), theirs.world.execute(image));
-                if here != there {
-                    return Err(Ended::Unlike(format!("{command:?}: {here:?} and {there:?}")));
+                let (left, right) = (ours.world.execute(command), theirs.world.execute(image));
+                if left != right {
+                    return Err(Ended::Unlike(format!("{command:?}: {left:?} and {right:?}")));
                 }
             }
             if self.dice.below(3) == 0 {
-                let (here, there) = (ours.world.step_traced(), theirs.world.step_traced());
-                for ((stage, here), (_, there)) in here.stages().zip(there.stages()) {
-                    self.is_image(stage.kind.name(), here, there)?;
+                let (left, right) = (ours.world.step_traced(), theirs.world.step_traced());
+                for ((stage, left), (_, right)) in left.stages().zip(right.stages()) {
+                    self.is_image(stage.kind.name(), left, right)?;
                 }
             } else {
                 ours.world.step();
@@ -212,9 +216,9 @@ impl Reflected {
                     (0..3).for_each(|_| _ = ahead.step());
                     Some(ahead.world().clone())
                 };
-                let [here, there] = &self.sides;
-                if let (Some(here), Some(there)) = (ahead(here), ahead(there)) {
-                    self.is_image("ahead", &here, &there)?;
+                let [left, right] = &self.sides;
+                if let (Some(left), Some(right)) = (ahead(left), ahead(right)) {
+                    self.is_image("ahead", &left, &right)?;
                 }
             }
             6..=9 => {
@@ -234,10 +238,10 @@ impl Reflected {
                 let mut part = || self.dice.number(fx!(-3)..=fx!(3));
                 let action = ForceOrImpulse::Impulse { impulse: Vec2::new(part(), part()), point: None };
                 let push = Command::Apply { body, action, options: ApplyOptions::default() };
-                let [here, there] =
+                let [left, right] =
                     self.on_each(&push, |side, push| side.rollback.add_input(tick, 1, vec![push.clone()]))?;
-                if here != there {
-                    return Err(Ended::Unlike(format!("late inputs: {here:?} and {there:?}")));
+                if left != right {
+                    return Err(Ended::Unlike(format!("late inputs: {left:?} and {right:?}")));
                 }
             }
             _ => {
@@ -306,8 +310,8 @@ fn calls_of_every_kind_keep_images() {
     assert!(compared >= 20 * tried, "compared {compared} times in {tried} runs");
     assert!(redone >= u64::from(tried) / 2, "{redone} ticks made again in {tried} runs");
     // With the commands of another image they part.
-    let other = |_| Symmetry::shift(Vec2::ZERO).expect("by nothing");
-    assert!(there_is(runs(), |(plan, seed)| keeps_images(&plan.script(), *seed, other).is_err()));
+    let unmoved = |_| Symmetry::shift(Vec2::ZERO).expect("by nothing");
+    assert!(there_is(runs(), |(plan, seed)| keeps_images(&plan.script(), *seed, unmoved).is_err()));
 }
 
 /// Two bodies at one place, of different masses, under what pulls all masses alike.
@@ -350,21 +354,21 @@ impl Pair {
 }
 
 fn pairs(pulls_alike: bool) -> impl Strategy<Value = Pair> {
-    let near = Taste { near: 2, ..FAIR };
+    let taste = Taste { near: 2, ..FAIR };
     let is_alike = move |law: &FieldKind| match law {
         FieldKind::Attractor { centre: End::World(_), .. } | FieldKind::Zone { .. } => true,
         FieldKind::Drag { .. } => !pulls_alike,
         _ => false,
     };
-    let law = near.field_kind().prop_filter("it pulls masses as they are heavy", is_alike);
+    let law = taste.field_kind().prop_filter("it pulls masses as they are heavy", is_alike);
     let mass = || {
         prop_oneof![
-            near.number(fx!(0.125), fx!(9), limits::MASS_MIN, limits::MASS_MAX).prop_map(Mass::Kilograms),
+            taste.number(fx!(0.125), fx!(9), limits::MASS_MIN, limits::MASS_MAX).prop_map(Mass::Kilograms),
             prop::sample::select(vec![Mass::Kilograms(limits::MASS_MIN), Mass::Kilograms(limits::MASS_MAX)]),
         ]
     };
     let fields = vec(law.prop_map(ForceField::from), usize::from(!pulls_alike)..3);
-    (near.world(), near.body(), mass(), mass(), fields).prop_map(|(world, body, a, b, fields)| {
+    (taste.world(), taste.body(), mass(), mass(), fields).prop_map(|(world, body, a, b, fields)| {
         let body = BodyDef { kind: umbra_physics::BodyKind::Dynamic, colliders: Vec::new(), ..body };
         Pair { world, body, masses: [a, b], fields }
     })

@@ -35,9 +35,9 @@ fn the_self_test_has_the_scenes_ticks_and_digest_that_are_said() {
     let lines: Vec<Vec<&str>> = golden.lines().map(|line| line.split_whitespace().collect()).collect();
     let is_scene = |line: &&Vec<&str>| line.len() == 3 && !["#", "all"].contains(&line[0]);
     let scenes = lines.iter().filter(is_scene).count();
-    let of = |name: &str| lines.iter().find(|line| line[0] == name).expect("a line");
-    let ticks = grouped(of("all")[1].parse().expect("a number"));
-    let (digest, version) = (of("all")[2], of("physics_version")[1]);
+    let line_of = |name: &str| lines.iter().find(|line| line[0] == name).expect("a line");
+    let ticks = grouped(line_of("all")[1].parse().expect("a number"));
+    let (digest, version) = (line_of("all")[2], line_of("physics_version")[1]);
     let claim = format!("`{digest}` of {scenes} scenes and {ticks} ticks under version {version}");
     assert_says("docs/determinism.md", &claim);
     assert_says("docs/stability.md", &format!("PHYSICS_VERSION == {version}"));
@@ -69,13 +69,13 @@ fn fixed_point_errs_as_doubles_do_down_to_what_the_guide_says() {
     for integrator in umbra_physics::Integrator::ALL.map(umbra_physics::Integrator::name) {
         let pairs = all_runs(&report, "fx", integrator).into_iter().zip(all_runs(&report, "f64", integrator));
         for ((name, ours), (_, others)) in pairs {
-            for (run, other) in ours.iter().zip(&others) {
-                let (Some(error), Some(in_f64)) = (run["error"].as_f64(), other["error"].as_f64()) else {
-                    assert_eq!(run["error"], other["error"], "{name} by {integrator}: {run}");
+            for (run, run_in_f64) in ours.iter().zip(&others) {
+                let (Some(error), Some(in_f64)) = (run["error"].as_f64(), run_in_f64["error"].as_f64()) else {
+                    assert_eq!(run["error"], run_in_f64["error"], "{name} by {integrator}: {run}");
                     continue;
                 };
                 if error.max(in_f64) > 1e-6 {
-                    assert!((error - in_f64).abs() <= 0.01 * in_f64, "{name} by {integrator}: {run}, {other}");
+                    assert!((error - in_f64).abs() <= 0.01 * in_f64, "{name} by {integrator}: {run}, {run_in_f64}");
                     compared += 1;
                 }
             }

@@ -25,8 +25,8 @@ pub(crate) fn report() -> Value {
 
 /// The entry of a list that has this under the key.
 fn among(list: &Value, key: &str, is: &Value) -> Value {
-    let found = list.as_array().expect("a list").iter().find(|entry| entry[key] == *is).cloned();
-    found.unwrap_or_else(|| panic!("the report has no {key} {is}"))
+    let matching = list.as_array().expect("a list").iter().find(|entry| entry[key] == *is).cloned();
+    matching.unwrap_or_else(|| panic!("the report has no {key} {is}"))
 }
 
 /// The runs of a problem in this scalar by this integrator, in the order of their rates.
@@ -38,9 +38,9 @@ pub(crate) fn runs(problem: &Value, scalar: &str, integrator: &str) -> Vec<Value
 
 /// Cost of runs as a multiple of the cost of others, the median over the rates at which both came through.
 fn times(runs: &[Value], others: &[Value]) -> f64 {
-    let both = runs.iter().zip(others).filter(|(run, other)| !run["error"].is_null() && !other["error"].is_null());
+    let both = runs.iter().zip(others).filter(|(run, twin)| !run["error"].is_null() && !twin["error"].is_null());
     let cost = |run: &Value| run["cost"].as_f64().expect("a cost");
-    let mut ratios: Vec<f64> = both.map(|(run, other)| cost(run) / cost(other)).collect();
+    let mut ratios: Vec<f64> = both.map(|(run, twin)| cost(run) / cost(twin)).collect();
     ratios.sort_by(f64::total_cmp);
     ratios[ratios.len() / 2]
 }
@@ -55,9 +55,8 @@ fn prices() -> Vec<(String, f64)> {
 
 /// The least and the greatest of these, as they are written.
 fn span(values: impl Iterator<Item = f64>) -> (String, String) {
-    let (least, most) =
-        values.fold((f64::INFINITY, 0.0_f64), |(least, most), value| (least.min(value), most.max(value)));
-    (format!("{least:.1}"), format!("{most:.1}"))
+    let (min, max) = values.fold((f64::INFINITY, 0.0_f64), |(min, max), value| (min.min(value), max.max(value)));
+    (format!("{min:.1}"), format!("{max:.1}"))
 }
 
 /// A text with its line breaks taken for spaces.
@@ -118,20 +117,19 @@ fn the_times_in_the_guide_are_those_of_the_report() {
     // The text as well: problems with fields and problems without.
     let text = flowing(&accuracy);
     let without = |name: &str| ["damped-fall", "spin"].contains(&name);
-    let (least, most) = span(prices.iter().filter(|(name, _)| !without(name)).map(|&(_, price)| price));
+    let (min, max) = span(prices.iter().filter(|(name, _)| !without(name)).map(|&(_, price)| price));
     let (spin, fall) = span(prices.iter().filter(|(name, _)| without(name)).map(|&(_, price)| price));
     let claim =
-        format!("{least} to {most} times as long as one of velocity Verlet where fields act, {spin} and {fall} times");
+        format!("{min} to {max} times as long as one of velocity Verlet where fields act, {spin} and {fall} times");
     assert!(text.contains(&claim), "{claim}");
 
     let report = report();
     let problems = report["problems"].as_array().expect("problems").iter();
     let dearer = |problem| times(&runs(problem, "fx", "velocity_verlet"), &runs(problem, "f64", "velocity_verlet"));
     let (three, few): (Vec<_>, Vec<_>) = problems.partition(|problem| problem["name"] == "figure-eight");
-    let (least, most) = span(few.into_iter().map(dearer));
+    let (min, max) = span(few.into_iter().map(dearer));
     let three = dearer(three[0]);
-    let claim =
-        format!("takes {least} to {most} times as long for a body or two, {three:.1} times where three attract");
+    let claim = format!("takes {min} to {max} times as long for a body or two, {three:.1} times where three attract");
     assert!(text.contains(&claim), "{claim}");
 }
 
@@ -177,9 +175,9 @@ fn the_readme_says_of_other_engines_what_was_measured() {
         let row = table.iter().find(|row| row[0].starts_with(engine)).unwrap_or_else(|| panic!("no {engine}"));
         row[1].split(',').next().expect("a figure").to_owned()
     };
-    let [ours, other, third] = ["fx, wide", "Box2D 3", "rapier"].map(nanoseconds);
+    let [ours, box2d, third] = ["fx, wide", "Box2D 3", "rapier"].map(nanoseconds);
     let whole = |figure: &str| figure.split('.').next().expect("a figure").to_owned();
-    let claim = format!("take {ours} ns each per step, where Box2D takes {} and rapier {third}", whole(&other));
+    let claim = format!("take {ours} ns each per step, where Box2D takes {} and rapier {third}", whole(&box2d));
     assert!(readme.contains(&claim), "{claim}");
 }
 
@@ -252,14 +250,14 @@ fn fault(file: &Path, link: &str) -> Option<&'static str> {
 }
 
 /// The texts of a folder and of those in it that are the project's own.
-fn texts(folder: &Path, found: &mut Vec<PathBuf>) {
+fn texts(folder: &Path, paths: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
         let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
         if path.is_dir() && !name.starts_with('.') && !["target", "seeds", "corpus", "artifacts"].contains(&name) {
-            texts(&path, found);
+            texts(&path, paths);
         } else if name.ends_with(".md") {
-            found.push(path);
+            paths.push(path);
         }
     }
 }
@@ -270,7 +268,7 @@ fn the_links_of_all_texts_lead_somewhere() {
     let mut files = Vec::new();
     texts(root, &mut files);
     assert!(files.len() >= 22, "{files:?}");
-    let (mut there, mut wrong) = (0, Vec::new());
+    let (mut count, mut wrong) = (0, Vec::new());
     for file in &files {
         let file = file.strip_prefix(root).expect("below the root");
         // Names of the library in the guide are for rustdoc to find.
@@ -281,12 +279,12 @@ fn the_links_of_all_texts_lead_somewhere() {
         for link in links(&read(&file.to_string_lossy())).into_iter().filter(is_ours) {
             match fault(file, link) {
                 Some(fault) => wrong.push(format!("{}: {link} {fault}", file.display())),
-                None => there += 1,
+                None => count += 1,
             }
         }
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
-    assert!(there >= 70, "{there}");
+    assert!(count >= 70, "{count}");
 }
 
 #[test]

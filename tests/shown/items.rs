@@ -129,13 +129,13 @@ fn without_imports(code: &str) -> String {
     kept + rest
 }
 
-fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
+fn files(folder: &Path, extension: &str, paths: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("a folder of the crate") {
         let path = entry.expect("an entry").path();
         if path.is_dir() {
-            files(&path, extension, found);
+            files(&path, extension, paths);
         } else if path.extension().is_some_and(|is| is == extension) {
-            found.push(path);
+            paths.push(path);
         }
     }
 }
@@ -143,13 +143,13 @@ fn files(folder: &Path, extension: &str, found: &mut Vec<PathBuf>) {
 /// The files below a folder of the crate, with their texts.
 fn texts(folder: &str, extension: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut found = Vec::new();
-    files(&root.join(folder), extension, &mut found);
+    let mut paths = Vec::new();
+    files(&root.join(folder), extension, &mut paths);
     let named = |path: &PathBuf| {
         let below = path.strip_prefix(root).expect("below the crate").to_string_lossy().into_owned();
         (below, fs::read_to_string(path).expect("a text"))
     };
-    found.iter().map(named).collect()
+    paths.iter().map(named).collect()
 }
 
 /// Folders and files of modules that the library hides: no part of the interface.

@@ -56,16 +56,16 @@ fn is_headless(opening: &str) -> bool {
 
 /// The first line of each doc block of a source, with its number.
 fn openings(source: &str) -> Vec<(usize, &str)> {
-    let (mut found, mut open) = (Vec::new(), None);
+    let (mut blocks, mut open) = (Vec::new(), None);
     for (i, line) in source.lines().enumerate() {
         let line = line.trim_start();
         let kind = ["///", "//!"].into_iter().find(|kind| line.starts_with(kind) && !line.starts_with("////"));
         if let Some(kind) = kind.filter(|kind| open != Some(*kind)) {
-            found.push((i + 1, line[kind.len()..].trim()));
+            blocks.push((i + 1, line[kind.len()..].trim()));
         }
         open = kind;
     }
-    found
+    blocks
 }
 
 /// Adds the sources in a folder and below it.

@@ -47,17 +47,17 @@ fn belongs(package: &str, file: &str) -> bool {
 #[test]
 fn a_package_has_what_belongs_there_and_nothing_else() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for (package, most) in PACKAGES {
+    for (package, max_size) in PACKAGES {
         let files = packaged(package);
         let junk: Vec<&String> = files.iter().filter(|file| !belongs(package, file)).collect();
         assert!(junk.is_empty(), "{package}: {junk:?}");
         for file in ALWAYS {
-            assert!(files.iter().any(|there| there == file), "{package} lacks {file}");
+            assert!(files.iter().any(|packaged_file| packaged_file == file), "{package} lacks {file}");
         }
         assert!(files.iter().any(|file| file == "src/lib.rs" || file == "src/main.rs"), "{package} has no source");
         let size = |file: &String| root.join(folder(package)).join(file).metadata().map_or(0, |data| data.len());
         let bytes: u64 = files.iter().map(size).sum();
-        assert!(bytes < most, "{package}: {bytes} bytes");
+        assert!(bytes < max_size, "{package}: {bytes} bytes");
     }
 }
 
@@ -83,8 +83,10 @@ fn unpublished_packages_say_so_and_the_others_have_their_metadata() {
         let is_program = package == "umbra-cli";
         assert_eq!(manifest.contains("[package.metadata.docs.rs]"), !is_program, "{package}");
     }
-    for own in ["crates/umbra-lab", "capi", "fuzz", "benches/peers", "examples/bevy", "tests/wasm", "tests/wasm/scan"] {
-        assert!(manifest(own).contains("\npublish = false\n"), "{own}");
+    for package_folder in
+        ["crates/umbra-lab", "capi", "fuzz", "benches/peers", "examples/bevy", "tests/wasm", "tests/wasm/scan"]
+    {
+        assert!(manifest(package_folder).contains("\npublish = false\n"), "{package_folder}");
     }
     // The library is published beside them, and `umbra-lab` is not.
     let beside = std::fs::read_dir(root.join("crates")).expect("the packages").count();

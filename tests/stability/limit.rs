@@ -111,8 +111,8 @@ fn keeps(integrator: Integrator, mass: Fx, rate: u32, z: f64, steps: u32) -> boo
 
 /// The largest z with which the engine keeps an oscillator.
 fn measured_limit(integrator: Integrator, mass: Fx, rate: u32, steps: u32) -> f64 {
-    let found = bisect([INSIDE, PAST], |z| keeps(integrator, mass, rate, z, steps));
-    z_of(mass, rate, stiffness(mass, rate, found))
+    let limit = bisect([INSIDE, PAST], |z| keeps(integrator, mass, rate, z, steps));
+    z_of(mass, rate, stiffness(mass, rate, limit))
 }
 
 #[test]
@@ -127,9 +127,9 @@ fn the_limit_of_stability_is_where_the_trace_of_the_step_says() {
         // What rounding adds to an oscillator of 1,000 m is far below one in a hundred.
         let slack = (noticed - limit) / 100.0;
         for (mass, rate) in [(fx!(1), 64), (fx!(3), 60)] {
-            let found = measured_limit(integrator, mass, rate, steps);
-            println!("{} at {rate} Hz: {found:.12}, noticed from {noticed:.12} on", integrator.name());
-            assert!((found - noticed).abs() <= slack, "{} at {rate} Hz: {found}", integrator.name());
+            let limit = measured_limit(integrator, mass, rate, steps);
+            println!("{} at {rate} Hz: {limit:.12}, noticed from {noticed:.12} on", integrator.name());
+            assert!((limit - noticed).abs() <= slack, "{} at {rate} Hz: {limit}", integrator.name());
         }
     }
 }
@@ -231,9 +231,9 @@ fn past_the_limit_a_body_is_quarantined_and_the_others_go_on_unharmed() {
         for [mass, stiffness] in past.chain([[fx!(1), Fx::MAX], [limits::MASS_MIN, Fx::MAX]]) {
             let (gone, others) = fate(integrator, [mass, stiffness], steps);
             let gone = gone.expect("it is past the limit");
-            let most = steps_to_the_envelope(integrator, z_of(mass, RATE, stiffness));
-            println!("{} at {stiffness:.0} N/m: gone at step {gone} of {most} at most", integrator.name());
-            assert!(gone <= most, "{} at {stiffness} N/m: gone at step {gone}, not by {most}", integrator.name());
+            let steps = steps_to_the_envelope(integrator, z_of(mass, RATE, stiffness));
+            println!("{} at {stiffness:.0} N/m: gone at step {gone} of {steps} at most", integrator.name());
+            assert!(gone <= steps, "{} at {stiffness} N/m: gone at step {gone}, not by {steps}", integrator.name());
             assert_eq!(others, bits(&alone), "{} at {stiffness} N/m: others were touched", integrator.name());
         }
     }

@@ -63,7 +63,7 @@ impl Run {
         let mut world = self.scene.world::<S>(self.rate, integrator);
         let weigh = |world: &_| self.scene.weigh(&look::<S>(world));
         let (start, momentum_then) = (weigh(&world), momentum(&self.scene, &world));
-        let (mut seen, mut worst) = (vec![start], Drift::default());
+        let (mut samples, mut worst) = (vec![start], Drift::default());
         let square = f64::from(self.rate).powi(-2);
         for step in 1..=steps {
             assert!(world.step().faults.is_empty(), "{} in {}, step {step}", self.name, integrator.name());
@@ -75,29 +75,29 @@ impl Run {
                 worst.shadow = worst.shadow.max(shadow.abs());
                 worst.angular = worst.angular.max((now.angular_momentum - start.angular_momentum).abs());
                 worst.momentum = worst.momentum.max(apart(&momentum(&self.scene, &world), &momentum_then));
-                seen.push(now);
+                samples.push(now);
             }
         }
-        [worst, self.allowed(&seen, steps)]
+        [worst, self.allowed(&samples, steps)]
     }
 
     /// Bounds on the error of velocity Verlet and of the rounding of `Fx` in a run observed like this.
-    fn allowed(&self, seen: &[Weighed], steps: u32) -> Drift {
+    fn allowed(&self, samples: &[Weighed], steps: u32) -> Drift {
         let h = 1.0 / f64::from(self.rate);
-        let most = |f: fn(&Weighed) -> f64| seen.iter().map(|w| f(w).abs()).fold(0.0, f64::max);
+        let largest = |f: fn(&Weighed) -> f64| samples.iter().map(|w| f(w).abs()).fold(0.0, f64::max);
         // A rounding error is uniform within half an ulp: its variance is a twelfth. Five deviations of the walk.
         let walk = |noise: fn(&Weighed) -> f64| {
-            let mean_square = seen.iter().map(|w| noise(w).powi(2)).sum::<f64>() / seen.len() as f64;
+            let mean_square = samples.iter().map(|w| noise(w).powi(2)).sum::<f64>() / samples.len() as f64;
             5.0 * h * Fx::DELTA.to_f64() * (f64::from(steps) * mean_square / 12.0).sqrt()
         };
-        let swing = h * h * most(|w| w.shadow);
+        let swing = h * h * largest(|w| w.shadow);
         // The next term of the series is smaller by (h·ω)².
         let shadow = (h * self.fastest).powi(2) * swing + walk(|w| w.energy_noise);
         Drift {
             energy: 2.0 * swing + shadow,
             shadow,
             angular: walk(|w| w.angular_noise),
-            momentum: rounding(&self.scene, self.rate, steps, most(|w| w.pull)),
+            momentum: rounding(&self.scene, self.rate, steps, largest(|w| w.pull)),
         }
     }
 

@@ -80,8 +80,8 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-fn times(a: [f64; 2], by: f64) -> [f64; 2] {
-    a.map(|a| a * by)
+fn times(a: [f64; 2], factor: f64) -> [f64; 2] {
+    a.map(|a| a * factor)
 }
 
 fn plus(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {

@@ -104,11 +104,11 @@ fn the_highest_speed_is_exact_from_one_end_of_the_world_to_the_other() {
         let (mut world, body) = world(rate, fx!(0), BodyDef { position, velocity, ..BodyDef::dynamic() });
         // 2^31 m at 2^20 m/s.
         run(&mut world, 2048 * rate);
-        let there = world.body(body).expect("it is there").position();
-        assert_eq!(there, vec2(POSITION, -POSITION), "{rate} Hz");
+        let end = world.body(body).expect("it is there").position();
+        assert_eq!(end, vec2(POSITION, -POSITION), "{rate} Hz");
         // The next step leaves the world.
         let faults = world.step().faults.to_vec();
         assert_eq!(faults.iter().map(|fault| (fault.body, fault.cause)).collect::<Vec<_>>(), [(body, Cause::Position)]);
-        assert_eq!(world.body(body).expect("it is there").position(), there);
+        assert_eq!(world.body(body).expect("it is there").position(), end);
     }
 }

@@ -64,7 +64,7 @@ fn chains() -> Vec<Shape> {
 /// A collider of every shape that a dynamic body may have, in the middle of its body with the default material, and then not.
 fn colliders() -> Vec<ColliderDef> {
     let plain = shapes().into_iter().map(ColliderDef::new);
-    let other = |def: ColliderDef| ColliderDef {
+    let varied = |def: ColliderDef| ColliderDef {
         position: vec2(fx!(0.5), fx!(-0.25)),
         angle: fx!(0.3),
         density: fx!(2),
@@ -86,7 +86,7 @@ fn colliders() -> Vec<ColliderDef> {
         user_data: u64::MAX,
         ..def
     };
-    plain.clone().chain(plain.map(other)).collect()
+    plain.clone().chain(plain.map(varied)).collect()
 }
 
 /// A law of each kind, on the bodies in slots 1 and 2.
@@ -131,8 +131,8 @@ pub(crate) fn commands() -> Vec<Command> {
     ];
     let options = ApplyOptions { frame: Frame::Body, wake: false };
     let mut commands: Vec<Command> = actions.map(|action| Command::Apply { body, action, options }).into();
-    let given = [Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
-    let masses = [Mass::FromColliders].into_iter().chain(given);
+    let masses_given = [Mass::Kilograms(fx!(3)), Mass::Explicit { mass: fx!(4), inertia: fx!(5) }];
+    let masses = [Mass::FromColliders].into_iter().chain(masses_given);
     commands.extend(masses.map(|mass| Command::SetMass { body, mass }));
     commands.extend(fields().into_iter().map(Command::AddField));
     commands.extend(colliders().into_iter().map(|def| Command::AddCollider { body, def }));

@@ -12,12 +12,12 @@ pub(crate) fn example(name: &str) -> PathBuf {
     let program = folder.join(format!("{name}{EXE_SUFFIX}"));
     let how = format!("run `cargo test` without `--test`, or first `cargo build --example {name}` in the same profile");
     let changed = |file: &Path| fs::metadata(file).and_then(|file| file.modified());
-    let Ok(made) = changed(&program) else { panic!("{} is missing: {how}", program.display()) };
+    let Ok(modified) = changed(&program) else { panic!("{} is missing: {how}", program.display()) };
     // Cargo's list of what it is made from: `PROGRAM: SOURCE SOURCE…`, with spaces in names as `\ `.
     let list = fs::read_to_string(folder.join(format!("{name}.d"))).expect("cargo lists the sources");
     let (_, sources) = list.trim_end().split_once(": ").expect("a program and its sources");
     for source in sources.replace("\\ ", "\0").split(' ').map(|source| source.replace('\0', " ")) {
-        assert!(changed(source.as_ref()).is_ok_and(|at| at <= made), "{name} is older than {source}: {how}");
+        assert!(changed(source.as_ref()).is_ok_and(|at| at <= modified), "{name} is older than {source}: {how}");
     }
     program
 }

@@ -34,7 +34,7 @@ pub(crate) fn kind(value: &Value) -> BodyKind {
         "Static" => BodyKind::Static,
         "Kinematic" => BodyKind::Kinematic,
         "Dynamic" => BodyKind::Dynamic,
-        other => panic!("kind {other}"),
+        name => panic!("kind {name}"),
     }
 }
 
@@ -44,7 +44,7 @@ pub(crate) fn activity(value: &Value) -> Activity {
         "Asleep" => Activity::Asleep,
         "Quarantined" => Activity::Quarantined,
         "Disabled" => Activity::Disabled,
-        other => panic!("activity {other}"),
+        name => panic!("activity {name}"),
     }
 }
 
@@ -61,7 +61,7 @@ fn mix_rule(value: &Value) -> MixRule {
         "Minimum" => MixRule::Minimum,
         "Product" => MixRule::Product,
         "Maximum" => MixRule::Maximum,
-        other => panic!("mix rule {other}"),
+        name => panic!("mix rule {name}"),
     }
 }
 
@@ -72,7 +72,7 @@ pub(crate) fn integrator(value: &Value) -> Integrator {
         "VelocityVerlet" => Integrator::VelocityVerlet,
         "PublishedVerlet" => Integrator::PublishedVerlet,
         "Yoshida4" => Integrator::Yoshida4,
-        other => panic!("integrator {other}"),
+        name => panic!("integrator {name}"),
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) fn mass(value: &Value) -> Mass {
         "Kilograms" => Mass::Kilograms(number(&value["mass"])),
         "FromColliders" => Mass::FromColliders,
         "Explicit" => Mass::Explicit { mass: number(&value["mass"]), inertia: number(&value["inertia"]) },
-        other => panic!("mass {other}"),
+        name => panic!("mass {name}"),
     }
 }
 
@@ -100,7 +100,7 @@ pub(crate) fn shape(value: &Value) -> Shape {
         angle: number(&part["angle"]),
         density: number(&part["density"]),
     };
-    let made = match value.case() {
+    let shape = match value.case() {
         "Circle" => Shape::circle(number(&value["radius"])),
         "Rectangle" => Shape::rectangle(number(&value["width"]), number(&value["height"])),
         "Capsule" => Shape::capsule(number(&value["length"]), number(&value["radius"])),
@@ -115,9 +115,9 @@ pub(crate) fn shape(value: &Value) -> Shape {
             Shape::chain(&points, value["closed"].natural() == 1)
         }
         "Compound" => Shape::compound(&value["parts"].list().iter().map(part).collect::<Vec<_>>()),
-        other => panic!("shape {other}"),
+        name => panic!("shape {name}"),
     };
-    made.expect("a shape")
+    shape.expect("a shape")
 }
 
 pub(crate) fn attachment(value: &Value) -> Attachment {
@@ -128,7 +128,7 @@ pub(crate) fn end(value: &Value) -> End {
     match value.case() {
         "World" => End::World(vector(&value["point"])),
         "Body" => End::Body(attachment(&value["attachment"])),
-        other => panic!("end {other}"),
+        name => panic!("end {name}"),
     }
 }
 
@@ -136,7 +136,7 @@ pub(crate) fn region(value: &Value) -> Region {
     match value.case() {
         "Disc" => Region::Disc { centre: vector(&value["centre"]), radius: number(&value["radius"]) },
         "Box" => Region::Box { min: vector(&value["min"]), max: vector(&value["max"]) },
-        other => panic!("region {other}"),
+        name => panic!("region {name}"),
     }
 }
 
@@ -179,7 +179,7 @@ pub(crate) fn field(value: &Value) -> ForceField {
             angular_drag: number(&law["angular_drag"]),
             flow: vector(&law["flow"]),
         },
-        other => panic!("law {other}"),
+        name => panic!("law {name}"),
     };
     ForceField { kind, force_groups: value["force_groups"].natural() as u32 }
 }
@@ -191,7 +191,7 @@ pub(crate) fn action(value: &Value) -> ForceOrImpulse {
         "Torque" => ForceOrImpulse::Torque(number(&value["torque"])),
         "Impulse" => ForceOrImpulse::Impulse { impulse: vector(&value["impulse"]), point: point() },
         "AngularImpulse" => ForceOrImpulse::AngularImpulse(number(&value["impulse"])),
-        other => panic!("action {other}"),
+        name => panic!("action {name}"),
     }
 }
 
@@ -199,7 +199,7 @@ pub(crate) fn options(value: &Value) -> ApplyOptions {
     let frame = match value["frame"].case() {
         "World" => Frame::World,
         "Body" => Frame::Body,
-        other => panic!("frame {other}"),
+        name => panic!("frame {name}"),
     };
     ApplyOptions { frame, wake: value["wake"].natural() == 1 }
 }
@@ -245,7 +245,7 @@ fn exclusion(value: &Value) -> Exclusion {
     match value.case() {
         "Always" => Exclusion::Always,
         "UntilApart" => Exclusion::UntilApart,
-        other => panic!("exclusion {other}"),
+        name => panic!("exclusion {name}"),
     }
 }
 
@@ -293,32 +293,36 @@ pub(crate) fn body_def(value: &Value) -> BodyDef {
 }
 
 pub(crate) fn command(value: &Value) -> Command {
-    let on = || body(&value["body"]);
+    let target = || body(&value["body"]);
     match value.case() {
         "AddBody" => Command::AddBody(body_def(&value["def"])),
-        "RemoveBody" => Command::RemoveBody(on()),
-        "Apply" => Command::Apply { body: on(), action: action(&value["action"]), options: options(&value["options"]) },
-        "SetPosition" => Command::SetPosition { body: on(), position: vector(&value["position"]) },
-        "SetAngle" => Command::SetAngle { body: on(), angle: number(&value["angle"]) },
-        "SetVelocity" => Command::SetVelocity { body: on(), velocity: vector(&value["velocity"]) },
-        "SetAngularVelocity" => Command::SetAngularVelocity { body: on(), velocity: number(&value["velocity"]) },
-        "SetMass" => Command::SetMass { body: on(), mass: mass(&value["mass"]) },
-        "SetKind" => Command::SetKind { body: on(), kind: kind(&value["kind"]) },
-        "SetGravityScale" => Command::SetGravityScale { body: on(), scale: number(&value["scale"]) },
+        "RemoveBody" => Command::RemoveBody(target()),
+        "Apply" => {
+            Command::Apply { body: target(), action: action(&value["action"]), options: options(&value["options"]) }
+        }
+        "SetPosition" => Command::SetPosition { body: target(), position: vector(&value["position"]) },
+        "SetAngle" => Command::SetAngle { body: target(), angle: number(&value["angle"]) },
+        "SetVelocity" => Command::SetVelocity { body: target(), velocity: vector(&value["velocity"]) },
+        "SetAngularVelocity" => Command::SetAngularVelocity { body: target(), velocity: number(&value["velocity"]) },
+        "SetMass" => Command::SetMass { body: target(), mass: mass(&value["mass"]) },
+        "SetKind" => Command::SetKind { body: target(), kind: kind(&value["kind"]) },
+        "SetGravityScale" => Command::SetGravityScale { body: target(), scale: number(&value["scale"]) },
         "SetBodyDamping" => Command::SetBodyDamping {
-            body: on(),
+            body: target(),
             linear: value["linear"].option().map(damping),
             angular: value["angular"].option().map(damping),
         },
-        "SetDominance" => Command::SetDominance { body: on(), dominance: value["dominance"].natural() as u32 as i32 },
-        "SetBullet" => Command::SetBullet { body: on(), bullet: value["bullet"].natural() == 1 },
-        "SetForceGroups" => {
-            Command::SetForceGroups { body: on(), force_groups: value["force_groups"].natural() as u32 }
+        "SetDominance" => {
+            Command::SetDominance { body: target(), dominance: value["dominance"].natural() as u32 as i32 }
         }
-        "SetKey" => Command::SetKey { body: on(), key: value["key"].natural() },
-        "SetUserData" => Command::SetUserData { body: on(), user_data: value["user_data"].natural() },
-        "Wake" => Command::Wake(on()),
-        "Release" => Command::Release(on()),
+        "SetBullet" => Command::SetBullet { body: target(), bullet: value["bullet"].natural() == 1 },
+        "SetForceGroups" => {
+            Command::SetForceGroups { body: target(), force_groups: value["force_groups"].natural() as u32 }
+        }
+        "SetKey" => Command::SetKey { body: target(), key: value["key"].natural() },
+        "SetUserData" => Command::SetUserData { body: target(), user_data: value["user_data"].natural() },
+        "Wake" => Command::Wake(target()),
+        "Release" => Command::Release(target()),
         "AddField" => Command::AddField(field(&value["field"])),
         "SetField" => Command::SetField { id: field_id(&value["id"]), field: field(&value["field"]) },
         "RemoveField" => Command::RemoveField(field_id(&value["id"])),
@@ -337,18 +341,18 @@ pub(crate) fn command(value: &Value) -> Command {
             mask: value["explosion"]["mask"].natural() as u32,
         }),
         "ClearForces" => Command::ClearForces,
-        "SetLocks" => Command::SetLocks { body: on(), locks: locks(&value["locks"]) },
+        "SetLocks" => Command::SetLocks { body: target(), locks: locks(&value["locks"]) },
         "SetMaxSpeeds" => Command::SetMaxSpeeds {
-            body: on(),
+            body: target(),
             linear: value["linear"].option().map(number),
             angular: value["angular"].option().map(number),
         },
-        "Disable" => Command::Disable(on()),
-        "Enable" => Command::Enable(on()),
+        "Disable" => Command::Disable(target()),
+        "Enable" => Command::Enable(target()),
         "MoveTo" => {
-            Command::MoveTo { body: on(), position: vector(&value["position"]), angle: number(&value["angle"]) }
+            Command::MoveTo { body: target(), position: vector(&value["position"]), angle: number(&value["angle"]) }
         }
-        "AddCollider" => Command::AddCollider { body: on(), def: collider_def(&value["def"]) },
+        "AddCollider" => Command::AddCollider { body: target(), def: collider_def(&value["def"]) },
         "SetCollider" => {
             Command::SetCollider { collider: collider(&value["collider"]), def: collider_def(&value["def"]) }
         }
@@ -365,6 +369,6 @@ pub(crate) fn command(value: &Value) -> Command {
             second: value["second"].natural() as u32,
             pair: value["pair"].option().map(material_pair),
         },
-        other => panic!("command {other}"),
+        name => panic!("command {name}"),
     }
 }

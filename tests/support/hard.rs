@@ -165,8 +165,8 @@ pub(crate) fn pow_from_ties(reference: &Reference, random: &mut Random) -> Vec<(
     let result = (random.next_by_exponent() >> 1).unsigned_abs() as i64;
     // log2 of 2·result + 1 in units of half an ulp.
     let log = (reference.log2(2 * result + 1) - real(1, 0)) * real(1, 32) / real(exponent, 0);
-    let near = log.to_f64().value();
-    if !(-31.0..30.9).contains(&near) {
+    let approximate = log.to_f64().value();
+    if !(-31.0..30.9).contains(&approximate) {
         return Vec::new();
     }
     let bases = around(&(reference.exp2(&log) << 32)).unwrap_or_default();

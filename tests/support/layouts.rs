@@ -37,8 +37,8 @@ impl Index<&str> for Value {
     type Output = Value;
 
     fn index(&self, name: &str) -> &Value {
-        let found = self.fields.iter().find(|(field, _)| field == name);
-        &found.unwrap_or_else(|| panic!("no field {name} in {:?}", self.fields)).1
+        let entry = self.fields.iter().find(|(field, _)| field == name);
+        &entry.unwrap_or_else(|| panic!("no field {name} in {:?}", self.fields)).1
     }
 }
 
@@ -96,7 +96,7 @@ impl Value {
                 assert_eq!(wraps, 0);
                 i128::from(high as i64) << 64 | i128::from(low)
             }
-            other => panic!("{other} bytes are no number"),
+            length => panic!("{length} bytes are no number"),
         }
     }
 }
@@ -203,7 +203,7 @@ impl Layouts {
             match take(rest, 1) {
                 [0] => {}
                 [1] => value.entries.push(self.read(inner, rest)),
-                other => panic!("{other:?} before an option"),
+                byte => panic!("{byte:?} before an option"),
             }
         } else if let Some(inner) = form.strip_prefix("list of ") {
             let count = self.read("u32", rest).natural();

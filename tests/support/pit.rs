@@ -145,9 +145,9 @@ impl Pit {
             4 => Shape::capsule(size, half),
             5 => Shape::segment(vec2(0, 0), Vec2::new(size, half)),
             6 => Shape::polygon(&corners),
-            _ => Shape::circle(half).and_then(|own| Shape::compound(&[wheel(own.clone(), -half), wheel(own, half)])),
+            _ => Shape::circle(half).and_then(|disc| Shape::compound(&[wheel(disc.clone(), -half), wheel(disc, half)])),
         };
-        let mut part = |most: Fx| self.random.number(fx!(0)..=most);
+        let mut part = |max: Fx| self.random.number(fx!(0)..=max);
         let material = Material {
             friction: part(fx!(1)),
             restitution: if i % 4 == 0 { part(fx!(0.75)) } else { fx!(0) },
@@ -168,7 +168,7 @@ impl Pit {
 }
 
 fn made(created: Option<Created>) -> Option<BodyId> {
-    created.and_then(|made| if let Created::Body(body) = made { Some(body) } else { None })
+    created.and_then(|object| if let Created::Body(body) = object { Some(body) } else { None })
 }
 
 /// The walls, the floor (a chain), the platform, the sensor, and last the paddle.

@@ -345,14 +345,14 @@ pub(crate) const PROBLEMS: [Problem; 8] =
 
 /// The exact state of bodies: (x, y, v_x, v_y, angle, spin) of each.
 pub(crate) fn state(world: &World, bodies: &[BodyId]) -> Vec<Real> {
-    let one = |&body: &BodyId| {
+    let coordinates = |&body: &BodyId| {
         let body = world.body(body).expect("it is there");
         let (x, v) = (body.position_exact(), body.velocity_exact());
         let [x, y, vx, vy, spin] =
             [x.x, x.y, v.x, v.y, body.angular_velocity_exact()].map(|a| units(FxAccumulator::to_bits(a), 96));
         [x, y, vx, vy, units(body.angle_exact().to_bits(), 64) * &*TAU, spin]
     };
-    bodies.iter().flat_map(one).collect()
+    bodies.iter().flat_map(coordinates).collect()
 }
 
 fn plus(state: &[Real], slope: &[Real], times: &Real) -> Vec<Real> {
@@ -385,8 +385,8 @@ pub(crate) fn solve(
             let mut entry: Vec<Real> = before.iter().zip(&ahead).map(|(a, b)| (a + b) * ratio(1, 2)).collect();
             // Aitken and Neville's table in h², row by row.
             for (j, above) in row.iter_mut().enumerate() {
-                let other = (k - 1 - j) as i64;
-                let weight = real(other * other) / real((k * k) as i64 - other * other);
+                let step = (k - 1 - j) as i64;
+                let weight = real(step * step) / real((k * k) as i64 - step * step);
                 let better = entry.iter().zip(above.iter()).map(|(e, a)| e + (e - a) * &weight).collect();
                 *above = core::mem::replace(&mut entry, better);
             }

@@ -27,8 +27,8 @@ impl SplitMix {
     }
 
     /// A value of either sign, uniform in its number of bits.
-    pub(crate) fn of_bits(&mut self, most: u32) -> i64 {
-        let bits = 1 + self.next() % u64::from(most);
+    pub(crate) fn of_bits(&mut self, max_bits: u32) -> i64 {
+        let bits = 1 + self.next() % u64::from(max_bits);
         let magnitude = (self.next() >> (64 - bits)) as i64;
         if self.next() & 1 == 0 { magnitude } else { -magnitude }
     }

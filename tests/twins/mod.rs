@@ -68,15 +68,15 @@ impl fmt::Display for Twin {
 
 impl Add for Twin {
     type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
+    fn add(self, rhs: Self) -> Self {
+        Self(self.0 + rhs.0)
     }
 }
 
 impl Sub for Twin {
     type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
+    fn sub(self, rhs: Self) -> Self {
+        Self(self.0 - rhs.0)
     }
 }
 
@@ -116,8 +116,8 @@ impl Accumulator<Twin> for TwinAccumulator {
     fn value(self) -> Twin {
         Twin(Fx::from_bits(shifted(self.0, 64) as i64))
     }
-    fn plus(self, other: Self) -> Self {
-        Self(self.0 + other.0)
+    fn plus(self, rhs: Self) -> Self {
+        Self(self.0 + rhs.0)
     }
     fn negated(self) -> Self {
         Self(-self.0)
@@ -158,17 +158,17 @@ impl Factor<Twin> for FxFactor {
     fn to_scalar(self) -> Option<Twin> {
         Factor::<Fx>::to_scalar(self).map(Twin)
     }
-    fn times(self, other: Self) -> Self {
-        Factor::<Fx>::times(self, other)
+    fn times(self, rhs: Self) -> Self {
+        Factor::<Fx>::times(self, rhs)
     }
-    fn over(self, other: Self) -> Self {
-        Factor::<Fx>::over(self, other)
+    fn over(self, rhs: Self) -> Self {
+        Factor::<Fx>::over(self, rhs)
     }
-    fn plus(self, other: Self) -> Self {
-        Factor::<Fx>::plus(self, other)
+    fn plus(self, rhs: Self) -> Self {
+        Factor::<Fx>::plus(self, rhs)
     }
-    fn minus(self, other: Self) -> Self {
-        Factor::<Fx>::minus(self, other)
+    fn minus(self, rhs: Self) -> Self {
+        Factor::<Fx>::minus(self, rhs)
     }
     fn to_binary(self) -> (u64, i32) {
         Factor::<Fx>::to_binary(self)
@@ -188,8 +188,8 @@ impl Wide<Twin> for FxWide {
     fn to_scalar(self) -> Option<Twin> {
         Wide::<Fx>::to_scalar(self).map(Twin)
     }
-    fn plus(self, other: Self) -> Option<Self> {
-        Wide::<Fx>::plus(self, other)
+    fn plus(self, rhs: Self) -> Option<Self> {
+        Wide::<Fx>::plus(self, rhs)
     }
     fn negated(self) -> Self {
         Wide::<Fx>::negated(self)
@@ -287,17 +287,17 @@ impl Arithmetic<Twin> for Twin {
         let (sin, cos) = self.0.sin_cos();
         (Self(sin), Self(cos))
     }
-    fn product(self, other: Self) -> FxWide {
-        self.0.product(other.0)
+    fn product(self, rhs: Self) -> FxWide {
+        self.0.product(rhs.0)
     }
-    fn offset(self, other: Self) -> FxWide {
-        self.0.offset(other.0)
+    fn offset(self, rhs: Self) -> FxWide {
+        self.0.offset(rhs.0)
     }
     fn torque(arm: FxWide, force: FxWide) -> Option<FxWide> {
         Fx::torque(arm, force)
     }
-    fn times(self, other: Self) -> Option<Self> {
-        Arithmetic::times(self.0, other.0).map(Self)
+    fn times(self, rhs: Self) -> Option<Self> {
+        Arithmetic::times(self.0, rhs.0).map(Self)
     }
 }
 
@@ -353,8 +353,8 @@ impl Forces<Twin> for Twin {
 }
 
 impl Polygons<Twin> for Twin {
-    fn polygon_moments(given: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
-        let AreaMoments { area, centroid, second } = Fx::polygon_moments(&corners(given))?;
+    fn polygon_moments(points: &[Vec2<Self>]) -> Option<AreaMoments<Self>> {
+        let AreaMoments { area, centroid, second } = Fx::polygon_moments(&corners(points))?;
         Some(AreaMoments { area, centroid: centroid.map(Self), second })
     }
     fn orientation(a: Vec2<Self>, b: Vec2<Self>, c: Vec2<Self>) -> Ordering {

@@ -138,9 +138,9 @@ fn every_input_of_a_tick() {
         (0..100_000u32).flat_map(|player| [&player.to_le_bytes()[..], &[0; 4], &[27]].concat()).collect();
     let whole = [&100_000u32.to_le_bytes()[..], &shortest].concat();
     let mut read = Inputs::new();
-    let most = measure(|| read = Inputs::from_bytes(&whole).expect("commands that clear forces")).bytes_max;
+    let bytes_max = measure(|| read = Inputs::from_bytes(&whole).expect("commands that clear forces")).bytes_max;
     assert_eq!(read.len(), 100_000);
-    assert!(most <= 40 * whole.len() as u64 + (64 << 10), "{most} bytes for {}", whole.len());
+    assert!(bytes_max <= 40 * whole.len() as u64 + (64 << 10), "{bytes_max} bytes for {}", whole.len());
     // Given twice, or out of order.
     for player in [0, 1] {
         let mut bytes = [&2u32.to_le_bytes()[..], &shortest[..18]].concat();
@@ -243,8 +243,8 @@ fn dumps() {
             Ok(forged) => {
                 assert_eq!(forged.to_bytes(), file);
                 // Nothing but what was done can be another without a world that is.
-                let found = forged.first_difference(&dump).map(|finding| finding.phase.to_string());
-                assert!(matches!(found.as_deref(), None | Some("calls" | "inputs")), "{found:?}");
+                let phase = forged.first_difference(&dump).map(|finding| finding.phase.to_string());
+                assert!(matches!(phase.as_deref(), None | Some("calls" | "inputs")), "{phase:?}");
                 accepted += 1;
             }
             Err(error) => {
@@ -256,10 +256,10 @@ fn dumps() {
     assert!(accepted > 4 && refused > 100, "{accepted}, {refused}");
     // Another tick than that of its worlds, and another end.
     for (tag, at) in [(*b"TICK", 0), (*b"DONE", 0), (*b"DONE", 8)] {
-        let mut other = parts.clone();
-        let part = other.iter_mut().find(|part| part.0 == tag).expect("it has one");
+        let mut changed = parts.clone();
+        let part = changed.iter_mut().find(|part| part.0 == tag).expect("it has one");
         part.1[at] ^= 1;
-        assert_eq!(read(&file(b"UMBRADMP", &other)).expect_err("it is of another tick").code(), 406);
+        assert_eq!(read(&file(b"UMBRADMP", &changed)).expect_err("it is of another tick").code(), 406);
     }
     // Of times to come.
     let mut format = whole.clone();
@@ -279,7 +279,7 @@ fn a_seal_that_is_right_for_what_was_never_recorded_takes_no_more() {
     for byte in [0, 1, 0xff] {
         for tag in [b"HEAD", b"SNAP", b"TICK", b"DONE"] {
             let mut parts = chunks(&Recorder::new(&world(), RecordOptions::default()).finish(&world()));
-            let at = parts.iter().position(|(own, _)| own == tag).unwrap_or(2);
+            let at = parts.iter().position(|(chunk_tag, _)| chunk_tag == tag).unwrap_or(2);
             parts[at] = (*tag, vec![byte; 100_000]);
             let file = file(b"UMBRAREP", &parts);
             assert!(bounded("a chunk of one byte", &file, |file| Replay::from_bytes(file, &custom_forces())).is_err());

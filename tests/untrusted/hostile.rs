@@ -64,8 +64,8 @@ fn use_up(what: &str, world: &mut World, count: usize) {
     within(what, 20, 4_000 * count as u64 + (1 << 22), || {
         let (queries, all) = (world.queries(), QueryFilter::default());
         let everywhere = Aabb { min: vec2(-1000, -1000), max: vec2(1000, 1000) };
-        let found = queries.overlap_box(everywhere, &all).expect("a fair box").len();
-        assert!(found > 0, "nothing to be found");
+        let count = queries.overlap_box(everywhere, &all).expect("a fair box").len();
+        assert!(count > 0, "nothing to be found");
         _ = queries.overlap_point(Vec2::ZERO, &all).expect("a fair point");
         _ = queries
             .overlap_shape(&Shape::circle(100).expect("a radius"), (Vec2::ZERO, fx!(0)), &all)
@@ -237,10 +237,10 @@ fn sensors_over_bodies_that_filters_keep_apart() {
     for contacts in [ContactSettings::default(), few(1_000, 4)] {
         let mut world = watched((many(), 4), 10_000, contacts);
         // One that all of these sensors would see, and another one with a sensor of its own.
-        let seen = Filter { category: 2, mask: 4, ..Filter::default() };
+        let visible = Filter { category: 2, mask: 4, ..Filter::default() };
         for position in [vec2(0, 0), vec2(90, 0)] {
             let body = BodyDef { position, gravity_scale: fx!(0), ..BodyDef::dynamic() };
-            world.add_body(body.with_collider(ColliderDef { filter: seen, ..disc() })).expect("a fair body");
+            world.add_body(body.with_collider(ColliderDef { filter: visible, ..disc() })).expect("a fair body");
         }
         let filter = Filter { category: 4, mask: 2, ..Filter::default() };
         let door = BodyDef { position: vec2(90, 0), ..BodyDef::fixed() };
@@ -344,9 +344,9 @@ fn scenes_and_replays() {
         ReplayLimits { ticks: 10, bodies: many as u32, fields: 0, colliders: many as u32, pairs: 1_000, commands: 0 };
     within("a replay", 60, bound(2 * many, 1 << 16), || assert_eq!(replay.verify_within(limits), Ok(())));
     within("a replay, limited", 10, bound(2 * many, 0), || {
-        let found = replay.verify_within(ReplayLimits { pairs: 999, ..limits });
-        assert!(matches!(found, Err(VerifyError::Pairs { .. })), "{found:?}");
-        let found = replay.verify_within(ReplayLimits { bodies: 999, ..limits });
-        assert!(matches!(found, Err(VerifyError::Bodies { .. })), "{found:?}");
+        let outcome = replay.verify_within(ReplayLimits { pairs: 999, ..limits });
+        assert!(matches!(outcome, Err(VerifyError::Pairs { .. })), "{outcome:?}");
+        let outcome = replay.verify_within(ReplayLimits { bodies: 999, ..limits });
+        assert!(matches!(outcome, Err(VerifyError::Bodies { .. })), "{outcome:?}");
     });
 }

@@ -20,8 +20,8 @@ pub(crate) const ANY: u64 = 1 << 16;
 pub(crate) fn bounded<T>(what: &str, file: &[u8], read: impl FnOnce(&[u8]) -> T) -> T {
     let mut result = None;
     let taken = measure(|| result = Some(read(file))).bytes_max;
-    let most = TIMES * file.len() as u64 + ANY;
-    assert!(taken <= most, "{what}: {taken} bytes taken for {} in the file", file.len());
+    let bound = TIMES * file.len() as u64 + ANY;
+    assert!(taken <= bound, "{what}: {taken} bytes taken for {} in the file", file.len());
     if std::env::var_os("UMBRA_SAY").is_some() && file.len() > 10_000 {
         println!("{what:<28} {:>9} {taken:>10} {:>6.2}", file.len(), taken as f64 / file.len() as f64);
     }
@@ -74,12 +74,12 @@ fn worlds_of_what_takes_little_in_a_file() {
     sparse.apply_force(bodies[bodies.len() - 1], vec2(1, 0)).expect("it is dynamic");
     held("a body behind free slots", &sparse);
 
-    let mut own = world();
-    own.register_custom_force(custom_forces().remove(0)).expect("a law");
+    let mut world_with_law = world();
+    world_with_law.register_custom_force(custom_forces().remove(0)).expect("a law");
     for _ in 0..times(5_000) {
-        own.add_field(FieldKind::Custom { id: 9 }).expect("a field");
+        world_with_law.add_field(FieldKind::Custom { id: 9 }).expect("a field");
     }
-    held("laws of the user's", &own);
+    held("laws of the user's", &world_with_law);
     for integrator in [Integrator::VelocityVerlet, Integrator::PublishedVerlet] {
         let mut unlike = World::new(WorldDef { integrator, ..WorldDef::default() }).expect("a world");
         for i in 0..times(1_000) {
@@ -150,8 +150,8 @@ fn played(what: &str, file: &[u8]) {
     let middle = file.len() / 2;
     changed[middle] ^= 1;
     bounded(what, &changed, |file| assert!(Replay::from_bytes(file, &[]).is_err()));
-    let other = bounded(what, file, |file| Replay::from_bytes(file, &[]).expect("a replay"));
-    bounded(what, file, |file| assert_eq!(read(file).first_difference(&other), None));
+    let second = bounded(what, file, |file| Replay::from_bytes(file, &[]).expect("a replay"));
+    bounded(what, file, |file| assert_eq!(read(file).first_difference(&second), None));
     for (tag, contents) in seals::chunks(file) {
         if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
             let mut dump = seals::begin(b"UMBRADMP", 3);
@@ -191,9 +191,9 @@ fn replays_of_what_takes_little_in_a_file() {
     for (tag, contents) in seals::chunks(&file) {
         if tag == *b"TICK" {
             tick = tick.max(u64::from_le_bytes(contents[..8].try_into().expect("eight")));
-            for one in contents[12..].chunks(9) {
-                chunk(&mut alone, &tag, &[&tick.to_le_bytes(), &1u32.to_le_bytes()[..], one].concat());
-                ticks.extend_from_slice(one);
+            for entry in contents[12..].chunks(9) {
+                chunk(&mut alone, &tag, &[&tick.to_le_bytes(), &1u32.to_le_bytes()[..], entry].concat());
+                ticks.extend_from_slice(entry);
                 tick += 1;
             }
             continue;
@@ -273,11 +273,11 @@ fn parted(what: &str, world: &World) {
         }
         // A stage is five bytes more; then whether the world is new, and it.
         let (phase, is_last) = (if contents[0] == 3 { 6 } else { 1 }, contents[0] == 4);
-        let mut other = world.clone();
+        let mut changed_world = world.clone();
         if !is_last {
-            other.set_blob(&[number as u8]).expect("it is short");
+            changed_world.set_blob(&[number as u8]).expect("it is short");
         }
-        chunk(&mut file, &tag, &[&contents[..phase], &[1], &other.snapshot().to_bytes()].concat());
+        chunk(&mut file, &tag, &[&contents[..phase], &[1], &changed_world.snapshot().to_bytes()].concat());
     }
     let read = bounded(what, &file, |file| Dump::from_bytes(file, &custom_forces()).expect("a dump"));
     assert_eq!(read.phases().len(), 26);
@@ -316,16 +316,16 @@ fn dumps_of_worlds_that_are_all_different() {
 fn announced_lengths_do_not_make_room() {
     let snapshot = world().snapshot().to_bytes();
     let replay = Recorder::new(&world(), RecordOptions::default()).finish(&world());
-    for most in [u32::MAX, u32::MAX / 2, 1 << 24] {
-        let most = most.to_le_bytes();
+    for claim in [u32::MAX, u32::MAX / 2, 1 << 24] {
+        let claimed_bytes = claim.to_le_bytes();
         for at in (16..snapshot.len() - 20).step_by(if is_short() { 7 } else { 1 }) {
             let mut changed = snapshot.clone();
-            changed[at..at + 4].copy_from_slice(&most);
+            changed[at..at + 4].copy_from_slice(&claimed_bytes);
             changed.truncate(at + 20);
             _ = bounded("a snapshot", &changed, |file| Snapshot::from_bytes(file, &[]).map(drop));
         }
         for (tag, least) in [(b"SNAP", 16), (b"HEAD", 16), (b"TICK", 16), (b"DONE", 0)] {
-            let mut word = [&tag[..], &most].concat();
+            let mut word = [&tag[..], &claimed_bytes].concat();
             word.extend(word.clone().iter().map(|byte| !byte));
             let mut file = seals::begin(b"UMBRAREP", 2);
             file.extend(word);
@@ -334,7 +334,7 @@ fn announced_lengths_do_not_make_room() {
         }
         for tag in 0..=28 {
             for before in 0..40 {
-                let command = [&[tag][..], &vec![0; before], &most, &[0; 50]].concat();
+                let command = [&[tag][..], &vec![0; before], &claimed_bytes, &[0; 50]].concat();
                 _ = bounded("a command", &command, |file| Command::<Fx>::from_bytes(file).map(drop));
             }
         }
@@ -343,12 +343,12 @@ fn announced_lengths_do_not_make_room() {
 }
 
 /// Reads a scene and asserts what `Scene::parse_within` promises of it.
-fn scene(what: &str, text: &str, written_out: usize, most: u32) -> Result<Scene, u16> {
+fn scene(what: &str, text: &str, written_out: usize, limit: u32) -> Result<Scene, u16> {
     let mut result = None;
-    let taken = measure(|| result = Some(Scene::parse_within(text, most))).bytes_max;
+    let taken = measure(|| result = Some(Scene::parse_within(text, limit))).bytes_max;
     let result = result.expect("it was read");
     let things =
-        result.as_ref().map_or(most as usize, |scene| scene.bodies.len() + scene.fields.len() + scene.inputs.len());
+        result.as_ref().map_or(limit as usize, |scene| scene.bodies.len() + scene.fields.len() + scene.inputs.len());
     let bound = 8 * (text.len() + written_out) as u64 + 4_096 * things as u64 + ANY;
     if std::env::var_os("UMBRA_SAY").is_some() {
         println!("{what:<28} {:>9} {things:>9} {taken:>10} {:>6.2}", text.len(), taken as f64 / bound as f64);
@@ -366,7 +366,7 @@ fn scene(what: &str, text: &str, written_out: usize, most: u32) -> Result<Scene,
 #[test]
 fn scenes_of_what_takes_little_in_a_file() {
     const MANY: usize = 200_000;
-    let list = |one: &str| format!("[{}]", vec![one; MANY].join(","));
+    let list = |item: &str| format!("[{}]", vec![item; MANY].join(","));
     let body = |fields: &str| format!(r#"{{"bodies": [{{"name": "a", {fields}}}]}}"#);
     let refused = |what: &str, text: String| scene(what, &text, 0, 10).expect_err("it is refused");
     assert_eq!(refused("a long vector", format!(r#"{{"gravity": {}}}"#, list("1"))), 502);
@@ -401,29 +401,29 @@ fn scenes_of_what_takes_little_in_a_file() {
 fn scenes_that_make_many_from_one() {
     let bodies =
         |count: u64, more: &str| format!(r#"{{"bodies": [{{"name": "{{i}}", "repeat": {{"i": {count}}}{more}}}]}}"#);
-    let most = 20_000;
-    let written = |text: &String| text.len() * most as usize;
-    let text = bodies(most.into(), "");
-    assert!(scene("bodies", &text, written(&text), most).is_ok());
+    let limit = 20_000;
+    let written = |text: &String| text.len() * limit as usize;
+    let text = bodies(limit.into(), "");
+    assert!(scene("bodies", &text, written(&text), limit).is_ok());
     let text = bodies(
-        most.into(),
+        limit.into(),
         r#", "colliders": [{"shape": {"circle": {"radius": {"start": 1, "i": 0.001}}}, "mask": []}], "gravity_scale": {"i": 1e-7}"#,
     );
-    assert!(scene("bodies unlike", &text, written(&text), most).is_ok());
+    assert!(scene("bodies unlike", &text, written(&text), limit).is_ok());
     let text = r#"{"fields": [{"drag": {}, "repeat": {"i": 20000}}]}"#.to_owned();
-    assert!(scene("fields", &text, written(&text), most).is_ok());
+    assert!(scene("fields", &text, written(&text), limit).is_ok());
     let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"at": 1, "body": "a", "force": [0, 0], "torque": 0, "repeat": {"i": 10000}}]}"#.to_owned();
-    assert!(scene("inputs", &text, written(&text), most).is_ok());
+    assert!(scene("inputs", &text, written(&text), limit).is_ok());
     let sets = vec![r#"{"at":1,"body":"a","set":{"key":1,"angle":1,"mass":1,"user_data":1,"force_groups":[]}}"#; 4_000]
         .join(",");
     let text = format!(r#"{{"bodies":[{{"name":"a"}}],"inputs":[{sets}]}}"#);
-    assert!(scene("inputs that set", &text, 0, most).is_ok());
-    assert_eq!(scene("and too much", &text, 0, most - 1).map(drop), Err(510));
+    assert!(scene("inputs that set", &text, 0, limit).is_ok());
+    assert_eq!(scene("and too much", &text, 0, limit - 1).map(drop), Err(510));
 
     // More than may be: refused before any is made, by line and field.
     for (count, more) in [(20_001, ""), (2_000_000_000, ""), (1, r#", "x": 1"#)] {
         let text = bodies(count, more);
-        let error = Scene::parse_within(&text, most).expect_err("too many").code();
+        let error = Scene::parse_within(&text, limit).expect_err("too many").code();
         assert_eq!(error, if more.is_empty() { 510 } else { 503 });
     }
     let square = r#"{"bodies": [

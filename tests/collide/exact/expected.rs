@@ -40,12 +40,12 @@ pub(crate) fn expected(pair: &Pair, actual: Option<&Manifold>) -> Vec<Option<Con
         return contacts;
     }
     let is_near = |axis: &&Axis| axis.cmp(best).is_eq() || axis.value > best.value - pair.choice;
-    let near: Vec<&Axis> = axes.iter().filter(is_near).collect();
+    let closest: Vec<&Axis> = axes.iter().filter(is_near).collect();
     let tied: Vec<&Axis> = axes.iter().filter(|axis| axis.cmp(best).is_eq()).collect();
     let ruled = rule(&tied);
     let Some(direction) = &ruled else {
         contacts.extend(pair.on_one_line());
-        contacts.extend(others(pair, &near, actual));
+        contacts.extend(others(pair, &closest, actual));
         return contacts;
     };
     let outcomes = pair.along(direction);
@@ -59,8 +59,8 @@ pub(crate) fn expected(pair: &Pair, actual: Option<&Manifold>) -> Vec<Option<Con
         }
     }
     contacts.extend(outcomes.contacts);
-    if near.len() > 1 && pair.choice > 0.0 {
-        contacts.extend(others(pair, &near, actual));
+    if closest.len() > 1 && pair.choice > 0.0 {
+        contacts.extend(others(pair, &closest, actual));
     }
     contacts
 }
@@ -79,36 +79,37 @@ fn rule(tied: &[&Axis]) -> Option<Direction> {
 
 /// The mean of directions of edges of one length.
 fn mean(directions: &[&Direction]) -> Option<Direction> {
-    if directions.iter().all(|other| is_same(other, directions[0])) {
+    if directions.iter().all(|direction| is_same(direction, directions[0])) {
         return Some(directions[0].clone());
     }
     let zero = [IBig::ZERO, IBig::ZERO];
-    let direction = Direction::new(directions.iter().fold(zero, |all, one| sum(&all, &one.normal)));
+    let direction = Direction::new(directions.iter().fold(zero, |all, direction| sum(&all, &direction.normal)));
     let length = (float(&direction.square) / float(&directions[0].square)).sqrt();
     let count = directions.len() as f64;
     (length > 1e-6).then(|| Direction { mean_of: Some(count / length), ..direction })
 }
 
 /// The manifolds along single directions that are within rounding of the best, and along means of them near the actual normal.
-fn others(pair: &Pair, near: &[&Axis], actual: Option<&Manifold>) -> Vec<Option<Contact>> {
+fn others(pair: &Pair, candidates: &[&Axis], actual: Option<&Manifold>) -> Vec<Option<Contact>> {
     if pair.choice == 0.0 {
         return Vec::new();
     }
     let mut contacts = Vec::new();
-    for axis in near {
+    for axis in candidates {
         contacts.extend(pair.along(&axis.direction).contacts);
     }
     // All that tie by rounding may cancel.
     let is_opposite = |a: &Axis, b: &Axis| dot(&a.direction.normal, &b.direction.normal) < IBig::ZERO;
-    if near.iter().any(|a| near.iter().any(|b| is_opposite(a, b))) {
+    if candidates.iter().any(|a| candidates.iter().any(|b| is_opposite(a, b))) {
         contacts.extend(pair.on_one_line());
     }
-    let Some(actual) = actual.filter(|_| near.len() <= 12) else {
+    let Some(actual) = actual.filter(|_| candidates.len() <= 12) else {
         return contacts;
     };
     let normal = actual.normal.map(|part| f64::from(part) / 2f64.powi(30));
-    for set in 1u32..1 << near.len() {
-        let some: Vec<&Direction> = (0..near.len()).filter(|i| set >> i & 1 == 1).map(|i| &near[i].direction).collect();
+    for set in 1u32..1 << candidates.len() {
+        let some: Vec<&Direction> =
+            (0..candidates.len()).filter(|i| set >> i & 1 == 1).map(|i| &candidates[i].direction).collect();
         let Some(direction) = mean(&some).filter(|direction| direction.mean_of.is_some()) else {
             continue;
         };

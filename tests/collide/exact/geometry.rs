@@ -69,14 +69,14 @@ pub(crate) struct Axis {
 
 impl Axis {
     /// Compares separations, exactly.
-    pub(crate) fn cmp(&self, other: &Self) -> Ordering {
-        let (zero, own, others) = (IBig::ZERO, &self.separation, &other.separation);
-        let (square, other_square) = (&self.direction.square, &other.direction.square);
-        let magnitudes = || (own * own * other_square).cmp(&(others * others * square));
-        match (*own >= zero, *others >= zero) {
+    pub(crate) fn cmp(&self, rhs: &Self) -> Ordering {
+        let (zero, own_value, rhs_value) = (IBig::ZERO, &self.separation, &rhs.separation);
+        let (square, other_square) = (&self.direction.square, &rhs.direction.square);
+        let magnitudes = || (own_value * own_value * other_square).cmp(&(rhs_value * rhs_value * square));
+        match (*own_value >= zero, *rhs_value >= zero) {
             (true, true) => magnitudes(),
             (false, false) => magnitudes().reverse(),
-            (own, others) => own.cmp(&others),
+            (lhs, rhs) => lhs.cmp(&rhs),
         }
     }
 }
@@ -96,9 +96,9 @@ impl Span {
 
 impl Core {
     fn new(outline: &Outline, turn: &[IBig; 2], offset: &Vector) -> Self {
-        let own: Vec<Vector> = outline.corners().iter().map(|&corner| turned(corner, turn)).collect();
-        let extent = own.iter().flatten().map(|part| ulps(part).abs()).fold(0.0, f64::max);
-        let corners = own.iter().map(|corner| sum(corner, offset)).collect();
+        let turned_corners: Vec<Vector> = outline.corners().iter().map(|&corner| turned(corner, turn)).collect();
+        let extent = turned_corners.iter().flatten().map(|part| ulps(part).abs()).fold(0.0, f64::max);
+        let corners = turned_corners.iter().map(|corner| sum(corner, offset)).collect();
         Self { corners, radius: outline.radius().to_bits(), extent }
     }
 
@@ -136,17 +136,17 @@ impl Core {
         let (height, length) = (self.height(&w.normal), float(&w.square).sqrt());
         let below =
             |i: usize| float(&(&height - dot(&w.normal, &self.corners[i]))) / length / 2f64.powi(FRACTION as i32);
-        let mut near: Vec<(f64, usize)> = (0..self.corners.len()).map(|i| (below(i), i)).collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut depths: Vec<(f64, usize)> = (0..self.corners.len()).map(|i| (below(i), i)).collect();
+        depths.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Rounding of the reference itself is far below 2^-8 ulp.
         let flat = if pair.choice > 0.0 { 1.0 / 256.0 } else { 0.0 };
-        let least = near.iter().filter(|(below, _)| *below <= flat).count();
-        let most = near.iter().filter(|(below, _)| *below <= pair.choice).count().max(least);
+        let least = depths.iter().filter(|(below, _)| *below <= flat).count();
+        let greatest = depths.iter().filter(|(below, _)| *below <= pair.choice).count().max(least);
         let across = across(&w.normal);
         let mut supports = Vec::new();
-        for count in least..=most {
-            let corners = near[..count].iter().map(|&(below, i)| (dot(&across, &self.corners[i]), below, i));
-            let (mut first, mut last) = (near[0].1, near[0].1);
+        for count in least..=greatest {
+            let corners = depths[..count].iter().map(|&(below, i)| (dot(&across, &self.corners[i]), below, i));
+            let (mut first, mut last) = (depths[0].1, depths[0].1);
             let key = |i: usize| dot(&across, &self.corners[i]);
             for (place, _, i) in corners {
                 first = if place < key(first) { i } else { first };
@@ -168,13 +168,13 @@ impl Core {
         }
         let (before, after) = ((corner + count - 1) % count, (corner + 1) % count);
         // How far the middle of the two normals is counter-clockwise of `w`.
-        let (own, other) = (self.normal(corner), self.normal(before));
+        let (normal_after, normal_before) = (self.normal(corner), self.normal(before));
         let sine = if count == 2 {
             let out = sub(&self.corners[corner], &self.corners[after]);
             float(&cross(&w.normal, &out)) / float(&dot(&out, &out)).sqrt()
         } else {
-            let (c, d) = (cross(&w.normal, &own), cross(&w.normal, &other));
-            sum_over_roots([&c, &dot(&own, &own)], [&d, &dot(&other, &other)])
+            let (c, d) = (cross(&w.normal, &normal_after), cross(&w.normal, &normal_before));
+            sum_over_roots([&c, &dot(&normal_after, &normal_after)], [&d, &dot(&normal_before, &normal_before)])
         } / float(&w.square).sqrt();
         let length = |edge: &Vector| ulps(&edge[0]).hypot(ulps(&edge[1]));
         let fuzz = pair.angle + pair.choice / length(&self.edge(before)).min(length(&self.edge(corner)));
@@ -339,8 +339,8 @@ impl Pair {
                 least = least.min(ulps(&x).hypot(ulps(&y)));
             }
         }
-        for (core, other) in [(a, b), (b, a)] {
-            for point in &other.corners {
+        for (core, second) in [(a, b), (b, a)] {
+            for point in &second.corners {
                 least = (0..core.edges()).map(|i| to_edge(core, point, i)).fold(least, f64::min);
             }
         }

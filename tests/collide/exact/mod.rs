@@ -117,13 +117,13 @@ impl Seen {
 /// A share of the pairs, perhaps within rounding of a choice.
 fn check_cases(name: &str, count: usize, is_exact: bool, mut case: impl FnMut(&mut SplitMix) -> Case) -> Seen {
     let mut random = SplitMix::seeded(name.bytes().fold(0, |seed, byte| seed << 5 ^ seed >> 59 ^ u64::from(byte)));
-    let mut seen = Seen::default();
+    let mut tally = Seen::default();
     for _ in 0..count {
         let case = case(&mut random);
-        seen.check(&mut random, &case, is_exact);
+        tally.check(&mut random, &case, is_exact);
     }
-    println!("{name}: {seen:?}");
-    seen
+    println!("{name}: {tally:?}");
+    tally
 }
 
 /// A size for each of two shapes: the same in most cases.
@@ -137,11 +137,11 @@ fn manifolds_of_random_pairs_are_those_of_exact_numbers() {
     let share = super::exact_cases() / 2 / KINDS.len() / KINDS.len();
     for first in KINDS {
         for second in KINDS {
-            let seen = check_cases(&format!("{first}, {second}"), share, false, |random| {
+            let tally = check_cases(&format!("{first}, {second}"), share, false, |random| {
                 let exponents = exponents(random);
                 random_case(random, [first, second], exponents)
             });
-            assert!(seen.unsure * 1000 <= share, "{first}, {second}: {seen:?}");
+            assert!(tally.unsure * 1000 <= share, "{first}, {second}: {tally:?}");
         }
     }
 }
@@ -159,6 +159,6 @@ fn manifolds_of_parallel_and_tied_edges_are_those_of_exact_numbers() {
 #[test]
 fn exact_ties_are_resolved_by_the_rule() {
     let count = super::exact_cases() / 4;
-    let seen = check_cases("lattice", count, true, lattice_case);
-    assert!(seen.unsure == 0 && seen.tied > count / 4 && seen.counts.iter().all(|&n| n > count / 5), "{seen:?}");
+    let tally = check_cases("lattice", count, true, lattice_case);
+    assert!(tally.unsure == 0 && tally.tied > count / 4 && tally.counts.iter().all(|&n| n > count / 5), "{tally:?}");
 }

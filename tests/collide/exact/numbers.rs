@@ -31,8 +31,8 @@ static DIRECTIONS: LazyLock<Vec<Vec<[IBig; 2]>>> = LazyLock::new(|| {
 });
 
 /// `a / 2^by` to nearest, ties up.
-fn shifted(a: IBig, by: usize) -> IBig {
-    (a + (IBig::ONE << (by - 1))) >> by
+fn shifted(a: IBig, shift: usize) -> IBig {
+    (a + (IBig::ONE << (shift - 1))) >> shift
 }
 
 /// Sine and cosine of an angle in units of 2^-160, within some units; exact for quarter turns.

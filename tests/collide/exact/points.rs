@@ -142,8 +142,8 @@ impl Pair {
     pub(crate) fn point(&self, n: &Direction, at: At, height: &Height, feature: u32) -> Point {
         let [a, b] = &self.cores;
         let radius = |core: i64| IBig::from(core) << FRACTION;
-        let between = |own: i64, other: i64| {
-            let (along, turned) = (&height.den * &n.square, radius(own) - radius(other));
+        let between = |first: i64, second: i64| {
+            let (along, turned) = (&height.den * &n.square, radius(first) - radius(second));
             [0, 1].map(|c| {
                 let part = &n.normal[c];
                 (part * &height.num / &along + over_root(&(part * &turned), &n.square)) >> 1

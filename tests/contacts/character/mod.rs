@@ -50,23 +50,25 @@ impl Walk {
         Self { hero, position, ground: None }
     }
 
-    fn go(&mut self, world: &World, by: Vec2) -> Movement {
-        self.go_past(world, by, &ALL)
+    fn go(&mut self, world: &World, translation: Vec2) -> Movement {
+        self.go_past(world, translation, &ALL)
     }
 
-    fn go_past(&mut self, world: &World, by: Vec2, filter: &QueryFilter<'_>) -> Movement {
-        let moved =
-            self.hero.translate(&world.queries(), self.position, self.ground, by, filter).expect("a movement in range");
+    fn go_past(&mut self, world: &World, translation: Vec2, filter: &QueryFilter<'_>) -> Movement {
+        let moved = self
+            .hero
+            .translate(&world.queries(), self.position, self.ground, translation, filter)
+            .expect("a movement in range");
         (self.position, self.ground) = (moved.position, moved.ground);
         moved
     }
 
     /// Goes on for some steps, standing on a body.
-    fn ride(&mut self, world: &mut World, on: BodyId, ticks: u32) {
+    fn ride(&mut self, world: &mut World, platform: BodyId, ticks: u32) {
         for tick in 0..ticks {
             world.step();
             self.go(world, vec2(0, fx!(-0.01)));
-            assert_eq!(self.ground.map(|ground| ground.body), Some(on), "tick {tick}: {}", self.position);
+            assert_eq!(self.ground.map(|ground| ground.body), Some(platform), "tick {tick}: {}", self.position);
         }
     }
 
@@ -149,15 +151,15 @@ fn a_character_is_pushed_out_by_a_metre_at_most_and_upwards_where_ways_tie() {
 #[test]
 fn settings_and_translations_out_of_range_are_refused() {
     let world = world();
-    let refused = |hero: &Character, by: Vec2| {
-        hero.translate(&world.queries(), vec2(0, 0), None, by, &ALL).map(drop).map_err(|error| match error {
+    let refused = |hero: &Character, translation: Vec2| {
+        hero.translate(&world.queries(), vec2(0, 0), None, translation, &ALL).map(drop).map_err(|error| match error {
             Error::OutOfRange { quantity } => quantity,
             error => panic!("{error}"),
         })
     };
-    let most = fx!(256);
-    assert_eq!(refused(&hero(), vec2(most, -most)), Ok(()));
-    assert_eq!(refused(&hero(), vec2(0, most + Fx::DELTA)), Err(Quantity::CharacterTranslation));
+    let limit = fx!(256);
+    assert_eq!(refused(&hero(), vec2(limit, -limit)), Ok(()));
+    assert_eq!(refused(&hero(), vec2(0, limit + Fx::DELTA)), Err(Quantity::CharacterTranslation));
     let cases: [(Character, Quantity); 10] = [
         (Character { skin: fx!(0), ..hero() }, Quantity::CharacterSkin),
         (Character { skin: fx!(1) + Fx::DELTA, ..hero() }, Quantity::CharacterSkin),

@@ -32,10 +32,10 @@ fn a_one_way_platform_holds_from_above_alone() {
     }
     // From the side, and down again if it did not get out of it.
     let mut walk = Walk::new(hero(), vec2(-3, 0));
-    for by in [vec2(3, 0), vec2(0, fx!(0.3)), vec2(0, -2)] {
+    for way in [vec2(3, 0), vec2(0, fx!(0.3)), vec2(0, -2)] {
         let before = walk.position;
-        walk.go(&world, by);
-        assert_eq!(walk.position, before + by);
+        walk.go(&world, way);
+        assert_eq!(walk.position, before + way);
     }
     // It drops through when the platform is left out for one call.
     let mut walk = Walk::new(hero(), vec2(0, 2));

@@ -53,7 +53,8 @@ fn a_push_is_as_large_as_the_approach() {
         let mut walk = Walk::new(Character { push_mass: fx!(60), ..hero() }, vec2(0, 0));
         let moved = walk.go(&world, vec2(fx!(0.0625), 0));
         assert_eq!(moved.hits.len(), 1);
-        let impulses: Vec<Fx> = walk.hero.push(&world, &moved).iter().map(impulse_of).map(|by| by.x).collect();
+        let impulses: Vec<Fx> =
+            walk.hero.push(&world, &moved).iter().map(impulse_of).map(|impulse| impulse.x).collect();
         assert_eq!(impulses, if expected > fx!(0) { vec![expected] } else { vec![] });
     }
 }
@@ -61,7 +62,7 @@ fn a_push_is_as_large_as_the_approach() {
 fn impulse_of(push: &Command) -> Vec2 {
     match push {
         Command::Apply { action: ForceOrImpulse::Impulse { impulse, .. }, .. } => *impulse,
-        other => panic!("{other:?}"),
+        command => panic!("{command:?}"),
     }
 }
 
@@ -74,16 +75,16 @@ fn a_body_gets_the_greatest_of_its_pushes_and_one_that_stands_none() {
     let angle = world.add_body(def.with_collider(floor).with_collider(side)).unwrap();
     add(&mut world, BodyDef::fixed(), vec2(-1, 1), bar(fx!(0.25), fx!(3)));
     let hero = Character { push_mass: fx!(60), step_height: fx!(0), ..hero() };
-    for (by, normal) in [
+    for (way, normal) in [
         (vec2(fx!(0.06), fx!(-0.03)), Some(vec2(1, 0))),
         (vec2(fx!(0.03), fx!(-0.06)), Some(vec2(0, -1))),
         (vec2(fx!(0.05), fx!(-0.05)), None),
     ] {
         let mut walk = Walk::new(hero.clone(), vec2(0, fx!(0.25)));
         for _ in 0..30 {
-            walk.go(&world, by);
+            walk.go(&world, way);
         }
-        let moved = walk.go(&world, by);
+        let moved = walk.go(&world, way);
         assert_eq!(moved.hits.len(), 2);
         let pushes = hero.push(&world, &moved);
         assert!(pushes.len() == 1 && moved.hits.iter().all(|hit| hit.body == angle));

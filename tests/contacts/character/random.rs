@@ -13,7 +13,7 @@ fn clutter(random: &mut Random, turned: bool) -> Vec<BodyDef> {
             2 => Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(2, 2), vec2(0, 1)]),
             _ => Shape::rectangle(size(random), size(random)),
         };
-        let mut number = |most: i32| random.number(-Fx::from(most)..=Fx::from(most));
+        let mut number = |max: i32| random.number(-Fx::from(max)..=Fx::from(max));
         let (position, angle) = (Vec2::new(number(6), number(6)), if turned { number(3) } else { fx!(0) });
         let collider = ColliderDef { key, ..ColliderDef::new(shape.expect("a shape")) };
         BodyDef { position, angle, ..BodyDef::fixed().with_collider(collider) }
@@ -63,10 +63,10 @@ fn a_character_never_ends_in_a_wall() {
             if i % 10 == 0 {
                 goal = Vec2::new(random.number(fx!(-6)..=fx!(6)), random.number(fx!(-6)..=fx!(6)));
             }
-            let by = (goal - walk.position) * if i % 10 == 0 { fx!(0.9) } else { fx!(0.15) };
-            let moved = walk.hero.translate(&queries, walk.position, walk.ground, by, &ALL).unwrap();
+            let way = (goal - walk.position) * if i % 10 == 0 { fx!(0.9) } else { fx!(0.15) };
+            let moved = walk.hero.translate(&queries, walk.position, walk.ground, way, &ALL).unwrap();
             let inside = queries.overlap_shape(&walk.hero.shape, (moved.position, fx!(0)), &ALL).unwrap();
-            assert_eq!(inside, [], "seed {seed}, move {i}: {walk:?} by {by} to {moved:?}");
+            assert_eq!(inside, [], "seed {seed}, move {i}: {walk:?} by {way} to {moved:?}");
             assert!(!moved.is_overlapping);
             let parts: BTreeSet<_> = moved.hits.iter().map(|hit| (hit.collider, hit.part)).collect();
             assert_eq!(parts.len(), moved.hits.len(), "each once");
@@ -89,20 +89,20 @@ fn a_mirror_image_moves_to_the_mirror_image() {
         let Some(place) = free_place(random, &world, &hero) else { continue };
         let mirrored = Character { shape: mirror.shape(&hero.shape).unwrap(), ..hero.clone() };
         let at = mirror.point(place).unwrap();
-        let (mut own, mut other) = (Walk::new(hero, place), Walk::new(mirrored, at));
+        let (mut walk, mut image_walk) = (Walk::new(hero, place), Walk::new(mirrored, at));
         for i in 0..60 {
-            let by = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
-            let moved = own.go(&world, by);
-            let there = other.go(&image, mirror.vector(by).unwrap());
-            assert_eq!(mirror.point(moved.position), Some(there.position), "seed {seed}, move {i}: {by}");
-            assert_eq!(moved.ground_collider, there.ground_collider);
-            assert_eq!(mirror.vector(moved.ground_normal), Some(there.ground_normal));
+            let way = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
+            let moved = walk.go(&world, way);
+            let image_moved = image_walk.go(&image, mirror.vector(way).unwrap());
+            assert_eq!(mirror.point(moved.position), Some(image_moved.position), "seed {seed}, move {i}: {way}");
+            assert_eq!(moved.ground_collider, image_moved.ground_collider);
+            assert_eq!(mirror.vector(moved.ground_normal), Some(image_moved.ground_normal));
             let hits = moved
                 .hits
                 .iter()
                 .map(|hit| (hit.collider, mirror.point(hit.point).unwrap(), mirror.vector(hit.normal).unwrap()));
             assert!(
-                hits.eq(there.hits.iter().map(|hit| (hit.collider, hit.point, hit.normal))),
+                hits.eq(image_moved.hits.iter().map(|hit| (hit.collider, hit.point, hit.normal))),
                 "seed {seed}, move {i}"
             );
             met += moved.hits.len();
@@ -118,18 +118,18 @@ fn the_order_in_which_a_world_was_built_makes_no_difference() {
     for seed in 0..60 {
         let random = &mut Random::seeded(run_seed(seed));
         let bodies = clutter(random, true);
-        let (world, other) = (world_of(bodies.clone()), world_of(bodies.into_iter().rev()));
+        let (world, reordered) = (world_of(bodies.clone()), world_of(bodies.into_iter().rev()));
         let hero = any_hero(random);
         let Some(place) = free_place(random, &world, &hero) else { continue };
         let (mut a, mut b) = (Walk::new(hero.clone(), place), Walk::new(hero, place));
         for _ in 0..60 {
-            let by = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
-            let [a, b] = [a.go(&world, by), b.go(&other, by)];
+            let way = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.3)));
+            let [a, b] = [a.go(&world, way), b.go(&reordered, way)];
             assert_eq!(a.position, b.position);
             let keys = |world: &World, moved: &Movement| -> Vec<u64> {
                 moved.hits.iter().map(|hit| world.collider(hit.collider).unwrap().key).collect()
             };
-            assert_eq!(keys(&world, &a), keys(&other, &b));
+            assert_eq!(keys(&world, &a), keys(&reordered, &b));
             hits += a.hits.len();
         }
     }

@@ -173,10 +173,10 @@ fn a_character_leaves_a_chain_to_its_outer_side_and_passes_from_behind() {
     assert!((walk.position - vec2(fx!(2.2), fx!(0.5) + SKIN)).length() <= NEAR, "{}", walk.position);
     // With its middle below, it falls on.
     let mut walk = Walk::new(hero(), vec2(0, fx!(-0.1)));
-    for by in [vec2(0, fx!(-0.1)), vec2(0, fx!(0.15)), vec2(fx!(0.5), fx!(-1))] {
+    for way in [vec2(0, fx!(-0.1)), vec2(0, fx!(0.15)), vec2(fx!(0.5), fx!(-1))] {
         let before = walk.position;
-        assert!(!walk.go(&chain(), by).is_overlapping);
-        assert_eq!(walk.position, before + by);
+        assert!(!walk.go(&chain(), way).is_overlapping);
+        assert_eq!(walk.position, before + way);
     }
 }
 
@@ -236,12 +236,12 @@ fn a_character_walks_over_the_joints_of_a_chain_and_with_any_side_up() {
     let hero = Character::new(Shape::circle(fx!(0.5)).unwrap());
     let side = Character { up: turn.vector(vec2(0, 1)).unwrap(), ..hero.clone() };
     let at = vec2(-2, 1);
-    let (mut own, mut other) = (Walk::new(hero, at), Walk::new(side, turn.point(at).unwrap()));
+    let (mut walk, mut turned_walk) = (Walk::new(hero, at), Walk::new(side, turn.point(at).unwrap()));
     for _ in 0..200 {
-        let by = vec2(fx!(0.07), fx!(-0.05));
-        own.go(&world, by);
-        other.go(&image, turn.vector(by).unwrap());
-        assert_eq!(turn.point(own.position), Some(other.position));
+        let way = vec2(fx!(0.07), fx!(-0.05));
+        walk.go(&world, way);
+        turned_walk.go(&image, turn.vector(way).unwrap());
+        assert_eq!(turn.point(walk.position), Some(turned_walk.position));
     }
-    assert!(own.position.x > fx!(6));
+    assert!(walk.position.x > fx!(6));
 }

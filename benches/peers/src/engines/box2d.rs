@@ -178,7 +178,7 @@ impl World for B2World {
         Some(unsafe { b2World_GetAwakeBodyCount(self.world) } as usize)
     }
     fn contact_points(&self) -> Option<usize> {
-        let mut seen = HashSet::new();
+        let mut touching = HashSet::new();
         let mut points = 0;
         let mut buf: Vec<b2ContactData> = Vec::new();
         unsafe {
@@ -192,7 +192,7 @@ impl World for B2World {
                 let n = b2Body_GetContactData(id, buf.as_mut_ptr(), cap);
                 buf.set_len(n as usize);
                 for c in &buf {
-                    if seen.insert((c.shapeIdA.index1, c.shapeIdB.index1)) {
+                    if touching.insert((c.shapeIdA.index1, c.shapeIdB.index1)) {
                         points += c.manifold.pointCount as usize;
                     }
                 }
@@ -213,8 +213,8 @@ impl World for B2World {
     }
     fn cast_rays(&mut self, rays: &[Ray], fractions: &mut [f64]) -> bool {
         for (ray, fraction) in rays.iter().zip(fractions) {
-            let (from, by) = (v2(ray.from[0], ray.from[1]), v2(ray.by[0], ray.by[1]));
-            let hit = unsafe { b2World_CastRayClosest(self.world, from, by, b2DefaultQueryFilter()) };
+            let (from, way) = (v2(ray.from[0], ray.from[1]), v2(ray.by[0], ray.by[1]));
+            let hit = unsafe { b2World_CastRayClosest(self.world, from, way, b2DefaultQueryFilter()) };
             *fraction = if hit.hit { f64::from(hit.fraction) } else { 2.0 };
         }
         true

@@ -295,8 +295,8 @@ impl<S: Number> World for Built<S> {
     fn cast_rays(&mut self, rays: &[scene::Ray], fractions: &mut [f64]) -> bool {
         let (queries, all) = (self.world.queries(), QueryFilter::default());
         for (ray, fraction) in rays.iter().zip(fractions) {
-            let (from, by) = (vector(ray.from[0], ray.from[1]), vector(ray.by[0], ray.by[1]));
-            let hit = queries.cast_ray(from, by, &all).expect("rays within the limits");
+            let (from, way) = (vector(ray.from[0], ray.from[1]), vector(ray.by[0], ray.by[1]));
+            let hit = queries.cast_ray(from, way, &all).expect("rays within the limits");
             *fraction = hit.map_or(2.0, |hit| hit.fraction.to_f64());
         }
         true

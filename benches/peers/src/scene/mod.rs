@@ -193,8 +193,8 @@ impl Joint {
             let (dx, dy) = (x - b.x, y - b.y);
             [c * dx + s * dy, c * dy - s * dx]
         };
-        let [bx, by] = self.rod_end.unwrap_or([self.x, self.y]);
-        [local(&bodies[self.a], self.x, self.y), local(&bodies[self.b], bx, by)]
+        let [end_x, end_y] = self.rod_end.unwrap_or([self.x, self.y]);
+        [local(&bodies[self.a], self.x, self.y), local(&bodies[self.b], end_x, end_y)]
     }
     /// The distance of the two points that the joint keeps.
     pub fn length(&self) -> f64 {

@@ -105,8 +105,8 @@ pub fn ray_list(s: &Scene, count: usize, length: f64) -> Vec<Ray> {
     s.bodies.iter().for_each(|b| bodies.entry(cell(b.x, b.y)).or_default().push([b.x, b.y]));
     let is_free = |[x, y]: [f64; 2]| {
         let (i, j) = cell(x, y);
-        let mut near = (0..9).filter_map(|k| bodies.get(&(i + k / 3 - 1, j + k % 3 - 1))).flatten();
-        near.all(|b| (b[0] - x).hypot(b[1] - y) > 1.42)
+        let mut neighbours = (0..9).filter_map(|k| bodies.get(&(i + k / 3 - 1, j + k % 3 - 1))).flatten();
+        neighbours.all(|b| (b[0] - x).hypot(b[1] - y) > 1.42)
     };
     let mut g = Lcg(6);
     let mut ray = || {

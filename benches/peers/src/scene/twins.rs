@@ -53,8 +53,8 @@ impl Scene {
     pub(super) fn symmetric(mut self, mirror: Mirror) -> Self {
         let partner = self.bodies.iter().enumerate().map(|(i, b)| {
             let image = mirror.body(b);
-            let found = self.bodies.iter().position(|other| *other == image);
-            found.unwrap_or_else(|| panic!("{}: body {i} has no mirror image", self.name))
+            let place = self.bodies.iter().position(|candidate| *candidate == image);
+            place.unwrap_or_else(|| panic!("{}: body {i} has no mirror image", self.name))
         });
         let partner = partner.collect();
         self.symmetry = Some(Symmetry { mirror, partner });

@@ -301,7 +301,8 @@ mod tests {
             let mut indices = original.clone();
             indices.sort_unstable();
             assert!(indices.into_iter().eq(0..scene.bodies.len()), "{}", case.name);
-            let ends = |j: &crate::scene::Joint, of: &[usize]| (of[j.a], of[j.b], j.x.to_bits(), j.y.to_bits());
+            let ends =
+                |j: &crate::scene::Joint, order: &[usize]| (order[j.a], order[j.b], j.x.to_bits(), j.y.to_bits());
             let same: Vec<usize> = (0..scene.bodies.len()).collect();
             let mut moved: Vec<_> = twin.joints.iter().map(|j| ends(j, &original)).collect();
             let mut kept: Vec<_> = scene.joints.iter().map(|j| ends(j, &same)).collect();

@@ -156,11 +156,11 @@ impl Body {
     }
 
     /// Adds what contacts changed.
-    pub fn correct(&mut self, by: &Correction) {
-        self.velocity = sum(self.velocity, by.velocity);
-        self.position = sum(self.position, by.displacement);
-        self.angular_velocity = self.angular_velocity.plus(by.angular_velocity);
-        self.angle = self.angle.turned(by.rotation);
+    pub fn correct(&mut self, correction: &Correction) {
+        self.velocity = sum(self.velocity, correction.velocity);
+        self.position = sum(self.position, correction.displacement);
+        self.angular_velocity = self.angular_velocity.plus(correction.angular_velocity);
+        self.angle = self.angle.turned(correction.rotation);
     }
 
     /// The state of the scene's body, whose position differs from the centre of mass by rounding.
@@ -214,10 +214,10 @@ mod tests {
         for tick in 0..100 {
             world.step();
             body.fly(&timing);
-            let there = world.body(id).unwrap();
-            assert_eq!(there.position_exact(), body.position, "{tick}");
-            assert_eq!(there.velocity_exact(), body.velocity, "{tick}");
-            assert_eq!(there.angle_exact(), body.angle, "{tick}");
+            let actual = world.body(id).unwrap();
+            assert_eq!(actual.position_exact(), body.position, "{tick}");
+            assert_eq!(actual.velocity_exact(), body.velocity, "{tick}");
+            assert_eq!(actual.angle_exact(), body.angle, "{tick}");
         }
     }
 }

@@ -170,7 +170,7 @@ fn contact(record: &Record, manifold: &Manifold, [a, b]: [&Body; 2]) -> Contact 
 fn proxy(i: usize, at_start: Aabb, flight: &Flight) -> Proxy {
     let way = length(flight.displacement.x.to_bits(), flight.displacement.y.to_bits());
     let more = MARGIN.to_bits() / 2 + 1 + way + turned(flight);
-    let grown = |v: Vec2, by: i64| v.map(|c| Fx::from_bits(c.to_bits() + by));
+    let grown = |v: Vec2, ulps: i64| v.map(|c| Fx::from_bits(c.to_bits() + ulps));
     let bounds = Aabb { min: grown(at_start.min, -more), max: grown(at_start.max, more) };
     Proxy { collider: i as u32, body: i as u32, bounds, filter: Filter::default(), digest: 0 }
 }
