@@ -133,7 +133,8 @@ type Occupant<S> = Option<(Record<S>, ColliderMass<S>)>;
 impl<S: Scalar> Bodies<S> {
     /// The state of the body at this index in the columns.
     pub(crate) fn record(&self, dense: usize, factor_table: &FactorTable<S>) -> Record<S> {
-        let (info, motion) = (self.info(dense), &self.columns.motion);
+        let info = self.info(dense);
+        let motion = &self.columns.motion;
         let key = &factor_table.rows()[self.columns.factors[dense] as usize].key;
         Record {
             kind: info.kind,

@@ -74,7 +74,8 @@ impl<S: Scalar> Target<S> {
 /// Returns true if two angles are less than an ulp apart, so that an angle always equals its public value. The test uses the way
 /// from one to the other, which is as long in a mirrored world; rounded angles are not mirrored.
 fn is_there<S: Scalar>(angle: S::Angle, goal: S::Angle) -> bool {
-    let (way, ulp) = (angle.way_to(goal), S::Wide::from_scalar(S::from_fx(Fx::DELTA)));
+    let way = angle.way_to(goal);
+    let ulp = S::Wide::from_scalar(S::from_fx(Fx::DELTA));
     // Half a turn has a way of zero as well.
     if way == S::Wide::default() { angle == goal } else { way < ulp && way.negated() < ulp }
 }

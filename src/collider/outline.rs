@@ -38,7 +38,8 @@ impl<S: Scalar> Deref for OutlineRef<'_, S> {
 
 impl<S: Scalar> BodyOutline<S> {
     pub(super) fn new(outline: Outline<S>) -> Self {
-        let (corners, radius) = (Aabb::around(outline.corners(), S::ZERO), outline.reach());
+        let corners = Aabb::around(outline.corners(), S::ZERO);
+        let radius = outline.reach();
         let width = outline.width();
         Self { outline, corners, radius, width }
     }

@@ -156,7 +156,8 @@ impl<S: Scalar> ColliderSet<S> {
             self.changes.drain(..CHANGES / 2);
         }
         push(&mut self.changes, (self.revision, slot));
-        let (first, revision) = (self.first[body as usize], self.revision);
+        let first = self.first[body as usize];
+        let revision = self.revision;
         if let Some(first) = self.at_mut(first) {
             first.body_revision = revision;
         }

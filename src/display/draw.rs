@@ -301,7 +301,8 @@ impl<S: Scalar + ToF64> World<S> {
     }
 
     fn draw_body(&self, body: &BodyRef<'_, S>, pose: Pose, draw: &mut (impl DebugDraw + ?Sized)) {
-        let (at, role) = (Placed::at(pose), Role::Body(body.id(), BodyClass::new(body.kind(), body.activity())));
+        let at = Placed::at(pose);
+        let role = Role::Body(body.id(), BodyClass::new(body.kind(), body.activity()));
         let colliders = self.colliders_of(body.id()).into_iter().flatten().filter_map(|id| self.collider(id).ok());
         let mut is_point = true;
         for collider in colliders {

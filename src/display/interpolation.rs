@@ -115,7 +115,8 @@ impl Interpolation {
         self.looked = Some((tick, rewinds));
         let mut free = 0;
         for body in world.bodies() {
-            let (id, now) = (body.id(), Pose::of(&body));
+            let id = body.id();
+            let now = Pose::of(&body);
             let slot = id.parts().0 as usize;
             if self.seen.len() <= slot {
                 self.seen.resize(slot + 1, None);

@@ -105,7 +105,8 @@ impl Fx {
 /// The value of an integer literal.
 const fn integer(text: &[u8]) -> i64 {
     let negative = text[0] == b'-';
-    let (mut at, mut value) = (negative as usize, 0i64);
+    let mut at = negative as usize;
+    let mut value = 0i64;
     while at < text.len() {
         let digit = text[at];
         assert!(digit.is_ascii_digit() || digit == b'_', "fx! takes ratios of two integers, as in fx!(1/60)");
@@ -296,7 +297,8 @@ const fn scan_exponent(text: &[u8], mut at: usize) -> Result<(i64, usize), Parse
     if negative || (at < text.len() && text[at] == b'+') {
         at += 1;
     }
-    let (first, mut exponent) = (at, 0);
+    let first = at;
+    let mut exponent = 0;
     while at < text.len() && text[at].is_ascii_digit() {
         exponent = if exponent >= FAR / 10 { FAR } else { exponent * 10 + (text[at] - b'0') as i64 };
         at += 1;

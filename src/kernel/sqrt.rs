@@ -100,7 +100,8 @@ pub(crate) const fn over_root(c: u64, whole: u64, squares: u128) -> u64 {
     let even = squares.leading_zeros() & !1;
     // √squares in units of 2^-(32 + even/2), from 2^95 to 2^96, within 2^-95 relative.
     let root = root_fine(squares << even);
-    let (product, up) = (c as u128 * whole as u128, 32 + even / 2);
+    let product = c as u128 * whole as u128;
+    let up = 32 + even / 2;
     // c <= √squares, so that product · 2^up is at most whole · root and a little: its high half is below the root.
     let (quotient, _) = div_256(product >> (128 - up), product << up, root);
     // Within 2^63 · 2^-95 = 2^-32 of the exact quotient, and rounded down: the nearest integer is this one or the next. That is the

@@ -113,7 +113,8 @@ fn sharp_hit(corners: &[Point], ray: Point) -> Option<RayEnd> {
     // The side of the ray's line that each corner is on: below 2^107.
     let side = |i: usize| cross(ray, corners[if i < count { i } else { 0 }]);
     let mut next = side(0);
-    let (mut touched, mut is_on_line) = (None, true);
+    let mut touched = None;
+    let mut is_on_line = true;
     for i in 0..count {
         let this = next;
         next = side(i + 1);
@@ -266,7 +267,8 @@ fn root_256(high: u128, low: u128, fine: u32) -> u128 {
         _ => low << (zeros - 128),
     };
     // √(upper·2^(128 − zeros)) = root·2^(64 − zeros/2 − 32).
-    let (root, left) = (root_fine(upper), 32 + fine as i32 - (zeros / 2) as i32);
+    let root = root_fine(upper);
+    let left = 32 + fine as i32 - (zeros / 2) as i32;
     if left >= 0 { root << left } else { root >> -left }
 }
 

@@ -189,7 +189,8 @@ pub(super) fn sleep(trial: &mut Trial) -> Played {
         let far = End::Body(Attachment::centre(ids[2]));
         world.add_field(FieldKind::Spring { near: Attachment::centre(ids[1]), far, spring })?;
     }
-    let (loner, island) = (ids[0], [ids[1], ids[2]]);
+    let loner = ids[0];
+    let island = [ids[1], ids[2]];
     let mut slept = [0, 0];
     let run = |trial: &mut Trial, world: &mut World, awake: &mut World, slept: &mut [u32; 2]| -> Played {
         for _ in 0..240 {

@@ -210,7 +210,8 @@ fn inputs(world: &mut World, ids: &[BodyId], tick: u32) -> Result<(), Error> {
 pub(super) fn going_back(trial: &mut Trial) -> Played {
     let (mut world, ids) = busy()?;
     let (mut rolled_back, _) = busy()?;
-    let (mut saved, mut last) = (world.clone(), 0);
+    let mut saved = world.clone();
+    let mut last = 0;
     for tick in 0..240 {
         if tick % 8 == 0 && tick > 0 {
             // Eight ticks again from the copy, with the same inputs, in this world's memory and in another's.

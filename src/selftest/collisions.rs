@@ -163,7 +163,8 @@ pub(super) fn compounds(trial: &mut Trial) -> Played {
     }
     let mirror = |world: &World| Symmetry::MIRROR.world(world).ok_or(Error::Inconsistent);
     let mut image = mirror(&world)?;
-    let (mut max_contacts, mut parts) = (0, 0);
+    let mut max_contacts = 0;
+    let mut parts = 0;
     for _ in 0..240 {
         trial.step(&mut world);
         twin.step();
@@ -257,7 +258,8 @@ pub(super) fn impacts(trial: &mut Trial) -> Played {
         let flies = world.add_body(free.clone().with_collider(disc(fx!(0))?))?;
         let mut alone = World::new(WorldDef { integrator, ..def() })?;
         let twin = alone.add_body(BodyDef { mass: Mass::Kilograms(fx!(2)), ..free })?;
-        let (mut rises, mut highest) = (false, Fx::ZERO);
+        let mut rises = false;
+        let mut highest = Fx::ZERO;
         for tick in 0..100 {
             trial.step(&mut world);
             alone.step();

@@ -193,7 +193,8 @@ impl Bodies {
         }
         let flights: Vec<Flight> = self.bodies.iter_mut().map(|body| body.fly(self.gravity)).collect();
         let (mut contacts, features): (Vec<Contact>, Vec<_>) = self.collide(&flights).into_iter().unzip();
-        let (time_step, options) = (TimeStep::hz(RATE as u32), SolverOptions::default());
+        let time_step = TimeStep::hz(RATE as u32);
+        let options = SolverOptions::default();
         let counts = self.solver.solve(time_step, &options, &flights, &mut [], &mut contacts, &mut self.corrections);
         self.cut += counts.cut;
         self.bodies.iter_mut().zip(&self.corrections).for_each(|(body, correction)| body.correct(correction));
@@ -252,7 +253,8 @@ impl Bodies {
 
     /// The sum of m·Δv by the contacts of the last step, and the sum of |m·Δv|, along x and y, in 2^-96 N·s.
     pub(super) fn momentum_gained(&self) -> ([i128; 2], i128) {
-        let (mut total, mut moved) = ([0; 2], 0);
+        let mut total = [0; 2];
+        let mut moved = 0;
         for (body, correction) in self.bodies.iter().zip(&self.corrections) {
             let gains = [correction.velocity.x, correction.velocity.y].map(|v| i128::from(body.mass) * v.to_bits());
             (0..2).for_each(|i| total[i] += gains[i]);

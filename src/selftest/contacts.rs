@@ -40,7 +40,8 @@ fn pile_of_bodies() -> Result<Bodies, Error> {
 pub(super) fn pile(trial: &mut Trial) -> Played {
     let mut pile = pile_of_bodies()?;
     let middle = pile.bodies.len() - 2;
-    let (mut most_contacts, mut deepest) = (0, Fx::ZERO);
+    let mut most_contacts = 0;
+    let mut deepest = Fx::ZERO;
     for _ in 0..256 {
         pile.step(trial);
         mirrored(&pile.bodies, middle)?;
@@ -118,7 +119,8 @@ pub(super) fn extremes(trial: &mut Trial) -> Played {
     let (mut bodies, mut twin) = (extreme_bodies()?, extreme_bodies()?);
     twin.bodies.reverse();
     let last = bodies.bodies.len() - 1;
-    let (mut most_contacts, mut were_hit) = (0, false);
+    let mut most_contacts = 0;
+    let mut were_hit = false;
     for _ in 0..128 {
         bodies.step(trial);
         twin.step_alone();

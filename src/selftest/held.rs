@@ -33,7 +33,8 @@ pub(super) fn locks(trial: &mut Trial) -> Played {
             }
             trial.step(&mut world);
         }
-        let (free, start) = (bits(&world, ids[0])?, starts[0]);
+        let free = bits(&world, ids[0])?;
+        let start = starts[0];
         happened("motion of the free one", free != start && free.3 != 0)?;
         for ((&id, locks), start) in ids.iter().zip(&all).zip(&starts) {
             let now = bits(&world, id)?;

@@ -341,7 +341,8 @@ impl<S: Scalar> World<S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn changed_since(&self, tick: u64) -> impl Iterator<Item = BodyRef<'_, S>> {
-        let (change_log, moving) = (&self.change_log, self.bodies.moving());
+        let change_log = &self.change_log;
+        let moving = self.bodies.moving();
         // Steps at the largest tick cannot be told apart.
         let all = tick < change_log.all_before || self.tick == limits::TICK;
         self.bodies().filter(move |body| {

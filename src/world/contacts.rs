@@ -76,7 +76,8 @@ impl<S: Scalar> World<S> {
     }
 
     fn contact(&self, record: &ContactRecord) -> Option<Contact<S>> {
-        let (pair, colliders) = (record.pair(), self.colliders.fixed());
+        let pair = record.pair();
+        let colliders = self.colliders.fixed();
         let [a, b] = pair.map(|outline| colliders.at(outline.slot));
         let pair_of_colliders = [a?, b?];
         let motion = &self.bodies.columns.motion;

@@ -118,7 +118,8 @@ impl<S: Scalar> World<S> {
     }
 
     fn add_angular_momentum(&self, i: usize, sum: &mut S::Sum) -> Option<()> {
-        let (motion, info) = (&self.bodies.columns.motion, self.bodies.info(i));
+        let motion = &self.bodies.columns.motion;
+        let info = self.bodies.info(i);
         let (x, v) = (motion.position.get(i).map(Accumulator::value), motion.velocity.get(i).map(Accumulator::value));
         let angular_velocity = motion.angular_velocity[i].value();
         sum.add(x.wide_cross(v)?.times(S::Factor::from_scalar(info.kilograms()))?);
@@ -134,7 +135,8 @@ impl<S: Scalar> World<S> {
             let v = S::Factor::from_scalar(v.value());
             v.times(v)
         };
-        let (motion, info) = (&self.bodies.columns.motion, self.bodies.info(i));
+        let motion = &self.bodies.columns.motion;
+        let info = self.bodies.info(i);
         let moving = square(motion.velocity.x[i]).plus(square(motion.velocity.y[i]));
         let turning = square(motion.angular_velocity[i]).times(info.inertia());
         let twice = moving.times(S::Factor::from_scalar(info.kilograms())).plus(turning);

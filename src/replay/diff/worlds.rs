@@ -183,7 +183,8 @@ fn difference(
     right: Option<&FieldValue>,
 ) -> Difference {
     let [left, right] = [left, right].map(|value| value.map(|value| value.text.clone()));
-    let (phase, field) = (TickPhase::Start, name_of(path));
+    let phase = TickPhase::Start;
+    let field = name_of(path);
     Difference { tick, phase, owner, name: None, key: 0, field, left, right }
 }
 

@@ -242,7 +242,8 @@ impl Chunks<'_> {
 
     /// Reads the phases of the tick, after which the world has this hash.
     fn read_phases(&mut self, hash: Option<u64>) -> Result<Phases, ReplayError> {
-        let (tick, mut phases) = (self.tick, Phases::new());
+        let tick = self.tick;
+        let mut phases = Phases::new();
         let mut saved = Vec::new();
         loop {
             let (chunk, at) = self.next()?;
@@ -301,7 +302,8 @@ fn read_phase(
             return Err(malformed.into());
         }
         let malformed = reader.malformed("whether the world is another than before, and if so that world");
-        let (is_new, start) = (bool::read(&mut reader)?, reader.at());
+        let is_new = bool::read(&mut reader)?;
+        let start = reader.at();
         let world = match (is_new, before.last()) {
             (true, _) => Arc::new(snapshot::read(&mut reader, custom_forces)?),
             (false, Some((_, world))) => world.clone(),

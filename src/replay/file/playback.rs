@@ -236,7 +236,8 @@ impl<'a> Playback<'a> {
     /// Finds the first value in which the run differs from the recorded one, whose values are in its snapshots alone. The
     /// limits hold: an untrusted run may grow until the next snapshot.
     fn divergence(&self, recorded: u64) -> Divergence {
-        let (tick, computed) = (self.world.tick(), self.world.state_hash());
+        let tick = self.world.tick();
+        let computed = self.world.state_hash();
         let head = &self.replay.head;
         let mut ahead = self.clone();
         let finding = self.replay.snapshots_from(self.ticks).find_map(|(after, snapshot)| {

@@ -133,7 +133,8 @@ impl Recorder {
         self.random = *world.random();
         self.blob.clear();
         self.blob.extend_from_slice(world.blob());
-        let (head, after) = (self.writer.head, world.tick());
+        let head = self.writer.head;
+        let after = world.tick();
         let hash = head.has_hash(after).then(|| world.state_hash());
         self.writer.tick(self.next, &NewTick { calls, inputs, hash }, after);
         self.next = after;

@@ -106,7 +106,8 @@ impl Replay {
         let start = Self::read_start(&second, &head, custom_forces)?;
         let (segments, snapshots) = (Vec::new(), Vec::new());
         let mut replay = Self { head, start, segments, ticks: 0, snapshots, labels: Labels::new(), done: None };
-        let (mut number, mut next) = (2, Next::Ticks);
+        let mut number = 2;
+        let mut next = Next::Ticks;
         while replay.done.is_none() {
             let Some(chunk) = chunk::read(&mut reader) else {
                 let error = ReplayError::CutOff { tick: replay.end() };
@@ -308,7 +309,8 @@ impl Replay {
         // From the start of the chunk that has the tick before.
         let after = self.segments.partition_point(|chunk| chunk.start < ticks);
         let chunk = after.saturating_sub(1);
-        let (mut cursor, mut hash) = (Cursor { chunk, ..Cursor::default() }, None);
+        let mut cursor = Cursor { chunk, ..Cursor::default() };
+        let mut hash = None;
         for _ in self.segments.get(chunk).map_or(ticks, |chunk| chunk.start)..ticks {
             hash = self.next(&mut cursor).and_then(|tick| tick.hash);
         }

@@ -56,7 +56,8 @@ impl<'a, T: Read> List<'a, T> {
         may_follow: impl Fn(&T, &T) -> bool,
     ) -> Result<Self, Malformed> {
         let count = reader.count(least)? as u32;
-        let (start, mut last) = (reader.at(), None);
+        let start = reader.at();
+        let mut last = None;
         for _ in 0..count {
             let malformed = reader.malformed(expected);
             let entry = T::read(reader)?;

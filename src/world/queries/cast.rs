@@ -288,7 +288,8 @@ impl<S: Scalar> Queries<'_, S> {
         if filter.predicate.is_some() {
             return Ok(self.first(&cast, filter).is_some());
         }
-        let (mut is_met, line) = (false, cast.line());
+        let mut is_met = false;
+        let line = cast.line();
         self.on_path(&mut cast.path(), filter, |outline, _| {
             is_met = cast.meet(&outline, line.as_ref()).is_some();
             !is_met

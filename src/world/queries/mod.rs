@@ -216,7 +216,8 @@ impl<S: Scalar> Queries<'_, S> {
                 let Some(place) = self.world.place(outline) else { continue };
                 let corners = place.core.bounds().map(|corner| beside(place.position, corner));
                 let [min, max] = corners.map(crate::query::in_scalar::<Fx>);
-                let (number, filter) = (self.outlines.len() as u32, collider.def.filter);
+                let number = self.outlines.len() as u32;
+                let filter = collider.def.filter;
                 self.outlines.push(outline);
                 places.push(Some(place));
                 let bounds = Aabb { min, max };
