@@ -5,10 +5,10 @@
 use alloc::vec::Vec;
 
 use super::approach::{Approach, approach};
+use super::coefficients::Coefficients;
 use super::flights::{Flights, PairSide};
 use super::moment::take_back;
 use super::narrow::Meeting;
-use super::surfaces::Surfaces;
 use super::{ContactRecord, Correction, Scene};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
@@ -71,7 +71,7 @@ impl ContactList {
         let Meeting { manifold, ways } = meeting;
         let features = manifold.features();
         let count = manifold.count;
-        let mut contact = Surfaces::new(scene, pair, manifold).contact(ends, manifold, start);
+        let mut contact = Coefficients::new(scene, pair, manifold).contact(ends, manifold, start);
         contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
         if pair[0].collider.def.hit_events || pair[1].collider.def.hit_events {
             let approach = approach(scene, meeting, &contact, ends.map(|flight| flights.flight(flight)));

@@ -19,7 +19,7 @@
 use alloc::vec::Vec;
 
 use super::bodies::BodyRows;
-use super::contact::Group;
+use super::group::Group;
 use super::groups::ContactGroups;
 use super::impact::Strike;
 use super::number::{shifted, shifted_word};

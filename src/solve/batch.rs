@@ -8,7 +8,7 @@
 //! is its product with a second one, and a sum of two exact products is below 2^62.1. Elements of the matrix of both bodies are below
 //! 2^34, and with shares, each below 2^22, below 2^57.
 
-use super::contact::{GAIN, Group};
+use super::group::{GAIN, Group};
 use super::matrix::friction;
 use super::number::bits_in;
 use super::vectors::{Shift, across, exact, larger, largest, long, product, word};

@@ -1,7 +1,7 @@
 //! Contacts with a value that is too large for the loops of [`super::pass`], one at a time in wider integers. They are rare, and this way
 //! the loops need no wide products.
 
-use super::contact::Group;
+use super::group::Group;
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Lanes, Pairs};
 

@@ -7,8 +7,8 @@ use core::ops::Range;
 
 use super::batch::Batch;
 use super::bodies::{BodyRows, STILL};
-use super::contact::{ContactInput, Group};
 use super::graph::{Graph, PHASES};
+use super::group::{ContactInput, Group};
 use super::matrix::Matrices;
 use super::unit::{FINEST, Scale};
 use super::{Contact, StepInput};

@@ -1,7 +1,7 @@
 //! Matrices of two rows, and their inverses.
 
 use super::batch::{Batch, FACTOR_BITS, Words};
-use super::contact::Group;
+use super::group::Group;
 use super::number::{bits_in, bits_of, clamped_word, shifted_word};
 use super::vectors::{Shift, larger, long, magnitude, word};
 use crate::kernel::simd::{GROUP, Lanes};

@@ -34,13 +34,13 @@
 mod apply;
 mod batch;
 mod bodies;
-mod contact;
 mod contact_solver;
 mod cut;
 #[cfg(feature = "float")]
 mod float;
 mod follow;
 mod graph;
+mod group;
 mod groups;
 mod impact;
 mod joint;

@@ -13,22 +13,22 @@
 //!   ±[`DISPLACEMENT`](super::motion::DISPLACEMENT) = 2^28 (clamped in [`super::motion`]), normals within ±2^30 and arms
 //!   within ±2^30. The velocity of a row is below (2√2 + 2)·2^27 = 2^29.28: a sum of products below 2^59.3.
 //!   The change of the separation is below (2√2 + 2)·2^28 = 2^30.28; with a separation at the start within ±2^29.5
-//!   ([`SEPARATION`](super::contact::SEPARATION)) it is below 2^31.
+//!   ([`SEPARATION`](super::group::SEPARATION)) it is below 2^31.
 //! - *Bias*: from −2^26 (the push) to 2^29 ([`SPECULATIVE`]). *Compliance*: at most a quarter of an impulse that counts as at most 2^31:
 //!   2^29. Either one with the velocity of a row is below 2^30.2.
 //! - *Inverse matrix*: entries below 2^30, or below 2^31 where the shift is zero, so that a sum of two products is
 //!   below 2^62.2, before the shift.
 //! - *Slip*: velocities below 2^59.3 and two products with the coupling below 2^58 each: below 2^60.2 before the rounding; less the
 //!   velocity of the surface (2^27) below 2^30.4. Times the inverse below 2^31: below 2^61.4.
-//! - *Impulses*: at most 2^44 ([`IMPULSE`](super::contact::IMPULSE)) at the start and below 2^45 in a step: the change of one in
+//! - *Impulses*: at most 2^44 ([`IMPULSE`](super::group::IMPULSE)) at the start and below 2^45 in a step: the change of one in
 //!   a pass is within ±2^30, larger ones are cut off and counted, and a step has at most 16·(1 + 65) passes.
 //! - *Gains*: in 2^-30, a factor is at most 2^28 over the share of the body. With changes of both normal impulses and of friction
 //!   a contact gives below 2^59.6 over the share, so that all contacts of a phase together give below 2^59.6. Gains with a
 //!   shift, and gains of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share. The rest that a body carries, at
 //!   most 1.5 units = 2^30.6, adds to this.
 
-use super::contact::Group;
 use super::cut::{cut_friction, cut_normal, warm_start_one};
+use super::group::Group;
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 

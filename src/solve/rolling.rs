@@ -22,9 +22,9 @@ use alloc::vec::Vec;
 
 use super::apply::{Total, shifted_within};
 use super::bodies::BodyRows;
-use super::contact::{GAIN, Group, scaled_impulse};
 use super::cut::CHANGE;
 use super::graph::{Graph, PHASES};
+use super::group::{GAIN, Group, scaled_impulse};
 use super::groups::{ContactGroups, Place, Shares};
 use super::motion::Rows;
 use super::number::{shifted, shifted_word};

@@ -4,7 +4,7 @@
 //! a sub-step, so that velocities add to displacements without a product.
 
 use super::SolverOptions;
-use super::contact::SEPARATION;
+use super::group::SEPARATION;
 use super::number::{clamped, shifted};
 use crate::fx;
 use crate::fx::Fx;

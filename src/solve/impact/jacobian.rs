@@ -1,6 +1,6 @@
 //! The rows of a contact in words, for impacts: velocities along them, and changes of bodies by impulses along them.
 
-use super::super::contact::Group;
+use super::super::group::Group;
 use super::super::number::{shifted, shifted_word};
 use super::{COARSER, FINE, FRACTION};
 

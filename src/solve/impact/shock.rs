@@ -2,7 +2,7 @@
 
 use super::super::Contact;
 use super::super::bodies::{BodyRows, STILL};
-use super::super::contact::Group;
+use super::super::group::Group;
 use super::super::groups::{ContactGroups, Place};
 use super::super::motion::{Rows, Vector};
 use super::super::number::shifted;

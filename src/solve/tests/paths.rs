@@ -3,7 +3,7 @@
 use crate::cases::{run_seed, times};
 use alloc::vec::Vec;
 
-use super::super::contact::{Group, IMPULSE, SEPARATION};
+use super::super::group::{Group, IMPULSE, SEPARATION};
 use super::super::motion::{Advance, Begin, DISPLACEMENT, FlightRow, Rows, VELOCITY};
 use super::super::pass::{Pass, PassOver};
 use crate::kernel::simd::{GROUP, VectorSet, run_with};

@@ -8,7 +8,7 @@ use crate::cases::run_seed;
 use crate::kernel::simd::{self, GAIN_BITS, Job, Pairs, Portable, Row};
 use crate::math::Random;
 use crate::solve::Solver;
-use crate::solve::contact::Group;
+use crate::solve::group::Group;
 use crate::solve::pass::{Pass, PassOver, SPECULATIVE};
 
 /// Fraction bits of the twin.

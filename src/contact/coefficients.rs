@@ -1,4 +1,4 @@
-//! Two surfaces that touch, as the solver takes them.
+//! The coefficients of two surfaces that touch, and their contact as the solver takes it.
 
 use super::Scene;
 use super::flights::PairSide;
@@ -10,33 +10,33 @@ use crate::kernel::round::shr_round;
 use crate::math::Vec2;
 use crate::solve::{Contact, Impulses, Point};
 
-/// The parameters of a contact of two surfaces.
+/// The coefficients of a contact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surfaces {
-    coefficients: MaterialPair,
+pub(super) struct Coefficients {
+    materials: MaterialPair,
     /// The radius at which one rolls on the other, m; zero if neither is round there.
     rolling_radius: Fx,
     /// The velocity of the second one against the first one along the tangent, m/s.
     speed: Fx,
 }
 
-impl Surfaces {
-    /// The surfaces of a pair of outlines with a manifold.
+impl Coefficients {
+    /// The coefficients of a pair of outlines with a manifold.
     #[inline(always)]
     pub(super) fn new(scene: &Scene<'_>, pair: [&PairSide<'_>; 2], manifold: &Manifold) -> Self {
-        let materials = pair.map(|side| &side.collider.def.material);
+        let [first, second] = pair.map(|side| &side.collider.def.material);
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
         } else {
-            scene.colliders.material_pair(materials.map(|material| material.id)).copied()
+            scene.colliders.material_pair([first.id, second.id]).copied()
         };
-        let coefficients = defined.unwrap_or_else(|| materials[0].mixed(materials[1]));
-        let rolling_radius = if manifold.count == 1 && coefficients.rolling_resistance > Fx::ZERO {
+        let materials = defined.unwrap_or_else(|| first.mixed(second));
+        let rolling_radius = if manifold.count == 1 && materials.rolling_resistance > Fx::ZERO {
             rolling_radius(manifold.features()[0], pair.map(|side| side.outline().outline.radius()))
         } else {
             Fx::ZERO
         };
-        Self { coefficients, rolling_radius, speed: materials[0].surface_speed_against(materials[1]) }
+        Self { materials, rolling_radius, speed: first.surface_speed_against(second) }
     }
 
     /// The contact of two flights, with the impulses that it starts from.
@@ -47,9 +47,9 @@ impl Surfaces {
             normal: manifold.normal,
             count: manifold.count,
             points: [on_surfaces(manifold.normal, first), on_surfaces(manifold.normal, second)],
-            friction: self.coefficients.friction,
-            restitution: self.coefficients.restitution,
-            rolling_resistance: self.coefficients.rolling_resistance,
+            friction: self.materials.friction,
+            restitution: self.materials.restitution,
+            rolling_resistance: self.materials.rolling_resistance,
             rolling_radius: self.rolling_radius,
             surface_speed: self.speed,
             impulses: start,
