@@ -298,7 +298,7 @@ impl Narrow {
         manifold: &Manifold,
         cosine: i64,
     ) -> bool {
-        let features = (manifold.features(), manifold.count);
+        let features = &manifold.features()[..manifold.count];
         for side in 0..2 {
             if self.faces(scene, pair[side]).is_empty() {
                 continue;
@@ -337,7 +337,7 @@ impl Narrow {
         manifold: &Manifold,
         start: &mut Impulses,
     ) {
-        let features = (manifold.features(), manifold.count);
+        let features = &manifold.features()[..manifold.count];
         let body_side = 1 - side;
         let Some(union) = Union::of(scene, pair[side].collider) else { return };
         let mut terms = core::mem::take(&mut self.unions.terms);
@@ -347,7 +347,8 @@ impl Narrow {
             for i in self.unions.find(scene, union, pair[body_side].id, corner..=corner) {
                 let record = self.unions.record(scene, i, body_side, pair[body_side].id);
                 let outline_before = record.pair()[side];
-                let mut record_corners = corners((record.features(), record.count()), body_side);
+                let record_features = record.features();
+                let mut record_corners = corners(&record_features[..record.count()], body_side);
                 let is_repeated = first_corner.is_some_and(|first| record_corners.any(|corner| corner == first));
                 if outline_before == pair[side].id || is_repeated {
                     continue;
@@ -364,8 +365,8 @@ impl Narrow {
                     are_joined(faces, side, features, &record, SLANTED)
                 };
                 if is_joined {
-                    let record_features = manifold_before.map(|manifold| (manifold.features(), manifold.count));
-                    take_over(&mut terms, features, &record, record_features, body_side);
+                    let (kept, count) = manifold_before.map_or(([0; 2], 0), |before| (before.features(), before.count));
+                    take_over(&mut terms, features, &record, &kept[..count], body_side);
                 }
             }
             first_corner = Some(corner);

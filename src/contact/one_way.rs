@@ -35,7 +35,7 @@ const _: () = assert!(size_of::<OneWayAnswer>() == 12 && crate::limits::CHAIN <=
 type Place = (OutlineId, u32);
 
 impl OneWayAnswer {
-    pub(crate) fn new((outline, body): Place, passes: bool) -> Self {
+    pub(crate) fn new(outline: OutlineId, body: u32, passes: bool) -> Self {
         Self { collider: outline.slot, body, part: outline.part as u16, passes }
     }
 
@@ -120,9 +120,9 @@ impl OneWay {
             let separation = group.iter().fold(group[0].separation, |min, manifold| manifold.separation.min(min));
             let mut nearest = group.iter().filter(|manifold| manifold.separation == separation);
             let is_facing = nearest.all(|manifold| manifold.is_facing);
-            let place = group[0].place;
-            let passes = passes(scene.contacts.passes_at(place), separation, is_facing);
-            self.answers.push(OneWayAnswer::new(place, passes));
+            let (outline, body) = group[0].place;
+            let passes = passes(scene.contacts.passes_at(group[0].place), separation, is_facing);
+            self.answers.push(OneWayAnswer::new(outline, body, passes));
         }
         let unchanged = scene.contacts.passes.iter().filter(|record| is_at_rest(scene, record, changed_resting));
         self.answers.extend(unchanged);

@@ -12,9 +12,6 @@ use crate::collider::{Collider, OutlineId};
 use crate::fx::Fx;
 use crate::solve::Impulses;
 
-/// The features of a manifold, and the number of its points.
-pub(super) type Features = ([u32; 2], usize);
-
 /// Outlines with one surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Union {
@@ -83,10 +80,11 @@ impl Unions {
         self.is_listed = true;
         for (i, record) in (0..).zip(&scene.contacts.records).filter(|(_, record)| !record.is_slack()) {
             let pair = record.pair();
+            let features = record.features();
             for side in 0..2 {
                 let collider = scene.colliders.at(pair[side].slot);
                 if let Some(union) = collider.and_then(|collider| Union::of(scene, collider)) {
-                    let corners = corners((record.features(), record.count()), 1 - side);
+                    let corners = corners(&features[..record.count()], 1 - side);
                     self.records.extend(corners.map(|corner| (union, pair[1 - side], corner, i)));
                 }
             }
@@ -103,9 +101,9 @@ impl Unions {
     }
 }
 
-/// The corners in the points of a manifold, of the collider on one side.
-pub(super) fn corners((features, count): Features, side: usize) -> impl Iterator<Item = u32> {
-    features.into_iter().take(count).filter_map(move |feature| corner(feature, side))
+/// The corners in points with these features, of the collider on one side.
+pub(super) fn corners(features: &[u32], side: usize) -> impl Iterator<Item = u32> {
+    features.iter().filter_map(move |&feature| corner(feature, side))
 }
 
 /// The corner in a point, of one of the two colliders; `None` for an edge.
@@ -140,17 +138,15 @@ pub(super) struct Term {
 
 /// Lists the impulses that a contact with a segment takes over from points that were on another segment.
 ///
-/// `record` is the contact with the other segment in the last step, `record_features` the features of its manifold now, `body_side` the side
-/// of the body that is on the chain: its corners go from one segment to the next.
+/// `features` are of the points of the contact. `record` is the contact with the other segment in the last step, `kept` has the features of
+/// its points now, `body_side` is the side of the body that is on the chain: its corners go from one segment to the next.
 pub(super) fn take_over(
     terms: &mut Vec<Term>,
-    (features, count): Features,
+    features: &[u32],
     record: &ContactRecord,
-    record_features: Option<Features>,
+    kept: &[u32],
     body_side: usize,
 ) {
-    let (kept, kept_count) = record_features.unwrap_or_default();
-    let kept = &kept[..kept_count];
     let before = record.features();
     let mut take =
         |row: usize, from: usize| terms.push(Term { row, impulse: record.impulses[from], exponent: record.exponent() });
@@ -161,7 +157,7 @@ pub(super) fn take_over(
         if kept.iter().any(is_corner) {
             continue;
         }
-        if let Some(row) = features[..count].iter().position(is_corner) {
+        if let Some(row) = features.iter().position(is_corner) {
             take(row, k);
             has_moved = true;
         }
@@ -169,7 +165,7 @@ pub(super) fn take_over(
     // Friction goes along with the last of the points, and so does rolling resistance.
     if has_moved && !before[..record.count()].iter().any(|feature| kept.contains(feature)) {
         take(2, 2);
-        if (record.count(), count) == (1, 1) {
+        if record.count() == 1 && features.len() == 1 {
             take(1, 1);
         }
     }
@@ -212,25 +208,25 @@ mod tests {
 
     #[test]
     fn a_ball_takes_its_impulse_along_and_a_box_that_of_the_corner_that_goes_over() {
-        let taken = |features, record: &ContactRecord, record_features| {
+        let taken = |features: &[u32], record: &ContactRecord, kept: &[u32]| {
             let mut terms = Vec::new();
             let mut start = Impulses::default();
-            take_over(&mut terms, features, record, record_features, 1);
+            take_over(&mut terms, features, record, kept, 1);
             add(&mut start, &terms);
             start
         };
         // A ball: the impulses on a segment go to the next one.
         let ball = feature([0, 1], [0, 0]);
-        let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, -2, -4]), None);
+        let start = taken(&[ball], &record([ball, 0], 1, [9, -2, -4]), &[]);
         assert_eq!(start, Impulses { values: [9, -2, -4], exponent: -20 });
         // A ball that still touches the first segment keeps its impulse there: the next one takes nothing over.
-        let start = taken(([ball, 0], 1), &record([ball, 0], 1, [9, 0, -4]), Some(([ball, 0], 1)));
+        let start = taken(&[ball], &record([ball, 0], 1, [9, 0, -4]), &[ball]);
         assert_eq!(start, Impulses::default());
         // A box: corner 1 goes over, and corner 0 stays.
         let [first, second] = [0, 1].map(|corner| feature([0, 1], [corner; 2]));
         let end = feature([1, 1], [0, 1]);
         let before = record([first, second], 2, [5, 7, 3]);
-        let start = taken(([end, second], 2), &before, Some(([first, end], 2)));
+        let start = taken(&[end, second], &before, &[first, end]);
         assert_eq!(start, Impulses { values: [0, 7, 0], exponent: -20 });
     }
 

@@ -13,7 +13,6 @@ use core::ops::Range;
 use super::flights::pose;
 use super::numbers::Numbers;
 use super::reach;
-use super::seams::Features;
 use super::slot_table::SlotTable;
 use super::{ContactRecord, Scene};
 use crate::collide::Pose;
@@ -140,7 +139,7 @@ impl Tiles {
 pub(super) fn are_joined(
     surfaces: [&[Face]; 2],
     side: usize,
-    (features, count): Features,
+    features: &[u32],
     before: &ContactRecord,
     cosine: i64,
 ) -> bool {
@@ -157,9 +156,9 @@ pub(super) fn are_joined(
         // Unit vectors in units of 2^-30.
         dot(0) + dot(1) > cosine
     };
-    let mut faces_before = before.features().into_iter().take(before.count()).flat_map(|name| faces_at(1, name));
+    let mut faces_before = before.features().into_iter().take(before.count()).flat_map(|feature| faces_at(1, feature));
     faces_before.any(|before| {
-        let mut faces_now = features.into_iter().take(count).flat_map(|name| faces_at(0, name));
+        let mut faces_now = features.iter().flat_map(|&feature| faces_at(0, feature));
         faces_now.any(|now| is_joined(now, before))
     })
 }

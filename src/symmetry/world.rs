@@ -62,7 +62,7 @@ impl Symmetry {
         for record in &mut image.contacts.passes {
             let (OutlineId { slot, part }, body) = record.place();
             let part = world.colliders.at(slot).map_or(part, |collider| image_of_part(&collider.def.shape, part));
-            *record = OneWayAnswer::new((OutlineId { slot, part }, body), record.passes);
+            *record = OneWayAnswer::new(OutlineId { slot, part }, body, record.passes);
         }
         image.contacts.passes.sort_unstable_by_key(OneWayAnswer::place);
         are_all_images.then_some(())

@@ -26,7 +26,7 @@ const PRONOUNS: [&str; 14] =
 /// parameters in all.
 const PRONOUN_LIMIT: f64 = 0.5;
 const POINTER_LIMIT: f64 = 0.25;
-const TUPLE_LIMIT: usize = 16;
+const TUPLE_LIMIT: usize = 13;
 
 /// Counts of a source.
 #[derive(Default)]
