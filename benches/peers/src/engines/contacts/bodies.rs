@@ -182,7 +182,7 @@ impl Body {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use umbra_physics::{BodyDef, Mass, World, WorldDef};
+    use umbra_physics::{BodyDef, ColliderDef, World, WorldDef};
 
     #[test]
     fn the_free_flight_has_the_bits_of_the_world() {
