@@ -417,8 +417,9 @@ static void mistakes(void)
     REFUSED(umbra_world_set_velocity(world, rocket, (1 << 20) * UMBRA_ONE + 1, 0), UMBRA_ERROR_OUT_OF_RANGE);
     check(umbra_last_cause() == 153, "the cause is the velocity");
     DO(umbra_body_def_default(&body));
-    body.mass_kind = UMBRA_MASS_DENSITY;
-    REFUSED(umbra_world_add_body(world, &body, &number), UMBRA_ERROR_NO_SHAPE);
+    body.mass_kind = UMBRA_MASS_KILOGRAMS;
+    body.mass = 0;
+    REFUSED(umbra_world_add_body(world, &body, &number), UMBRA_ERROR_OUT_OF_RANGE);
     body.kind = 3;
     REFUSED(umbra_world_add_body(world, &body, &number), UMBRA_ERROR_BAD_ARGUMENT);
     REFUSED(umbra_world_apply_torque(world, rocket, UMBRA_ONE, 4), UMBRA_ERROR_BAD_ARGUMENT);
