@@ -58,8 +58,8 @@ fn a_public_speed_is_at_most_the_cap_and_three_quarters_of_an_ulp() {
         } else {
             slowed += 1;
             // Not slower than it has to be, and in its direction.
-            let least = Fx::from_bits(max_speed.to_bits() - 1);
-            assert!(square(v) >= square(Vec2::new(least, Fx::ZERO)), "case {case}: {v} is slower than {max_speed}");
+            let min_speed = Fx::from_bits(max_speed.to_bits() - 1);
+            assert!(square(v) >= square(Vec2::new(min_speed, Fx::ZERO)), "case {case}: {v} is slower than {max_speed}");
             let cross = i128::from(v.x.to_bits()) * i128::from(velocity.y.to_bits())
                 - i128::from(v.y.to_bits()) * i128::from(velocity.x.to_bits());
             assert!(cross.unsigned_abs().pow(2) <= square(velocity), "case {case}: {v} is not along {velocity}");

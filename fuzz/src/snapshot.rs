@@ -81,9 +81,9 @@ fn assert_in_range(world: &World) {
     for body in world.bodies().filter(|body| body.activity() != Activity::Quarantined) {
         let (position, velocity, turns) = (body.position(), body.velocity(), body.angular_velocity());
         let values = [position.x, position.y, velocity.x, velocity.y, turns];
-        let most = [limits::POSITION, limits::POSITION, limits::SPEED, limits::SPEED, limits::ANGULAR_SPEED];
-        let is_within = |(value, most): (&Fx, Fx)| -most <= *value && *value <= most;
-        assert!(values.iter().zip(most).all(is_within), "{:?} is out of range", body.id());
+        let bounds = [limits::POSITION, limits::POSITION, limits::SPEED, limits::SPEED, limits::ANGULAR_SPEED];
+        let is_within = |(value, bound): (&Fx, Fx)| -bound <= *value && *value <= bound;
+        assert!(values.iter().zip(bounds).all(is_within), "{:?} is out of range", body.id());
     }
 }
 

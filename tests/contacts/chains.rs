@@ -311,12 +311,13 @@ fn discs_touch_the_nearest_point_of_a_chain_and_nothing_else() {
             .collect();
         let gap = distance - metres(radius);
         let separation = |manifold: &Manifold| metres(manifold.points[0].separation);
-        let least = manifolds.iter().map(separation).reduce(f64::min);
+        let nearest_separation = manifolds.iter().map(separation).reduce(f64::min);
         if gap < 0.0199 {
-            let least = least.unwrap_or_else(|| panic!("nothing at {at:?} with {gap} on {line:?}"));
-            assert!((least - gap).abs() < 1e-7, "{least} and {gap} at {at:?} on {line:?}");
+            let nearest_separation =
+                nearest_separation.unwrap_or_else(|| panic!("nothing at {at:?} with {gap} on {line:?}"));
+            assert!((nearest_separation - gap).abs() < 1e-7, "{nearest_separation} and {gap} at {at:?} on {line:?}");
             let nearest_manifold =
-                manifolds.iter().find(|manifold| separation(manifold) == least).expect("the nearest");
+                manifolds.iter().find(|manifold| separation(manifold) == nearest_separation).expect("the nearest");
             let normal = nearest_manifold.normal.map(|part| f64::from(part) / f64::from(1 << 30));
             let expected = [(at[0] - foot[0]) / distance, (at[1] - foot[1]) / distance];
             assert!((normal[0] - expected[0]).hypot(normal[1] - expected[1]) < 1e-5, "{normal:?} and {expected:?}");

@@ -140,11 +140,11 @@ impl Core {
         depths.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Rounding of the reference itself is far below 2^-8 ulp.
         let flat = if pair.choice > 0.0 { 1.0 / 256.0 } else { 0.0 };
-        let least = depths.iter().filter(|(below, _)| *below <= flat).count();
-        let greatest = depths.iter().filter(|(below, _)| *below <= pair.choice).count().max(least);
+        let min_count = depths.iter().filter(|(below, _)| *below <= flat).count();
+        let max_count = depths.iter().filter(|(below, _)| *below <= pair.choice).count().max(min_count);
         let across = across(&w.normal);
         let mut supports = Vec::new();
-        for count in least..=greatest {
+        for count in min_count..=max_count {
             let corners = depths[..count].iter().map(|&(below, i)| (dot(&across, &self.corners[i]), below, i));
             let (mut first, mut last) = (depths[0].1, depths[0].1);
             let key = |i: usize| dot(&across, &self.corners[i]);
