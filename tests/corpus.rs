@@ -23,7 +23,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Instant;
 
-use umbra_physics::{BodyDef, ColliderDef, Command, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, vec2};
+use umbra_physics::{
+    BodyDef, ColliderDef, Command, Fx, PHYSICS_VERSION, Random, Shape, Vec2, World, WorldDef, limits, vec2,
+};
 use umbra_scene::Scene;
 
 fn folder(target: &str) -> PathBuf {
@@ -253,8 +255,8 @@ fn the_dictionary_has_every_field_of_a_scene() {
     assert!(looked > 80, "{looked}");
 }
 
-/// Values in another way than that in which they are written: each is to be refused.
-fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
+/// Inputs that are to be refused: values in another encoding than the one they are written in, and a value that no call allows.
+fn refused_inputs() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let corners = [vec2(0, 0), vec2(3, 0), vec2(2, 2)];
     let def = ColliderDef::ghost(Shape::polygon(&corners).expect("a shape"));
     let in_bytes = |corners: &[Vec2]| -> Vec<u8> {
@@ -279,17 +281,23 @@ fn second_encodings() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let state = &whole[16..whole.len() - 16];
     let law = |id: u64, version: u32| [&id.to_le_bytes()[..], &version.to_le_bytes()].concat();
     let custom_forces = replaced(state, &[law(0, 1), law(1, 3)].concat(), &[law(1, 3), law(0, 1)].concat());
+    // An ulp faster than a body may be.
+    let bits = |speed: Fx| speed.to_bits().to_le_bytes();
+    world.set_velocity(body, Vec2::new(limits::SPEED, Fx::ZERO)).expect("it is within the limit");
+    let fastest = world.snapshot().to_bytes();
+    let too_fast = replaced(&fastest[16..fastest.len() - 16], &bits(limits::SPEED), &bits(limits::SPEED + Fx::DELTA));
     let first = |kind: u8, bytes: &[u8]| [&[kind], bytes].concat();
     vec![
         ("replay", "second-polygon", first(7, &polygon(&command))),
         ("snapshot", "second-polygon", first(1, &polygon(state))),
         ("snapshot", "second-custom-forces", first(1, &custom_forces)),
+        ("snapshot", "too-fast", first(1, &too_fast)),
     ]
 }
 
 #[test]
-fn second_encodings_are_committed() {
-    for (target, name, bytes) in second_encodings() {
+fn refused_inputs_are_committed() {
+    for (target, name, bytes) in refused_inputs() {
         assert!(fs::read(folder(target).join(name)).is_ok_and(|file| file == bytes), "{target}/{name}: UMBRA_BLESS=1");
     }
 }
@@ -342,7 +350,7 @@ fn write_seeds() {
             write(target, &format!("random-{i:02}"), &bytes);
         }
     }
-    for (target, name, bytes) in second_encodings() {
+    for (target, name, bytes) in refused_inputs() {
         write_to(folder(target), name, &bytes);
     }
     // Bodies that sleep beside others in touch, in worlds that are compared with one without sleep.
