@@ -125,6 +125,7 @@ mod slots;
 pub mod solve;
 mod step;
 mod symmetry;
+mod timers;
 mod world;
 
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
@@ -151,9 +152,9 @@ pub use replay::{
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 pub use slots::{BodyId, ColliderId, FieldId};
-#[cfg(feature = "timers")]
-pub use step::Timers;
 pub use symmetry::Symmetry;
+#[cfg(feature = "timers")]
+pub use timers::{StepCounts, StepTimes, Timers};
 pub use world::{
     ApplyOptions, BodyIter, BodyRef, CastHit, ClosestPoint, Command, CommandMap, CommandSource, ConfirmedTick, Created,
     Event, EventStatus, Explosion, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries,

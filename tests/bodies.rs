@@ -1,10 +1,5 @@
 //! Effects of the calls of a world on its bodies.
 
-#[cfg(feature = "timers")]
-use std::time::{Duration, Instant};
-
-#[cfg(feature = "timers")]
-use umbra_physics::Timers;
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Created, Damping, End, Error, Exclusion, Explosion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
@@ -753,34 +748,4 @@ fn the_smallest_square_is_a_polygon_as_well_as_a_rectangle() {
     assert!(Shape::polygon(&[Vec2::new(o, o), Vec2::new(s, o), Vec2::new(s, s), Vec2::new(o, s)]).is_ok());
     let s = side - Fx::DELTA;
     assert!(Shape::polygon(&[Vec2::new(o, o), Vec2::new(s, o), Vec2::new(s, s), Vec2::new(o, s)]).is_err());
-}
-
-#[cfg(feature = "timers")]
-#[test]
-fn timers_say_where_the_time_of_steps_went() {
-    let steps = |world: &mut World| {
-        let start = Instant::now();
-        for _ in 0..10 {
-            world.step();
-        }
-        start.elapsed()
-    };
-    let sum = |t: Timers| t.survey + t.free + t.fields + t.damp + t.kick + t.drift + t.finish;
-    let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("fair");
-    for _ in 0..1_000 {
-        world.add_body(BodyDef::dynamic()).expect("a fair body");
-    }
-    let free = steps(&mut world);
-    let timers = world.timers();
-    assert_eq!(timers.steps, 10);
-    assert!(!timers.free.is_zero() && sum(timers) <= free, "{timers:?} of {free:?}");
-    assert!([timers.fields, timers.damp, timers.kick, timers.drift].iter().all(Duration::is_zero), "{timers:?}");
-    let drag = FieldKind::Drag { linear: fx!(1), quadratic: fx!(1), wind: vec2(3, 0) };
-    world.add_field(drag).expect("a fair field");
-    let dragged = steps(&mut world);
-    let later = world.timers();
-    assert_eq!(later.steps, 20);
-    assert!([later.damp, later.kick, later.drift].iter().all(|part| !part.is_zero()), "{later:?}");
-    assert!(sum(later) <= free + dragged, "{later:?} of {free:?} and {dragged:?}");
-    assert_eq!(world.clone().timers(), Timers::default());
 }

@@ -47,5 +47,7 @@ mod snapshot;
 #[cfg(feature = "float")]
 mod stability;
 mod tables;
+#[cfg(feature = "timers")]
+mod timers;
 mod trace;
 mod vectors;

@@ -11,7 +11,7 @@ mod cycles;
 
 /// Modules on one level do not name each other.
 const LEVELS: [&[&str]; 21] = [
-    &["codes", "kernel", "slots"],
+    &["codes", "kernel", "slots", "timers"],
     &["fx"],
     &["error"],
     &["math"],
@@ -211,8 +211,8 @@ fn sources_below(folder: &str) -> Vec<(String, String)> {
 
 /// The start of the paths of vector instructions, `kernel/simd.rs` and the folder beside it.
 const SIMD: &str = "kernel/simd";
-/// The file with the stage timers.
-const TIMERS: &str = "step/timers.rs";
+/// The file with the timers of steps.
+const TIMERS: &str = "timers.rs";
 /// The file that keeps what the first query of several threads has made.
 const CACHED: &str = "collide/broad/cached.rs";
 

@@ -1,7 +1,7 @@
 /* Written by capi/tests/golden.rs from the library: UMBRA_BLESS=1. */
 #define GOLDEN_TICKS 600
-#define GOLDEN_STATE_HASH UINT64_C(0x061480c19c567cfa)
-#define GOLDEN_PHYSICS_HASH UINT64_C(0x974fafc78efa43e0)
+#define GOLDEN_STATE_HASH UINT64_C(0xeaf9c16c53bd473b)
+#define GOLDEN_PHYSICS_HASH UINT64_C(0x2941714890a51f5d)
 /* Of scenes/lander.json. */
 #define GOLDEN_SCENE_TICKS 600
-#define GOLDEN_SCENE_HASH UINT64_C(0x3abbaab33087d62b)
+#define GOLDEN_SCENE_HASH UINT64_C(0x24009fcaeecb3354)

@@ -114,7 +114,7 @@ impl Values<'_> {
         let change = if kind / 16 <= 1 { Velocity::default() } else { change };
         let farthest = if self.below(8) == 0 { 30 } else { 4 };
         let position = self.vector(-32, farthest);
-        Body { position, velocity, change, mass, inertia, inverse_mass, inverse_inertia, radius }
+        Body { position, velocity, change, mass, inverse_mass, inverse_inertia, radius }
     }
 
     /// A contact of two bodies whose indices have the same remainder by `parts`, if there are such.
@@ -174,7 +174,6 @@ pub struct Body {
     velocity: Velocity,
     change: Velocity,
     pub mass: Fx,
-    inertia: FxFactor,
     pub inverse_mass: Vec2<FxFactor>,
     inverse_inertia: FxFactor,
     radius: Fx,
@@ -228,7 +227,6 @@ impl Body {
             displacement,
             rotation: moved(start.angular, end.angular),
             mass: self.mass,
-            inertia: self.inertia,
             inverse_mass: self.inverse_mass,
             inverse_inertia: self.inverse_inertia,
             radius: self.radius,

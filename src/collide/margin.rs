@@ -4,7 +4,7 @@ use super::cores::Product;
 use crate::fx::Fx;
 
 /// The largest margin that is told from a larger one: 2^22 m.
-const MARGIN_MAX: i64 = 1 << (22 + 32);
+pub(super) const MARGIN_MAX: i64 = 1 << (22 + 32);
 
 /// A margin: a length and the length of a vector. The root is taken where bounds do not decide: most pairs touch, or are far apart.
 ///

@@ -23,9 +23,11 @@ mod boxes;
 pub mod broad;
 mod cores;
 mod frame;
+mod lanes;
 mod link;
 mod margin;
 mod place;
+mod placed;
 mod points;
 pub(crate) mod seam;
 mod span;
@@ -33,8 +35,11 @@ mod surface;
 pub(crate) mod sweep;
 
 pub use crate::collider::Filter;
+
+pub(crate) use lanes::{LaneManifold, LaneManifolds, LanePairs, SurfacePoint};
 pub use margin::Margin;
-pub use place::{Cores, Pose};
+pub use place::Pose;
+pub use placed::Cores;
 
 use crate::fx::Fx;
 use crate::limits::CORNERS;
@@ -45,7 +50,7 @@ use axes::Axes;
 use boxes::collide_boxes;
 use cores::{Core, Product};
 use frame::{Frame, Pair};
-use place::{Placed, View, room};
+use place::{Placed, View, places_of};
 use points::{Ends, manifold};
 use span::Facing;
 
@@ -151,7 +156,7 @@ fn collide_once<const N: usize>(
 ) -> Option<Manifold> {
     let mut places = [([[0; 2]; N], [[0; 2]; N]), ([[0; 2]; N], [[0; 2]; N])];
     let [(corners_a, normals_a), (corners_b, normals_b)] = &mut places;
-    let (room_a, room_b) = (room(a.corners().len()), room(b.corners().len()));
+    let (room_a, room_b) = (places_of(a.corners().len()), places_of(b.corners().len()));
     let (corners_a, normals_a) = (&mut corners_a[..room_a], &mut normals_a[..room_a]);
     let (corners_b, normals_b) = (&mut corners_b[..room_b], &mut normals_b[..room_b]);
     let placed_a = Placed::new(a, pose_a, corners_a, normals_a);

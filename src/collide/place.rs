@@ -1,13 +1,11 @@
 //! Outlines in world axes.
 
-use alloc::vec::Vec;
-
-use super::link::{collide_surfaces, swapped};
+use super::cores::across;
 use super::seam::Face;
-use super::surface::{Link, Surface, Surfaces};
-use super::{Manifold, Margin, collide_placed};
+use crate::collider::BodyOutline;
 use crate::fx::Fx;
 pub(super) use crate::kernel::round::odd_shift;
+use crate::kernel::simd::Line;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::scalar::Turn;
@@ -77,6 +75,14 @@ impl Pose {
         self.bounds_of_corners(local_bounds, radius)
     }
 
+    /// [`bounds`](Self::bounds) of an outline: for a box the same ones as when it is placed.
+    pub(crate) fn outline_bounds(&self, outline: &BodyOutline) -> Aabb {
+        match outline.placed_box(self) {
+            Some(placed_box) => placed_box.placed.bounds(),
+            None => self.bounds(&outline.corners, outline.outline.radius()),
+        }
+    }
+
     fn bounds_of_corners(&self, local_bounds: &Aabb, radius: Fx) -> Aabb {
         let ends = [(local_bounds.min.x, local_bounds.max.x), (local_bounds.min.y, local_bounds.max.y)]
             .map(|(low, high)| (low.to_bits(), high.to_bits()));
@@ -111,7 +117,7 @@ fn turned(v: Vec2<Fx>, sin: i64, cos: i64, s: u32) -> [i64; 2] {
 
 /// A unit normal in world axes, from units of 2^-32 to units of 2^-30; at most 2^30 + 1.
 #[inline(always)]
-fn turned_normal(normal: Vec2<Fx>, pose: &Pose) -> [i32; 2] {
+pub(super) fn turned_normal(normal: Vec2<Fx>, pose: &Pose) -> [i32; 2] {
     let (sin, cos) = pose.direction;
     turned(normal, sin, cos, 64).map(|part| part as i32)
 }
@@ -134,7 +140,7 @@ impl Face {
 /// A core in world axes, without its corners and normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Placed {
-    position: Vec2<Fx>,
+    pub(super) position: Vec2<Fx>,
     pub(super) count: usize,
     /// The least box around the corners, relative to the position, in ulps: below 2^48.
     low: [i64; 2],
@@ -147,7 +153,7 @@ pub(super) struct Placed {
 }
 
 /// The number of places that a core of this many corners takes: most shapes are boxes, and few places are as soon gone through as counted.
-pub(super) fn room(count: usize) -> usize {
+pub(super) fn places_of(count: usize) -> usize {
     match count {
         0..=4 => 4,
         5..=8 => 8,
@@ -165,27 +171,19 @@ fn halves(vectors: &[Vec2<Fx>]) -> Option<[Vec2<Fx>; 2]> {
 
 impl Placed {
     /// Places an outline. Its corners in ulps, relative to the position, each rounded once, and its normals in units of 2^-30 go to
-    /// these slices of [`room`]; places after the last corner repeat the first one.
+    /// these slices of [`places_of`]; places after the last corner repeat the first one.
     #[inline(always)]
     pub(super) fn new(outline: &Outline, pose: &Pose, corners: &mut [[i64; 2]], normals: &mut [[i32; 2]]) -> Self {
         let count = outline.corners().len();
         let turned_normal = |normal: Vec2<Fx>| turned_normal(normal, pose);
         let (sin, cos) = pose.direction;
         let turned_corner = |corner: Vec2<Fx>| turned(corner, sin, cos, 62);
-        let core_with_bounds = |[low, high]: [[i64; 2]; 2], is_box: bool| {
-            let position = pose.position;
-            let radius = outline.radius().to_bits();
-            let extent = high[0].max(high[1]).max(-low[0]).max(-low[1]);
-            Self { position, count, low, high, extent, radius, is_box }
-        };
-        if let (Some([c1, c2]), Some([n1, n2])) = (halves(outline.corners()), halves(outline.normals())) {
-            // Rounding is odd: the other half is the opposite to the bit.
-            let [c1, c2] = [turned_corner(c1), turned_corner(c2)];
-            let [n1, n2] = [turned_normal(n1), turned_normal(n2)];
-            corners.copy_from_slice(&[c1, c2, c1.map(|part| -part), c2.map(|part| -part)]);
-            normals.copy_from_slice(&[n1, n2, n1.map(|part| -part), n2.map(|part| -part)]);
-            let high = [c1[0].abs().max(c2[0].abs()), c1[1].abs().max(c2[1].abs())];
-            return core_with_bounds([high.map(|part| -part), high], true);
+        if let Some(placed_box) = PlacedBox::new(outline, pose) {
+            let mut room = Room::default();
+            room.fill(placed_box.corners, placed_box.normals);
+            corners.copy_from_slice(&room.corners);
+            normals.copy_from_slice(&room.normals);
+            return placed_box.placed;
         }
         let first = turned_corner(outline.corners()[0]);
         let (mut low, mut high) = (first, first);
@@ -199,7 +197,102 @@ impl Placed {
         for (place, &normal) in normals.iter_mut().zip(outline.normals()) {
             *place = turned_normal(normal);
         }
-        core_with_bounds([low, high], false)
+        let extent = high[0].max(high[1]).max(-low[0]).max(-low[1]);
+        let radius = outline.radius().to_bits();
+        Self { position: pose.position, count, low, high, extent, radius, is_box: false }
+    }
+
+    /// A box around the outline: as [`Pose::bounds`].
+    pub(super) fn bounds(&self) -> Aabb {
+        let at = |centre: Fx, offset: i64| Fx::from_bits(centre.to_bits().saturating_add(offset));
+        // An ulp for the rounding of corners, and one more, as for other outlines.
+        let up = 2 + self.radius;
+        let (Vec2 { x, y }, low, high) = (self.position, self.low, self.high);
+        Aabb {
+            min: Vec2::new(at(x, low[0] - up), at(y, low[1] - up)),
+            max: Vec2::new(at(x, high[0] + up), at(y, high[1] + up)),
+        }
+    }
+}
+
+/// A core whose corners and normals come in opposite pairs, with the first one of each.
+pub(super) struct PlacedBox {
+    pub(super) placed: Placed,
+    pub(super) corners: [[i64; 2]; 2],
+    pub(super) normals: [[i32; 2]; 2],
+}
+
+/// The corners and normals of a box.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Room {
+    pub(super) corners: [[i64; 2]; 4],
+    pub(super) normals: [[i32; 2]; 4],
+}
+
+impl Room {
+    #[inline(always)]
+    fn fill(&mut self, [c1, c2]: [[i64; 2]; 2], [n1, n2]: [[i32; 2]; 2]) {
+        self.corners = [c1, c2, c1.map(|part| -part), c2.map(|part| -part)];
+        self.normals = [n1, n2, n1.map(|part| -part), n2.map(|part| -part)];
+    }
+
+    #[inline(always)]
+    pub(super) fn fill_rectangle(&mut self, &Line([x1, y1, x2, y2, nx, ny, ..]): &Line) {
+        let normal = [nx as i32, ny as i32];
+        self.fill([[x1, y1], [x2, y2]], [normal, across(normal)]);
+    }
+}
+
+impl BodyOutline {
+    /// Places the outline; `None` for other outlines than boxes.
+    #[inline(always)]
+    pub(super) fn placed_box(&self, pose: &Pose) -> Option<PlacedBox> {
+        if self.is_upright {
+            return Some(PlacedBox::upright(self.corners.max, self.outline.radius(), pose));
+        }
+        PlacedBox::new(&self.outline, pose)
+    }
+}
+
+impl PlacedBox {
+    /// Places an outline; `None` for other outlines than boxes.
+    #[inline(always)]
+    pub(super) fn new(outline: &Outline, pose: &Pose) -> Option<Self> {
+        let (corners, normals) = (halves(outline.corners())?, halves(outline.normals())?);
+        let (sin, cos) = pose.direction;
+        let corners = corners.map(|corner| turned(corner, sin, cos, 62));
+        let normals = normals.map(|normal| turned_normal(normal, pose));
+        Some(Self::of_vectors(corners, normals, outline.radius(), pose))
+    }
+
+    /// Places a rectangle that is not turned, by the corner where x and y are positive: to the bit as [`new`](Self::new) does.
+    #[inline(always)]
+    pub(super) fn upright(corner: Vec2<Fx>, radius: Fx, pose: &Pose) -> Self {
+        let (sin, cos) = pose.direction;
+        // Below 2^110, as in `turned`.
+        let product = |length: Fx, factor: i64| i128::from(length.to_bits()) * i128::from(factor);
+        let [x_cos, x_sin] = [product(corner.x, cos), product(corner.x, sin)];
+        let [y_cos, y_sin] = [product(corner.y, cos), product(corner.y, sin)];
+        let rounded = |x: i128, y: i128| [odd_shift(x, 62) as i64, odd_shift(y, 62) as i64];
+        let [sin, cos] = [sin, cos].map(|part| odd_shift(part.into(), 32) as i32);
+        let corners = [rounded(y_sin - x_cos, -x_sin - y_cos), rounded(x_cos + y_sin, x_sin - y_cos)];
+        Self::of_vectors(corners, [[sin, -cos], [cos, sin]], radius, pose)
+    }
+
+    #[inline(always)]
+    fn of_vectors([c1, c2]: [[i64; 2]; 2], normals: [[i32; 2]; 2], radius: Fx, pose: &Pose) -> Self {
+        // Rounding is odd: the other half is the opposite to the bit.
+        let high = [c1[0].abs().max(c2[0].abs()), c1[1].abs().max(c2[1].abs())];
+        let placed = Placed {
+            position: pose.position,
+            count: 4,
+            low: high.map(|part| -part),
+            high,
+            extent: high[0].max(high[1]),
+            radius: radius.to_bits(),
+            is_box: true,
+        };
+        Self { placed, corners: [c1, c2], normals }
     }
 }
 
@@ -233,94 +326,5 @@ impl View<'_> {
         let (a, b) = (self.placed, target.placed);
         let gap = |i: usize| (b.low[i] + offset[i] - a.high[i]).max(a.low[i] - b.high[i] - offset[i]);
         gap(0).max(gap(1))
-    }
-}
-
-/// Outlines in world axes, each turned once for all its pairs.
-#[derive(Clone, Debug, Default)]
-pub struct Cores {
-    corners: Vec<[i64; 2]>,
-    normals: Vec<[i32; 2]>,
-    /// Each core with its first place, and whether it is among the surfaces.
-    placed: Vec<(Placed, usize, bool)>,
-    /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
-    surfaces: Vec<(usize, bool, usize)>,
-    links: Vec<Link>,
-}
-
-impl Cores {
-    /// Forgets all outlines and keeps the memory.
-    pub fn clear(&mut self) {
-        self.corners.clear();
-        self.normals.clear();
-        self.placed.clear();
-        self.surfaces.clear();
-        self.links.clear();
-    }
-
-    /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
-    pub fn push(&mut self, outline: &Outline, pose: &Pose) -> usize {
-        let start = self.corners.len();
-        let end = start + room(outline.corners().len());
-        self.corners.resize(end, [0; 2]);
-        self.normals.resize(end, [0; 2]);
-        let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
-        if let Some(neighbours) = outline.neighbours() {
-            let turned = |normal| turned_normal(normal, pose);
-            let neighbours = neighbours.map(|neighbour| neighbour.map(turned));
-            self.links.push(Link::new([0, 1], self.normals[start], neighbours, None));
-            self.surfaces.push((self.placed.len(), true, self.links.len()));
-        }
-        self.placed.push((placed, start, outline.neighbours().is_some()));
-        self.placed.len() - 1
-    }
-
-    /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.
-    pub(crate) fn set_faces(&mut self, faces: impl Iterator<Item = Face>) {
-        let Some((placed, start, is_surface)) = self.placed.last_mut() else { return };
-        *is_surface = true;
-        let (count, normals) = (placed.count, &self.normals[*start..]);
-        let link = |face: Face| {
-            let corners = [face.edge, (face.edge + 1) % count];
-            Link::new(corners, normals[face.edge], face.ends, face.part)
-        };
-        self.links.extend(faces.map(link));
-        self.surfaces.push((self.placed.len() - 1, false, self.links.len()));
-    }
-
-    /// The manifold of two of the outlines: see [`collide`](super::collide()).
-    ///
-    /// # Panics
-    /// Panics if one of them is not there.
-    #[must_use]
-    pub fn collide(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
-        if self.placed[a].2 || self.placed[b].2 {
-            return self.collide_surfaces(a, b, margin);
-        }
-        collide_placed(self.view(a), self.view(b), margin)
-    }
-
-    fn surface(&self, i: usize) -> Option<Surface<'_>> {
-        let index = self.surfaces.binary_search_by_key(&i, |(number, ..)| *number).ok()?;
-        let start = if index == 0 { 0 } else { self.surfaces[index - 1].2 };
-        let (_, is_one_sided, end) = self.surfaces[index];
-        Some(Surface { links: &self.links[start..end], is_one_sided, is_across: false })
-    }
-
-    #[cold]
-    fn collide_surfaces(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
-        let surfaces = Surfaces { a: self.surface(a), b: self.surface(b) };
-        if surfaces.a.is_some() {
-            return collide_surfaces(self.view(a), self.view(b), surfaces, margin);
-        }
-        let surfaces = Surfaces { a: surfaces.b, b: None };
-        collide_surfaces(self.view(b), self.view(a), surfaces, margin).map(swapped)
-    }
-
-    #[inline(always)]
-    fn view(&self, i: usize) -> View<'_> {
-        let (placed, start, _) = &self.placed[i];
-        let places = *start..start + room(placed.count);
-        View { placed, corners: &self.corners[places.clone()], normals: &self.normals[places] }
     }
 }

@@ -3,6 +3,7 @@
 use core::ops::Deref;
 
 use crate::fx::Fx;
+use crate::math::Vec2;
 use crate::scalar::Scalar;
 use crate::shape::{Aabb, Outline};
 
@@ -16,6 +17,8 @@ pub(crate) struct BodyOutline<S: Scalar = Fx> {
     pub(crate) radius: S,
     /// The least distance of two parallel lines that the outline is between, m.
     pub(crate) width: S,
+    /// True for a rectangle around the centre of mass that is not turned: `corners` says all of it.
+    pub(crate) is_upright: bool,
 }
 
 /// An outline of a collider, kept or made.
@@ -36,11 +39,20 @@ impl<S: Scalar> Deref for OutlineRef<'_, S> {
     }
 }
 
+/// The first two normals of a rectangle that is not turned.
+fn upright_normals<S: Scalar>() -> [Vec2<S>; 2] {
+    [Vec2::new(S::ZERO, -S::ONE), Vec2::new(S::ONE, S::ZERO)]
+}
+
 impl<S: Scalar> BodyOutline<S> {
     pub(super) fn new(outline: Outline<S>) -> Self {
         let corners = Aabb::around(outline.corners(), S::ZERO);
         let radius = outline.reach();
         let width = outline.width();
-        Self { outline, corners, radius, width }
+        let Aabb { min, max } = corners;
+        let is_upright = outline.corners() == [min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)]
+            && outline.normals().first_chunk() == Some(&upright_normals())
+            && (min.x, min.y) == (-max.x, -max.y);
+        Self { outline, corners, radius, width, is_upright }
     }
 }

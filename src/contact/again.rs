@@ -71,7 +71,7 @@ impl Again {
         let Self { added, is_changed, graph, is_taken, part } = self;
         let links = contacts.iter().map(|contact| contact.bodies);
         let all = flights.all();
-        graph.build(|body| all[body as usize].is_fixed(), all.len(), links, |_, _| {});
+        graph.build_islands(|body| all[body as usize].is_fixed(), all.len(), links);
         is_taken.clear();
         is_taken.resize(graph.islands(), flights.any_followers());
         for island in added.drain(..).filter_map(|body| graph.island_of(body)) {

@@ -115,9 +115,7 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
         flight.start = velocity(start.velocity, start.angular_velocity);
         flight.end = velocity(end_velocity, motion.angular_velocity[start.dense].to_fixed());
         if info.kind == BodyKind::Dynamic {
-            let kilograms = info.kilograms();
-            flight.mass = kilograms.to_fx();
-            flight.inertia = info.inertia_for(kilograms).to_fx_factor();
+            flight.mass = info.kilograms().to_fx();
         }
         flight.inverse_mass = mass.axis_inverse_mass.map(|part| part.to_fx_factor());
         flight.inverse_inertia = mass.inverse_inertia.to_fx_factor();
@@ -133,7 +131,6 @@ pub(super) fn resting(position: Vec2) -> Flight {
         displacement: Vec2::ZERO,
         rotation: Fx::ZERO,
         mass: Fx::ZERO,
-        inertia: FxFactor::ZERO,
         inverse_mass: Vec2::new(FxFactor::ZERO, FxFactor::ZERO),
         inverse_inertia: FxFactor::ZERO,
         radius: Fx::ONE,

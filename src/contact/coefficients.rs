@@ -1,84 +1,69 @@
-//! The coefficients of two surfaces that touch, and their contact as the solver takes it.
+//! The coefficients of two surfaces that touch, mixed once for each pair of materials of a step.
+
+use alloc::vec::Vec;
 
 use super::Scene;
-use super::flights::PairSide;
-use super::seams::rolling_radius;
-use crate::collide::{Manifold, ManifoldPoint};
-use crate::collider::MaterialPair;
+use crate::collider::{Material, MaterialPair};
 use crate::fx::Fx;
-use crate::kernel::round::shr_round;
-use crate::math::Vec2;
-use crate::solve::{Contact, Impulses, Point};
 
 /// The coefficients of a contact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Coefficients {
-    materials: MaterialPair,
-    /// The radius at which one rolls on the other, m; zero if neither is round there.
-    rolling_radius: Fx,
-    /// The velocity of the second one against the first one along the tangent, m/s.
-    speed: Fx,
+    pub(super) materials: MaterialPair,
+    /// The velocity of the second surface against the first one along the tangent, m/s.
+    pub(super) surface_speed: Fx,
 }
 
 impl Coefficients {
-    /// The coefficients of a pair of outlines with a manifold.
-    #[inline(always)]
-    pub(super) fn new(scene: &Scene<'_>, pair: [&PairSide<'_>; 2], manifold: &Manifold) -> Self {
-        let [first, second] = pair.map(|side| &side.collider.def.material);
+    /// The coefficients of two surfaces.
+    pub(super) fn new(scene: &Scene<'_>, [first, second]: [&Material; 2]) -> Self {
         let defined = if scene.colliders.material_pairs().is_empty() {
             None
         } else {
             scene.colliders.material_pair([first.id, second.id]).copied()
         };
         let materials = defined.unwrap_or_else(|| first.mixed(second));
-        let rolling_radius = if manifold.count == 1 && materials.rolling_resistance > Fx::ZERO {
-            rolling_radius(manifold.features()[0], pair.map(|side| side.outline().outline.radius()))
-        } else {
-            Fx::ZERO
-        };
-        Self { materials, rolling_radius, speed: first.surface_speed_against(second) }
+        Self { materials, surface_speed: first.surface_speed_against(second) }
+    }
+}
+
+/// The number of materials whose coefficients are kept.
+const KEPT: usize = 16;
+
+/// The materials of a step, each with a number, and the coefficients of all pairs of these.
+#[derive(Debug, Default)]
+pub(super) struct Materials {
+    materials: Vec<Material>,
+    /// By the number of the first and of the second material.
+    pairs: Vec<[Coefficients; KEPT]>,
+}
+
+impl Materials {
+    pub(super) fn clear(&mut self) {
+        self.materials.clear();
     }
 
-    /// The contact of two flights, with the impulses that it starts from.
-    pub(super) fn contact(&self, flights: [u32; 2], manifold: &Manifold, start: Impulses) -> Contact {
-        let [first, second] = &manifold.points;
-        Contact {
-            bodies: flights,
-            normal: manifold.normal,
-            count: manifold.count,
-            points: [on_surfaces(manifold.normal, first), on_surfaces(manifold.normal, second)],
-            friction: self.materials.friction,
-            restitution: self.materials.restitution,
-            rolling_resistance: self.materials.rolling_resistance,
-            rolling_radius: self.rolling_radius,
-            surface_speed: self.speed,
-            impulses: start,
+    /// The number of a material; `None` if the step has too many of them.
+    pub(super) fn number(&mut self, scene: &Scene<'_>, material: &Material) -> Option<u8> {
+        let count = self.materials.len();
+        if let Some(number) = self.materials.iter().position(|known| known == material) {
+            return Some(number as u8);
         }
+        if count == KEPT {
+            return None;
+        }
+        self.pairs.resize(KEPT, [Coefficients::default(); KEPT]);
+        self.materials.push(*material);
+        for (number, known) in self.materials.iter().enumerate() {
+            self.pairs[number][count] = Coefficients::new(scene, [known, material]);
+            self.pairs[count][number] = Coefficients::new(scene, [material, known]);
+        }
+        Some(count as u8)
     }
-}
 
-/// A point with arms to the surface of each body: an open gap closes within the step.
-#[inline(always)]
-fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> Point {
-    let gap = point.separation.to_bits();
-    let mut arms = [point.arm_a, point.arm_b];
-    if gap > 0 {
-        // Half of the gap along the normal.
-        let [x, y] = normal.map(|component| Fx::from_bits(half_along(component, gap)));
-        let half = Vec2::new(x, y);
-        arms = [arms[0] - half, arms[1] + half];
+    /// The coefficients of two materials by their numbers.
+    #[inline(always)]
+    pub(super) fn coefficients(&self, [first, second]: [u8; 2]) -> &Coefficients {
+        &self.pairs[usize::from(first)][usize::from(second)]
     }
-    Point { arms, separation: point.separation }
-}
-
-/// Half of a gap times a component of a normal in units of 2^-30, to nearest, ties to even. *Domain* a gap below 2^57.
-#[inline(always)]
-fn half_along(n: i32, gap: i64) -> i64 {
-    if gap >> 32 != 0 {
-        return shr_round(i128::from(n) * i128::from(gap), 31) as i64;
-    }
-    // Below 2^62.1. As `shr_round`, in words.
-    let product = i64::from(n) * gap;
-    let floor = product >> 31;
-    floor + i64::from((product & ((1 << 31) - 1)) > (1 << 30) - (floor & 1))
 }

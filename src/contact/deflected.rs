@@ -14,7 +14,6 @@ use alloc::vec::Vec;
 use super::again::Again;
 use super::flights::{FlightKind, Flights};
 use super::{Correction, Scene};
-use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
 
@@ -43,16 +42,18 @@ pub(super) fn list_deflected(
         let free = flights.flight(flight).displacement;
         let change = correction.displacement.map(FxAccumulator::value);
         let way = Vec2::new(free.x.saturating_add(change.x), free.y.saturating_add(change.y));
+        if size(change) <= DEFLECTION || size(way) <= DEFLECTION {
+            continue;
+        }
         let steady = flights.steady_way(&scene.starts[flight as usize]);
-        let turned = Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y));
-        if [change, turned, way].into_iter().all(|vector| size(vector.x, vector.y) > DEFLECTION) {
+        if size(Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y))) > DEFLECTION {
             deflected.push(flight);
         }
     }
 }
 
 /// A bound of the length of a vector, ulps: at most an eighth above it.
-fn size(x: Fx, y: Fx) -> i64 {
-    let [x, y] = [x, y].map(|part| part.to_bits().saturating_abs());
+fn size(vector: Vec2) -> i64 {
+    let [x, y] = [vector.x, vector.y].map(|part| part.to_bits().saturating_abs());
     x.max(y).saturating_add(x.min(y) / 2)
 }

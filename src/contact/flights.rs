@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::bodies::resting;
 use super::moment::{Way, length, mean_beginning};
 use super::numbers::Numbers;
+use super::reach::Reach;
 use super::slot_table::SlotTable;
 use super::{Correction, Scene, Start};
 use crate::body::{Activity, BodyKind};
@@ -117,6 +118,7 @@ impl Flights {
         let slot = scene.bodies.id(start.dense).slot;
         let mut shows_angle = false;
         let mut reach = 0;
+        let mut radius = Fx::ZERO;
         let mut width = i64::MAX;
         for collider in scene.colliders.solid_of_slot(slot) {
             // Discs around the centre look alike at all angles.
@@ -124,9 +126,11 @@ impl Flights {
                 shows_angle = true;
                 reach = collider.radius.to_bits().max(reach);
             }
+            radius = collider.radius.max(radius);
             width = collider.width.to_bits().min(width);
         }
-        self.flights.push(scene.bodies.flight(start, scene.time_step));
+        let radius = if radius == Fx::ZERO { Fx::ONE } else { radius };
+        self.flights.push(Flight { radius, ..scene.bodies.flight(start, scene.time_step) });
         let info = scene.bodies.contact_info(start.dense);
         let kind = if info.kind == BodyKind::Dynamic { FlightKind::Dynamic } else { FlightKind::Kinematic };
         let way = Way::steady(start, self.mean_beginning);
@@ -156,15 +160,16 @@ impl Flights {
     }
 
     /// Completes the flight of a body that has a contact.
+    #[inline(always)]
     pub(super) fn complete(&mut self, scene: &Scene<'_>, flight: u32) {
-        let index = flight as usize;
-        if self.places[index].is_complete {
-            return;
+        if !self.places[flight as usize].is_complete {
+            self.complete_first(scene, flight as usize);
         }
+    }
+
+    fn complete_first(&mut self, scene: &Scene<'_>, index: usize) {
         let Some(start) = scene.starts.get(index) else { return };
         scene.bodies.complete(start, &mut self.flights[index]);
-        let radii = scene.colliders.solid_of_slot(self.places[index].slot).map(|collider| collider.radius);
-        self.flights[index].radius = radii.max().unwrap_or(Fx::ONE);
         self.places[index].is_complete = true;
     }
 
@@ -282,8 +287,18 @@ impl Flights {
         &self.flights
     }
 
+    /// The motion of an outline over the step.
+    pub(super) fn reach(&self, side: &PairSide<'_>) -> Reach {
+        Reach::new(self.flight(side.flight), side.radius())
+    }
+
     pub(super) fn flight(&self, flight: u32) -> &Flight {
         &self.flights[flight as usize]
+    }
+
+    /// The ways of two bodies to the moment of manifolds.
+    pub(super) fn ways(&self, flights: [u32; 2]) -> [Way; 2] {
+        flights.map(|flight| self.body(flight).way)
     }
 
     pub(super) fn body(&self, flight: u32) -> &Place {

@@ -6,13 +6,16 @@ use alloc::vec::Vec;
 
 use super::approach::{Approach, approach};
 use super::coefficients::Coefficients;
-use super::flights::{Flights, PairSide};
+use super::flights::Flights;
 use super::moment::take_back;
 use super::narrow::Meeting;
 use super::{ContactRecord, Correction, Scene};
+use crate::collide::{Manifold, ManifoldPoint, SurfacePoint};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
-use crate::solve::{Contact, Impulses};
+use crate::kernel::round::odd_shift;
+use crate::math::Vec2;
+use crate::solve::{Contact, Impulses, Point};
 
 /// A contact that was detected: its outlines, the features and the number of its points, and the impulses that it starts from.
 #[derive(Clone, Copy, Debug)]
@@ -21,6 +24,38 @@ pub(super) struct DetectedContact {
     pub(super) features: [u32; 2],
     pub(super) count: usize,
     pub(super) start: Impulses,
+}
+
+/// The points of a contact on the surfaces of both bodies, with their separations at the start of the step.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactPoints {
+    /// The unit vector from the first to the second body, in 2^-30.
+    pub(super) normal: [i32; 2],
+    pub(super) count: usize,
+    pub(super) points: [SurfacePoint; 2],
+}
+
+impl ContactPoints {
+    pub(super) fn new(meeting: &Meeting) -> Self {
+        let Meeting { manifold: Manifold { normal, count, points }, ways } = meeting;
+        let mut surface_points = [SurfacePoint::default(); 2];
+        for (surface_point, point) in surface_points.iter_mut().zip(points).take(*count) {
+            *surface_point = on_surfaces(*normal, point);
+            take_back(surface_point, *normal, ways);
+        }
+        Self { normal: *normal, count: *count, points: surface_points }
+    }
+}
+
+/// A point with arms to the surface of each body: an open gap closes within the step.
+#[inline(always)]
+fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> SurfacePoint {
+    let &ManifoldPoint { arm_a, arm_b, separation, feature } = point;
+    // Half of the gap along the normal, below 2^87, oddly.
+    let gap = i128::from(separation.to_bits().max(0));
+    let [x, y] = normal.map(|component| Fx::from_bits(odd_shift(i128::from(component) * gap, 31) as i64));
+    let half = Vec2::new(x, y);
+    SurfacePoint { arms: [arm_a - half, arm_b + half], separation, feature }
 }
 
 /// The contacts of a step. Lists of the same length share their order, and a number is an index into them.
@@ -56,29 +91,43 @@ impl ContactList {
         self.detected.is_empty()
     }
 
-    /// Adds the contact of a pair at the end, with the approach of its bodies if it may be a hit.
+    /// Adds a contact at the end: of two outlines and two complete flights, with the impulses that it starts from.
+    #[inline(always)]
     pub(super) fn push(
         &mut self,
-        scene: &Scene<'_>,
-        flights: &mut Flights,
-        pair: [&PairSide<'_>; 2],
-        meeting: &Meeting,
+        pair: [OutlineId; 2],
+        flights: [u32; 2],
+        points: &ContactPoints,
+        coefficients: &Coefficients,
+        rolling_radius: Fx,
         start: Impulses,
     ) {
-        let ends = pair.map(|side| side.flight);
-        ends.into_iter().for_each(|flight| flights.complete(scene, flight));
-        let ends = flights.by_dominance(ends);
-        let Meeting { manifold, ways } = meeting;
-        let features = manifold.features();
-        let count = manifold.count;
-        let mut contact = Coefficients::new(scene, pair, manifold).contact(ends, manifold, start);
-        contact.points.iter_mut().for_each(|point| take_back(point, manifold.normal, ways));
-        if pair[0].collider.def.hit_events || pair[1].collider.def.hit_events {
-            let approach = approach(scene, meeting, &contact, ends.map(|flight| flights.flight(flight)));
-            self.approaches.push((self.detected.len() as u32, approach));
-        }
-        self.solver_contacts.push(contact);
-        self.detected.push(DetectedContact { pair: pair.map(|side| side.id), features, count, start });
+        let [first, second] = &points.points;
+        let Coefficients { materials, surface_speed } = coefficients;
+        self.solver_contacts.push(Contact {
+            bodies: flights,
+            normal: points.normal,
+            count: points.count,
+            points: [
+                Point { arms: first.arms, separation: first.separation },
+                Point { arms: second.arms, separation: second.separation },
+            ],
+            friction: materials.friction,
+            restitution: materials.restitution,
+            rolling_resistance: materials.rolling_resistance,
+            rolling_radius,
+            surface_speed: *surface_speed,
+            impulses: start,
+        });
+        let features = [first.feature, second.feature];
+        self.detected.push(DetectedContact { pair, features, count: points.count, start });
+    }
+
+    /// Takes note that the last contact may be a hit.
+    pub(super) fn add_approach(&mut self, scene: &Scene<'_>, flights: &Flights, meeting: &Meeting) {
+        let Some(contact) = self.solver_contacts.last() else { return };
+        let approach = approach(scene, meeting, contact, contact.bodies.map(|flight| flights.flight(flight)));
+        self.approaches.push((self.detected.len() as u32 - 1, approach));
     }
 
     /// Returns true if a pair has a contact among the first `count`, which are sorted.

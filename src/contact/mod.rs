@@ -8,6 +8,7 @@
 //! | `Resting::update` | changes of bodies and colliders | trees of colliders at rest |
 //! | `Pairs::find` | flights, trees | pairs of outline numbers, sorted |
 //! | `Rules::filter` | pairs, answers of the step before | pairs that may touch (`excluded`, `one_way`) |
+//! | `Actors` | pairs in chunks | boxes in lanes, and the manifolds of pairs of boxes |
 //! | `Narrow::meet` | a pair | `Meeting`: a manifold, and the ways of both bodies to its [`moment`] |
 //! | `ContactList::push` | a meeting, the record of the step before | a contact of the solver (`surfaces`, `approach`, `seams`) |
 //! | `Solvers::solve` | flights, contacts | impulses and a correction for each flight, islands apart (`split`) |
@@ -23,6 +24,7 @@
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
 //! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.
 
+mod actors;
 mod again;
 mod approach;
 mod asleep;

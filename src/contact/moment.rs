@@ -12,12 +12,12 @@
 //! A separation at a moment becomes the separation at the start by the way along the row that the bodies close up to then.
 
 use super::Start;
-use crate::collide::Pose;
+use crate::collide::{Pose, SurfacePoint};
 use crate::fx::Fx;
-use crate::kernel::wide::mul_shift;
+use crate::kernel::round::{odd_shift, shr_round};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Turn};
-use crate::solve::{Flight, Point};
+use crate::solve::Flight;
 
 /// Bodies that approach by less than this in a step, 4 mm, are slow: as much as gravity does to a body at rest.
 pub(super) const SLOW: i64 = 1 << 24;
@@ -40,7 +40,7 @@ pub(super) fn mean_beginning(time_step: TimeStep, substeps: u32) -> u64 {
 /// A part of a value, for a moment in 2^-62 of the step; rounded to nearest, ties to even: oddly.
 fn part(value: Fx, moment: u64) -> Fx {
     // Not larger than the value.
-    Fx::from_bits(mul_shift(value.to_bits().into(), moment.into(), 62).unwrap_or(0) as i64)
+    Fx::from_bits(shr_round(i128::from(value.to_bits()) * i128::from(moment), 62) as i64)
 }
 
 /// The way of a body from the start of a step to the moment of a manifold.
@@ -49,7 +49,16 @@ pub(super) struct Way {
     /// m
     pub(super) displacement: Vec2,
     /// rad
-    rotation: Fx,
+    pub(super) rotation: Fx,
+}
+
+/// a·b / 2^64 to nearest, ties to even.
+#[inline(always)]
+fn rounded_product(a: i64, b: u64) -> i64 {
+    let product = u128::from(a.unsigned_abs()) * u128::from(b);
+    let (floor, rest) = ((product >> 64) as u64, product as u64);
+    let size = (floor + u64::from(rest > (1 << 63) - (floor & 1))) as i64;
+    if a < 0 { -size } else { size }
 }
 
 impl Way {
@@ -57,7 +66,11 @@ impl Way {
     pub(super) fn steady(start: &Start, time: u64) -> Self {
         // Velocities are below 2^21 m/s: ways are below 2^36 m. Rounded to nearest, ties to even: oddly.
         let way = |velocity: FxAccumulator| {
-            let way = mul_shift(velocity.value().to_bits().into(), time.into(), 48).unwrap_or(0);
+            let velocity = velocity.value().to_bits();
+            if time >> 48 == 0 {
+                return Fx::from_bits(rounded_product(velocity, time << 16));
+            }
+            let way = shr_round(i128::from(velocity) * i128::from(time), 48);
             Fx::from_bits(way.clamp(i64::MIN.into(), i64::MAX.into()) as i64)
         };
         Self { displacement: start.velocity.map(way), rotation: way(start.angular_velocity) }
@@ -87,26 +100,25 @@ impl Way {
         Vec2::new(moved(start.x, self.displacement.x), moved(start.y, self.displacement.y))
     }
 
-    /// n·(d + φ × r): the way of a point of the body along a normal, in 2^-62 m.
+    /// n·(d + φ × r): the way of a point of the body along a normal, in 2^-62 m. The lever is rounded to 2^-28 m, oddly, as it changes its
+    /// sign where the bodies change places.
     ///
     /// # Ranges
     /// Displacements are below 2^61 ulps, rotations below 2^54 and arms below 2^47: with normals of 2^30 sums of products are below 2^93,
-    /// and times 2^-16 the products with arms below 2^116.
+    /// and products of rotations with levers, which are below 2^44, below 2^98.
     fn along_row(&self, normal: [i32; 2], arm: Vec2) -> i128 {
         let [nx, ny] = normal.map(i128::from);
-        let bits = |value: Fx| i128::from(value.to_bits());
-        let straight = nx * bits(self.displacement.x) + ny * bits(self.displacement.y);
+        let straight = nx * i128::from(self.displacement.x.to_bits()) + ny * i128::from(self.displacement.y.to_bits());
         if self.rotation == Fx::ZERO {
             return straight;
         }
-        // From 2^-94 to 2^-62; oddly, as a lever changes its sign where the bodies change places.
-        let lever = ny * bits(arm.x) - nx * bits(arm.y);
-        straight + lever / (1 << 16) * bits(self.rotation) / (1 << 16)
+        let [x, y] = [arm.x, arm.y].map(|part| odd_shift(part.to_bits().into(), 4));
+        straight + 4 * odd_shift(ny * x - nx * y, 30) * i128::from(self.rotation.to_bits())
     }
 }
 
 /// Takes a point of the moment at the end of these ways to the start of the step, along its row: a mirror image has the same separation.
-pub(super) fn take_back(point: &mut Point, normal: [i32; 2], ways: &[Way; 2]) {
+pub(super) fn take_back(point: &mut SurfacePoint, normal: [i32; 2], ways: &[Way; 2]) {
     let [a, b] = [0, 1].map(|side: usize| ways[side].along_row(normal, point.arms[side]));
     point.separation = Fx::from_bits(point.separation.to_bits().saturating_add(((a - b) >> 30) as i64));
 }

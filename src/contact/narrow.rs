@@ -4,10 +4,11 @@
 
 use core::slice::from_ref;
 
+use super::actors::{Actor, Actors, LanePlace, LaneShape};
 use super::body_tiles::BodyTiles;
 use super::flights::{FlightKind, Flights, PairSide};
 use super::moment::{LEVEL, SLOW, Way};
-use super::reach::{approach_bound, closing};
+use super::reach::Reach;
 use super::resting::Resting;
 use super::seams::{self, Union, Unions, corners, take_over};
 use super::slot_table::SlotTable;
@@ -17,8 +18,10 @@ use super::{ContactRecord, MARGIN, Scene};
 use crate::collide::seam::Face;
 use crate::collide::sweep::{Moment, Second, Sweep};
 use crate::collide::{Cores, Manifold, Margin, Pose};
+use crate::collider::BodyOutline;
 use crate::fx::Fx;
 use crate::math::Vec2;
+use crate::shape::Aabb;
 use crate::slots::NONE;
 use crate::solve::Impulses;
 
@@ -34,6 +37,7 @@ pub(super) struct Narrow {
     body_tiles: BodyTiles,
     unions: Unions,
     moment: Moment,
+    pub(super) actors: Actors,
     /// No contact is found ahead of time.
     #[cfg(feature = "selftest")]
     pub(super) is_discrete: bool,
@@ -68,6 +72,7 @@ impl Narrow {
         self.cores.clear();
         self.core_of.clear();
         self.start_core_of.clear();
+        self.actors.clear();
         self.unions.clear();
         if have_statics_changed {
             self.tiles.clear();
@@ -78,6 +83,7 @@ impl Narrow {
     pub(super) fn forget_placed(&mut self) {
         self.cores.clear();
         self.core_of.clear();
+        self.actors.clear();
     }
 
     /// Forgets the surfaces of static polygons.
@@ -163,7 +169,7 @@ impl Narrow {
         if self.is_discrete {
             return MARGIN.into();
         }
-        closing(pair.map(|side| flights.flight(side.flight)), pair.map(PairSide::radius))
+        flights.reach(pair[0]).closing(&flights.reach(pair[1]))
     }
 
     /// The manifold of a pair at the start of the step.
@@ -218,7 +224,107 @@ impl Narrow {
         })
     }
 
-    /// Finds where the outlines of a pair meet; `None` if they do not meet in the step. `pressed` is true if they pressed each other in the
+    /// The index of an outline among the actors of the step; `None` if its collider is gone.
+    #[inline(always)]
+    pub(super) fn actor(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        number: u32,
+    ) -> Option<usize> {
+        let actor = self.actors.find(number);
+        if actor.is_none() { self.push_actor(scene, flights, resting, number) } else { actor }
+    }
+
+    fn push_actor(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        number: u32,
+    ) -> Option<usize> {
+        let side = flights.side(scene, &resting.numbers, number)?;
+        if matches!(side.outline().outline.corners().len(), 1 | 4) {
+            _ = self.core(scene, flights, resting, &side);
+        }
+        Some(self.push_side(scene, flights, &side, flights.reach(&side)))
+    }
+
+    /// Makes an actor of an outline of a body that moves. Returns the box around it over the step.
+    pub(super) fn push_mover(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        side: &PairSide<'_>,
+        outline: &BodyOutline,
+    ) -> Aabb {
+        let reach = Reach::new(flights.flight(side.flight), outline.radius);
+        let pose = &flights.body(side.flight).pose;
+        // Polygons beside others have a surface, which is found when a pair asks for it.
+        let core = match outline.outline.corners().len() {
+            1 => Some(self.cores.push(&outline.outline, pose)),
+            4 if !side.collider.has_others() => self.cores.push_box(outline, pose),
+            _ => None,
+        };
+        let bounds = match core {
+            Some(core) => {
+                self.core_of.set(side.number, core as u32);
+                self.cores.bounds(core)
+            }
+            None => pose.outline_bounds(outline),
+        };
+        self.push_side(scene, flights, side, reach);
+        reach.swept(bounds)
+    }
+
+    fn push_side(&mut self, scene: &Scene<'_>, flights: &Flights, side: &PairSide<'_>, reach: Reach) -> usize {
+        let PairSide { number, id, flight, kind, .. } = *side;
+        let core = self.core_of.get(number);
+        let shape = match core {
+            NONE => LaneShape::None,
+            core if self.cores.is_disc(core as usize) => LaneShape::Disc,
+            core if self.cores.is_plain_box(core as usize) => LaneShape::Box,
+            _ => LaneShape::None,
+        };
+        let def = &side.collider.def;
+        let material = self.actors.materials.number(scene, &def.material);
+        let actor = Actor { number, id, flight, kind, core, shape, material, has_hits: def.hit_events };
+        self.actors.push(actor, &reach, &flights.body(flight).way)
+    }
+
+    /// Takes a pair of actors for the lanes, if these have its shapes and it has the manifold of bodies that press each other: returns its place
+    /// there. `pressed` as in [`meet`](Self::meet).
+    #[inline(always)]
+    pub(super) fn push_pair(&mut self, actors: [usize; 2], pressed: bool) -> Option<LanePlace> {
+        let [a, b] = actors.map(|actor| self.actors.get(actor));
+        let reaches = actors.map(|actor| self.actors.reach(actor));
+        let are_awake = a.kind != FlightKind::Asleep && b.kind != FlightKind::Asleep;
+        let is_mean = are_awake && (pressed || reaches[0].approach_bound(&reaches[1]) <= SLOW);
+        #[cfg(feature = "selftest")]
+        let is_mean = is_mean && !self.is_discrete;
+        if is_mean { self.actors.push_pair(actors) } else { None }
+    }
+
+    /// The radius of an actor that is placed.
+    pub(super) fn radius(&self, actor: &Actor) -> Fx {
+        self.cores.radius(actor.core as usize)
+    }
+
+    /// The manifold of a box and a disc next to a corner of it, at the moment of manifolds of bodies that press each other.
+    pub(super) fn collide_corner(&self, actors: [usize; 2], corner: usize) -> Option<Manifold> {
+        let [a, b] = actors.map(|actor| self.actors.get(actor).core as usize);
+        let reaches = actors.map(|actor| self.actors.reach(actor));
+        self.cores.collide_corner(a, b, corner, reaches[0].closing(&reaches[1]))
+    }
+
+    /// Finds the manifolds of the pairs in the lanes.
+    pub(super) fn collide_pairs(&mut self) {
+        let Self { cores, actors, .. } = self;
+        actors.collide(cores);
+    }
+
+    /// Finds where the outlines of a pair, which are these actors, meet; `None` if they do not meet in the step. `pressed` is true if they pressed each other in the
     /// step before.
     #[inline(always)]
     pub(super) fn meet(
@@ -227,16 +333,22 @@ impl Narrow {
         flights: &mut Flights,
         resting: &Resting,
         pair: [&PairSide<'_>; 2],
+        actors: [usize; 2],
         pressed: bool,
     ) -> Option<Meeting> {
-        let bound = approach_bound(pair.map(|side| flights.flight(side.flight)), pair.map(PairSide::radius));
+        let reaches = actors.map(|actor| self.actors.reach(actor));
+        let bound = reaches[0].approach_bound(&reaches[1]);
         let sleeps = pair[0].kind == FlightKind::Asleep || pair[1].kind == FlightKind::Asleep;
         let is_asked = !pressed && (bound > SLOW || bound > 0 && sleeps);
         #[cfg(feature = "selftest")]
         let is_asked = is_asked && !self.is_discrete;
         let ways = pair.map(|side| flights.body(side.flight).way);
         if !is_asked || presses_nearby(scene, pair) {
-            let manifold = self.mean_manifold(scene, flights, resting, pair)?;
+            let cores = [self.core(scene, flights, resting, pair[0]), self.core(scene, flights, resting, pair[1])];
+            let margin = reaches[0].closing(&reaches[1]);
+            #[cfg(feature = "selftest")]
+            let margin = if self.is_discrete { MARGIN.into() } else { margin };
+            let manifold = self.cores.collide(cores[0], cores[1], margin)?;
             return Some(Meeting { manifold, ways });
         }
         if pair[0].may_be_tile() || pair[1].may_be_tile() {

@@ -5,12 +5,13 @@
 
 use alloc::vec::Vec;
 
-use super::flights::Flights;
-use super::reach::swept;
+use super::flights::{Flights, PairSide, Place};
+use super::narrow::Narrow;
 use super::resting::{Resting, Trees};
 use super::{Scene, pair_limits, sorted};
 use crate::body::Activity;
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees};
+use crate::collider::OutlineId;
 use crate::slots::BodyId;
 
 /// The pairs of moving outlines, and the broad phase that finds them.
@@ -29,8 +30,8 @@ fn sleeps(scene: &Scene<'_>, body: BodyId) -> bool {
 impl Pairs {
     /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
     /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
-    pub(super) fn find(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting) {
-        self.place_movers(scene, flights, resting);
+    pub(super) fn find(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, narrow: &mut Narrow) {
+        self.place_movers(scene, flights, resting, narrow);
         let Some(trees) = &resting.trees else { return };
         let limits = pair_limits(scene.settings, scene.colliders);
         let overlaps = limits.overlaps.saturating_sub(trees.counts.overlaps);
@@ -44,17 +45,19 @@ impl Pairs {
         }
     }
 
-    /// Lists the boxes of moving colliders over the step.
-    fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting) {
+    /// Makes the outlines of moving colliders actors, and lists their boxes over the step.
+    fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, narrow: &mut Narrow) {
         self.movers.clear();
         for flight in 0..flights.len() as u32 {
-            let body = flights.body(flight);
-            for collider in scene.colliders.solid_of_slot(body.slot) {
+            let &Place { slot: body, kind, .. } = flights.body(flight);
+            for collider in scene.colliders.solid_of_slot(body) {
                 let first = resting.numbers.first(collider.slot);
+                let filter = collider.def.filter;
                 for part in 0..collider.outline_count() {
-                    let bounds = swept(&collider.outline(part), &body.pose, flights.flight(flight));
-                    let filter = collider.def.filter;
-                    self.movers.push(Proxy { collider: first + part, body: body.slot, bounds, filter, digest: 0 });
+                    let id = OutlineId { slot: collider.slot, part };
+                    let side = PairSide { number: first + part, id, collider, flight, kind };
+                    let bounds = narrow.push_mover(scene, flights, &side, &collider.outline(part));
+                    self.movers.push(Proxy { collider: side.number, body, bounds, filter, digest: 0 });
                 }
             }
         }
@@ -80,8 +83,9 @@ impl Pairs {
         scene: &Scene<'_>,
         flights: &Flights,
         resting: &Resting,
+        narrow: &mut Narrow,
     ) -> Vec<[u32; 2]> {
-        self.place_movers(scene, flights, resting);
+        self.place_movers(scene, flights, resting, narrow);
         let mut pairs = self.broad.take_pairs();
         pairs.clear();
         let Some(Trees { sleepers, .. }) = &resting.trees else { return pairs };

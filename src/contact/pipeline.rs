@@ -6,13 +6,17 @@
 //! The parts are arguments of each other, in the order of a step: `flights`, `resting`, `pairs`, `rules`, `narrow`, `contacts`, `again` and
 //! `sweeps`. Each has the memory of its own work, and none keeps another one.
 
+mod near;
+
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
+use self::near::{NearPair, push_meeting};
+use super::actors::CHUNK;
 use super::again::Again;
 use super::deflected::list_deflected;
 use super::events::{find_touches, list_hits, read_totals};
-use super::flights::{FlightKind, Flights, PairSide};
+use super::flights::{FlightKind, Flights};
 use super::list::ContactList;
 use super::narrow::Narrow;
 use super::pairs::Pairs;
@@ -20,14 +24,16 @@ use super::resting::Resting;
 use super::rules::Rules;
 use super::split::{Part, Solvers};
 use super::sweep::{Paths, Sweeps};
-use super::{ContactHit, ContactRecord, ContactSet, Correction, Detected, Scene, Stop};
+use super::{ContactHit, ContactSet, Correction, Detected, Scene, Stop};
 use crate::collide::broad::Statics;
 use crate::collide::sweep::Path;
 use crate::collider::{Collider, ColliderSet, OutlineId};
-use crate::fx::Fx;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::solve::{ContactSolver, Impulses};
+#[cfg(feature = "timers")]
+use crate::timers::Timers;
+use crate::timers::{counted, timed};
 
 /// The search for the contacts of a world, and its memory. No result depends on earlier steps through it.
 #[derive(Debug, Default)]
@@ -40,6 +46,11 @@ pub(crate) struct Pipeline {
     contacts: ContactList,
     again: Again,
     sweeps: Sweeps,
+    /// The pairs of a chunk.
+    near: Vec<NearPair>,
+    /// Of the current step.
+    #[cfg(feature = "timers")]
+    pub(crate) timers: Timers,
 }
 
 impl Pipeline {
@@ -47,81 +58,39 @@ impl Pipeline {
     /// moving one touches or that have too many pairs, and to `crowded` the indices in the columns of moving bodies with too many pairs.
     /// If there are any, the contacts are incomplete: the step wakes or quarantines the bodies and calls this again.
     pub(crate) fn detect(&mut self, scene: &Scene<'_>, detected: &mut Detected) {
-        let Self { flights, resting, pairs, rules, narrow, contacts, again, sweeps } = self;
+        let Some(list) = timed!(self, pairs, self.find_pairs(scene, detected)) else { return };
+        counted!(self, pairs, list.len());
+        timed!(self, manifolds, self.find_contacts(scene, &list, &mut detected.touched));
+        self.pairs.put_back(list);
+    }
+
+    /// The first part of [`detect`](Self::detect): the pairs that may touch, sorted; none if there are bodies to wake or to quarantine.
+    fn find_pairs(&mut self, scene: &Scene<'_>, detected: &mut Detected) -> Option<Vec<[u32; 2]>> {
+        let Self { flights, resting, pairs, rules, narrow, contacts, again, sweeps, .. } = self;
         contacts.clear();
         again.clear();
         sweeps.deflected.clear();
         flights.begin(scene);
         narrow.begin(resting.update(scene, &mut detected.changed_resting));
-        pairs.find(scene, flights, resting);
+        pairs.find(scene, flights, resting, narrow);
         list_crowded(scene, resting, pairs.crowded(), detected);
         if !detected.crowded.is_empty() || !detected.touched.is_empty() {
-            return;
+            return None;
         }
         let mut list = pairs.take();
         resting.pair_changed(scene, &detected.changed_resting, &mut list);
         rules.filter(scene, flights, resting, narrow, &detected.changed_resting, &mut list);
-        let mut next_record = 0;
-        let mut first: Option<PairSide<'_>> = None;
-        for &[first_number, second_number] in &list {
-            // Pairs are sorted: most have the same first outline as the pair before.
-            if first.as_ref().is_none_or(|side| side.number != first_number) {
-                first = self.flights.side(scene, &self.resting.numbers, first_number);
-            }
-            let second = self.flights.side(scene, &self.resting.numbers, second_number);
-            if let (Some(first), Some(second)) = (&first, &second) {
-                self.detect_pair(scene, [first, second], &mut next_record, &mut detected.touched);
-            }
-        }
-        self.pairs.put_back(list);
+        Some(list)
     }
 
-    /// Adds the contact of a pair, if it has one, or the sleeping bodies that the pair wakes. `next_record` is the first record of the step
-    /// before that no earlier pair has passed.
-    #[inline(always)]
-    fn detect_pair(
-        &mut self,
-        scene: &Scene<'_>,
-        pair: [&PairSide<'_>; 2],
-        next_record: &mut usize,
-        touched: &mut Vec<BodyId>,
-    ) {
-        let Self { flights, resting, narrow, contacts, .. } = self;
-        let kinds = pair.map(|side| side.kind);
-        if !kinds.contains(&FlightKind::Dynamic) && !kinds.contains(&FlightKind::Asleep) {
-            return;
+    /// The second part: the contacts of these pairs.
+    fn find_contacts(&mut self, scene: &Scene<'_>, list: &[[u32; 2]], touched: &mut Vec<BodyId>) {
+        let mut next_record = 0;
+        for chunk in list.chunks(CHUNK) {
+            self.find_near(scene, chunk, &mut next_record);
+            self.narrow.collide_pairs();
+            self.push_contacts(scene, touched);
         }
-        let record = find_record(scene, resting, pair, next_record);
-        let are_asleep = !kinds.iter().any(|kind| matches!(kind, FlightKind::Dynamic | FlightKind::Kinematic));
-        if are_asleep && (kinds == [FlightKind::Asleep; 2] || !scene.may_have_moved_statics) {
-            return;
-        }
-        let pressed = record.is_some_and(|record| !record.is_slack());
-        let Some(meeting) = narrow.meet(scene, flights, resting, pair, pressed) else { return };
-        let manifold = &meeting.manifold;
-        if kinds.contains(&FlightKind::Asleep) {
-            // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
-            // asleep in this contact sleeps on. A body that nothing moves would fall asleep again after each wake, and sleeps on too.
-            if !are_asleep
-                || manifold.is_pressed() && !scene.contacts.are_asleep_on_each_other(pair.map(|side| side.id))
-            {
-                let asleep = pair.into_iter().filter(|side| side.kind == FlightKind::Asleep);
-                let woken =
-                    asleep.map(|side| side.collider).filter(|collider| !are_asleep || is_pushed(scene, collider));
-                touched.extend(woken.map(|collider| collider.body));
-            }
-            return;
-        }
-        let mut start =
-            record.map_or_else(Default::default, |record| record.start(manifold.features(), manifold.count));
-        for side in 0..2 {
-            if pair[side].collider.def.shape.is_chain()
-                || pair[side].may_be_tile() && !narrow.faces(scene, pair[side]).is_empty()
-            {
-                narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
-            }
-        }
-        contacts.push(scene, flights, pair, &meeting, start);
     }
 
     /// Adds to `touched` the sleeping bodies that the bodies of `scene.starts` touch; none where bodies have too many pairs. The bodies of
@@ -134,7 +103,7 @@ impl Pipeline {
         }
         narrow.forget_placed();
         flights.begin(scene);
-        let mut list = pairs.take_with_sleepers(scene, flights, resting);
+        let mut list = pairs.take_with_sleepers(scene, flights, resting, narrow);
         rules.one_way.leave_out_passing(scene, flights, resting, narrow, &detected.changed_resting, &mut list);
         for &pair in &list {
             let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
@@ -161,12 +130,16 @@ impl Pipeline {
             corrections.clear();
             return;
         }
-        let options = scene.settings.into();
-        solvers.solve(scene.time_step, &options, flights.all(), &mut contacts.solver_contacts, corrections);
+        counted!(self, contacts, contacts.len());
+        counted!(self, points, contacts.solver_contacts.iter().map(|contact| contact.count).sum::<usize>());
+        let (options, solver_contacts) = (scene.settings.into(), &mut contacts.solver_contacts);
+        timed!(self, setup, solvers.solve(scene.time_step, &options, flights.all(), solver_contacts, corrections));
+        #[cfg(feature = "timers")]
+        self.timers.add_solver(solvers.take_timers());
         // Moving bodies have the first flights.
         corrections.truncate(scene.starts.len());
-        self.read_events(solvers, scene, None);
-        self.contacts.mark_pushing(&self.flights, corrections);
+        timed!(self, events, self.read_events(solvers, scene, None));
+        timed!(self, apply, self.contacts.mark_pushing(&self.flights, corrections));
     }
 
     /// Adds the contacts that deflected bodies meet on the paths of these corrections, and to `touched` the sleeping bodies. Returns true if
@@ -200,7 +173,7 @@ impl Pipeline {
                 let asleep = [first, second].into_iter().filter(|side| side.kind == FlightKind::Asleep);
                 touched.extend(asleep.map(|side| side.collider.body));
                 if touched.len() == count {
-                    contacts.push(scene, flights, [first, second], &meeting, Impulses::default());
+                    push_meeting(contacts, scene, flights, [first, second], &meeting, None, Impulses::default());
                 }
             }
         }
@@ -209,7 +182,10 @@ impl Pipeline {
             sweeps.deflected.clear();
             return false;
         }
-        again.added.extend(contacts.solver_contacts[known..].iter().flat_map(|contact| contact.bodies));
+        let added = &contacts.solver_contacts[known..];
+        counted!(self, contacts, added.len());
+        counted!(self, points, added.iter().map(|contact| contact.count).sum::<usize>());
+        again.added.extend(added.iter().flat_map(|contact| contact.bodies));
         contacts.sort_from(known);
         true
     }
@@ -222,9 +198,11 @@ impl Pipeline {
         corrections: &mut Vec<Correction>,
     ) {
         let mut again = core::mem::take(&mut self.again);
-        let part = again.solve(solvers, scene, &self.flights, &mut self.contacts, corrections);
-        self.read_events(solvers, scene, Some(part));
-        self.contacts.mark_pushing(&self.flights, corrections);
+        let part = timed!(self, again, again.solve(solvers, scene, &self.flights, &mut self.contacts, corrections));
+        #[cfg(feature = "timers")]
+        self.timers.add_again(solvers.take_timers());
+        timed!(self, events, self.read_events(solvers, scene, Some(part)));
+        timed!(self, apply, self.contacts.mark_pushing(&self.flights, corrections));
         self.again = again;
     }
 
@@ -333,33 +311,4 @@ fn list_crowded(scene: &Scene<'_>, resting: &Resting, crowded: &[u32], detected:
             None => {}
         }
     }
-}
-
-/// The record of a pair from the step before. Records are sorted by pair, as the pairs are: `next_record` goes through them once.
-#[inline(always)]
-fn find_record<'a>(
-    scene: &Scene<'a>,
-    resting: &Resting,
-    pair: [&PairSide<'_>; 2],
-    next_record: &mut usize,
-) -> Option<&'a ContactRecord> {
-    let records = &scene.contacts.records;
-    let is_simple = resting.numbers.is_simple();
-    let order = |record: &ContactRecord| {
-        if is_simple {
-            record.slots().cmp(&pair.map(|side| side.number))
-        } else {
-            record.pair().cmp(&pair.map(|side| side.id))
-        }
-    };
-    while records.get(*next_record).is_some_and(|record| order(record).is_lt()) {
-        *next_record += 1;
-    }
-    records.get(*next_record).filter(|record| order(record).is_eq())
-}
-
-/// Returns true if impulses push the body of a collider out of an overlap, and it can move.
-fn is_pushed(scene: &Scene<'_>, collider: &Collider) -> bool {
-    scene.settings.push_speed > Fx::ZERO
-        && scene.bodies.index_of(collider.body).is_some_and(|dense| scene.bodies.can_move(dense))
 }

@@ -16,47 +16,59 @@ fn turned(flight: &Flight, radius: Fx) -> i64 {
     ((product >> 32) + u128::from(product != 0)).min(2 * radius) as i64
 }
 
-/// The largest distance of two outlines that may touch in the step: the margin and the distance that they close. Displacements are below 2^29 m.
-#[inline]
-pub(super) fn closing([a, b]: [&Flight; 2], radii: [Fx; 2]) -> Margin {
-    let way = |a: Fx, b: Fx| b.to_bits() - a.to_bits();
-    let x = way(a.displacement.x, b.displacement.x);
-    let y = way(a.displacement.y, b.displacement.y);
-    // The ways are rounded up, the way of the displacements by the ulp.
-    Margin::new(Fx::from_bits(MARGIN.to_bits() + 1 + turned(a, radii[0]) + turned(b, radii[1])), [x, y])
+/// The largest distance, in ulps, of two outlines that touch without closing a distance: an ulp is for the rounding of ways.
+pub(super) const CLOSE: i64 = MARGIN.to_bits() + 1;
+
+/// The motion of an outline over a step, in ulps: the displacement of its body, and a bound of what the rotation adds.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Reach {
+    pub(super) displacement: [i64; 2],
+    pub(super) turned: i64,
 }
 
-/// A bound of the distance by which two outlines of these radii approach in the step, in ulps.
-#[inline]
-pub(super) fn approach_bound([a, b]: [&Flight; 2], radii: [Fx; 2]) -> i64 {
-    let way = |a: Fx, b: Fx| (b.to_bits() - a.to_bits()).abs();
-    let x = way(a.displacement.x, b.displacement.x);
-    let y = way(a.displacement.y, b.displacement.y);
-    x.max(y) + x.min(y) / 2 + turned(a, radii[0]) + turned(b, radii[1])
-}
+impl Reach {
+    /// The motion of an outline of this radius.
+    pub(super) fn new(flight: &Flight, radius: Fx) -> Self {
+        let displacement = [flight.displacement.x.to_bits(), flight.displacement.y.to_bits()];
+        Self { displacement, turned: turned(flight, radius) }
+    }
 
-/// The largest distance that a point of an outline moves in the step, in ulps: for two together at least the
-/// distance that they [close](closing).
-fn way(flight: &Flight, radius: Fx) -> i64 {
-    let [x, y] = [flight.displacement.x, flight.displacement.y].map(|way| way.to_bits().abs());
-    // a + b/2 is at least the length of (a, b) for a ≥ b, and at most an eighth more.
-    x.max(y) + x.min(y) / 2 + 1 + turned(flight, radius)
-}
+    /// The way against each other by the displacements. Displacements are below 2^29 m.
+    #[inline(always)]
+    fn way_to(&self, reach: &Self) -> [i64; 2] {
+        [reach.displacement[0] - self.displacement[0], reach.displacement[1] - self.displacement[1]]
+    }
 
-/// A box around an outline over the step, grown by half the margin: two outlines that may come within the margin of each other have boxes
-/// that overlap.
-pub(super) fn swept(outline: &BodyOutline, pose: &Pose, flight: &Flight) -> Aabb {
-    grown(outline, pose, way(flight, outline.radius))
+    /// The largest distance of two outlines that may touch in the step: the margin and the distance that they close.
+    #[inline(always)]
+    pub(super) fn closing(&self, reach: &Self) -> Margin {
+        Margin::new(Fx::from_bits(CLOSE + self.turned + reach.turned), self.way_to(reach))
+    }
+
+    /// The box around an outline over the step, from the box around it at the moment of manifolds, grown by half the margin: two outlines that
+    /// may come within the margin of each other have boxes that overlap.
+    pub(super) fn swept(&self, bounds: Aabb) -> Aabb {
+        let [x, y] = self.displacement.map(i64::abs);
+        // The largest distance that a point moves: for two together at least the distance that they close. a + b/2 is at least the length of
+        // (a, b) for a ≥ b, and at most an eighth more.
+        grown(bounds, x.max(y) + x.min(y) / 2 + 1 + self.turned)
+    }
+
+    /// A bound of the distance by which two outlines approach in the step, in ulps.
+    #[inline(always)]
+    pub(super) fn approach_bound(&self, reach: &Self) -> i64 {
+        let [x, y] = self.way_to(reach).map(i64::abs);
+        x.max(y) + x.min(y) / 2 + self.turned + reach.turned
+    }
 }
 
 /// The box around an outline of a body that does not move, grown by half the margin.
 pub(super) fn resting(outline: &BodyOutline, pose: &Pose) -> Aabb {
-    grown(outline, pose, 0)
+    grown(pose.outline_bounds(outline), 0)
 }
 
-/// The box around an outline at a pose, grown on all sides by a distance in ulps and by half the margin.
-fn grown(outline: &BodyOutline, pose: &Pose, distance: i64) -> Aabb {
-    let Aabb { min, max } = pose.bounds(&outline.corners, outline.outline.radius());
+/// A box grown on all sides by a distance in ulps and by half the margin.
+fn grown(Aabb { min, max }: Aabb, distance: i64) -> Aabb {
     let growth = distance + MARGIN.to_bits() / 2 + 1;
     let moved = |corner: Vec2, way: i64| corner.map(|part| Fx::from_bits(part.to_bits().saturating_add(way)));
     Aabb { min: moved(min, -growth), max: moved(max, growth) }

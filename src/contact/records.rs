@@ -107,8 +107,12 @@ impl ContactRecord {
 
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
     /// if a point is, rolling resistance if both have this one point.
+    #[inline]
     pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
         let record_features = self.features();
+        if (features, count) == (record_features, self.count()) {
+            return Impulses { values: self.impulses, exponent: self.exponent() };
+        }
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
         for (k, feature) in features.iter().enumerate().take(count) {
             if let Some(i) = (0..self.count()).find(|&i| record_features[i] == *feature) {

@@ -11,7 +11,7 @@ use super::bodies;
 use super::flights::pose;
 use super::numbers::Numbers;
 use super::one_way::has_changed;
-use super::reach;
+use super::reach::{self, Reach};
 use super::{Changed, Scene, pair_limits};
 use crate::body::{Activity, BodyKind};
 use crate::collide::broad::{Boxes, PairLimits, Proxy, RestingTrees, Statics};
@@ -341,7 +341,11 @@ impl Resting {
                 bounds: match state {
                     State::Static => reach::resting(&collider.outline(part), &pose),
                     // The box that it would have if it were awake and did not move.
-                    State::Asleep => reach::swept(&collider.outline(part), &pose, &bodies::resting(pose.position())),
+                    State::Asleep => {
+                        let outline = collider.outline(part);
+                        let reach = Reach::new(&bodies::resting(pose.position()), outline.radius);
+                        reach.swept(pose.outline_bounds(&outline))
+                    }
                 },
                 filter: collider.def.filter,
                 digest,

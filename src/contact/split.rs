@@ -29,6 +29,8 @@ use crate::math::TimeStep;
 use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
 use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
+#[cfg(feature = "timers")]
+use crate::timers::Timers;
 
 /// The sub-steps of islands under heavy loads: the most that a world may have.
 const FINE_SUBSTEPS: u32 = 16;
@@ -170,6 +172,14 @@ impl<C: ContactSolver> Solvers<C> {
         }
     }
 
+    /// The timers of the solvers since they were taken last.
+    #[cfg(feature = "timers")]
+    pub(super) fn take_timers(&mut self) -> Timers {
+        let mut sum = Timers::default();
+        self.solvers.iter_mut().for_each(|solver| sum += solver.take_timers());
+        sum
+    }
+
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
         self.solved_parts().flat_map(move |part| {
@@ -199,14 +209,19 @@ impl<C: ContactSolver> Solvers<C> {
 
     /// Finds the kinds of the islands. Returns true if one is special.
     fn find_special(&mut self, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) -> bool {
-        let may_be_heavy = options.substeps < FINE_SUBSTEPS && may_be_heavy(flights, contacts);
+        let may_be_heavy = options.substeps < FINE_SUBSTEPS && may_be_heavy(flights);
         let any_deep = contacts.iter().any(is_deep);
         if !may_be_heavy && !any_deep {
             return false;
         }
         let links = contacts.iter().map(|contact| contact.bodies);
-        // Islands that no fixed body holds carry nothing: they get no levels.
-        self.graph.build(|body| flights[body as usize].is_fixed(), flights.len(), links, |_, _| {});
+        let is_fixed = |body: u32| flights[body as usize].is_fixed();
+        if may_be_heavy || flights.iter().any(|flight| flight.leader.is_some()) {
+            // Islands that no fixed body holds carry nothing: they get no levels.
+            self.graph.build(is_fixed, flights.len(), links, |_, _| {});
+        } else {
+            self.graph.build_islands(is_fixed, flights.len(), links);
+        }
         self.kinds.clear();
         self.kinds.resize(self.graph.islands(), 0);
         if may_be_heavy {
@@ -311,12 +326,11 @@ fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
 }
 
 /// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.
-fn may_be_heavy(flights: &[Flight], contacts: &[Contact]) -> bool {
-    let masses = contacts.iter().flat_map(|contact| contact.bodies).map(|body| flights[body as usize].mass);
-    let mut range = None;
-    for mass in masses.filter(|&mass| mass > Fx::ZERO) {
-        let (min_mass, max_mass) = range.unwrap_or((mass, mass));
-        range = Some((mass.min(min_mass), mass.max(max_mass)));
+fn may_be_heavy(flights: &[Flight]) -> bool {
+    let (mut min_mass, mut max_mass) = (Fx::MAX, Fx::ZERO);
+    // Bodies without contacts count as well, if their masses are known: the loads are found later.
+    for mass in flights.iter().map(|flight| flight.mass).filter(|&mass| mass > Fx::ZERO) {
+        (min_mass, max_mass) = (min_mass.min(mass), max_mass.max(mass));
     }
-    range.is_some_and(|(min_mass, max_mass)| is_heavy(max_mass, min_mass))
+    min_mass < max_mass && is_heavy(max_mass, min_mass)
 }

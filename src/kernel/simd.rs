@@ -74,6 +74,11 @@ pub(crate) struct Row {
     pub(crate) gain: Gain,
 }
 
+/// Eight words of 64 bits that lanes read by [`words_of`](Lanes::words_of): a line of the cache.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(64))]
+pub(crate) struct Line(pub(crate) [i64; 8]);
+
 /// Velocities and displacements of one body in each lane.
 #[derive(Clone, Copy)]
 pub(crate) struct Gathered<N> {
@@ -97,6 +102,8 @@ pub(crate) trait Lanes: Copy {
     type Narrow: Copy;
     /// A vector of 64-bit integers.
     type Wide: Copy;
+    /// A yes or no for each lane.
+    type Mask: Copy;
     /// The set that handles single bodies.
     type Quads: Quads;
 
@@ -135,6 +142,28 @@ pub(crate) trait Lanes: Copy {
     fn floored<const BITS: i32>(self, a: Self::Wide) -> Self::Wide;
     /// floor(a / 2^bits) with the shift of each lane. *Domain* 0 ≤ bits < 64.
     fn floored_by(self, a: Self::Wide, bits: Self::Wide) -> Self::Wide;
+    /// ⌊(2^60 − 1) / d⌋. *Domain* 2^30 ≤ d < 2^31.
+    ///
+    /// # Ranges
+    /// With q = (2^60 − 1) / d the line is within q/17. A step squares the relative error and rounds twice: after two steps it is below
+    /// 2^-16.2, E = (2^60 − 1) − d·x is within 2^44, and the third step, which rounds down, leads to between q − 1.2 and q: to the floor or
+    /// to one below it. Products are within 2^61.
+    #[inline(always)]
+    fn reciprocal(self, d: Self::Narrow) -> Self::Narrow {
+        let one = self.wide(&[(1 << 60) - 1; GROUP], 0);
+        // 48/17 − 32/17·d for d from 1/2 to 1, in 2^-29.
+        let line = self.low(self.floored::<31>(self.times(self.splat(1_010_580_540), d)));
+        let mut x = self.minus(self.splat(1_515_870_810), line);
+        for _ in 0..2 {
+            let error = self.rounded(self.sub(one, self.times(d, x)));
+            x = self.plus(x, self.rounded(self.times(x, error)));
+        }
+        let error = self.low(self.floored::<14>(self.sub(one, self.times(d, x))));
+        x = self.plus(x, self.low(self.floored::<46>(self.times(x, error))));
+        let next = self.plus(x, self.splat(1));
+        // One less where that is beyond the quotient.
+        self.plus(next, self.low(self.floored::<63>(self.sub(one, self.times(d, next)))))
+    }
     /// a / 2^30 to nearest, ties upwards.
     fn rounded(self, a: Self::Wide) -> Self::Narrow;
     /// a / 2^BITS to nearest, ties away from zero.
@@ -143,6 +172,47 @@ pub(crate) trait Lanes: Copy {
     fn raised_by(self, a: Self::Wide, bits: Self::Wide) -> Self::Wide;
     /// factor·load / 2^26 to nearest, ties upwards. *Domain* 0 ≤ load < 2^58, factor ≥ 0.
     fn share(self, factor: Self::Narrow, load: Self::Wide) -> Self::Wide;
+    /// The number in all lanes.
+    fn all(self, value: i64) -> Self::Wide;
+    /// The number of bits of a number: 0 for 0, 1 for 1, 2 for 2 and 3. *Domain* a ≥ 0.
+    fn bit_length(self, a: Self::Wide) -> Self::Wide;
+
+    /// a > b.
+    fn greater(self, a: Self::Wide, b: Self::Wide) -> Self::Mask;
+    /// a = b.
+    fn equal(self, a: Self::Wide, b: Self::Wide) -> Self::Mask;
+    fn both(self, m: Self::Mask, n: Self::Mask) -> Self::Mask;
+    fn either(self, m: Self::Mask, n: Self::Mask) -> Self::Mask;
+    /// m, and not n.
+    fn unless(self, m: Self::Mask, n: Self::Mask) -> Self::Mask;
+    /// Either m or n, and not both.
+    fn unlike(self, m: Self::Mask, n: Self::Mask) -> Self::Mask;
+    /// `a` where `m` says yes, else `b`.
+    fn select(self, m: Self::Mask, a: Self::Wide, b: Self::Wide) -> Self::Wide;
+    /// A bit for each lane, the first one lowest: 1 for yes.
+    fn bits(self, m: Self::Mask) -> u32;
+
+    #[inline(always)]
+    fn larger(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        self.select(self.greater(a, b), a, b)
+    }
+
+    #[inline(always)]
+    fn smaller(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        self.select(self.greater(a, b), b, a)
+    }
+
+    /// −a where `m` says yes, else a.
+    #[inline(always)]
+    fn negated(self, m: Self::Mask, a: Self::Wide) -> Self::Wide {
+        self.select(m, self.sub(self.all(0), a), a)
+    }
+
+    #[inline(always)]
+    fn magnitude(self, a: Self::Wide) -> Self::Wide {
+        self.negated(self.greater(self.all(0), a), a)
+    }
+
     /// Returns true if all lanes are zero.
     fn is_zero(self, a: Self::Wide) -> bool;
     /// Returns true if a lane is at or beyond ±2^30.
@@ -152,10 +222,48 @@ pub(crate) trait Lanes: Copy {
     /// Returns true if no lane of `impulses` is negative and all of `changes` are from −2^30 to 2^30 − 1.
     fn are_pushes(self, impulses: [Self::Wide; 2], changes: [Self::Wide; 2]) -> bool;
 
+    /// The words of the lines that an index names, each word in a vector.
+    fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [Self::Wide; 8];
+    /// The columns of rows, of which each lane has one.
+    fn columns(self, rows: &[[i64; 4]; GROUP], at: usize) -> [Self::Wide; 4];
     fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<Self::Narrow>;
     /// Adds a change of velocity to the sums of bodies, one lane after the other.
     fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]);
+    /// Subtracts impulses from the sums of the first bodies, and adds them to the sums of the second ones, one lane after the other. Both
+    /// linear quads are the same for both bodies, the third one is each body's.
+    #[inline(always)]
+    fn add_sums(
+        self,
+        sums: &mut [Sums],
+        [first, second]: [&[u32; GROUP]; 2],
+        at: usize,
+        linear: [[Self::Wide; 4]; 2],
+        turns: [[Self::Wide; 4]; 2],
+    ) {
+        let mut words = [[[0; GROUP]; 4]; 4];
+        for (words, values) in words.iter_mut().zip([linear[0], linear[1], turns[0], turns[1]]) {
+            for (words, value) in words.iter_mut().zip(values) {
+                self.store(words, at, value);
+            }
+        }
+        let [low, high, turn_a, turn_b] = &words;
+        for lane in at..at + Self::WIDTH {
+            let (a, b) = (first[lane] as usize, second[lane] as usize);
+            for k in 0..4 {
+                let quads = [low[k][lane], high[k][lane], turn_a[k][lane]];
+                (0..3).for_each(|i| sums[a].0[i][k] -= quads[i]);
+                let quads = [low[k][lane], high[k][lane], turn_b[k][lane]];
+                (0..3).for_each(|i| sums[b].0[i][k] += quads[i]);
+            }
+        }
+    }
 }
+
+/// Sums of impulses of a body in two limbs: the lower ones of x, y, x weighted and y weighted; the upper ones; both lower and both
+/// upper ones of rotation.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub(crate) struct Sums(pub(crate) [[i64; 4]; 3]);
 
 /// Operations on one body, with the domain that those of [`Lanes`] have.
 pub(crate) trait Quads: Copy {

@@ -113,7 +113,6 @@ impl Body {
             displacement: displacement.map(FxAccumulator::value),
             rotation: rotation.value(),
             mass: Fx::from_int(self.mass),
-            inertia,
             inverse_mass: Vec2::new(inverse(mass), inverse(mass)),
             inverse_inertia: inverse(inertia),
             radius: radius_bound(&self.shape.outlines()[0]),

@@ -13,27 +13,25 @@
 //! gains 1 % of its energy a second. Bodies with joints end where the sub-steps lead, with all of o, if a fixed body holds their island,
 //! by a joint or by a contact that pressed in the step before, and else where their free flight does ([`Path`]).
 //!
-//! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs: the
+//! The impulse vector of a contact is rounded once to 2^-64 N·s, and both bodies get the same one with opposite signs (`limbs`): the
 //! momentum of bodies that are not fixed changes by the rounding of velocities alone.
 
 use alloc::vec::Vec;
 
-use super::bodies::BodyRows;
+use super::bodies::{BodyRows, STILL};
 use super::group::Group;
 use super::groups::ContactGroups;
 use super::impact::Strike;
-use super::number::{shifted, shifted_word};
+use super::limbs::{Size, add_impulses, joined, lane_of, on_bodies, shifted_within};
+use super::number::bits_of;
 use super::rolling::Rolls;
 use super::unit::Clock;
 use super::{Contact, Correction, Flight, Impulses};
 use crate::fx::Fx;
-use crate::kernel::simd::{GROUP, Job, Lanes};
+use crate::kernel::simd::{Job, Lanes, Sums};
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, FxAccumulator, FxFactor};
-
-/// Impulses of a contact are within ±2^46 N·s, or N·m·s: 2^110 units. 2^16 of them fit in a sum.
-const LARGEST: i128 = 1 << 110;
 
 /// The way of a body in a step, to which the impulses add.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,9 +71,29 @@ impl Total {
     }
 }
 
-/// impulse · factor as a change of velocity, in 2^-96.
+/// impulse · factor as a change of velocity, in 2^-96, to nearest, ties away from zero.
 #[inline(always)]
 fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
+    let (mantissa, shift) = factor.parts();
+    let down = shift - 32;
+    let (high, low) = ((impulse >> 64) as i64, impulse as u64);
+    // |impulse| below 2^(62 + down): the result is below 2^126.
+    if matches!(down, 2..64) && (high ^ (high >> 63)) >> (down - 2) == 0 {
+        let lower = u128::from(low) * u128::from(mantissa);
+        let upper = i128::from(high) * i128::from(mantissa) + i128::from((lower >> 64) as u64);
+        // Half of the unit, less by one for negative products: ties go away from zero.
+        let half = (1_u64 << (down - 1)) - u64::from(high < 0);
+        let (rest, carry) = (lower as u64).overflowing_add(half);
+        let upper = upper + i128::from(carry);
+        return FxAccumulator::from_bits(upper << (64 - down) | i128::from(rest >> down));
+    }
+    changed_far(impulse, factor)
+}
+
+/// [`changed`] of any size.
+#[cold]
+#[inline(never)]
+fn changed_far(impulse: i128, factor: FxFactor) -> FxAccumulator {
     let (mantissa, shift) = factor.parts();
     match mul_shift_64(impulse, mantissa, shift - 32) {
         // Its top two bits are equal.
@@ -85,61 +103,7 @@ fn changed(impulse: i128, factor: FxFactor) -> FxAccumulator {
     }
 }
 
-/// The impulses on both bodies of a contact, for impulses along its three rows in units of 2^exponent N·s.
-#[inline(always)]
-pub(super) fn on_bodies(
-    group: &Group,
-    lane: usize,
-    exponent: i32,
-    rows: [i64; 3],
-    lengths: [i32; 2],
-) -> [[i128; 3]; 2] {
-    // From 2^(exponent − 30) to 2^-64 N·s.
-    let bits = -64 + 30 - exponent;
-    let ([p1, p2, t], [[ka1, kb1], [ka2, kb2], [kat, kbt]]) =
-        (rows, [group.arms[0][lane], group.arms[1][lane], group.arms[2][lane]]);
-    let [bits_a, bits_b] = [bits - lengths[0], bits - lengths[1]];
-    let magnitude = p1.unsigned_abs() | p2.unsigned_abs() | t.unsigned_abs();
-    // Sums of three products below 2^30 · 2^31, within 62.6 bits, that are raised by less than 2^47.
-    if magnitude >> 31 == 0 && bits.min(bits_a).min(bits_b) > -47 {
-        let (nx, ny) = (i64::from(group.normal[lane][0]), i64::from(group.normal[lane][1]));
-        let (x, y) = (raised(nx * (p1 + p2) + ny * t, bits), raised(ny * (p1 + p2) - nx * t, bits));
-        let turn_a = raised(i64::from(ka1) * p1 + i64::from(ka2) * p2 + i64::from(kat) * t, bits_a);
-        let turn_b = raised(i64::from(kb1) * p1 + i64::from(kb2) * p2 + i64::from(kbt) * t, bits_b);
-        return [[-x, -y, -turn_a], [x, y, turn_b]];
-    }
-    on_bodies_far(group, lane, bits, rows, lengths)
-}
-
-/// value · 2^-bits to nearest, ties away from zero. *Domain* bits > −47.
-#[inline(always)]
-fn raised(value: i64, bits: i32) -> i128 {
-    if bits > 0 {
-        return shifted_word(value, bits).into();
-    }
-    // By less than 64 bits: without the cases of a shift of 128 bits.
-    let up = bits.unsigned_abs() & 63;
-    let high = (value >> 1) >> (63 - up);
-    i128::from(high) << 64 | i128::from((value as u64) << up)
-}
-
-/// [`on_bodies`] for impulses of any size.
-#[cold]
-#[inline(never)]
-fn on_bodies_far(group: &Group, lane: usize, bits: i32, rows: [i64; 3], lengths: [i32; 2]) -> [[i128; 3]; 2] {
-    let [nx, ny] = group.normal[lane].map(i128::from);
-    let [p1, p2, t] = rows.map(i128::from);
-    let turn = |side: usize| {
-        let [k1, k2, kt] = [0, 1, 2].map(|row| i128::from(group.arms[row][lane][side]));
-        shifted_within(k1 * p1 + k2 * p2 + kt * t, bits - lengths[side])
-    };
-    let x = shifted_within(nx * (p1 + p2) + ny * t, bits);
-    let y = shifted_within(ny * (p1 + p2) - nx * t, bits);
-    [[-x, -y, -turn(0)], [x, y, turn(1)]]
-}
-
-/// Exact impulses and corrections of all bodies, once the impulses of joints are in the totals. No lanes: but instructions for shifts and
-/// products that the CPU has beside them.
+/// Exact impulses and corrections of all bodies, once the impulses of joints are in the totals.
 pub(super) struct Apply<'a> {
     pub(super) clock: &'a Clock,
     pub(super) bodies: &'a BodyRows,
@@ -148,59 +112,161 @@ pub(super) struct Apply<'a> {
     pub(super) strikes: &'a [Strike],
     /// Paths by body; empty without joints.
     pub(super) paths: &'a [Path],
-    pub(super) totals: &'a mut [Total],
+    pub(super) impulses: &'a mut ImpulseSums,
     pub(super) flights: &'a [Flight],
     pub(super) contacts: &'a mut [Contact],
     pub(super) corrections: &'a mut Vec<Correction>,
+}
+
+/// The impulses of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImpulseSums {
+    /// By body, of joints, rolling resistance and impacts; empty if there are none.
+    pub(super) totals: Vec<Total>,
+    /// Of contacts, by row; rotation is over the length of the body.
+    sums: Vec<Sums>,
+    /// Of contacts too large for [`Sums`], by row, likewise; empty if there are none.
+    large: Vec<Total>,
 }
 
 impl Job for Apply<'_> {
     type Result = ();
 
     #[inline(always)]
-    fn run<L: Lanes>(self, _: L) {
-        let Self { clock, bodies, groups, rolls, strikes, paths, totals, flights, contacts, corrections } = self;
-        let ContactGroups { groups, places, .. } = groups;
-        let BodyRows { bodies, .. } = bodies;
+    fn run<L: Lanes>(mut self, lanes: L) {
+        self.add_contacts(lanes);
+        self.add_strikes();
+        self.rolls.apply(&self.groups.groups, self.contacts, &mut self.impulses.totals);
+        let Self { clock, bodies, paths, impulses, flights, corrections, .. } = self;
+        corrections.clear();
+        corrections.reserve(flights.len());
+        let mut ways = Ways::default();
+        // A loop: a closure would not be compiled for the instructions of the job.
+        for (body, flight) in flights.iter().enumerate() {
+            let (row, length) = (bodies.row_of[body], bodies.bodies[body].length);
+            // A body without a row is in no island.
+            let mut correction = Correction::default();
+            if row != STILL {
+                let total = impulses.total(body, row, length);
+                if !total.is_zero() {
+                    let path = *paths.get(body).unwrap_or(&Path::Contacts);
+                    ways.set(flight, clock);
+                    correction = flight.correction(&total, path, clock, &ways);
+                    correction.is_pushed = correction != Correction::default();
+                }
+            }
+            corrections.push(correction);
+        }
+    }
+}
+
+impl Apply<'_> {
+    /// Writes the impulses of contacts, and adds them to the sums.
+    #[inline(always)]
+    fn add_contacts<L: Lanes>(&mut self, lanes: L) {
+        let Self { bodies, groups: ContactGroups { groups, places, .. }, impulses, contacts, .. } = self;
+        let ImpulseSums { sums, large, .. } = &mut **impulses;
         if places.len() < contacts.len() {
             contacts.iter_mut().for_each(|contact| contact.impulses = Impulses::default());
         }
         for place in places {
-            let contact = &mut contacts[place.contact as usize];
-            let (group, lane) = (&groups[place.group as usize], place.lane as usize);
-            let lane_of = |values: &[[i64; GROUP]; 3]| [values[0][lane], values[1][lane], values[2][lane]];
-            contact.impulses = Impulses { values: lane_of(&group.impulses), exponent: place.exponent };
-            let [a, b] = [contact.bodies[0] as usize, contact.bodies[1] as usize];
-            let lengths = [bodies[a].length, bodies[b].length];
-            let [applied_a, applied_b] = on_bodies(group, lane, place.exponent, lane_of(&group.applied), lengths);
-            totals[a].add(false, applied_a);
-            totals[b].add(false, applied_b);
-            let [weighted_a, weighted_b] = on_bodies(group, lane, place.exponent, lane_of(&group.weighted), lengths);
-            totals[a].add(true, weighted_a);
-            totals[b].add(true, weighted_b);
+            let values = lane_of(&groups[place.group as usize].impulses, place.lane as usize);
+            contacts[place.contact as usize].impulses = Impulses { values, exponent: place.exponent };
         }
-        for strike in strikes {
-            let place = &places[strike.place as usize];
-            let (group, lane) = (&groups[place.group as usize], place.lane as usize);
+        let rows = bodies.rows.len() as usize;
+        sums.clear();
+        sums.resize(rows, Sums::default());
+        large.clear();
+        let n = bits_of(places.len() as i64);
+        for group in groups {
+            match Size::new(group, n) {
+                Size::Small => {
+                    for at in (0..group.count).step_by(L::WIDTH) {
+                        add_impulses::<L, false>(lanes, group, at, sums);
+                    }
+                }
+                Size::Middle => {
+                    for at in (0..group.count).step_by(L::WIDTH) {
+                        add_impulses::<L, true>(lanes, group, at, sums);
+                    }
+                }
+                Size::Large => {
+                    large.resize(rows, Total::default());
+                    add_large(group, large);
+                }
+            }
+        }
+    }
+
+    /// Adds the impulses of impacts, which are part of the impulses of contacts.
+    fn add_strikes(&mut self) {
+        let Self { bodies, groups, strikes, impulses, contacts, .. } = self;
+        for strike in *strikes {
+            let (place, group, lane) = groups.lane_of(strike.place);
             let ends = contacts[place.contact as usize].bodies.map(|body| body as usize);
-            let lengths = ends.map(|body| bodies[body].length);
-            let changes = on_bodies(group, lane, place.exponent, strike.impulses, lengths);
-            for (body, change) in ends.into_iter().zip(changes) {
-                totals[body].add_struck(change);
+            let [x, y, turn_a, turn_b] = on_bodies(group, lane, strike.impulses);
+            for (body, [x, y, turn]) in ends.into_iter().zip([[-x, -y, -turn_a], [x, y, turn_b]]) {
+                let turn = shifted_within(turn, -bodies.bodies[body].length);
+                impulses.totals[body].add_struck([x, y, turn]);
             }
         }
-        rolls.apply(groups, contacts, totals);
-        corrections.clear();
-        corrections.reserve(flights.len());
-        // A loop: a closure would not be compiled for the instructions of the job.
-        for (body, (flight, total)) in flights.iter().zip(&*totals).enumerate() {
-            let path = *paths.get(body).unwrap_or(&Path::Contacts);
-            let mut correction = Correction::default();
-            if !total.is_zero() {
-                correction = flight.correction(total, path, clock);
-                correction.is_pushed = correction != Correction::default();
-            }
-            corrections.push(correction);
+    }
+}
+
+/// Adds the impulses of a group to the totals by row.
+#[cold]
+#[inline(never)]
+fn add_large(group: &Group, totals: &mut [Total]) {
+    for lane in 0..group.count {
+        for (is_weighted, sums) in [(false, &group.applied), (true, &group.weighted)] {
+            let [x, y, turn_a, turn_b] = on_bodies(group, lane, lane_of(sums, lane));
+            totals[group.a[lane] as usize].add(is_weighted, [-x, -y, -turn_a]);
+            totals[group.b[lane] as usize].add(is_weighted, [x, y, turn_b]);
+        }
+    }
+}
+
+impl ImpulseSums {
+    /// Begins a step, with totals by body if there is anything but contacts.
+    pub(super) fn begin(&mut self, bodies: usize, has_totals: bool) {
+        self.totals.clear();
+        self.totals.resize(if has_totals { bodies } else { 0 }, Total::default());
+    }
+
+    /// All impulses on a body.
+    #[inline(always)]
+    fn total(&self, body: usize, row: u32, length: i32) -> Total {
+        let mut total = self.totals.get(body).copied().unwrap_or_default();
+        let [mut impulse, mut weighted] = joined(&self.sums[row as usize]);
+        if let Some(large) = self.large.get(row as usize) {
+            (0..3).for_each(|i| {
+                (impulse[i], weighted[i]) = (impulse[i] + large.impulse[i], weighted[i] + large.weighted[i])
+            });
+        }
+        (impulse[2], weighted[2]) = (shifted_within(impulse[2], -length), shifted_within(weighted[2], -length));
+        total.add(false, impulse);
+        total.add(true, weighted);
+        total
+    }
+}
+
+/// Inverse masses times a sub-step, of the body before: most bodies have the same.
+#[derive(Clone, Copy, Default)]
+struct Ways {
+    mass: Vec2<FxFactor>,
+    inertia: FxFactor,
+    moved: Vec2<FxFactor>,
+    turned: FxFactor,
+}
+
+impl Ways {
+    #[inline(always)]
+    fn set(&mut self, flight: &Flight, clock: &Clock) {
+        let Flight { inverse_mass: mass, inverse_inertia: inertia, .. } = *flight;
+        if (self.mass, self.inertia) != (mass, inertia) {
+            let moved_x = mass.x.times(clock.substep);
+            let moved_y = if mass.y == mass.x { moved_x } else { mass.y.times(clock.substep) };
+            *self = Self { mass, inertia, moved: Vec2::new(moved_x, moved_y), turned: inertia.times(clock.substep) };
         }
     }
 }
@@ -208,57 +274,74 @@ impl Job for Apply<'_> {
 impl Flight {
     /// The change of a body by its impulses.
     #[inline(always)]
-    fn correction(&self, total: &Total, path: Path, clock: &Clock) -> Correction {
+    fn correction(&self, total: &Total, path: Path, clock: &Clock, ways: &Ways) -> Correction {
         let ([x, y, turn], [wx, wy, wt]) = (total.impulse, total.weighted);
-        let mass = self.inverse_mass;
-        let inertia = self.inverse_inertia;
-        let moved = |factor: FxFactor| factor.times(clock.substep);
-        let moved_x = moved(mass.x);
-        let moved_y = if mass.y == mass.x { moved_x } else { moved(mass.y) };
+        let (mass, inertia) = (self.inverse_mass, self.inverse_inertia);
         let velocity = Vec2::new(changed(x, mass.x), changed(y, mass.y));
         let angular_velocity = changed(turn, inertia);
         let [ox, oy, turned] = match path {
             Path::Flight => [FxAccumulator::default(); 3],
             Path::Substeps => self.offsets(clock).map(offset_in_full),
+            Path::Contacts if total.struck == [0; 3] => {
+                self.cancelled([velocity.x, velocity.y, angular_velocity], clock)
+            }
             Path::Contacts => {
                 let [sx, sy, st] = total.struck;
                 self.cancelled([changed(x - sx, mass.x), changed(y - sy, mass.y), changed(turn - st, inertia)], clock)
             }
         };
+        let (moved_x, moved_y) = (changed(wx, ways.moved.x), changed(wy, ways.moved.y));
         Correction {
             is_pushed: false,
             velocity,
             angular_velocity,
-            displacement: Vec2::new(changed(wx, moved_x).plus(ox), changed(wy, moved_y).plus(oy)),
-            rotation: changed(wt, moved(inertia)).plus(turned),
+            displacement: Vec2::new(moved_x.plus(ox), moved_y.plus(oy)),
+            rotation: changed(wt, ways.turned).plus(turned),
         }
     }
 
     /// The offsets o of semi-implicit Euler from the free flight, in 2^-32 m and rad.
     #[inline(always)]
     pub(super) fn offsets(&self, clock: &Clock) -> [i128; 3] {
-        let Self { start, end, displacement, .. } = self;
-        let offset =
-            |start: Fx, end: Fx, flown: Fx| clock.euler(start.to_bits(), end.to_bits()) - i128::from(flown.to_bits());
+        let Self { start, end, displacement, rotation, .. } = self;
         [
-            offset(start.linear.x, end.linear.x, displacement.x),
-            offset(start.linear.y, end.linear.y, displacement.y),
-            offset(start.angular, end.angular, self.rotation),
+            offset(clock, start.linear.x, end.linear.x, displacement.x),
+            offset(clock, start.linear.y, end.linear.y, displacement.y),
+            offset(clock, start.angular, end.angular, *rotation),
         ]
     }
 
-    /// The part of the offsets that impulses cancel, for the changes of velocity by them.
+    /// The part of the offsets that impulses cancel, for the changes of velocity by them. Where the free flight does not change a velocity,
+    /// there is none to cancel.
     #[inline(always)]
     fn cancelled(&self, change: [FxAccumulator; 3], clock: &Clock) -> [FxAccumulator; 3] {
-        let flown = |start: Fx, end: Fx| i128::from(end.to_bits()) - i128::from(start.to_bits());
-        let Self { start, end, .. } = self;
-        let [ox, oy, turn] = self.offsets(clock);
-        let [vx, vy, spin] = change.map(FxAccumulator::value);
-        let flown_linear = [flown(start.linear.x, end.linear.x), flown(start.linear.y, end.linear.y)];
-        let [x, y] = cancelled([vx, vy], flown_linear, [ox, oy]);
-        let [turn] = cancelled([spin], [flown(start.angular, end.angular)], [turn]);
-        [x, y, turn]
+        let Self { start, end, displacement, rotation, .. } = self;
+        let [vx, vy, spin] = [change[0].value(), change[1].value(), change[2].value()];
+        let mut offsets = [FxAccumulator::default(); 3];
+        if start.linear != end.linear {
+            let flown = [flown(start.linear.x, end.linear.x), flown(start.linear.y, end.linear.y)];
+            let ox = offset(clock, start.linear.x, end.linear.x, displacement.x);
+            let oy = offset(clock, start.linear.y, end.linear.y, displacement.y);
+            [offsets[0], offsets[1]] = cancelled([vx, vy], flown, [ox, oy]);
+        }
+        if start.angular != end.angular {
+            let turn = offset(clock, start.angular, end.angular, *rotation);
+            [offsets[2]] = cancelled([spin], [flown(start.angular, end.angular)], [turn]);
+        }
+        offsets
     }
+}
+
+/// The change of a velocity by the free flight, in 2^-32.
+#[inline(always)]
+fn flown(start: Fx, end: Fx) -> i128 {
+    i128::from(end.to_bits()) - i128::from(start.to_bits())
+}
+
+/// The offset of a coordinate.
+#[inline(always)]
+fn offset(clock: &Clock, start: Fx, end: Fx, flown: Fx) -> i128 {
+    clock.euler(start.to_bits(), end.to_bits()) - i128::from(flown.to_bits())
 }
 
 /// An offset as a displacement; offsets of 2^29 m and more, of bodies beyond all limits, count as that: with an impulse the sum fits.
@@ -296,12 +379,4 @@ fn dot<const N: usize>(a: [i128; N], b: [i64; N]) -> i128 {
         Err(_) => a * i128::from(b),
     };
     a.into_iter().zip(b).map(product).sum()
-}
-
-/// value · 2^-bits within the largest impulse.
-pub(super) fn shifted_within(value: i128, bits: i32) -> i128 {
-    if bits < 0 && 128 - value.unsigned_abs().leading_zeros() as i32 - bits > 111 {
-        return if value < 0 { -LARGEST } else { LARGEST };
-    }
-    shifted(value, bits).clamp(-LARGEST, LARGEST)
 }

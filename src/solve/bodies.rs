@@ -11,26 +11,18 @@ use alloc::vec::Vec;
 use super::follow::{Follower, add_leader_speeds};
 use super::graph::Graph;
 use super::motion::{FlightRow, Rows};
-use super::number::{log2_above, shifted_word};
+use super::number::{exponent, log2_above, shifted_word};
 use super::rolling::resists;
-use super::unit::unit_for;
+use super::unit::{COARSE, unit_for};
 use super::{Contact, Flight, Impulses, StepInput};
 use crate::fx::Fx;
+use crate::kernel::simd::{self, Job, Lanes};
 use crate::scalar::FxFactor;
 
 /// The row of bodies that neither move nor can be moved.
 pub(super) const STILL: u32 = 0;
 /// Factors of masses have this many bits relative to the largest of a contact.
 pub(super) const MASS_BITS: i32 = 31;
-
-/// The velocity that the impulses at the start give to a body.
-#[derive(Clone, Copy, Debug)]
-struct Load {
-    /// [`Flight::inverse_exponent`]
-    exponent: i32,
-    /// In 2^-32 m/s.
-    speed: u128,
-}
 
 /// A row of a fixed body that moves, in a unit of its contacts and joints.
 #[derive(Clone, Copy, Debug)]
@@ -51,10 +43,10 @@ pub(super) struct BodyRows {
     pub(super) unit_of: Vec<i32>,
     /// Masses and lengths by body.
     pub(super) bodies: Vec<SolverBody>,
-    /// The largest speed by island, in 2^-32 m/s.
-    fastest: Vec<u128>,
-    /// The load of the initial impulses, by body.
-    loads: Vec<Load>,
+    /// The largest speed by island, in 2^-[`COARSE`] m/s.
+    fastest: Vec<u64>,
+    /// The velocity that the impulses at the start give to a body, in 2^-[`COARSE`] m/s.
+    loads: Vec<u64>,
     /// Rows of fixed bodies that move, and the first one by body.
     pub(super) carriers: Vec<Carrier>,
     pub(super) carrier_of: Vec<Option<u32>>,
@@ -63,44 +55,55 @@ pub(super) struct BodyRows {
 }
 
 impl BodyRows {
-    /// Chooses units and makes the rows of bodies that touch.
+    /// Chooses units and makes the rows of bodies that touch. No lanes: but instructions for shifts that the CPU has beside them.
     pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph) {
-        let StepInput { clock, softness, flights, .. } = *input;
-        self.loads.clear();
+        simd::run(SetBodies { bodies: self, input, graph });
+    }
+
+    #[inline(always)]
+    fn set_all(&mut self, input: &StepInput<'_>, graph: &Graph) {
+        let flights = input.flights;
         self.fastest.clear();
         self.fastest.resize(graph.islands(), 0);
+        self.bodies.clear();
         for (body, flight) in flights.iter().enumerate() {
+            let solver_body = SolverBody::new(flight);
             if let Some(island) = graph.island_of(body as u32) {
                 let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max(flight.speed());
+                *fastest = (*fastest).max(flight.speed(solver_body.length));
             }
-            self.loads.push(Load { exponent: flight.inverse_exponent(), speed: 0 });
+            self.bodies.push(solver_body);
         }
         self.add_fixed_speeds(graph, flights);
         self.add_joint_speeds(input, graph);
-        self.add_surface_speeds(graph, input.contacts);
-        self.add_loads(input, graph);
+        self.add_contact_speeds(input, graph);
         add_leader_speeds(&mut self.fastest, graph, flights);
-        self.rows.clear();
-        self.rows.push(FlightRow::default(), i32::MAX);
-        self.row_of.clear();
-        self.unit_of.clear();
-        self.bodies.clear();
-        for (body, flight) in flights.iter().enumerate() {
-            let (row, unit) = match graph.island_of(body as u32) {
-                Some(island) => {
-                    let unit = unit_for(self.fastest[island as usize], clock.substeps);
-                    (self.rows.push(flight.row(unit), softness.impact_speed(unit)), unit)
-                }
-                None => (STILL, 0),
-            };
-            self.row_of.push(row);
-            self.bodies.push(SolverBody::new(flight, self.loads[body].exponent, row));
-            self.unit_of.push(unit);
-        }
+        self.set_rows(input, graph);
         self.carriers.clear();
         self.carrier_of.clear();
         self.carrier_of.resize(flights.len(), None);
+    }
+
+    /// Makes the rows of bodies that are in islands.
+    #[inline(always)]
+    fn set_rows(&mut self, input: &StepInput<'_>, graph: &Graph) {
+        let Self { rows, row_of, unit_of, bodies, fastest, .. } = self;
+        let StepInput { clock, softness, flights, .. } = *input;
+        rows.clear();
+        rows.push(FlightRow::default(), i32::MAX);
+        row_of.clear();
+        unit_of.clear();
+        for (body, (flight, solver_body)) in (0..).zip(flights.iter().zip(bodies)) {
+            if let Some(island) = graph.island_of(body) {
+                let unit = unit_for(fastest[island as usize], clock.substeps);
+                let row = rows.push(flight.row(unit, solver_body.length), softness.impact_speed(unit));
+                (solver_body.row, solver_body.unit) = (row, unit);
+            } else {
+                solver_body.is_carrier = flight.is_fixed() && (flight.is_moving() || flight.leader.is_some());
+            }
+            row_of.push(solver_body.row);
+            unit_of.push(solver_body.unit);
+        }
     }
 
     /// Fixed bodies that move count in all islands that they touch.
@@ -109,7 +112,7 @@ impl BodyRows {
             if !flight.is_fixed() {
                 continue;
             }
-            let speed = flight.speed();
+            let speed = flight.speed(flight.length());
             for neighbour in graph.touched_by(body as u32) {
                 if let Some(island) = graph.island_of(neighbour) {
                     let fastest = &mut self.fastest[island as usize];
@@ -124,50 +127,47 @@ impl BodyRows {
         for joint in input.joints {
             if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
                 let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max(joint.repair_speed(input.clock, input.flights));
+                *fastest = (*fastest).max(coarse(joint.repair_speed(input.clock, input.flights)));
             }
         }
     }
 
     /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
-    /// a light body under a heavy one are large and cancel, but one after the other.
-    fn add_loads(&mut self, input: &StepInput<'_>, graph: &Graph) {
-        // The largest speed that a unit is chosen for: speeds of flights are below 2^66 as well.
-        const FASTEST: u128 = 1 << 66;
+    /// a light body under a heavy one are large and cancel, but one after the other. Bodies may take up the speed of a surface.
+    #[inline(always)]
+    fn add_contact_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+        /// The largest speed that a unit is chosen for, 2^34 m/s: as the speeds of flights.
+        const FASTEST: u64 = 1 << (34 + COARSE);
+        let Self { bodies, fastest, loads, .. } = self;
         let StepInput { clock, flights, contacts, .. } = *input;
+        loads.clear();
+        loads.resize(flights.len(), 0);
         for contact in contacts {
             let Impulses { values: [first, second, tangent], exponent: unit } = contact.impulses;
             // Each is at most 2^62.
             let sum = first.unsigned_abs() + second.unsigned_abs() + tangent.unsigned_abs();
-            for body in contact.bodies {
-                // An impulse at a lever beyond the body's length turns it as much more.
-                let lever = if resists(contact) {
-                    (log2_above(contact.rolling_radius) - flights[body as usize].length()).max(0)
-                } else {
-                    0
-                };
-                let load = &mut self.loads[body as usize];
-                // From 2^unit N·s to 2^-32 m/s; far below zero for a body that cannot be moved.
-                let up = load.exponent + unit + 32 + lever;
-                let speed = if up > 0 { u128::from(sum) << up.min(63) } else { (sum >> (-up).min(63)).into() };
-                // 2^70 from each of as many contacts as there may be: the sum fits.
-                load.speed += speed.min(FASTEST << 4);
+            if sum != 0 {
+                for body in contact.bodies {
+                    let solver_body = &bodies[body as usize];
+                    // From 2^unit N·s to 2^-COARSE m/s; far below zero for a body that cannot be moved.
+                    let up = solver_body.exponent + unit + COARSE + lever(contact, solver_body.length);
+                    let is_far = up > 0 && up >= sum.leading_zeros() as i32;
+                    let shifted = if up > 0 { sum << (up & 63) } else { sum >> (-up).min(63) };
+                    let load = &mut loads[body as usize];
+                    *load = load.saturating_add(if is_far { u64::MAX } else { shifted });
+                }
+            }
+            if contact.surface_speed != Fx::ZERO {
+                if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+                    let fastest = &mut fastest[island as usize];
+                    *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
+                }
             }
         }
-        for (body, load) in self.loads.iter().enumerate() {
-            if let Some(island) = graph.island_of(body as u32) {
-                let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max((load.speed / u128::from(clock.substeps.max(4))).min(FASTEST));
-            }
-        }
-    }
-
-    /// Bodies may take up the speed of a surface.
-    fn add_surface_speeds(&mut self, graph: &Graph, contacts: &[Contact]) {
-        for contact in contacts.iter().filter(|contact| contact.surface_speed != Fx::ZERO) {
-            if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
-                let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max(contact.surface_speed.to_bits().unsigned_abs().into());
+        for (body, &load) in (0..).zip(&*loads) {
+            if let Some(island) = graph.island_of(body).filter(|_| load != 0) {
+                let fastest = &mut fastest[island as usize];
+                *fastest = (*fastest).max((load / u64::from(clock.substeps.max(4))).min(FASTEST));
             }
         }
     }
@@ -191,80 +191,110 @@ impl BodyRows {
             next = carrier.next;
         }
         let flight = &input.flights[body as usize];
-        let row = self.rows.push(flight.row(unit), input.softness.impact_speed(unit));
+        let row = self.rows.push(flight.row(unit, flight.length()), input.softness.impact_speed(unit));
         self.carrier_of[body as usize] = Some(self.carriers.len() as u32);
         self.carriers.push(Carrier { unit, row, next: first });
         row
     }
 }
 
+/// [`BodyRows::set`]
+struct SetBodies<'a> {
+    bodies: &'a mut BodyRows,
+    input: &'a StepInput<'a>,
+    graph: &'a Graph,
+}
+
+impl Job for SetBodies<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, _: L) {
+        self.bodies.set_all(self.input, self.graph);
+    }
+}
+
 /// The masses and lengths of a [`Flight`], as contacts and joints are prepared from them.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub(super) struct SolverBody {
+    /// Inverse masses along x and y and the inverse inertia over the square of the length, with [`MASS_BITS`] below 2^exponent; then
+    /// its measures: see [`packed`].
+    pub(super) masses: [i64; 4],
     pub(super) row: u32,
+    /// log2 of the unit of velocity.
+    pub(super) unit: i32,
     /// log2 of the length in metres by which arms are divided and angular velocities multiplied.
     pub(super) length: i32,
-    /// [`Flight::inverse_exponent`]
-    exponent: i32,
+    /// The exponent above its inverse masses, and its inverse inertia times the square of the length.
+    pub(super) exponent: i32,
     /// True if its centre cannot be moved.
     pub(super) is_held: bool,
     /// True for a fixed body that moves.
     pub(super) is_carrier: bool,
-    /// Its radius over the length, in 2^-30.
-    pub(super) rim: i64,
-    /// 1/m along x and y, 1/kg.
-    pub(super) inverse_mass: [FxFactor; 2],
-    /// 1/I, 1/(kg·m²).
-    pub(super) inverse_inertia: FxFactor,
-    /// [`masses`](Self::masses) by its own exponent.
-    own_masses: [i64; 3],
 }
 
 impl SolverBody {
-    pub(super) fn new(flight: &Flight, exponent: i32, row: u32) -> Self {
+    /// The body of a flight, which is in no island yet.
+    #[inline(always)]
+    fn new(flight: &Flight) -> Self {
         let length = flight.length();
-        let inverse_mass = [flight.inverse_mass.x, flight.inverse_mass.y];
-        let inverse_inertia = flight.inverse_inertia;
+        let factors = [flight.inverse_mass.x, flight.inverse_mass.y, flight.inverse_inertia];
+        let [x, y, inertia] = factors.map(exponent);
+        let exponent = x.max(y).max(inertia + 2 * length);
+        // Factors that are zero have no exponent.
+        let unit = MASS_BITS - exponent.max(NO_MASS);
+        let [x, y, inertia] = factors;
+        let rim = shifted_word(flight.radius.to_bits(), 2 + length);
+        let measures = packed(exponent.max(NO_MASS), length, rim);
         Self {
-            row,
+            masses: [mass(x, unit), mass(y, unit), mass(inertia, unit + 2 * length), measures],
+            row: STILL,
+            unit: 0,
             length,
             exponent,
-            is_held: inverse_mass.iter().all(|factor| factor.is_zero()),
-            // A body at rest has a speed of 1: angular ones are rounded up.
-            is_carrier: row == STILL && flight.is_fixed() && (flight.speed() > 1 || flight.leader.is_some()),
-            rim: shifted_word(flight.radius.to_bits(), 2 + length),
-            inverse_mass,
-            inverse_inertia,
-            own_masses: masses(inverse_mass, inverse_inertia, exponent, length),
+            is_held: x.is_zero() && y.is_zero(),
+            is_carrier: false,
         }
     }
+}
 
-    /// Inverse masses along x and y and the inverse inertia over the square of the length, with [`MASS_BITS`] below 2^exponent.
-    #[inline(always)]
-    pub(super) fn masses(&self, exponent: i32) -> [i64; 3] {
-        if exponent == self.exponent {
-            return self.own_masses;
-        }
-        masses(self.inverse_mass, self.inverse_inertia, exponent, self.length)
-    }
+/// The exponent of a body that cannot be moved: below all others.
+const NO_MASS: i32 = -(1 << 20);
+
+/// The fields of the measures of a body, from the lowest on: its radius over the length, in 2^-30; log2 of the unit of arms in 2^-32 m, which
+/// is less than a quarter of this; the exponent of its masses.
+pub(super) const DOWN_BITS: i32 = 7;
+/// What is added to that logarithm, so that it is not negative.
+pub(super) const DOWN_ZERO: i64 = 64;
+
+/// The measures of a body in a word.
+#[inline(always)]
+fn packed(exponent: i32, length: i32, rim: i64) -> i64 {
+    let down = i64::from(2 + length) + DOWN_ZERO;
+    ((i64::from(exponent) << DOWN_BITS) + down) << 32 | rim
 }
 
 /// The exponent above all inverse masses, and inverse inertias times the square of the length; `None` if all are zero.
 pub(super) fn largest_exponent([a, b]: [&SolverBody; 2]) -> Option<i32> {
-    Some(a.exponent.max(b.exponent)).filter(|&exponent| exponent > i32::MIN / 4)
+    Some(a.exponent.max(b.exponent)).filter(|&exponent| exponent > NO_MASS)
 }
 
-/// factor · 2^bits to nearest, ties upwards. *Domain* the result is at most 2^31.
+/// factor · 2^bits to nearest, ties upwards; at most 2^31 − 1. *Domain* the factor is below 2^(31 − bits).
 #[inline(always)]
 fn mass(factor: FxFactor, bits: i32) -> i64 {
     let (mantissa, shift) = factor.parts();
     let down = shift - bits;
-    if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1) as i64 }
+    if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1).min((1 << MASS_BITS) - 1) as i64 }
 }
 
-/// [`SolverBody::masses`]
-fn masses([x, y]: [FxFactor; 2], inertia: FxFactor, exponent: i32, length: i32) -> [i64; 3] {
-    // Factors that are zero have no exponent.
-    let unit = MASS_BITS - exponent.max(i32::MIN / 4);
-    [mass(x, unit), mass(y, unit), mass(inertia, unit + 2 * length)]
+/// How many times the length of a body, as log2, the lever of rolling resistance is; zero if it is not longer.
+#[inline(always)]
+fn lever(contact: &Contact, length: i32) -> i32 {
+    if resists(contact) { (log2_above(contact.rolling_radius) - length).max(0) } else { 0 }
+}
+
+/// A speed in 2^-32 m/s, rounded up to 2^-[`COARSE`] m/s.
+fn coarse(speed: u128) -> u64 {
+    u64::try_from((speed >> (32 - COARSE)) + 1).unwrap_or(u64::MAX)
 }

@@ -6,6 +6,8 @@ use core::fmt::Debug;
 use super::{Contact, Correction, Flight, SolverOptions};
 use crate::fx::Fx;
 use crate::math::TimeStep;
+#[cfg(feature = "timers")]
+use crate::timers::Timers;
 
 /// The impacts of a contact in a step, added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +33,10 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     );
+
+    /// The timers since they were taken last, without the time of preparations.
+    #[cfg(feature = "timers")]
+    fn take_timers(&mut self) -> Timers;
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_;

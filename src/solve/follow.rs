@@ -25,7 +25,7 @@ pub(super) struct Follower {
 
 /// An island is as fast as the leaders whose followers it touches, so that its unit is not finer than theirs. Islands of leaders may
 /// touch followers themselves: this goes on until no speed changes.
-pub(super) fn add_leader_speeds(fastest: &mut [u128], graph: &Graph, flights: &[Flight]) {
+pub(super) fn add_leader_speeds(fastest: &mut [u64], graph: &Graph, flights: &[Flight]) {
     let pairs = || (0..).zip(flights).filter_map(|(body, flight)| Some((body, flight.leader?)));
     let mut has_changed = pairs().next().is_some();
     while has_changed {

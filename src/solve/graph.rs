@@ -29,11 +29,13 @@ pub(crate) struct Graph {
     level: Vec<u32>,
     /// Island by body; bodies that cannot be moved have none.
     island: Vec<u32>,
+    /// The number of islands.
+    islands: u32,
     /// The index in `neighbours` of the first neighbour of each body.
     first: Vec<u32>,
     neighbours: Vec<u32>,
-    /// Bodies of islands, island by island, and the end of each island's part.
-    members: Vec<u32>,
+    /// Bodies of islands that touch no fixed body, island by island, and the end of each island's part.
+    floating: Vec<u32>,
     ends: Vec<u32>,
     /// The bodies that have a level: from bodies that cannot be moved on, level by level; then island by island.
     order: Vec<u32>,
@@ -47,104 +49,139 @@ impl Graph {
         is_fixed: impl Fn(u32) -> bool,
         bodies: usize,
         links: impl Iterator<Item = [u32; 2]> + Clone,
-        mut start: impl FnMut(&[u32], &mut Vec<u32>),
+        start: impl FnMut(&[u32], &mut Vec<u32>),
     ) {
-        self.is_fixed.clear();
-        self.is_fixed.extend((0..bodies as u32).map(is_fixed));
-        self.first.clear();
-        self.first.resize(bodies + 1, 0);
-        for [a, b] in links.clone() {
-            self.first[a as usize + 1] += 1;
-            self.first[b as usize + 1] += 1;
+        self.build_islands(is_fixed, bodies, links.clone());
+        self.find_neighbours(bodies, links);
+        self.find_levels(bodies, start);
+    }
+
+    /// Builds the islands alone, without levels and neighbours. They are numbered by their first bodies.
+    pub(crate) fn build_islands(
+        &mut self,
+        is_fixed: impl Fn(u32) -> bool,
+        bodies: usize,
+        links: impl Iterator<Item = [u32; 2]>,
+    ) {
+        let Self { is_fixed: fixed, island, islands, .. } = self;
+        fixed.clear();
+        fixed.extend((0..bodies as u32).map(is_fixed));
+        // At first a body of the same island that comes before, or the body itself.
+        island.clear();
+        island.resize(bodies, NONE);
+        for link in links {
+            let [a, b] = link.map(|body| if fixed[body as usize] { NONE } else { first_of(island, body) });
+            // A body that cannot be moved joins nothing.
+            if a != NONE && b != NONE {
+                island[a.max(b) as usize] = a.min(b);
+            }
         }
-        for i in 0..bodies {
-            self.first[i + 1] += self.first[i];
+        *islands = 0;
+        for body in 0..bodies {
+            let before = island[body] as usize;
+            if before < body {
+                island[body] = island[before];
+            } else if before == body {
+                island[body] = *islands;
+                *islands += 1;
+            }
         }
-        self.neighbours.clear();
-        self.neighbours.resize(self.first[bodies] as usize, 0);
-        // Filled from the end of each body's part; the order does not matter.
+    }
+
+    fn find_neighbours(&mut self, bodies: usize, links: impl Iterator<Item = [u32; 2]> + Clone) {
+        let Self { first, neighbours, .. } = self;
+        first.clear();
+        first.resize(bodies + 1, 0);
+        for body in links.clone().flatten() {
+            first[body as usize] += 1;
+        }
+        let mut end = 0;
+        for count in first.iter_mut() {
+            end += *count;
+            *count = end;
+        }
+        neighbours.clear();
+        neighbours.resize(end as usize, 0);
+        // Filled from the end of each body's part, until its end is its beginning; the order does not matter.
         for [a, b] in links {
             for (from, to) in [(a, b), (b, a)] {
-                let end = &mut self.first[from as usize + 1];
+                let end = &mut first[from as usize];
                 *end -= 1;
-                self.neighbours[*end as usize] = to;
+                neighbours[*end as usize] = to;
             }
         }
-        // Each entry is now the beginning of its body's part, one place later.
-        self.first.remove(0);
-        self.first.push(self.neighbours.len() as u32);
-        self.find_islands(bodies);
-        self.find_levels(bodies, &mut start);
     }
 
-    fn neighbours_of(&self, body: u32) -> core::ops::Range<usize> {
-        self.first[body as usize] as usize..self.first[body as usize + 1] as usize
-    }
-
-    fn find_islands(&mut self, bodies: usize) {
-        self.island.clear();
-        self.island.resize(bodies, NONE);
-        self.members.clear();
-        self.ends.clear();
-        for seed in 0..bodies as u32 {
-            if self.island[seed as usize] != NONE || self.is_fixed[seed as usize] || self.neighbours_of(seed).is_empty()
-            {
-                continue;
-            }
-            let island = self.ends.len() as u32;
-            let mut next = self.members.len();
-            self.members.push(seed);
-            self.island[seed as usize] = island;
-            while let Some(&body) = self.members.get(next) {
-                next += 1;
-                for i in self.neighbours_of(body) {
-                    let neighbour = self.neighbours[i];
-                    if self.island[neighbour as usize] == NONE && !self.is_fixed[neighbour as usize] {
-                        self.island[neighbour as usize] = island;
-                        self.members.push(neighbour);
-                    }
-                }
-            }
-            self.ends.push(next as u32);
-        }
-    }
-
-    fn find_levels(&mut self, bodies: usize, start: &mut impl FnMut(&[u32], &mut Vec<u32>)) {
+    fn find_levels(&mut self, bodies: usize, mut start: impl FnMut(&[u32], &mut Vec<u32>)) {
         self.level.clear();
         self.level.resize(bodies, NONE);
         self.order.clear();
         self.order.extend((0..bodies as u32).filter(|&body| self.is_fixed[body as usize]));
+        // A fixed body gives levels to all bodies of the islands that it touches.
         self.spread(0);
+        self.list_floating();
         let mut begin = 0;
         for island in 0..self.ends.len() {
             let end = self.ends[island] as usize;
-            let members = &self.members[begin..end];
-            begin = end;
-            // A fixed body gives levels to all bodies of the islands that it touches.
-            if self.level[members[0] as usize] == NONE {
-                let first = self.order.len();
-                start(members, &mut self.order);
-                self.spread(first);
+            if begin < end {
+                let next = self.order.len();
+                start(&self.floating[begin..end], &mut self.order);
+                self.spread(next);
             }
+            begin = end;
+        }
+    }
+
+    /// Lists the bodies of islands whose bodies have no levels.
+    fn list_floating(&mut self) {
+        let Self { level, island, islands, floating, ends, .. } = self;
+        floating.clear();
+        ends.clear();
+        let bodies =
+            || island.iter().zip(&*level).zip(0..).filter(|&((&island, &level), _)| island != NONE && level == NONE);
+        let count = bodies().count();
+        if count == 0 {
+            return;
+        }
+        ends.resize(*islands as usize + 1, 0);
+        for ((&island, _), _) in bodies() {
+            ends[island as usize + 1] += 1;
+        }
+        for island in 0..*islands as usize {
+            ends[island + 1] += ends[island];
+        }
+        floating.resize(count, 0);
+        // Each entry is the beginning of its island's part at first, and then the end.
+        for ((&island, _), body) in bodies() {
+            let end = &mut ends[island as usize];
+            floating[*end as usize] = body;
+            *end += 1;
         }
     }
 
     /// Gives the bodies of the order from `first` on level 0, and goes on from there, level by level.
     fn spread(&mut self, first: usize) {
-        for &body in &self.order[first..] {
-            self.level[body as usize] = 0;
+        let Self { level, order, first: first_neighbours, neighbours, .. } = self;
+        for &body in &order[first..] {
+            level[body as usize] = 0;
         }
         let mut next = first;
-        while let Some(&body) = self.order.get(next) {
+        while let Some(&body) = order.get(next) {
             next += 1;
-            for i in self.neighbours_of(body) {
-                let neighbour = self.neighbours[i];
-                if self.level[neighbour as usize] == NONE {
-                    self.level[neighbour as usize] = self.level[body as usize] + 1;
-                    self.order.push(neighbour);
+            let above = level[body as usize] + 1;
+            let part = first_neighbours[body as usize] as usize..first_neighbours[body as usize + 1] as usize;
+            for &neighbour in &neighbours[part] {
+                let level = &mut level[neighbour as usize];
+                if *level == NONE {
+                    *level = above;
+                    order.push(neighbour);
                 }
             }
         }
+    }
+
+    fn neighbours_of(&self, body: u32) -> core::ops::Range<usize> {
+        self.first[body as usize] as usize..self.first[body as usize + 1] as usize
     }
 
     /// Writes for each body the largest mass of the bodies that lie on it: the bodies at a higher level that it touches, and the bodies that
@@ -185,13 +222,27 @@ impl Graph {
 
     /// The number of islands.
     pub(crate) fn islands(&self) -> usize {
-        self.ends.len()
+        self.islands as usize
     }
 
     /// The bodies that a body touches.
     pub(crate) fn touched_by(&self, body: u32) -> impl Iterator<Item = u32> + '_ {
         self.neighbours_of(body).map(|i| self.neighbours[i])
     }
+}
+
+/// The first body of an island, by bodies that come before each other: ways there become shorter. A body that has none is the first.
+#[inline(always)]
+fn first_of(before: &mut [u32], mut body: u32) -> u32 {
+    if before[body as usize] == NONE {
+        before[body as usize] = body;
+    }
+    while before[body as usize] != body {
+        let skipped = before[before[body as usize] as usize];
+        before[body as usize] = skipped;
+        body = skipped;
+    }
+    body
 }
 
 /// The bodies at which the levels of an island begin that touches no fixed body: the heaviest ones; among these the nearest to

@@ -2,12 +2,9 @@
 
 use core::ops::Range;
 
-use super::batch::Batch;
-use super::bodies::{MASS_BITS, STILL, SolverBody, largest_exponent};
-use super::motion::Vector;
-use super::number::{bits_of, clamped_word, shifted_word};
-use super::unit::Scale;
-use super::{Contact, Impulses};
+use super::Impulses;
+use super::bodies::STILL;
+use super::number::{bits_of, shifted_word};
 use crate::kernel::simd::{GROUP, Pairs};
 
 /// The largest separation, positive or negative, 2^29.5 units: more than bodies approach in a step.
@@ -17,9 +14,9 @@ pub(super) const IMPULSE: i64 = 1 << 44;
 /// The largest gain of a body by all contacts of a phase: 2^31 units. Velocities change by less than 2^28 of them.
 pub(super) const GAIN: i64 = 1 << 61;
 /// The largest velocity of a surface: as large as a velocity of a body.
-const SURFACE: i64 = 1 << 27;
+pub(super) const SURFACE: i64 = 1 << 27;
 
-/// Contacts side by side: through the sub-steps a lane is in place of a [`Contact`]. Pairs are of two quantities of the same contact.
+/// Contacts side by side: through the sub-steps a lane is in place of a [`Contact`](super::Contact). Pairs are of two quantities of the same contact.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub(crate) struct Group {
@@ -69,6 +66,8 @@ pub(crate) struct Group {
     pub(super) applied: [[i64; GROUP]; 3],
     /// Sums over sub-steps of the impulses applied up to the move.
     pub(super) weighted: [[i64; GROUP]; 3],
+    /// log2 of the unit of the products of impulses with normals and arms over 2^-64 N·s.
+    pub(super) raise: [i64; GROUP],
     /// The number of lanes that hold a contact. It stands last, so that all vectors are aligned.
     pub(super) count: usize,
 }
@@ -103,51 +102,8 @@ impl Group {
             impulses: [[0; GROUP]; 3],
             applied: [[0; GROUP]; 3],
             weighted: [[0; GROUP]; 3],
+            raise: [0; GROUP],
         }
-    }
-}
-
-/// A contact with its bodies.
-#[derive(Clone, Copy)]
-pub(super) struct ContactInput<'a> {
-    pub(super) contact: &'a Contact,
-    pub(super) bodies: [&'a SolverBody; 2],
-    pub(super) rows: [u32; 2],
-    /// The number of contacts of the phase, by body: each moves its share.
-    pub(super) shares: [u32; 2],
-}
-
-impl Batch {
-    /// Writes the masses and arms of a contact into a lane. Returns the exponent of the unit of masses.
-    #[inline(always)]
-    pub(super) fn load(&mut self, lane: usize, contact_input: &ContactInput<'_>) -> i32 {
-        // One of the bodies can be moved.
-        let exponent = largest_exponent(contact_input.bodies).unwrap_or_default();
-        let last = contact_input.contact.count - 1;
-        for side in 0..2 {
-            let body = contact_input.bodies[side];
-            let [x, y, inertia] = body.masses(exponent);
-            (self.mass[side][0][lane], self.mass[side][1][lane], self.inertia[side][lane]) = (x, y, inertia);
-            self.share[side][lane] = contact_input.shares[side].into();
-            // From 2^-32 m to 2^-30 of the length.
-            self.down[side][lane] = (2 + body.length).into();
-            // The first and the last point: the same one if there is only one.
-            for (end, point) in [0, last].into_iter().enumerate() {
-                let arm = contact_input.contact.points[point].arms[side];
-                (self.ends[side][end][0][lane], self.ends[side][end][1][lane]) = (arm.x.to_bits(), arm.y.to_bits());
-            }
-        }
-        self.two[lane] = -(last as i64);
-        MASS_BITS - exponent
-    }
-
-    /// Returns true if an inverse mass is 2^31.
-    #[inline(always)]
-    pub(super) fn is_wide(&self) -> bool {
-        let [[ax, ay], [bx, by]] = &self.mass;
-        let [a, b] = &self.inertia;
-        let fold_lane = |bits: i64, lane: usize| bits | ax[lane] | ay[lane] | bx[lane] | by[lane] | a[lane] | b[lane];
-        (0..GROUP).fold(0, fold_lane) >> MASS_BITS != 0
     }
 }
 
@@ -163,58 +119,6 @@ impl Group {
             (self.angular_shift[lane], self.inverse_shift[lane]) = (0, 30);
             self.impulses.iter_mut().for_each(|impulses| impulses[lane] = 0);
         }
-    }
-
-    /// Returns true if no impulse of a contact moves its body.
-    pub(super) fn is_held(&self, lane: usize, side: usize) -> bool {
-        let linear = if side == 0 { &self.linear_a } else { &self.linear_b };
-        linear.iter().all(|factors| factors[lane] == [0; 2]) && self.angular.iter().all(|row| row[lane][side] == 0)
-    }
-
-    /// Writes a contact into a lane, without the values that follow from masses. Returns its compliance.
-    #[inline(always)]
-    pub(super) fn load(&mut self, lane: usize, contact_input: &ContactInput<'_>, scale: &Scale<'_>) -> i32 {
-        let contact = contact_input.contact;
-        [self.a[lane], self.b[lane]] = contact_input.rows;
-        self.normal[lane] = contact.normal;
-        let [first, last] = contact.points.map(|point| point.separation);
-        let Scale { clock, unit, .. } = scale;
-        let first = clock.length_within(first, *unit, SEPARATION);
-        let last = if contact.count == 1 { first } else { clock.length_within(last, *unit, SEPARATION) };
-        self.separation[lane] = [first, last];
-        self.separation_now[lane] = self.separation[lane];
-        let [a, b] = contact_input.bodies;
-        let soft = if a.is_held || b.is_held { &scale.fixed } else { &scale.moving };
-        self.push_out[lane] = soft.push_out;
-        let mu = shifted_word(contact.friction.to_bits(), 6).clamp(0, i32::MAX.into()) as i32;
-        self.friction[lane][1] = mu;
-        let surface = shifted_word(contact.surface_speed.to_bits(), 32 + scale.unit);
-        self.surface[lane] = [clamped_word(surface, SURFACE), scale.impact_speed];
-        soft.compliance
-    }
-
-    /// Raises the speed of the slowest impact to twice the change of the velocity along the normal by the flights of the step.
-    ///
-    /// # Ranges
-    /// Changes are within 2^28: a sum of two products with normals is below 2^60.
-    #[inline(always)]
-    pub(super) fn raise_impact_speed(&mut self, lane: usize, [a, b]: [Vector; 2]) {
-        let [nx, ny] = self.normal[lane].map(i64::from);
-        let change = nx * i64::from(b[0] - a[0]) + ny * i64::from(b[1] - a[1]);
-        // As in the passes, the largest speed is 2^28.
-        let speed = (change.abs() >> 29).min(1 << 28) as i32;
-        self.surface[lane][1] = self.surface[lane][1].max(speed);
-    }
-
-    /// Writes the impulses that the step begins with, in 2^exponent N·s.
-    #[inline(always)]
-    pub(super) fn set_impulses(&mut self, lane: usize, contact: &Contact, exponent: i32) {
-        let impulse = |k: usize| scaled_impulse(&contact.impulses, k, exponent);
-        self.impulses[0][lane] = impulse(0).max(0);
-        // A second point may be missing.
-        self.impulses[1][lane] = if contact.count == 1 { 0 } else { impulse(1).max(0) };
-        // Friction has either sign.
-        self.impulses[2][lane] = impulse(2);
     }
 }
 

@@ -8,9 +8,10 @@ use core::ops::Range;
 use super::batch::Batch;
 use super::bodies::{BodyRows, STILL};
 use super::graph::{Graph, PHASES};
-use super::group::{ContactInput, Group};
-use super::matrix::Matrices;
+use super::group::Group;
+use super::matrix::set_matrices;
 use super::unit::{FINEST, Scale};
+use super::wedge::Push;
 use super::{Contact, StepInput};
 use crate::fx::Fx;
 use crate::kernel::simd::{self, GROUP, Job, Lanes};
@@ -70,16 +71,17 @@ pub(super) struct ContactGroups {
     /// True if a contact resists rolling.
     pub(super) has_rolls: bool,
     batch: Batch,
-    matrices: Matrices,
 }
 
 impl ContactGroups {
     /// Puts the contacts into groups, phase by phase.
-    pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
+    pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows, pushes: &mut Vec<Push>) {
         self.places.clear();
+        pushes.clear();
         self.sort(input.contacts, graph, bodies);
         let scale = Scale::new(input.clock, input.softness, FINEST);
-        simd::run(SetGroups { groups: self, input, graph, bodies, scale });
+        self.batch.begin(&scale);
+        simd::run(SetGroups { groups: self, input, bodies, scale, pushes });
     }
 
     /// The place of a contact by its index, with its group and lane.
@@ -130,10 +132,11 @@ impl ContactGroups {
 struct SetGroups<'a> {
     groups: &'a mut ContactGroups,
     input: &'a StepInput<'a>,
-    graph: &'a Graph,
     bodies: &'a mut BodyRows,
     /// The scale of the contact before.
-    scale: Scale<'a>,
+    scale: Scale,
+    /// Contacts that push a body out of one that does not give way.
+    pushes: &'a mut Vec<Push>,
 }
 
 impl Job for SetGroups<'_> {
@@ -160,43 +163,80 @@ impl SetGroups<'_> {
     /// Writes a group of contacts.
     #[inline(always)]
     fn set_group<L: Lanes>(&mut self, lanes: L, at: usize, indices: &[u32], phase: usize) {
-        let Self { groups: ContactGroups { groups, shares, batch, matrices, places, .. }, input, graph, bodies, scale } =
-            self;
-        if groups.len() == at {
-            groups.push(Group::empty(STILL));
+        if self.groups.groups.len() == at {
+            self.groups.groups.push(Group::empty(STILL));
         }
+        let is_short = self.load(at, indices, phase);
+        let Self { groups: ContactGroups { groups, batch, .. }, input, .. } = self;
         let group = &mut groups[at];
-        let mut exponents = [0; GROUP];
-        for (lane, &index) in indices.iter().enumerate() {
-            let contact = &input.contacts[index as usize];
-            let [a, b] = contact.bodies;
-            let unit = graph.mover([a, b]).map_or(FINEST, |mover| bodies.unit_of[mover as usize]);
-            let rows = [a, b].map(|body| bodies.row(input, body, unit));
-            let shares = [shares.counts[a as usize][phase], shares.counts[b as usize][phase]];
-            let ends = [&bodies.bodies[a as usize], &bodies.bodies[b as usize]];
-            let contact_input = ContactInput { contact, bodies: ends, rows, shares };
-            exponents[lane] = unit + batch.load(lane, &contact_input);
-            if scale.unit != unit {
-                *scale = Scale::new(input.clock, input.softness, unit);
-            }
-            let compliance = group.load(lane, &contact_input, scale);
-            batch.compliance[lane] = compliance.into();
-            group.raise_impact_speed(lane, rows.map(|row| bodies.rows.flight(row).change));
-        }
         group.count = indices.len();
         (group.applied, group.weighted) = ([[0; GROUP]; 3], [[0; GROUP]; 3]);
         batch.clear(indices.len()..GROUP);
-        batch.fill(lanes, group);
-        matrices.set(lanes, batch, group);
         group.clear(indices.len()..GROUP);
-        for (lane, &index) in indices.iter().enumerate().filter(|&(lane, _)| batch.moves(lane)) {
-            // The unit of masses · 2^-exponent is 2^-(bits + 2).
-            let exponent = exponents[lane] - batch.bits[lane] as i32 - 2;
+        batch.fill(lanes, group, is_short, input.clock.short_rate().0);
+        set_matrices(lanes, batch, group);
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            batch.start(lanes, group, at);
+        }
+        batch.limit_pushes(lanes, group);
+        self.add_places(at, indices);
+    }
+
+    /// Loads the contacts and their bodies. Returns true if a length is below a quarter of a metre.
+    #[inline(always)]
+    fn load(&mut self, at: usize, indices: &[u32], phase: usize) -> bool {
+        let Self { groups: ContactGroups { groups, shares, batch, .. }, input, bodies, scale, .. } = self;
+        let group = &mut groups[at];
+        let mut min_length = 0;
+        for (lane, &index) in indices.iter().enumerate() {
             let contact = &input.contacts[index as usize];
-            group.set_impulses(lane, contact, exponent);
-            let [a, b] = contact.bodies;
-            batch.limit_push(lane, group, [bodies.bodies[a as usize].rim, bodies.bodies[b as usize].rim]);
-            places.push(Place { contact: index, group: at as u32, lane: lane as u32, exponent });
+            let ends = contact.bodies.map(|body| body as usize);
+            let (mut row_a, mut row_b) = (bodies.bodies[ends[0]].row, bodies.bodies[ends[1]].row);
+            let (body_a, body_b) = (&bodies.bodies[ends[0]], &bodies.bodies[ends[1]]);
+            let unit = if row_a != STILL { body_a.unit } else { body_b.unit };
+            min_length = body_a.length.min(body_b.length).min(min_length);
+            batch.masses[0][lane] = body_a.masses;
+            batch.masses[1][lane] = body_b.masses;
+            if scale.unit != unit {
+                *scale = Scale::new(input.clock, input.softness, unit);
+            }
+            if !batch.has_scale(lane, unit) {
+                batch.set_scale(lane, scale);
+            }
+            let soft = if body_a.is_held || body_b.is_held { &scale.fixed } else { &scale.moving };
+            (group.push_out[lane], batch.compliance[lane]) = (soft.push_out, soft.compliance.into());
+            if body_a.is_carrier || body_b.is_carrier {
+                row_a = bodies.row(input, contact.bodies[0], unit);
+                row_b = bodies.row(input, contact.bodies[1], unit);
+            }
+            (group.a[lane], group.b[lane]) = (row_a, row_b);
+            let (change_a, change_b) = (bodies.rows.flight(row_a).change, bodies.rows.flight(row_b).change);
+            batch.change[lane] = [change_b[0] - change_a[0], change_b[1] - change_a[1]];
+            batch.share[0][lane] = shares.counts[ends[0]][phase].into();
+            batch.share[1][lane] = shares.counts[ends[1]][phase].into();
+            group.normal[lane] = contact.normal;
+            batch.load(lane, contact);
+        }
+        // Arms are in 2^-30 of the length.
+        min_length < -2
+    }
+
+    /// Lists the places of the contacts of a group.
+    #[inline(always)]
+    fn add_places(&mut self, at: usize, indices: &[u32]) {
+        let Self { groups: ContactGroups { groups, batch, places, .. }, pushes, .. } = self;
+        let group = &groups[at];
+        for (lane, &index) in indices.iter().enumerate() {
+            if !batch.moves(lane) {
+                continue;
+            }
+            let place =
+                Place { contact: index, group: at as u32, lane: lane as u32, exponent: batch.exponent[lane] as i32 };
+            let is_held = [batch.moved[0][lane] == 0, batch.moved[1][lane] == 0];
+            if is_held[0] != is_held[1] && group.separation[lane][0].min(group.separation[lane][1]) < 0 {
+                pushes.push(Push::new(group, lane, is_held, places.len() as u32));
+            }
+            places.push(place);
         }
     }
 }

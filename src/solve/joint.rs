@@ -188,7 +188,10 @@ impl Block {
         let StepInput { clock, softness, flights, joints, .. } = *input;
         let joint = &joints[index];
         let scale = MASS_BITS - largest_exponent(bodies)?;
-        let sides = [0, 1].map(|k| Side::new(bodies[k], rows[k], shares[k], joint.anchors[k], scale, unit, clock));
+        let sides = [0, 1].map(|k| {
+            let flight = &flights[joint.bodies[k] as usize];
+            Side::new(flight, rows[k], shares[k], joint.anchors[k], scale, unit, clock)
+        });
         let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
         if mass_bits == 0 {
             return None;
@@ -327,17 +330,18 @@ impl Block {
 
 impl Side {
     /// A body at a joint, with masses in 2^-`scale`.
-    fn new(body: &SolverBody, row: u32, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
-        let [mx, my] = body.inverse_mass.map(|factor| fixed(factor, scale));
-        let angular = fixed(body.inverse_inertia, scale + 2 * body.length);
+    fn new(flight: &Flight, row: u32, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
+        let length = flight.length();
+        let (mx, my) = (fixed(flight.inverse_mass.x, scale), fixed(flight.inverse_mass.y, scale));
+        let angular = fixed(flight.inverse_inertia, scale + 2 * length);
         // Within the length of the body: ranges rest on it.
-        let limit = 1 << (32 + body.length).clamp(0, 62);
+        let limit = 1 << (32 + length).clamp(0, 62);
         let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
         let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
-        let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + body.length), 1 << 30)));
+        let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + length), 1 << 30)));
         let scaled = |factor: FxFactor, bits: i32| {
             let (mantissa, shift) = factor.parts();
-            (mantissa, shift - bits - unit + body.length)
+            (mantissa, shift - bits - unit + length)
         };
         Self {
             row,

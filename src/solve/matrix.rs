@@ -1,9 +1,9 @@
 //! Matrices of two rows, and their inverses.
 
-use super::batch::{Batch, FACTOR_BITS, Words};
+use super::batch::{Batch, FACTOR_BITS};
 use super::group::Group;
-use super::number::{bits_in, bits_of, clamped_word, shifted_word};
-use super::vectors::{Shift, larger, long, magnitude, word};
+use super::number::bits_in;
+use super::vectors::{Shift, long, magnitude, word};
 use crate::kernel::simd::{GROUP, Lanes};
 
 /// The matrix of two rows.
@@ -14,30 +14,8 @@ pub(super) struct Matrix {
     pub(super) k22: i64,
 }
 
-/// value · 2^-bits within the range of a factor.
-#[inline(always)]
-fn factor(value: i64, bits: i32) -> i32 {
-    let limit = i64::from(i32::MAX);
-    if bits < 0 && bits_of(value) - bits > 31 {
-        return clamped_word(value.signum() * limit, limit);
-    }
-    clamped_word(shifted_word(value, bits), limit)
-}
-
 /// The largest ratio of element 12 to a diagonal one.
 const RATIO: i64 = 4;
-
-/// Element 12 over a diagonal one in 2^-28, within ±[`RATIO`].
-pub(super) fn ratio(k12: i64, diagonal: i64) -> i32 {
-    let bits = (bits_in(diagonal) - 31).max(0);
-    let (k12, diagonal) = (k12 >> bits, diagonal >> bits);
-    if diagonal == 0 {
-        return 0;
-    }
-    // The diagonal is below 2^31, the numerator below 2^33: their quotient in 2^-28 is below 2^30. It is rounded towards zero.
-    let quotient = ((k12.abs().min(RATIO * diagonal) << 28) as u64 / diagonal as u64) as i32;
-    if k12 < 0 { -quotient } else { quotient }
-}
 
 /// Elements 11, 22 and 12 of an inverse, in 2^-exponent.
 pub(super) struct Inverse {
@@ -75,205 +53,226 @@ impl Inverse {
     }
 }
 
-/// The matrices of the contacts of a group.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Matrices {
-    /// Element 11, rigid and soft.
-    first: [Words; 2],
-    /// Element 22 with no point soft, the first, the second, both.
-    second: [Words; 4],
-    /// Reciprocals of the four determinants, less by one: negative if there is none.
-    less: [Words; 4],
-    /// Shifts of the numerators; then of the inverses.
-    down: [Words; 4],
-    /// Elements 11, 22 and 12 of the inverses, in 2^-exponent, and the largest ones.
-    elements: [[Words; 3]; 4],
-    exponents: [Words; 4],
-    largest: [Words; 4],
+/// The matrix of the normal rows of contacts, in lanes.
+///
+/// A matrix K is divided by powers of two, K' = D·K·D with D = diag(2^-a, 2^-b), such that elements 11 and 22, the softness included, have
+/// 28 to 30 bits: so determinants are exact in 62 bits, and neither row loses what the other one is larger by.
+struct Rows<L: Lanes> {
+    /// Elements 11, 22 and 12 of the rigid matrix.
+    k11: L::Wide,
+    k22: L::Wide,
+    k12: L::Narrow,
+    /// The softness of both rows.
+    soft: [L::Wide; 2],
+    /// log2 of the units of elements 11 and 22: even.
+    units: [L::Wide; 2],
 }
 
-impl Matrices {
-    /// Writes the inverse matrices of a group, with their shifts, ratios and compliance.
-    #[inline(always)]
-    pub(super) fn set<L: Lanes>(&mut self, lanes: L, batch: &mut Batch, group: &mut Group) {
-        self.stiffen(batch);
-        let is_up = batch.bits.iter().any(|&bits| bits < FACTOR_BITS);
-        for at in (0..GROUP).step_by(L::WIDTH) {
-            if is_up {
-                self.soften::<L, true>(lanes, batch, group, at);
-            } else {
-                self.soften::<L, false>(lanes, batch, group, at);
-            }
-        }
-        self.divide(batch, group);
-        for at in (0..GROUP).step_by(L::WIDTH) {
-            self.invert(lanes, batch, at);
-        }
-        let is_up = self.choose_shifts(batch, group);
-        for at in (0..GROUP).step_by(L::WIDTH) {
-            if is_up {
-                self.write::<L, true>(lanes, group, at);
-            } else {
-                self.write::<L, false>(lanes, group, at);
-            }
-        }
-    }
+/// The most bits of elements 11 and 22: of one that is twice as large, a bit more.
+const ELEMENT_BITS: i64 = 30;
 
+/// Writes the inverse matrices of contacts, with their shifts, ratios, compliance and the inverse of friction.
+#[inline(always)]
+pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group) {
+    let fewest = batch.bits.iter().fold(i64::MAX, |fewest, &bits| fewest.min(bits));
+    for at in (0..GROUP).step_by(L::WIDTH) {
+        let softness = if fewest < FACTOR_BITS {
+            soften::<L, true>(lanes, batch, group, at)
+        } else {
+            soften::<L, false>(lanes, batch, group, at)
+        };
+        let two = lanes.wide(&batch.two, at);
+        let rows = Rows::new(lanes, batch, at, softness);
+        rows.write_inverses(lanes, two, lanes.wide(&batch.bits, at), group, at);
+        rows.write_ratios(lanes, group, at);
+        write_friction(lanes, batch, group, at);
+    }
+}
+
+/// Writes the compliance of contacts. Returns what softness adds to both diagonal elements.
+#[inline(always)]
+fn soften<L: Lanes, const UP: bool>(lanes: L, batch: &Batch, group: &mut Group, at: usize) -> [L::Wide; 2] {
+    let [k11, k12, k22] = &batch.whole;
+    let (k11, k12, k22) = (lanes.wide(k11, at), lanes.wide(k12, at), lanes.wide(k22, at));
+    let two = lanes.wide(&batch.two, at);
+    let k12 = lanes.if_negative(two, lanes.positive(k12), word(lanes, 0));
+    let compliance = lanes.low(lanes.wide(&batch.compliance, at));
+    let first = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
+    let second = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
+    let bits = lanes.sub(lanes.wide(&batch.bits, at), word(lanes, FACTOR_BITS));
+    let shift = Shift::<L>::new::<UP>(lanes, bits);
+    let pair = (shift.quarter::<UP>(lanes, first), shift.quarter::<UP>(lanes, second));
+    lanes.put_pair(&mut group.compliance, at, pair);
+    [first, second]
+}
+
+impl<L: Lanes> Rows<L> {
     /// Two points close together make the matrix nearly singular. Its diagonal is raised by 2^-13, so that impulses of the two points stay
     /// bounded instead of cancelling each other with large values of opposite sign.
     ///
     /// Both rows of a body that can only turn, or only move, are multiples of each other: the determinant is nothing but the rounding of
-    /// the elements, by one each. The rows are solved one by one, each for half of the body.
+    /// the elements, by one each, before the shift and after it. The rows are solved one by one, each for half of the body.
     ///
     /// A row may move the other one by many times as much as itself: so does the row of a point without a lever on a body that locks let
     /// move but little along the normal. Its element is raised so that it is by [`RATIO`] times: beside an open point, a row is solved alone
     /// by that ratio.
+    ///
+    /// With one point the second row does nothing: it gets the elements of the first, so that the determinant is positive.
+    ///
+    /// # Ranges
+    /// Elements are below 2^56 and at least 2^4 in lanes with a contact: units are from 2^-26 to 2^28, and the sum of the diagonal below
+    /// 2^59 when it is shifted.
     #[inline(always)]
-    fn stiffen(&mut self, batch: &mut Batch) {
-        for lane in 0..GROUP {
-            let [k11, k12, k22] = [0, 1, 2].map(|i| batch.split[i][lane]);
-            let product = i128::from(k11) * i128::from(k22);
-            let determinant = product - i128::from(k12) * i128::from(k12);
-            let more = if determinant < product >> 6 { batch.two[lane] } else { 0 };
-            let smallest_diagonal = ((k12.abs() & batch.two[lane]) + RATIO - 1) / RATIO;
-            self.first[0][lane] = (k11 + ((k11 >> 13) & more)).max(smallest_diagonal);
-            self.second[0][lane] = (k22 + ((k22 >> 13) & more)).max(smallest_diagonal);
-            if batch.two[lane] != 0 && determinant <= 4 * (i128::from(k11) + i128::from(k22)) {
-                (self.first[0][lane], self.second[0][lane]) = (2 * k11, 2 * k22);
-                batch.split[1][lane] = 0;
-            }
-        }
-    }
-
-    /// Adds the softness to the diagonal, and writes it.
-    #[inline(always)]
-    fn soften<L: Lanes, const UP: bool>(&mut self, lanes: L, batch: &Batch, group: &mut Group, at: usize) {
-        let [k11, k12, k22] = &batch.whole;
-        let (k11, k12, k22) = (lanes.wide(k11, at), lanes.wide(k12, at), lanes.wide(k22, at));
+    fn new(lanes: L, batch: &Batch, at: usize, softness: [L::Wide; 2]) -> Self {
+        let [k11, k12, k22] = &batch.split;
         let two = lanes.wide(&batch.two, at);
-        let k12 = lanes.if_negative(two, lanes.positive(k12), word(lanes, 0));
-        let compliance = lanes.low(lanes.wide(&batch.compliance, at));
-        let softness_1 = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
-        let softness_2 = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
-        let bits = lanes.sub(lanes.wide(&batch.bits, at), word(lanes, FACTOR_BITS));
-        let shift = Shift::<L>::new::<UP>(lanes, bits);
-        let pair = (shift.quarter::<UP>(lanes, softness_1), shift.quarter::<UP>(lanes, softness_2));
-        lanes.put_pair(&mut group.compliance, at, pair);
-        let (rigid_11, rigid_22) = (lanes.wide(&self.first[0], at), lanes.wide(&self.second[0], at));
-        let (soft_11, soft_22) = (lanes.add(rigid_11, softness_1), lanes.add(rigid_22, softness_2));
-        lanes.store(&mut self.first[1], at, soft_11);
-        // With one point the second row does nothing: it gets the element of the first, so that the determinant is positive.
-        let pairs = [(rigid_22, rigid_11), (rigid_22, soft_11), (soft_22, rigid_11), (soft_22, soft_11)];
-        for (second, (k22, k11)) in self.second.iter_mut().zip(pairs) {
-            lanes.store(second, at, lanes.if_negative(two, k22, k11));
+        let (zero, k11) = (word(lanes, 0), lanes.wide(k11, at));
+        let k12 = lanes.if_negative(two, lanes.wide(k12, at), zero);
+        let k22 = lanes.if_negative(two, lanes.wide(k22, at), k11);
+        let softness_2 = lanes.if_negative(two, softness[1], softness[0]);
+        let smallest = lanes.floored::<2>(lanes.add(magnitude(lanes, k12), word(lanes, RATIO - 1)));
+        let unit_1 = even_unit(lanes, lanes.add(lanes.larger(k11, smallest), softness[0]));
+        let unit_2 = even_unit(lanes, lanes.add(lanes.larger(k22, smallest), softness_2));
+        let both = lanes.add(unit_1, unit_2);
+        let (e11, e22) = (lowered(lanes, k11, unit_1), lowered(lanes, k22, unit_2));
+        let e12 = lowered(lanes, k12, lanes.floored::<1>(both));
+        let product = lanes.times(lanes.low(e11), lanes.low(e22));
+        let determinant = lanes.sub(product, lanes.times(lanes.low(e12), lanes.low(e12)));
+        let is_near = lanes.sub(determinant, lanes.floored::<6>(product));
+        let is_near = lanes.if_negative(two, is_near, zero);
+        let more_1 = lanes.if_negative(is_near, lanes.floored::<13>(e11), zero);
+        let more_2 = lanes.if_negative(is_near, lanes.floored::<13>(e22), zero);
+        let least_1 = lanes.larger(lanes.add(e11, more_1), lowered(lanes, smallest, unit_1));
+        let least_2 = lanes.larger(lanes.add(e22, more_2), lowered(lanes, smallest, unit_2));
+        let noise = lowered(lanes, lanes.raised_by(lanes.add(k11, k22), word(lanes, 2)), both);
+        let noise = lanes.add(noise, lanes.raised_by(lanes.add(e11, e22), word(lanes, 1)));
+        let is_multiple = lanes.if_negative(two, lanes.sub(determinant, lanes.add(noise, word(lanes, 1))), zero);
+        Self {
+            k11: lanes.if_negative(is_multiple, lanes.add(e11, e11), least_1),
+            k22: lanes.if_negative(is_multiple, lanes.add(e22, e22), least_2),
+            k12: lanes.low(lanes.if_negative(is_multiple, zero, e12)),
+            soft: [lowered(lanes, softness[0], unit_1), lowered(lanes, softness_2, unit_2)],
+            units: [unit_1, unit_2],
         }
     }
 
-    /// Finds the reciprocals of the determinants, and writes the ratios of elements.
+    /// Elements 11 and 22 with no point soft, the first, the second, both.
     #[inline(always)]
-    fn divide(&mut self, batch: &Batch, group: &mut Group) {
-        for lane in 0..GROUP {
-            let k12 = batch.split[1][lane] & batch.two[lane];
-            let square = i128::from(k12) * i128::from(k12);
-            for set in 0..4 {
-                // Of one point both rows are the first, whether the second is soft or not.
-                if set >= 2 && batch.two[lane] == 0 {
-                    for words in [&mut self.less, &mut self.down, &mut self.exponents] {
-                        words[set][lane] = words[set - 2][lane];
-                    }
-                    continue;
-                }
-                let (k11, k22) = (self.first[set & 1][lane], self.second[set][lane]);
-                let (reciprocal, bits) = reciprocal(i128::from(k11) * i128::from(k22) - square);
-                let down = (bits_in(k11.max(k22)) - 31).max(0);
-                self.less[set][lane] = reciprocal - 1;
-                self.down[set][lane] = down.into();
-                // A matrix that has no inverse gets zeros.
-                self.exponents[set][lane] = if reciprocal > 0 { 32 + bits - down } else { 0 }.into();
-            }
-            (group.ratio_12[lane], group.ratio_21[lane]) = ([0; 2], [0; 2]);
-            if k12 != 0 {
-                group.ratio_12[lane] = [ratio(k12, self.first[0][lane]), ratio(k12, self.first[1][lane])];
-                group.ratio_21[lane] = [ratio(k12, self.second[0][lane]), ratio(k12, self.second[3][lane])];
-            }
-        }
+    fn diagonal(&self, lanes: L, set: usize) -> (L::Narrow, L::Narrow) {
+        let k11 = if set & 1 == 0 { self.k11 } else { lanes.add(self.k11, self.soft[0]) };
+        let k22 = if set & 2 == 0 { self.k22 } else { lanes.add(self.k22, self.soft[1]) };
+        (lanes.low(k11), lanes.low(k22))
     }
 
-    /// Finds the inverses.
+    /// Writes the inverses, in a unit in which the largest element has 30 bits. The rigid ones have it: softness only makes them smaller.
     #[inline(always)]
-    fn invert<L: Lanes>(&mut self, lanes: L, batch: &Batch, at: usize) {
-        let two = lanes.wide(&batch.two, at);
+    fn write_inverses(&self, lanes: L, two: L::Wide, bits: L::Wide, group: &mut Group, at: usize) {
+        let [unit_1, unit_2] = self.units;
         let zero = word(lanes, 0);
-        let k12 = lanes.if_negative(two, lanes.wide(&batch.split[1], at), zero);
-        for set in 0..4 {
-            let (k11, k22) = (lanes.wide(&self.first[set & 1], at), lanes.wide(&self.second[set], at));
-            let less = lanes.wide(&self.less[set], at);
-            let down = lanes.wide(&self.down[set], at);
-            let e11 = element(lanes, k22, less, down);
-            let e22 = lanes.if_negative(two, element(lanes, k11, less, down), zero);
-            let e12 = lanes.sub(zero, element(lanes, k12, less, down));
-            let largest = larger(lanes, larger(lanes, e11, e22), magnitude(lanes, e12));
-            lanes.store(&mut self.largest[set], at, largest);
-            for (words, element) in self.elements[set].iter_mut().zip([e11, e22, e12]) {
-                lanes.store(words, at, element);
+        // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
+        let unit = lanes.add(bits, word(lanes, 2));
+        let square = lanes.times(self.k12, self.k12);
+        let mut inverse_shift = zero;
+        let mut elements_12 = [lanes.splat(0); 4];
+        for (set, element_12) in elements_12.iter_mut().enumerate() {
+            let (k11, k22) = self.diagonal(lanes, set);
+            let (reciprocal, exponent) = reciprocal_of(lanes, lanes.sub(lanes.times(k11, k22), square));
+            // Elements below 2^31 times a reciprocal below 2^30, in 2^-(exponent + unit of the row).
+            let (e11, e22) = (lanes.times(k22, reciprocal), lanes.times(k11, reciprocal));
+            let e12 = lanes.sub(zero, lanes.times(self.k12, reciprocal));
+            if set == 0 {
+                let finest = lanes.smaller(unit_1, unit_2);
+                let first = lanes.floored_by(e11, lanes.sub(unit_1, finest));
+                let second = lanes.floored_by(e22, lanes.sub(unit_2, finest));
+                let top = lanes.sub(lanes.bit_length(lanes.larger(first, second)), lanes.add(exponent, finest));
+                inverse_shift = lanes.sub(lanes.sub(word(lanes, 30), top), unit);
+                inverse_shift = lanes.smaller(lanes.positive(inverse_shift), word(lanes, 62));
+                lanes.store(&mut group.inverse_shift, at, inverse_shift);
             }
-        }
-    }
-
-    /// Chooses the units of the inverses. Returns true if one of them is shifted up to its unit.
-    #[inline(always)]
-    fn choose_shifts(&mut self, batch: &Batch, group: &mut Group) -> bool {
-        let mut is_up = false;
-        for lane in 0..GROUP {
-            let log2 = |set: usize| i64::from(bits_in(self.largest[set][lane])) - self.exponents[set][lane];
-            let top = log2(0).max(log2(1)).max(log2(2)).max(log2(3));
-            // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
-            let unit = batch.bits[lane] + 2;
-            let shift = (30 - top - unit).clamp(0, 62);
-            group.inverse_shift[lane] = shift;
-            for set in 0..4 {
-                // Elements are below 2^32, so that farther shifts make no difference.
-                let down = (self.exponents[set][lane] - shift - unit).clamp(-31, 62);
-                self.down[set][lane] = down;
-                is_up |= down < 0;
-            }
-        }
-        is_up
-    }
-
-    /// Writes the inverses in their units.
-    #[inline(always)]
-    fn write<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
-        let mut last = [lanes.splat(0); 4];
-        for (set, last) in last.iter_mut().enumerate() {
-            let shift = Shift::<L>::new::<UP>(lanes, lanes.wide(&self.down[set], at));
-            let [e11, e22, e12] = &self.elements[set];
-            let pair = (shift.saturated::<UP>(lanes, e11, at), shift.saturated::<UP>(lanes, e22, at));
+            let down = lanes.sub(lanes.sub(exponent, inverse_shift), unit);
+            let both = lanes.floored::<1>(lanes.add(unit_1, unit_2));
+            let e22 = lanes.if_negative(two, factor_of(lanes, e22, lanes.add(down, unit_2)), zero);
+            let pair = (lanes.low(factor_of(lanes, e11, lanes.add(down, unit_1))), lanes.low(e22));
             lanes.put_pair(&mut group.inverse[set], at, pair);
-            *last = shift.saturated::<UP>(lanes, e12, at);
+            *element_12 = lanes.low(factor_of(lanes, e12, lanes.add(down, both)));
         }
-        lanes.put_pair(&mut group.inverse_12[0], at, (last[0], last[1]));
-        lanes.put_pair(&mut group.inverse_12[1], at, (last[2], last[3]));
+        lanes.put_pair(&mut group.inverse_12[0], at, (elements_12[0], elements_12[1]));
+        lanes.put_pair(&mut group.inverse_12[1], at, (elements_12[2], elements_12[3]));
+    }
+
+    /// Writes element 12 over the diagonal ones in 2^-28, within ±[`RATIO`]: by one reciprocal of the product of both.
+    #[inline(always)]
+    fn write_ratios(&self, lanes: L, group: &mut Group, at: usize) {
+        let [unit_1, unit_2] = self.units;
+        // From the unit of element 12 to that of element 11, as log2.
+        let step = lanes.floored::<1>(lanes.sub(unit_2, unit_1));
+        let (mut ratios_12, mut ratios_21) = ([lanes.splat(0); 2], [lanes.splat(0); 2]);
+        for soft in 0..2 {
+            let (k11, k22) = self.diagonal(lanes, 3 * soft);
+            let (reciprocal, exponent) = reciprocal_of(lanes, lanes.times(k11, k22));
+            // 1/11 and 1/22 in 2^-(exponent − 30), below 2^31.
+            let first = lanes.low(lanes.floored::<30>(lanes.times(k22, reciprocal)));
+            let second = lanes.low(lanes.floored::<30>(lanes.times(k11, reciprocal)));
+            let down = lanes.sub(exponent, word(lanes, 58));
+            ratios_12[soft] = ratio_of(lanes, lanes.times(self.k12, first), lanes.sub(down, step));
+            ratios_21[soft] = ratio_of(lanes, lanes.times(self.k12, second), lanes.add(down, step));
+        }
+        lanes.put_pair(&mut group.ratio_12, at, (ratios_12[0], ratios_12[1]));
+        lanes.put_pair(&mut group.ratio_21, at, (ratios_21[0], ratios_21[1]));
     }
 }
 
-/// An element of the inverse: an element of the matrix, shifted down, times the reciprocal of the determinant, which is less by one.
+/// log2 of the unit, the square of a power of two, in which a value has [`ELEMENT_BITS`], or one less.
 #[inline(always)]
-fn element<L: Lanes>(lanes: L, k: L::Wide, less: L::Wide, down: L::Wide) -> L::Wide {
-    // A numerator below 2^31 times a reciprocal up to 2^31; zero if there is none.
-    let k = lanes.if_negative(less, word(lanes, 0), lanes.floored_by(k, down));
-    lanes.floored::<31>(lanes.add(lanes.times(lanes.low(k), lanes.low(less)), k))
+fn even_unit<L: Lanes>(lanes: L, value: L::Wide) -> L::Wide {
+    let bits = lanes.sub(lanes.bit_length(value), word(lanes, ELEMENT_BITS - 1));
+    lanes.raised_by(lanes.floored::<1>(bits), word(lanes, 1))
 }
 
-/// The inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it: below 2^60.
+/// value · 2^-bits, down where they are positive and up where they are negative. *Domain* −64 < bits < 64, and the result fits.
 #[inline(always)]
-pub(super) fn friction(tangent: i64, bits: i64) -> i32 {
-    if tangent <= 0 {
-        return 0;
-    }
-    // 1/tangent is the reciprocal of its top 33 bits times 2^-(30 + size). It is cut first, as an element of an inverse matrix is.
-    let size = bits_in(tangent);
-    let reciprocal = ((1 << 63) / ((tangent as u64) << (64 - size) >> 31)) as i64;
-    let down = size.max(32) - 31;
-    factor(reciprocal >> down, 30 + size - down - bits as i32 - 2 - 27)
+fn lowered<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Wide {
+    let up = lanes.positive(lanes.sub(word(lanes, 0), bits));
+    lanes.floored_by(lanes.raised_by(value, up), lanes.positive(bits))
+}
+
+/// 1/value in 2^-exponent, below 2^30, and the exponent; of one, where the value is not positive. *Error* 2^-28. *Domain* value < 2^62.
+#[inline(always)]
+fn reciprocal_of<L: Lanes>(lanes: L, value: L::Wide) -> (L::Narrow, L::Wide) {
+    let value = lanes.larger(value, word(lanes, 1));
+    let bits = lanes.bit_length(value);
+    // Its top 31 bits: the value is d · 2^(bits − 31).
+    let d = lanes.floored::<32>(lanes.raised_by(value, lanes.sub(word(lanes, 63), bits)));
+    (lanes.reciprocal(lanes.low(d)), lanes.add(bits, word(lanes, 29)))
+}
+
+/// value · 2^-bits, rounded down, within the range of a factor.
+#[inline(always)]
+fn factor_of<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Wide {
+    // A value that would be shifted up is beyond the range as it is.
+    let bits = lanes.smaller(lanes.positive(bits), word(lanes, 62));
+    lanes.clamped(lanes.floored_by(value, bits), word(lanes, i32::MAX.into()))
+}
+
+/// value · 2^-bits, rounded towards zero, within ±[`RATIO`] in 2^-28.
+#[inline(always)]
+fn ratio_of<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Narrow {
+    let bits = lanes.smaller(lanes.positive(bits), word(lanes, 62));
+    let size = lanes.floored_by(magnitude(lanes, value), bits);
+    let size = lanes.smaller(size, word(lanes, RATIO << 28));
+    lanes.low(lanes.if_negative(value, lanes.sub(word(lanes, 0), size), size))
+}
+
+/// Writes the inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it.
+#[inline(always)]
+fn write_friction<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group, at: usize) {
+    let tangent = lanes.wide(&batch.tangent[1], at);
+    let (reciprocal, exponent) = reciprocal_of(lanes, tangent);
+    // With 30 bits more below it, as it may be shifted up.
+    let raised = lanes.times(reciprocal, lanes.splat(1 << 30));
+    let down = lanes.sub(lanes.add(exponent, word(lanes, 1)), lanes.wide(&batch.bits, at));
+    let inverse = factor_of(lanes, raised, down);
+    let inverse = lanes.if_negative(lanes.sub(word(lanes, 0), tangent), inverse, word(lanes, 0));
+    let (_, mu) = lanes.pair(&group.friction, at);
+    lanes.put_pair(&mut group.friction, at, (lanes.low(inverse), mu));
 }

@@ -20,14 +20,15 @@
 //! - `graph`: islands, levels and phases.
 //! - `bodies`: units, and rows and masses of bodies; `unit`: the constants that follow from a unit.
 //! - `joint`: joints, which are solved before the contacts.
-//! - `groups`: the contacts in groups of lanes; `contact`: one group; `batch`, `matrix`: its rows, factors and inverse matrices.
-//! - `wedge`: bodies that several contacts push out.
+//! - `groups`: the contacts in groups of lanes; `group`: one group; `load`, `batch`, `matrix`: its values, rows, factors and
+//!   inverse matrices.
+//! - `push`, `wedge`: limits of pushes, at one contact, and at bodies that several contacts push out.
 //! - `follow`: bodies that contacts are not to move.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `impact`: impacts at their moments, before the passes of a sub-step.
 //! - `pass`: the loops over contacts; `cut`: contacts with values that are too large for these loops.
 //! - `rolling`: rolling resistance, after the friction of a phase.
-//! - `apply`: exact impulses, applied once.
+//! - `apply`: exact impulses, applied once; `limbs`: their sums.
 //! - `contact_solver`: the interface of a solver; `float`: a solver in floats.
 //! - `number`, `vectors`: rounding and shifts of integers and of lanes.
 
@@ -44,10 +45,13 @@ mod group;
 mod groups;
 mod impact;
 mod joint;
+mod limbs;
+mod load;
 mod matrix;
 mod motion;
 mod number;
 mod pass;
+mod push;
 mod rolling;
 #[cfg(test)]
 mod tests;
@@ -57,7 +61,7 @@ mod wedge;
 
 use alloc::vec::Vec;
 
-use self::apply::{Apply, Path, Total};
+use self::apply::{Apply, ImpulseSums, Path};
 use self::bodies::BodyRows;
 pub use self::contact_solver::{ContactImpact, ContactSolver};
 #[cfg(feature = "float")]
@@ -70,16 +74,19 @@ use self::impact::{Impacts, SubStep};
 use self::joint::Joints;
 pub use self::joint::{Joint, JointKind};
 use self::motion::{Advance, Begin, FlightRow};
-use self::number::{exponent, log2_above, shifted_word};
+use self::number::{log2_above, lowered_word};
 use self::pass::{Pass, PassOver};
 use self::rolling::Rolls;
-use self::unit::{Clock, Softness, rim_speed};
-use self::wedge::Wedges;
+use self::unit::{COARSE, Clock, Softness};
+use self::wedge::{Push, limit_wedges};
 use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::simd::{self, Job, Lanes};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
+#[cfg(feature = "timers")]
+use crate::timers::Timers;
+use crate::timers::{counted, timed};
 
 /// Settings of the solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -142,8 +149,6 @@ pub struct Flight {
     pub rotation: Fx,
     /// kg; not zero for a body that can be moved.
     pub mass: Fx,
-    /// kg·m²; zero if infinite.
-    pub inertia: FxFactor,
     /// 1/m along x and y, 1/kg.
     pub inverse_mass: Vec2<FxFactor>,
     /// 1/I, 1/(kg·m²).
@@ -161,35 +166,43 @@ impl Flight {
         is_zero(self.inverse_mass.x) && is_zero(self.inverse_mass.y) && is_zero(self.inverse_inertia)
     }
 
-    /// The exponent above its inverse masses, and its inverse inertia times the square of the length.
-    fn inverse_exponent(&self) -> i32 {
-        let [x, y] = [self.inverse_mass.x, self.inverse_mass.y].map(exponent);
-        x.max(y).max(exponent(self.inverse_inertia) + 2 * self.length())
-    }
-
     /// log2 of the length of the body in the solver.
     fn length(&self) -> i32 {
         log2_above(self.radius)
     }
 
-    /// The largest speed of its free flight, in 2^-32 m/s.
-    fn speed(&self) -> u128 {
-        let Self { start, end, .. } = self;
-        let larger = |a: Fx, b: Fx| if a.to_bits().unsigned_abs() < b.to_bits().unsigned_abs() { b } else { a };
-        let linear = larger(larger(start.linear.x, start.linear.y), larger(end.linear.x, end.linear.y));
-        let rim = rim_speed(larger(start.angular, end.angular), self.length());
-        u128::from(linear.to_bits().unsigned_abs()).max(rim)
+    /// Returns true if its free flight has a velocity.
+    fn is_moving(&self) -> bool {
+        self.start != Velocity::default() || self.end != Velocity::default()
     }
 
-    /// The flight in units of 2^unit m/s.
-    fn row(&self, unit: i32) -> FlightRow {
-        let length = self.length();
-        let components = |velocity: Velocity| {
-            let [x, y] = [velocity.linear.x, velocity.linear.y].map(|v| shifted_word(v.to_bits(), 32 + unit) as i32);
-            [x, y, shifted_word(velocity.angular.to_bits(), 32 + unit - length) as i32, 0]
+    /// The largest speed of its free flight, in 2^-[`COARSE`] m/s, rounded up.
+    #[inline(always)]
+    fn speed(&self, length: i32) -> u64 {
+        let Self { start, end, .. } = self;
+        // Less by one for negative numbers: it is rounded up.
+        let larger =
+            |a: Fx, b: Fx| [a, b].map(|v| (v.to_bits() ^ (v.to_bits() >> 63)) as u64).into_iter().fold(0, u64::max);
+        let linear = larger(start.linear.x, end.linear.x).max(larger(start.linear.y, end.linear.y));
+        // At the rim: times 2^length.
+        let (angular, down) = (larger(start.angular, end.angular), 32 - COARSE - length);
+        let rim = match down {
+            0.. => angular >> down.min(63),
+            _ if angular.leading_zeros() as i32 + down > 0 => angular << -down,
+            _ => u64::MAX >> 1,
         };
-        let (start, end) = (components(self.start), components(self.end));
-        FlightRow { start, change: [0, 1, 2, 3].map(|i| end[i] - start[i]) }
+        (linear >> (32 - COARSE)).max(rim) + 1
+    }
+
+    /// The flight in units of 2^unit m/s, with the length at hand.
+    #[inline(always)]
+    fn row(&self, unit: i32, length: i32) -> FlightRow {
+        let Self { start, end, .. } = self;
+        let linear = |v: Fx| lowered_word(v.to_bits(), 32 + unit) as i32;
+        let angular = |v: Fx| lowered_word(v.to_bits(), 32 + unit - length) as i32;
+        let [x, y, turn] = [linear(start.linear.x), linear(start.linear.y), angular(start.angular)];
+        let [end_x, end_y, end_turn] = [linear(end.linear.x), linear(end.linear.y), angular(end.angular)];
+        FlightRow { start: [x, y, turn, 0], change: [end_x - x, end_y - y, end_turn - turn, 0] }
     }
 }
 
@@ -292,6 +305,8 @@ struct StepInput<'a> {
 /// The solver. It has no state: results do not depend on earlier steps, and each part has the memory of its own work.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
+    /// The bodies of joints and contacts.
+    links: Vec<[u32; 2]>,
     graph: Graph,
     bodies: BodyRows,
     groups: ContactGroups,
@@ -300,9 +315,11 @@ pub struct Solver {
     paths: Vec<Path>,
     rolls: Rolls,
     impacts: Impacts,
-    wedges: Wedges,
-    /// Impulses by body.
-    totals: Vec<Total>,
+    /// Contacts that push a body out of one that does not give way.
+    pushes: Vec<Push>,
+    impulses: ImpulseSums,
+    #[cfg(feature = "timers")]
+    timers: Timers,
 }
 
 impl Solver {
@@ -317,8 +334,11 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) -> SolverCounts {
         self.prepare(time_step, options, flights, joints, contacts);
-        let cut = self.run_passes(time_step, options, contacts);
-        self.finish(time_step, options, flights, joints, contacts, corrections);
+        let cut = timed!(self, passes, self.run_passes(time_step, options, contacts));
+        timed!(self, apply, self.finish(time_step, options, flights, joints, contacts, corrections));
+        counted!(self, islands, self.graph.islands());
+        counted!(self, impacts, self.impacts.strikes.len());
+        counted!(self, cut, cut);
         SolverCounts { cut }
     }
 
@@ -331,17 +351,20 @@ impl Solver {
         joints: &[Joint],
         contacts: &[Contact],
     ) {
-        let Self { graph, bodies, groups, joints: blocks, paths, rolls, impacts, wedges, .. } = self;
+        let Self { links, graph, bodies, groups, joints: blocks, paths, rolls, impacts, pushes, .. } = self;
         let clock = Clock::new(time_step, options.substeps);
         let softness = Softness::new(options);
         let input = StepInput { clock: &clock, softness: &softness, flights, joints, contacts };
-        let links = joints.iter().map(|joint| joint.bodies).chain(contacts.iter().map(|contact| contact.bodies));
+        links.clear();
+        links.extend(joints.iter().map(|joint| joint.bodies));
+        links.extend(contacts.iter().map(|contact| contact.bodies));
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
-        graph.build(is_fixed, flights.len(), links, |members, queue| graph_start(flights, members, queue));
+        let start = |members: &[u32], queue: &mut Vec<u32>| graph_start(flights, members, queue);
+        graph.build(is_fixed, flights.len(), links.iter().copied(), start);
         bodies.set(&input, graph);
         blocks.set(&input, graph, bodies);
-        groups.set(&input, graph, bodies);
-        wedges.limit(groups);
+        groups.set(&input, graph, bodies, pushes);
+        limit_wedges(pushes, groups);
         set_followers(bodies, flights);
         rolls.set(&input, graph, bodies, groups);
         blocks.set_paths(&input, graph, bodies, paths);
@@ -380,24 +403,14 @@ impl Solver {
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
-        let Self { bodies, groups, joints: blocks, paths, rolls, impacts, totals, .. } = self;
+        let Self { bodies, groups, joints: blocks, paths, rolls, impacts, impulses, .. } = self;
         impacts.sum_strikes();
-        totals.clear();
-        totals.resize(flights.len(), Total::default());
-        blocks.apply(flights, joints, totals);
         let strikes = &impacts.strikes;
-        simd::run(Apply {
-            clock: &clock,
-            bodies,
-            groups,
-            rolls,
-            strikes,
-            paths,
-            totals,
-            flights,
-            contacts,
-            corrections,
-        });
+        impulses.begin(flights.len(), !(joints.is_empty() && rolls.is_empty() && strikes.is_empty()));
+        blocks.apply(flights, joints, &mut impulses.totals);
+        let apply =
+            Apply { clock: &clock, bodies, groups, rolls, strikes, paths, impulses, flights, contacts, corrections };
+        simd::run(apply);
     }
 }
 
@@ -421,7 +434,8 @@ impl Job for SubSteps<'_> {
             Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
             follow(&mut solver.bodies);
             let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };
-            solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, lanes);
+            let (bodies, groups) = (&mut solver.bodies, &mut solver.groups);
+            timed!(solver, impacts, solver.impacts.solve(substep, bodies, groups, lanes));
             follow(&mut solver.bodies);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
@@ -451,6 +465,14 @@ impl ContactSolver for Solver {
         corrections: &mut Vec<Correction>,
     ) {
         self.solve(time_step, options, flights, &mut [], contacts, corrections);
+    }
+
+    #[cfg(feature = "timers")]
+    fn take_timers(&mut self) -> Timers {
+        let mut timers = core::mem::take(&mut self.timers);
+        // Impacts are solved among the passes.
+        timers.times.passes = timers.times.passes.saturating_sub(timers.times.impacts);
+        timers
     }
 
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {

@@ -93,6 +93,12 @@ impl Rows {
         (progress.before, progress.rest)
     }
 
+    /// The velocity of a body at the start of the step with its correction before the contacts of this sub-step.
+    pub(super) fn before_contacts(&self, row: u32) -> Vector {
+        let (start, before) = (self.flights[row as usize].start, self.progress[row as usize].before);
+        [0, 1, 2, 3].map(|i| start[i] + before[i])
+    }
+
     /// The number of rows.
     pub(super) fn len(&self) -> u32 {
         self.rows.len() as u32

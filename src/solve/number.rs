@@ -27,6 +27,15 @@ pub(super) const fn shifted_word(value: i64, bits: i32) -> i64 {
     }
 }
 
+/// [`shifted_word`], most often down by a part of a word. *Domain* the result fits, and |value| < 2^62.
+#[inline(always)]
+pub(super) const fn lowered_word(value: i64, bits: i32) -> i64 {
+    match bits {
+        1..63 => (value + (1 << (bits - 1)) - (value < 0) as i64) >> bits,
+        _ => shifted_word(value, bits),
+    }
+}
+
 /// The value within ±limit. *Domain* limit ≥ 0.
 #[inline]
 pub(super) fn clamped_word(value: i64, limit: i64) -> i32 {

@@ -150,7 +150,7 @@ fn ratios<L: Lanes, const AIM: u8>(lanes: L, group: &Group, at: usize) -> (L::Na
 
 /// The velocity, or the displacement, along a row: its linear part, and the angular part by the arms and the turns of both bodies.
 #[inline(always)]
-fn along_row<L: Lanes>(
+pub(super) fn along_row<L: Lanes>(
     lanes: L,
     linear: L::Wide,
     arms: (L::Narrow, L::Narrow),

@@ -20,12 +20,13 @@
 
 use alloc::vec::Vec;
 
-use super::apply::{Total, shifted_within};
+use super::apply::Total;
 use super::bodies::BodyRows;
 use super::cut::CHANGE;
 use super::graph::{Graph, PHASES};
 use super::group::{GAIN, Group, scaled_impulse};
 use super::groups::{ContactGroups, Place, Shares};
+use super::limbs::shifted_within;
 use super::motion::Rows;
 use super::number::{shifted, shifted_word};
 use super::pass::Pass;
@@ -200,6 +201,10 @@ impl Rolls {
             roll.push(rows, after - before);
         }
         cut
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.phases.iter().all(Vec::is_empty)
     }
 
     /// Writes the impulses that the next step starts from, and adds the impulses of this step to the totals of bodies.

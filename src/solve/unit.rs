@@ -15,6 +15,9 @@ use crate::scalar::FxFactor;
 /// log2 of the finest unit of velocity: 2.4e-7 m/s.
 pub(super) const FINEST: i32 = -22;
 
+/// Fraction bits of the speeds that a unit is chosen for: the finest unit is for speeds of up to a few metres a second.
+pub(super) const COARSE: i32 = 16;
+
 /// The time of a step and its sub-steps.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Clock {
@@ -51,6 +54,12 @@ impl Clock {
             Ok(twice) if (64..127).contains(&shift) => multiple(twice, mantissa, shift + 1).into(),
             _ => mul_shift_64(twice, mantissa, shift + 1).unwrap_or(0),
         }
+    }
+
+    /// Sub-steps a second: the upper 31 bits of the number, and a shift.
+    pub(super) fn short_rate(&self) -> (i32, i32) {
+        let (mantissa, shift) = self.rate.parts();
+        ((mantissa >> 33) as i32, shift - 33)
     }
 
     /// A length in units of velocity times a sub-step. *Domain* the result is below 2^126.
@@ -92,14 +101,18 @@ fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
 
 /// The unit of velocity of an island, 2^unit m/s, and the values that depend on it alone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scale<'a> {
-    pub(super) clock: &'a Clock,
+pub(super) struct Scale {
     pub(super) unit: i32,
     /// Contacts of two bodies that move, and contacts with a body that cannot be moved.
     pub(super) moving: SoftContact,
     pub(super) fixed: SoftContact,
     /// [`Softness::impact_speed`]
     pub(super) impact_speed: i32,
+    /// A separation in 2^-32 m is shifted down by `before`, within `limit` then, multiplied by [`Clock::short_rate`] and shifted down by
+    /// `after`.
+    pub(super) before: i64,
+    pub(super) limit: i64,
+    pub(super) after: i64,
 }
 
 /// The softness of a contact in the unit of its island.
@@ -111,26 +124,31 @@ pub(super) struct SoftContact {
     pub(super) compliance: i32,
 }
 
-impl<'a> Scale<'a> {
-    pub(super) fn new(clock: &'a Clock, softness: &Softness, unit: i32) -> Self {
+impl Scale {
+    pub(super) fn new(clock: &Clock, softness: &Softness, unit: i32) -> Self {
         let soft_contact = |row: &SoftRow| SoftContact {
             push_out: [row.rate, -clamped(softness.deepest(unit, row), SEPARATION.into())],
             compliance: row.compliance,
         };
         let impact_speed = softness.impact_speed(unit);
         let (moving, fixed) = (soft_contact(&softness.moving), soft_contact(&softness.fixed));
-        Self { clock, unit, moving, fixed, impact_speed }
+        let (rate, shift) = clock.short_rate();
+        // Rates are below 2^32 and units at least 2^-22: it is positive.
+        let down = i64::from(shift + 32 + unit).max(0);
+        let after = down.min(31);
+        let limit = (SEPARATION << after) / i64::from(rate) + 1;
+        Self { unit, moving, fixed, impact_speed, before: (down - after).min(62), limit, after }
     }
 }
 
-/// log2 of the unit of velocity of an island whose fastest part moves at `speed`, in 2^-32 m/s.
+/// log2 of the unit of velocity of an island whose fastest part moves at `speed`, in 2^-[`COARSE`] m/s.
 ///
 /// The velocities of free flights are below 2^24 units and their displacements below 2^26: an eighth and a quarter of the
 /// limits, as impulses lead farther. Where a heavy body at this speed v meets a light one at its rim, the light one's angular velocity
 /// changes by up to 2·v/R. That is 4·v by the length, which is below 2·R, and a sub-step begins with twice the change of the one before.
-pub(super) fn unit_for(speed: u128, substeps: u32) -> i32 {
-    let bound = speed * u128::from(substeps.max(4));
-    (128 - bound.leading_zeros() as i32 - 32 - 26).max(FINEST)
+pub(super) fn unit_for(speed: u64, substeps: u32) -> i32 {
+    let bound = u128::from(speed) * u128::from(substeps.max(4));
+    (128 - bound.leading_zeros() as i32 - COARSE - 26).max(FINEST)
 }
 
 /// The largest push-out velocity, in units.
@@ -207,9 +225,4 @@ impl Softness {
         let push = speed + shifted(speed * i128::from(row.compliance), 30);
         (push << 30) / i128::from(row.rate.max(1))
     }
-}
-
-/// ω·R in 2^-32 m/s for R = 2^length m, rounded up: below 2^66.
-pub(super) fn rim_speed(angular: Fx, length: i32) -> u128 {
-    shifted(i128::from(angular.to_bits().unsigned_abs()), -length).unsigned_abs() + 1
 }

@@ -15,37 +15,20 @@ pub(super) fn magnitude<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
     lanes.if_negative(a, lanes.sub(word(lanes, 0), a), a)
 }
 
-/// The larger of two numbers. *Domain* the difference fits.
-#[inline(always)]
-pub(super) fn larger<L: Lanes>(lanes: L, a: L::Wide, b: L::Wide) -> L::Wide {
-    lanes.if_negative(lanes.sub(a, b), b, a)
-}
-
 /// The largest magnitude.
 #[inline(always)]
 pub(super) fn largest<L: Lanes, const N: usize>(lanes: L, values: [L::Wide; N]) -> L::Wide {
     let mut maximum = word(lanes, 0);
     for value in values {
-        maximum = larger(lanes, maximum, magnitude(lanes, value));
+        maximum = lanes.larger(maximum, magnitude(lanes, value));
     }
     maximum
 }
 
-/// a·b / 2^30 to nearest, ties away from zero. *Domain* of [`exact`].
+/// a·b / 2^30 to nearest, ties away from zero.
 #[inline(always)]
-pub(super) fn product<L: Lanes, const WIDE: bool>(lanes: L, a: L::Wide, b: L::Narrow) -> L::Wide {
-    lanes.rounded_oddly::<30>(exact::<L, WIDE>(lanes, a, b))
-}
-
-/// a·b, exact. *Domain* `a` fits in 32 bits; if `WIDE`, |a| ≤ 2^31.
-#[inline(always)]
-pub(super) fn exact<L: Lanes, const WIDE: bool>(lanes: L, a: L::Wide, b: L::Narrow) -> L::Wide {
-    if !WIDE {
-        return lanes.times(lanes.low(a), b);
-    }
-    // 1 for 2^31, which then becomes 2^31 − 1; −1 for negative numbers.
-    let more = lanes.floored::<31>(a);
-    lanes.add(lanes.times(lanes.low(lanes.sub(a, more)), b), lanes.times(lanes.low(more), b))
+pub(super) fn product<L: Lanes>(lanes: L, a: L::Narrow, b: L::Narrow) -> L::Wide {
+    lanes.rounded_oddly::<30>(lanes.times(a, b))
 }
 
 /// a·b, exact. *Domain* |b| < 2^62, and the product fits.
@@ -96,16 +79,10 @@ impl<L: Lanes> Shift<L> {
         lanes.low(self.rounded::<UP>(lanes, lanes.wide(words, at)))
     }
 
-    /// [`rounded`](Self::rounded) words within ±[`ONE`].
+    /// [`rounded`](Self::rounded) within ±[`ONE`].
     #[inline(always)]
-    pub(super) fn arm<const UP: bool>(&self, lanes: L, words: &[i64; GROUP], at: usize) -> L::Wide {
-        lanes.clamped(self.rounded::<UP>(lanes, lanes.wide(words, at)), word(lanes, ONE))
-    }
-
-    /// [`factor`](Self::factor) of words.
-    #[inline(always)]
-    pub(super) fn saturated<const UP: bool>(&self, lanes: L, words: &[i64; GROUP], at: usize) -> L::Narrow {
-        lanes.low(self.factor::<UP>(lanes, lanes.wide(words, at)))
+    pub(super) fn arm<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
+        lanes.clamped(self.rounded::<UP>(lanes, value), word(lanes, ONE))
     }
 
     /// [`factor`](Self::factor) within a quarter.

@@ -10,8 +10,7 @@
 //!
 //! Reads: normals and separations of contacts. Writes: the deepest overlaps that they push out.
 
-use alloc::vec::Vec;
-
+use super::group::Group;
 use super::groups::ContactGroups;
 
 /// One, for components of normals and cosines.
@@ -19,7 +18,7 @@ const ONE: i64 = 1 << 30;
 
 /// A contact that pushes a body out of one that does not give way.
 #[derive(Clone, Copy, Debug)]
-struct Push {
+pub(super) struct Push {
     row: u32,
     /// The index of the contact's place.
     place: u32,
@@ -27,42 +26,23 @@ struct Push {
     normal: [i64; 2],
 }
 
-/// The contacts of a step that push bodies out of bodies that do not give way.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wedges {
-    pushes: Vec<Push>,
-}
-
-impl Wedges {
-    /// Limits the depths that count as overlaps, by which contacts push out, for bodies in wedges.
-    pub(super) fn limit(&mut self, groups: &mut ContactGroups) {
-        let Self { pushes } = self;
-        pushes.clear();
-        for (index, place) in groups.places.iter().enumerate() {
-            let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
-            let [first, second] = group.separation[lane];
-            if first.min(second) >= 0 {
-                continue;
-            }
-            let rows = [group.a[lane], group.b[lane]];
-            let is_held = [0, 1].map(|side| group.is_held(lane, side));
-            if is_held[0] != is_held[1] {
-                let side = usize::from(is_held[0]);
-                let sign = if side == 0 { -1 } else { 1 };
-                let normal = group.normal[lane].map(|part| sign * i64::from(part));
-                pushes.push(Push { row: rows[side], place: index as u32, normal });
-            }
-        }
-        pushes.sort_unstable_by_key(|push| push.row);
-        for body in pushes.chunk_by(|a, b| a.row == b.row) {
-            for push in body {
-                push.limit(body, groups);
-            }
+/// Limits the depths that count as overlaps, by which contacts push out, for bodies in wedges.
+pub(super) fn limit_wedges(pushes: &mut [Push], groups: &mut ContactGroups) {
+    pushes.sort_unstable_by_key(|push| push.row);
+    for body in pushes.chunk_by(|a, b| a.row == b.row) {
+        for push in body {
+            push.limit(body, groups);
         }
     }
 }
 
 impl Push {
+    /// The contact of a lane, of whose bodies one is held.
+    pub(super) fn new(group: &Group, lane: usize, is_held: [bool; 2], place: u32) -> Self {
+        let (row, sign) = if is_held[1] { (group.a[lane], -1) } else { (group.b[lane], 1) };
+        Self { row, place, normal: group.normal[lane].map(|part| sign * i64::from(part)) }
+    }
+
     /// Limits the push of a contact by the normal that is most against it, among all pushes of the body.
     ///
     /// # Ranges

@@ -26,6 +26,7 @@ use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, is_candidate};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator, Angle as _, FxAccumulator, Scalar};
+use crate::timers::{counted, timed};
 
 /// The colliders and the contacts of a world.
 pub(crate) struct Contacts<'a, S: Scalar> {
@@ -104,12 +105,17 @@ impl<S: Scalar> Step<'_, S> {
                 Blocked::Crowded => self.refuse_crowded(&mut memory),
             }
         }
-        self.list_contacts(&mut memory, &settings);
+        timed!(self.workspace, events, self.list_contacts(&mut memory, &settings));
         self.show(StageKind::Solve);
-        self.correct(&memory, constants);
-        self.end_paths(&mut memory, &settings, constants);
-        self.follow_paths(&mut memory, &settings);
+        timed!(self.workspace, apply, self.correct(&memory, constants));
+        timed!(self.workspace, sweeps, self.end_paths(&mut memory, &settings, constants));
+        timed!(self.workspace, sweeps, self.follow_paths(&mut memory, &settings));
+        counted!(self.workspace, stops, memory.stops.len());
         self.show(StageKind::Push);
+        #[cfg(feature = "timers")]
+        {
+            self.workspace.timers += core::mem::take(&mut memory.pipeline.timers);
+        }
         memory.detected_at = Followed::all(self.bodies, self.contacts.colliders);
         memory.detected.changed_resting.clear();
         self.workspace.contacts = Some(memory);
@@ -119,7 +125,7 @@ impl<S: Scalar> Step<'_, S> {
     /// added and all are solved again, up to [`ROUNDS`] times. Returns the reason why the contacts are not the contacts of the step, if
     /// there is one.
     fn solve_contacts(&mut self, memory: &mut ContactMemory<S>, settings: &ContactSettings) -> Option<Blocked> {
-        let are_all_listed = memory.list_changed(self.bodies, self.contacts.colliders);
+        let are_all_listed = timed!(self.workspace, pairs, memory.list_changed(self.bodies, self.contacts.colliders));
         let ContactMemory { pipeline, solvers, starts, fixed_starts, corrections, detected, changed, .. } = memory;
         detected.touched.clear();
         detected.crowded.clear();
@@ -138,12 +144,14 @@ impl<S: Scalar> Step<'_, S> {
         }
         pipeline.solve(solvers, &scene, corrections);
         let mut rounds = 0;
-        while rounds < ROUNDS && pipeline.add_deflected(&scene, corrections, &mut detected.touched) {
+        while rounds < ROUNDS
+            && timed!(pipeline, deflected, pipeline.add_deflected(&scene, corrections, &mut detected.touched))
+        {
             pipeline.solve_again(solvers, &scene, corrections);
             rounds += 1;
         }
         if rounds == ROUNDS {
-            pipeline.find_deflected(&scene, corrections);
+            timed!(pipeline, deflected, pipeline.find_deflected(&scene, corrections));
         }
         (!detected.touched.is_empty()).then_some(Blocked::Sleepers)
     }
@@ -202,31 +210,36 @@ impl<S: Scalar> Step<'_, S> {
         constants: &Constants<'_, S>,
         schedule: Schedule,
     ) {
-        loop {
-            memory.detected.touched.sort_unstable();
-            memory.detected.touched.dedup();
-            let first_woken = self.bodies.moving();
+        while !memory.detected.touched.is_empty() {
             let first_start = memory.starts.len();
             let first_fault = self.workspace.findings.faults.len();
-            let touched = memory.detected.touched.iter().copied();
-            let woke = &mut self.workspace.report.woke;
-            let Contacts { colliders, contacts, .. } = &mut self.contacts;
-            island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
-            let indices = first_woken..self.bodies.moving();
-            let may_touch = |dense: &usize| colliders.any_meeting_of_slot(self.bodies.columns.slot[*dense]);
-            memory.starts.extend(indices.clone().filter(may_touch).map(|dense| Start::of(self.bodies, dense)));
+            let indices = timed!(self.workspace, waking, self.wake(memory));
             self.fly(indices, constants, schedule);
-            self.leave_out_faulty(memory, first_start, first_fault);
-            memory.detected.touched.clear();
-            let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[first_start..];
-            memory.pipeline.spread(&self.unchanged(starts, settings), &mut memory.detected);
-            if memory.detected.touched.is_empty() {
-                break;
-            }
+            timed!(self.workspace, waking, {
+                self.leave_out_faulty(memory, first_start, first_fault);
+                let starts = &Start::all_fixed(&memory.starts, &mut memory.fixed_starts)[first_start..];
+                memory.detected.touched.clear();
+                memory.pipeline.spread(&self.unchanged(starts, settings), &mut memory.detected);
+            });
         }
         self.workspace.report.woke.sort_unstable();
         let Contacts { colliders, contacts, .. } = &mut self.contacts;
-        contacts.wake(|slot| is_asleep(self.bodies, colliders, slot));
+        timed!(self.workspace, waking, contacts.wake(|slot| is_asleep(self.bodies, colliders, slot)));
+    }
+
+    /// Wakes touched sleeping bodies and their islands, and returns their indices in the columns.
+    fn wake(&mut self, memory: &mut ContactMemory<S>) -> Range<usize> {
+        memory.detected.touched.sort_unstable();
+        memory.detected.touched.dedup();
+        let first_woken = self.bodies.moving();
+        let touched = memory.detected.touched.iter().copied();
+        let woke = &mut self.workspace.report.woke;
+        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
+        let indices = first_woken..self.bodies.moving();
+        let may_touch = |dense: &usize| colliders.any_meeting_of_slot(self.bodies.columns.slot[*dense]);
+        memory.starts.extend(indices.clone().filter(may_touch).map(|dense| Start::of(self.bodies, dense)));
+        indices
     }
 
     /// Removes the starts from `first_start` on of bodies at fault, by the faults from `first_fault` on.

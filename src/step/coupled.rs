@@ -8,13 +8,13 @@ use core::ops::Range;
 use super::applied::part_in;
 use super::bounds::check_bounds_and_rest;
 use super::sleep::is_slow;
-use super::timers::timed;
 use super::{Constants, Forces, Probe, Workspace as StepWorkspace, damp, drift, fields, kick};
 use crate::body::{BLOCK, Block, Bodies, BodyKind, Motion};
 use crate::force::{Dependence, End, FieldKind, Scene, Targets, floats};
 use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
 use crate::island::is_candidate;
 use crate::scalar::Scalar;
+use crate::timers::timed;
 
 /// Memory that the pass uses again.
 #[derive(Debug, Default)]

@@ -29,13 +29,10 @@ mod kick;
 mod quarantine;
 mod sleep;
 mod targets;
-mod timers;
 mod workspace;
 
 pub(crate) use bounds::find_out_of_bounds;
 pub(crate) use contacts::Contacts;
-#[cfg(feature = "timers")]
-pub use timers::Timers;
 pub(crate) use workspace::{Report, Workspace};
 
 use alloc::vec::Vec;
@@ -50,9 +47,9 @@ use crate::force::{Applied, CustomForces, FieldSet};
 use crate::integrate::{AFTER_FLIGHT, Integrator, Plan, Schedule, Stage, StageKind};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
+use crate::timers::timed;
 use coupled::FieldKinds;
 use free::FreePass;
-use timers::timed;
 use workspace::Findings;
 
 /// The parts of a world that a step works on.
@@ -154,7 +151,11 @@ impl<S: Scalar> Step<'_, S> {
         // 2. Kinematic bodies get the velocity that leads to their target.
         let has_targets = self.targets.are_due(self.bodies);
         if has_targets {
-            targets::begin(self.bodies, self.targets, plan, &mut self.workspace.targets);
+            timed!(
+                self.workspace,
+                targets,
+                targets::begin(self.bodies, self.targets, plan, &mut self.workspace.targets)
+            );
         }
         // 3. Caches drop the entries of bodies that changed.
         let kinds = timed!(self.workspace, survey, self.begin());
@@ -177,11 +178,16 @@ impl<S: Scalar> Step<'_, S> {
         // 6. Kinematic bodies arrive at their targets, to the bit.
         if has_targets {
             let Workspace { targets: workspace, findings, .. } = &mut *self.workspace;
-            targets::finish(self.bodies, self.targets, self.settings.tick, workspace, &mut findings.faults);
+            let tick = self.settings.tick;
+            timed!(
+                self.workspace,
+                targets,
+                targets::finish(self.bodies, self.targets, tick, workspace, &mut findings.faults)
+            );
         }
         // 7. Colliders touch: impulses change the free flight of the stages.
         if !self.are_contacts_idle() {
-            timed!(self.workspace, contacts, self.run_contacts(&constants, integrator.schedule()));
+            self.run_contacts(&constants, integrator.schedule());
         } else if self.probe.is_some() {
             AFTER_FLIGHT.iter().filter(|stage| stage.kind != StageKind::Clear).for_each(|stage| self.show(stage.kind));
         }
@@ -196,9 +202,9 @@ impl<S: Scalar> Step<'_, S> {
             }
             quarantine::take_out(self.bodies, &self.workspace.report);
             self.drop_contacts_of_quarantined();
-            self.report_events();
-            self.put_contacts_to_sleep();
         });
+        timed!(self.workspace, events, self.report_events());
+        timed!(self.workspace, finish, self.put_contacts_to_sleep());
         self.workspace.applied = applied;
     }
 

@@ -14,6 +14,7 @@ use crate::force::FieldSet;
 use crate::island;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
+use crate::timers::counted;
 
 /// The memory of each stage.
 #[derive(Debug, Default)]
@@ -34,7 +35,7 @@ pub(crate) struct Workspace<S: Scalar> {
     pub(super) findings: Findings,
     pub(crate) report: Report<S>,
     #[cfg(feature = "timers")]
-    pub(crate) timers: super::Timers,
+    pub(crate) timers: crate::timers::Timers,
 }
 
 /// The faults and the candidates for sleep that the passes found, by the indices of the bodies in the columns.
@@ -137,10 +138,7 @@ impl<S: Scalar> Workspace<S> {
         }
         let [surveyed, detected] = self.contacts.as_ref().map_or([self.flown; 2], |memory| memory.cursors());
         bodies.forget_changes(&[self.flown, surveyed, detected]);
-        #[cfg(feature = "timers")]
-        {
-            self.timers.steps += 1;
-        }
+        counted!(self, steps, 1);
     }
 
     /// The static colliders of the last step and the pipeline that numbers them, if they stand where they did then.

@@ -44,6 +44,7 @@ use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::step::{Contacts, Forces, Probe, Settings, Step, Workspace};
+use crate::timers::timed;
 
 pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
@@ -373,7 +374,7 @@ impl<S: Scalar> World<S> {
     pub(crate) fn advance<'a>(&'a mut self, probe: Option<&'a mut Probe<'a, S>>) {
         self.tick = limits::tick_after(self.tick, 1);
         self.change_log.begin(self.tick, &self.bodies);
-        self.update();
+        timed!(self.workspace, survey, self.update());
         self.next_step(probe).step();
     }
 

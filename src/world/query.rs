@@ -60,10 +60,11 @@ impl<S: Scalar> World<S> {
         self.bodies.moving()
     }
 
-    /// The time that this world's steps spent in their parts. A clone starts from zero; `clone_from` goes on counting.
+    /// The time that this world's steps spent in their parts, and counts of what they did. A clone starts from zero; `clone_from` goes on
+    /// counting.
     #[cfg(feature = "timers")]
     #[must_use]
-    pub fn timers(&self) -> crate::step::Timers {
+    pub fn timers(&self) -> crate::timers::Timers {
         self.workspace.timers
     }
 

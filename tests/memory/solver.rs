@@ -18,7 +18,6 @@ fn flight(position: Vec2, linear: Vec2, is_fixed: bool) -> Flight {
         displacement: linear / 64,
         rotation: fx!(0),
         mass: fx!(1),
-        inertia: FxFactor::from_ratio(1, 6),
         inverse_mass: Vec2 { x: inverse_mass, y: inverse_mass },
         inverse_inertia: inverse(FxFactor::from_ratio(6, 1)),
         radius: fx!(0.75),

@@ -11,6 +11,7 @@ mod finding;
 pub mod load;
 pub mod output;
 pub mod picture;
+mod profile;
 pub mod progress;
 mod record;
 mod run;

@@ -13,6 +13,7 @@ use crate::failure::Failure;
 use crate::load;
 use crate::output::{Destination, Destinations};
 use crate::picture::{ContactMark, ContactOptions, Recorder};
+use crate::profile::Profile;
 use crate::progress::progress;
 use crate::record::Recording;
 use crate::summary::{FaultLine, Summary, Totals};
@@ -55,6 +56,9 @@ pub(crate) struct Options {
     /// Records a snapshot each so many ticks, 0 for one at the end alone: what a divergence is named by.
     #[arg(long, value_name = "N", default_value_t = RecordOptions::default().snapshot_every, requires = "record")]
     snapshot_every: u32,
+    /// Prints also where the time of the steps went: µs a step by part, and counts a step.
+    #[arg(long)]
+    profile: bool,
     /// Prints the result as a JSON object.
     #[arg(long)]
     json: bool,
@@ -193,7 +197,8 @@ where
     if let Some(table) = table {
         table.finish()?;
     }
-    let summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
+    let mut summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
+    summary.profile = options.profile.then(|| Profile::of(run.world()));
     if let (Some(recorder), Some(to)) = (&recorder, &outputs.plot) {
         to.write(&recorder.draw(run))?;
     }

@@ -8,6 +8,8 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{Activity, Error, Scalar, World};
 use umbra_scene::Scene;
 
+use crate::profile::Profile;
+
 /// A value as exact text, and as a double for a glance.
 #[derive(Clone, Debug)]
 struct Value {
@@ -95,6 +97,9 @@ pub(crate) struct Summary {
     wall_seconds: f64,
     ns_per_body_and_step: f64,
     state_hash: String,
+    /// Only if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) profile: Option<Profile>,
 }
 
 impl Summary {
@@ -135,6 +140,7 @@ impl Summary {
             wall_seconds: stepping.as_secs_f64(),
             ns_per_body_and_step: if body_steps == 0 { 0.0 } else { stepping.as_nanos() as f64 / body_steps as f64 },
             state_hash: format!("{:016x}", world.state_hash()),
+            profile: None,
         }
     }
 
@@ -178,7 +184,8 @@ impl fmt::Display for Summary {
         change(f, "angular momentum", "kg·m²/s", &before.angular_momentum, &after.angular_momentum)?;
         let (wall, each) = (self.wall_seconds, self.ns_per_body_and_step);
         writeln!(f, "  wall time         {wall:.3} s in steps, {each:.0} ns per body and step")?;
-        writeln!(f, "  state hash        {}", self.state_hash)
+        writeln!(f, "  state hash        {}", self.state_hash)?;
+        self.profile.as_ref().map_or(Ok(()), |profile| profile.fmt(f))
     }
 }
 

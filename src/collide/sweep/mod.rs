@@ -21,10 +21,12 @@
 //! moment.
 
 mod form;
+mod hull;
 mod moment;
 mod path;
 
 pub(crate) use form::Form;
+pub(crate) use hull::Hull;
 pub(crate) use moment::Moment;
 use moment::{ROUNDING, SHORTEST, along, height};
 pub(crate) use path::{END, Leg, Path, ends};

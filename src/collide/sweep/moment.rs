@@ -9,7 +9,7 @@ use crate::scalar::Turn;
 pub(super) const ROUNDING: i64 = 16;
 
 /// 2π in 2^-32, rounded up.
-const TAU: u128 = 26_986_075_410;
+pub(super) const TAU: u128 = 26_986_075_410;
 
 /// The shortest step: 2^-40 of a tick.
 pub(super) const SHORTEST: u64 = END >> 40;

@@ -88,6 +88,16 @@ impl Leg {
         self.way != [0; 2] || self.spin != 0
     }
 
+    /// A bound of the way of a point within `reach` of the centre, ulps.
+    pub(crate) fn farthest(&self, reach: i64) -> i64 {
+        let straight = self.way.iter().map(|way| way.unsigned_abs()).sum::<u128>();
+        // No point moves farther by a rotation than twice its distance from the centre; 2π is below 7.
+        let turns = u128::from(((self.spin.unsigned_abs() >> 32) + 1).min(1 << 32) as u64);
+        let round =
+            (((7 * turns * u128::from(reach.unsigned_abs())) >> 32) + 1).min(2 * u128::from(reach.unsigned_abs()));
+        (straight + round).min(1 << 62) as i64
+    }
+
     /// Returns true if the centres of mass on two paths of one piece stay farther apart than `reach`: a bound that may miss some.
     ///
     /// # Ranges

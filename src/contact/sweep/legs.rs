@@ -57,7 +57,12 @@ pub(super) fn leg(
     let to = ulps(position);
     let way = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
     let shortest = i128::from(angle.to_bits().wrapping_sub(start.angle.to_bits()) as i64);
-    let about = mul_shift(turned(flight, rotation), PER_TURN, 66 + 32 - 64).unwrap_or(0);
+    let turned = turned(flight, rotation);
+    // Both are below a quarter of a turn: there are no whole turns.
+    if turned.unsigned_abs() < 3 << 31 && shortest.unsigned_abs() < 1 << 62 {
+        return Leg::new(from, way, start.angle, shortest);
+    }
+    let about = mul_shift(turned, PER_TURN, 66 + 32 - 64).unwrap_or(0);
     // Whole turns, to nearest, ties away from zero.
     let rest = about - shortest;
     let turns = ((rest.abs() + (1 << 63)) >> 64) * rest.signum();

@@ -17,7 +17,9 @@
 //! to two places, it stops: it is squeezed, as is one that is carried into something.
 
 mod legs;
+mod movers;
 mod paths;
+mod regions;
 
 use alloc::vec::Vec;
 use core::slice::from_ref;
@@ -26,17 +28,17 @@ use super::Stop;
 use super::flights::{FlightKind, Flights, Place};
 use super::resting::Resting;
 use super::rules::Rules;
-use crate::collide::broad::{Proxy, Statics};
 use crate::collide::sweep::{END, Form, Leg, Moment, Path, Second, Sweep};
 use crate::collider::{BodyOutline, Collider};
 use crate::fx::Fx;
-use crate::shape::Aabb;
 use crate::slots::NONE;
 
 pub(crate) use legs::between;
 pub(super) use legs::resting;
+use movers::Movers;
 pub(crate) use paths::Paths;
 pub(super) use paths::around;
+use regions::Regions;
 
 /// The rounds in which paths end at times of impact.
 const ROUNDS: u32 = 4;
@@ -58,9 +60,8 @@ pub(super) struct Sweeps {
     /// The outlines of each pair by number, the lower one first.
     pub(super) pairs: Vec<[u32; 2]>,
     hits: Vec<Hit>,
-    /// The boxes of moving outlines, and a tree of them where they are many.
-    movers: Vec<Proxy>,
-    tree: Option<Statics>,
+    movers: Movers,
+    regions: Regions,
     moments: [Moment; 2],
 }
 
@@ -75,14 +76,6 @@ struct Course {
     carrier: u32,
     /// True if a body that does not give way keeps it at its start.
     is_stuck: bool,
-}
-
-/// The number of moving boxes up to which each is looked at, without a tree.
-const FEW: usize = 64;
-
-/// Returns true if two boxes have a point in common.
-fn overlap(a: &Aabb<Fx>, b: &Aabb<Fx>) -> bool {
-    a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y
 }
 
 /// A body that meets something.
@@ -168,46 +161,14 @@ impl Sweeps {
         is_faulty: &dyn Fn(usize) -> bool,
     ) {
         let scene = paths.scene;
-        self.pairs.clear();
-        self.list_movers(paths, flights, resting);
-        let Self { fast, pairs, movers, tree: tree_memory, .. } = self;
-        let tree = (movers.len() > FEW).then(|| {
-            let tree = tree_memory.get_or_insert_default();
-            tree.refill(movers);
-            &*tree
-        });
-        for &flight in fast.iter() {
-            let place = flights.body(flight);
-            let leg = paths.leg(flights, flight);
-            for collider in scene.colliders.solid_of_slot(place.slot) {
-                for (number, part) in resting.numbers.of(collider.slot).zip(0..) {
-                    let bounds = around(from_ref(&leg), collider.outline(part).radius.to_bits());
-                    let filter = collider.def.filter;
-                    let mut visit = |candidate: u32| {
-                        let pair = [number.min(candidate), number.max(candidate)];
-                        if rules.may_touch(scene, resting, pair) {
-                            pairs.push(pair);
-                        }
-                        true
-                    };
-                    if let Some(trees) = resting.trees.as_ref().filter(|_| place.kind == FlightKind::Dynamic) {
-                        trees.statics.search_box(bounds, filter, &mut visit);
-                        trees.sleepers.search_box(bounds, filter, &mut visit);
-                    }
-                    match tree {
-                        Some(tree) => tree.search_box(bounds, filter, &mut visit),
-                        None => {
-                            let nearby_movers = movers.iter().filter(|proxy| overlap(&proxy.bounds, &bounds));
-                            nearby_movers.for_each(|proxy| _ = visit(proxy.collider));
-                        }
-                    }
-                }
-            }
-        }
+        let Self { fast, deflected, movers, regions, .. } = self;
+        regions.list(paths, flights, resting, fast);
+        movers.list(paths, flights, resting, regions, fast, deflected);
+        self.list_near(paths, flights, resting, rules);
+        let Self { pairs, deflected, .. } = self;
         pairs.sort_unstable();
         pairs.dedup();
         let takes_part = |flight: u32| scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
-        let deflected = &self.deflected;
         pairs.retain(|&pair| {
             let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
             let [Some(first), Some(second)] = sides else { return false };
@@ -218,36 +179,37 @@ impl Sweeps {
         });
     }
 
-    /// Lists the boxes of the moving outlines that may be in the way of fast bodies.
-    fn list_movers(&mut self, paths: &Paths<'_>, flights: &Flights, resting: &Resting) {
-        let Self { fast, deflected, movers, .. } = self;
-        let is_bullet = |flight: u32| paths.is_bullet(flights.body(flight).slot);
-        let kind = |flight: u32| flights.body(flight).kind;
-        let wants_all = fast.iter().any(|&flight| {
-            kind(flight) == FlightKind::Kinematic || is_bullet(flight) || deflected.binary_search(&flight).is_ok()
-        });
-        let has_dynamic = fast.iter().any(|&flight| kind(flight) == FlightKind::Dynamic);
-        movers.clear();
-        for flight in 0..flights.len() as u32 {
-            let is_wanted = match kind(flight) {
-                // These stand in trees.
-                FlightKind::Static | FlightKind::Asleep => false,
-                FlightKind::Kinematic => has_dynamic,
-                FlightKind::Dynamic => wants_all || is_bullet(flight),
-            };
-            if !is_wanted {
-                continue;
-            }
+    /// Lists the pairs that are near each other.
+    fn list_near(&mut self, paths: &Paths<'_>, flights: &mut Flights, resting: &Resting, rules: &Rules) {
+        let scene = paths.scene;
+        let Self { fast, deflected, pairs, movers, regions, .. } = self;
+        pairs.clear();
+        for &flight in fast.iter() {
+            let place = *flights.body(flight);
             let leg = paths.leg(flights, flight);
-            for collider in paths.scene.colliders.solid_of_slot(flights.body(flight).slot) {
-                let first = resting.numbers.first(collider.slot);
-                movers.extend((0..collider.outline_count()).map(|part| Proxy {
-                    collider: first + part,
-                    body: collider.body.slot,
-                    bounds: around(from_ref(&leg), collider.outline(part).radius.to_bits()),
-                    filter: collider.def.filter,
-                    digest: 0,
-                }));
+            let is_obstacle = place.kind == FlightKind::Kinematic
+                || paths.is_bullet(place.slot)
+                || deflected.binary_search(&flight).is_ok();
+            for collider in scene.colliders.solid_of_slot(place.slot) {
+                for (number, part) in resting.numbers.of(collider.slot).zip(0..) {
+                    let reach = collider.outline(part).radius.to_bits();
+                    let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
+                    let filter = collider.def.filter;
+                    let mut visit = |candidate: u32| {
+                        let pair = [number.min(candidate), number.max(candidate)];
+                        if regions.meet(paths, flights, resting, [number, candidate], &leg, reach)
+                            && rules.may_touch(scene, resting, pair)
+                        {
+                            pairs.push(pair);
+                        }
+                        true
+                    };
+                    if let Some(trees) = resting.trees.as_ref().filter(|_| place.kind == FlightKind::Dynamic) {
+                        trees.statics.search_box(bounds, filter, &mut visit);
+                        trees.sleepers.search_box(bounds, filter, &mut visit);
+                    }
+                    movers.search(bounds, filter, is_obstacle, &mut visit);
+                }
             }
         }
     }

@@ -6,7 +6,7 @@
 
 use core::arch::x86_64::*;
 
-use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Pairs, Quads, Row, part, part_mut};
+use super::{GAIN_BITS, GROUP, Gathered, Job, Lanes, Line, Pairs, Quads, Row, Sums, part, part_mut};
 
 /// The proof that the CPU has AVX2, and the shifts and counts of bits that came with it.
 #[derive(Clone, Copy)]
@@ -57,13 +57,44 @@ impl Avx2 {
         }
     }
 
-    /// The lanes of x, y and z as rows (x, y, z, 0).
+    /// Four words of four lines from a word on, each word in a vector.
     #[inline(always)]
-    fn transposed(self, [x, y, z]: [__m256i; 3]) -> [__m256i; 4] {
+    fn columns_from(self, [a, b, c, d]: [&Line; 4], from: usize) -> [__m256i; 4] {
+        // SAFETY: a line has eight words and is aligned like two vectors; `from` is 0 or 4.
         unsafe {
-            let zero = _mm256_setzero_si256();
+            self.transposed([
+                _mm256_load_si256(a.0[from..].as_ptr().cast()),
+                _mm256_load_si256(b.0[from..].as_ptr().cast()),
+                _mm256_load_si256(c.0[from..].as_ptr().cast()),
+                _mm256_load_si256(d.0[from..].as_ptr().cast()),
+            ])
+        }
+    }
+
+    /// Adds quads to the sums of a body.
+    #[inline(always)]
+    pub(super) fn add_quads(self, sums: &mut Sums, quads: [__m256i; 3]) {
+        for (sum, quad) in sums.0.iter_mut().zip(quads) {
+            let sum = sum.as_mut_ptr().cast();
+            unsafe { _mm256_storeu_si256(sum, _mm256_add_epi64(_mm256_loadu_si256(sum), quad)) }
+        }
+    }
+
+    /// Subtracts quads from the sums of a body.
+    #[inline(always)]
+    pub(super) fn take_quads(self, sums: &mut Sums, quads: [__m256i; 3]) {
+        for (sum, quad) in sums.0.iter_mut().zip(quads) {
+            let sum = sum.as_mut_ptr().cast();
+            unsafe { _mm256_storeu_si256(sum, _mm256_sub_epi64(_mm256_loadu_si256(sum), quad)) }
+        }
+    }
+
+    /// The lanes of four vectors as rows, and rows as lanes.
+    #[inline(always)]
+    fn transposed(self, [x, y, z, w]: [__m256i; 4]) -> [__m256i; 4] {
+        unsafe {
             let (a, b) = (_mm256_unpacklo_epi64(x, y), _mm256_unpackhi_epi64(x, y));
-            let (c, d) = (_mm256_unpacklo_epi64(z, zero), _mm256_unpackhi_epi64(z, zero));
+            let (c, d) = (_mm256_unpacklo_epi64(z, w), _mm256_unpackhi_epi64(z, w));
             [
                 _mm256_permute2x128_si256::<0x20>(a, c),
                 _mm256_permute2x128_si256::<0x20>(b, d),
@@ -78,6 +109,7 @@ impl Lanes for Avx2 {
     const WIDTH: usize = 4;
     type Narrow = __m256i;
     type Wide = __m256i;
+    type Mask = __m256i;
     type Quads = Self;
 
     #[inline(always)]
@@ -249,6 +281,62 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn all(self, value: i64) -> __m256i {
+        self.words(value)
+    }
+
+    #[inline(always)]
+    fn bit_length(self, a: __m256i) -> __m256i {
+        // In registers: a vector that is loaded from words just stored would wait for them.
+        unsafe {
+            let (i, j) = (_mm256_extract_epi64::<0>(a), _mm256_extract_epi64::<1>(a));
+            let (k, l) = (_mm256_extract_epi64::<2>(a), _mm256_extract_epi64::<3>(a));
+            let zeros = |word: i64| i64::from(word.leading_zeros());
+            _mm256_sub_epi64(self.words(64), _mm256_setr_epi64x(zeros(i), zeros(j), zeros(k), zeros(l)))
+        }
+    }
+
+    #[inline(always)]
+    fn greater(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_cmpgt_epi64(a, b) }
+    }
+
+    #[inline(always)]
+    fn equal(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_cmpeq_epi64(a, b) }
+    }
+
+    #[inline(always)]
+    fn both(self, m: __m256i, n: __m256i) -> __m256i {
+        unsafe { _mm256_and_si256(m, n) }
+    }
+
+    #[inline(always)]
+    fn either(self, m: __m256i, n: __m256i) -> __m256i {
+        unsafe { _mm256_or_si256(m, n) }
+    }
+
+    #[inline(always)]
+    fn unless(self, m: __m256i, n: __m256i) -> __m256i {
+        unsafe { _mm256_andnot_si256(n, m) }
+    }
+
+    #[inline(always)]
+    fn unlike(self, m: __m256i, n: __m256i) -> __m256i {
+        unsafe { _mm256_xor_si256(m, n) }
+    }
+
+    #[inline(always)]
+    fn select(self, m: __m256i, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_blendv_epi8(b, a, m) }
+    }
+
+    #[inline(always)]
+    fn bits(self, m: __m256i) -> u32 {
+        unsafe { _mm256_movemask_pd(_mm256_castsi256_pd(m)) as u32 }
+    }
+
+    #[inline(always)]
     fn is_zero(self, a: __m256i) -> bool {
         unsafe { _mm256_testz_si256(a, a) == 1 }
     }
@@ -289,6 +377,27 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [__m256i; 8] {
+        let [i, j, k, l] = *part(index, at);
+        let lines = [&lines[i as usize], &lines[j as usize], &lines[k as usize], &lines[l as usize]];
+        let ([a, b, c, d], [e, f, g, h]) = (self.columns_from(lines, 0), self.columns_from(lines, 4));
+        [a, b, c, d, e, f, g, h]
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[i64; 4]; GROUP], at: usize) -> [__m256i; 4] {
+        let [a, b, c, d]: &[[i64; 4]; 4] = part(rows, at);
+        unsafe {
+            self.transposed([
+                _mm256_loadu_si256(a.as_ptr().cast()),
+                _mm256_loadu_si256(b.as_ptr().cast()),
+                _mm256_loadu_si256(c.as_ptr().cast()),
+                _mm256_loadu_si256(d.as_ptr().cast()),
+            ])
+        }
+    }
+
+    #[inline(always)]
     fn gather(self, rows: &[Row], index: &[u32; GROUP], at: usize) -> Gathered<__m256i> {
         let [i, j, k, l] = *part(index, at);
         let row = [&rows[i as usize], &rows[j as usize], &rows[k as usize], &rows[l as usize]];
@@ -306,10 +415,29 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
-    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, change: [__m256i; 3]) {
-        for (&i, row) in part::<_, 4>(index, at).iter().zip(self.transposed(change)) {
+    fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, [x, y, z]: [__m256i; 3]) {
+        let zero = unsafe { _mm256_setzero_si256() };
+        for (&i, row) in part::<_, 4>(index, at).iter().zip(self.transposed([x, y, z, zero])) {
             let gain = rows[i as usize].gain.as_mut_ptr().cast();
             unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+        }
+    }
+
+    #[inline(always)]
+    fn add_sums(
+        self,
+        sums: &mut [Sums],
+        [first, second]: [&[u32; GROUP]; 2],
+        at: usize,
+        linear: [[__m256i; 4]; 2],
+        turns: [[__m256i; 4]; 2],
+    ) {
+        let (low, high) = (self.transposed(linear[0]), self.transposed(linear[1]));
+        let (turn_a, turn_b) = (self.transposed(turns[0]), self.transposed(turns[1]));
+        let (first, second): (&[u32; 4], &[u32; 4]) = (part(first, at), part(second, at));
+        for lane in 0..4 {
+            self.take_quads(&mut sums[first[lane] as usize], [low[lane], high[lane], turn_a[lane]]);
+            self.add_quads(&mut sums[second[lane] as usize], [low[lane], high[lane], turn_b[lane]]);
         }
     }
 }

@@ -9,7 +9,7 @@
 mod lanes {
     use core::arch::x86_64::*;
 
-    use super::super::{Avx2, GROUP, Gathered, Job, Lanes, Pairs, Row};
+    use super::super::{Avx2, GROUP, Gathered, Job, Lanes, Line, Pairs, Row, Sums};
 
     /// The proof that the CPU has AVX-512.
     #[derive(Clone, Copy)]
@@ -21,13 +21,14 @@ mod lanes {
             extern crate std;
             let has = std::is_x86_feature_detected!("avx512f")
                 && std::is_x86_feature_detected!("avx512dq")
+                && std::is_x86_feature_detected!("avx512cd")
                 && std::is_x86_feature_detected!("avx512vl");
             Avx2::new().filter(|_| has).map(Self)
         }
 
         /// Runs a job compiled for these instructions.
         pub(crate) fn run<J: Job>(self, job: J) -> J::Result {
-            #[target_feature(enable = "avx512f,avx512dq,avx512vl,bmi1,bmi2,lzcnt")]
+            #[target_feature(enable = "avx512f,avx512dq,avx512cd,avx512vl,bmi1,bmi2,lzcnt")]
             unsafe fn compiled<J: Job>(job: J, lanes: Avx512) -> J::Result {
                 job.run(lanes)
             }
@@ -52,6 +53,43 @@ mod lanes {
             }
         }
 
+        /// The even words of two lines, word by word beside each other, and the odd ones.
+        #[inline(always)]
+        fn interleaved(self, first: &Line, second: &Line) -> (__m512i, __m512i) {
+            let (first, second): (*const Line, *const Line) = (first, second);
+            // SAFETY: a line fills a vector and is aligned like one.
+            unsafe {
+                let (first, second) = (_mm512_load_si512(first.cast()), _mm512_load_si512(second.cast()));
+                (_mm512_unpacklo_epi64(first, second), _mm512_unpackhi_epi64(first, second))
+            }
+        }
+
+        /// The four parts of 128 bits of each vector, part by part beside each other.
+        #[inline(always)]
+        fn quarters(self, a: __m512i, b: __m512i, c: __m512i, d: __m512i) -> [__m512i; 4] {
+            const EVEN: i32 = 0b10_00_10_00;
+            const ODD: i32 = 0b11_01_11_01;
+            unsafe {
+                let (ab, cd) = (_mm512_shuffle_i64x2::<EVEN>(a, b), _mm512_shuffle_i64x2::<EVEN>(c, d));
+                let (ab_odd, cd_odd) = (_mm512_shuffle_i64x2::<ODD>(a, b), _mm512_shuffle_i64x2::<ODD>(c, d));
+                [
+                    _mm512_shuffle_i64x2::<EVEN>(ab, cd),
+                    _mm512_shuffle_i64x2::<EVEN>(ab_odd, cd_odd),
+                    _mm512_shuffle_i64x2::<ODD>(ab, cd),
+                    _mm512_shuffle_i64x2::<ODD>(ab_odd, cd_odd),
+                ]
+            }
+        }
+
+        /// Four words and four more.
+        #[inline(always)]
+        fn quads_of(self, low: &[i64; 4], high: &[i64; 4]) -> __m512i {
+            unsafe {
+                let low = _mm512_castsi256_si512(_mm256_loadu_si256(low.as_ptr().cast()));
+                _mm512_inserti64x4::<1>(low, _mm256_loadu_si256(high.as_ptr().cast()))
+            }
+        }
+
         /// Two rows (x, y, z, 0) from the words of `xy` and `z` that an index names.
         #[inline(always)]
         fn rows(self, xy: __m512i, index: __m512i, z: __m512i) -> [__m256i; 2] {
@@ -59,6 +97,27 @@ mod lanes {
                 let rows = _mm512_maskz_permutex2var_epi64(0b0111_0111, xy, index, z);
                 [_mm512_castsi512_si256(rows), _mm512_extracti64x4_epi64::<1>(rows)]
             }
+        }
+
+        /// The lanes of four vectors as rows.
+        #[inline(always)]
+        fn square(self, [x, y, z, w]: [__m512i; 4]) -> [__m256i; GROUP] {
+            unsafe {
+                let (even, odd) = (_mm512_unpacklo_epi64(x, y), _mm512_unpackhi_epi64(x, y));
+                let (other_even, other_odd) = (_mm512_unpacklo_epi64(z, w), _mm512_unpackhi_epi64(z, w));
+                let low = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11);
+                let high = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+                let [r0, r2] = self.halves(_mm512_permutex2var_epi64(even, low, other_even));
+                let [r1, r3] = self.halves(_mm512_permutex2var_epi64(odd, low, other_odd));
+                let [r4, r6] = self.halves(_mm512_permutex2var_epi64(even, high, other_even));
+                let [r5, r7] = self.halves(_mm512_permutex2var_epi64(odd, high, other_odd));
+                [r0, r1, r2, r3, r4, r5, r6, r7]
+            }
+        }
+
+        #[inline(always)]
+        fn halves(self, both: __m512i) -> [__m256i; 2] {
+            unsafe { [_mm512_castsi512_si256(both), _mm512_extracti64x4_epi64::<1>(both)] }
         }
 
         /// The lanes of x, y and z as rows (x, y, z, 0).
@@ -79,6 +138,7 @@ mod lanes {
         const WIDTH: usize = GROUP;
         type Narrow = __m512i;
         type Wide = __m512i;
+        type Mask = __mmask8;
         type Quads = Avx2;
 
         #[inline(always)]
@@ -178,6 +238,16 @@ mod lanes {
         }
 
         #[inline(always)]
+        fn larger(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_max_epi64(a, b) }
+        }
+
+        #[inline(always)]
+        fn smaller(self, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_min_epi64(a, b) }
+        }
+
+        #[inline(always)]
         fn clamped(self, a: __m512i, limit: __m512i) -> __m512i {
             unsafe {
                 let least = _mm512_sub_epi64(_mm512_setzero_si512(), limit);
@@ -231,6 +301,56 @@ mod lanes {
         }
 
         #[inline(always)]
+        fn all(self, value: i64) -> __m512i {
+            self.words(value)
+        }
+
+        #[inline(always)]
+        fn bit_length(self, a: __m512i) -> __m512i {
+            unsafe { _mm512_sub_epi64(self.words(64), _mm512_lzcnt_epi64(a)) }
+        }
+
+        #[inline(always)]
+        fn greater(self, a: __m512i, b: __m512i) -> __mmask8 {
+            unsafe { _mm512_cmpgt_epi64_mask(a, b) }
+        }
+
+        #[inline(always)]
+        fn equal(self, a: __m512i, b: __m512i) -> __mmask8 {
+            unsafe { _mm512_cmpeq_epi64_mask(a, b) }
+        }
+
+        #[inline(always)]
+        fn both(self, m: __mmask8, n: __mmask8) -> __mmask8 {
+            m & n
+        }
+
+        #[inline(always)]
+        fn either(self, m: __mmask8, n: __mmask8) -> __mmask8 {
+            m | n
+        }
+
+        #[inline(always)]
+        fn unless(self, m: __mmask8, n: __mmask8) -> __mmask8 {
+            m & !n
+        }
+
+        #[inline(always)]
+        fn unlike(self, m: __mmask8, n: __mmask8) -> __mmask8 {
+            m ^ n
+        }
+
+        #[inline(always)]
+        fn select(self, m: __mmask8, a: __m512i, b: __m512i) -> __m512i {
+            unsafe { _mm512_mask_blend_epi64(m, b, a) }
+        }
+
+        #[inline(always)]
+        fn bits(self, m: __mmask8) -> u32 {
+            u32::from(m)
+        }
+
+        #[inline(always)]
         fn is_zero(self, a: __m512i) -> bool {
             unsafe { _mm512_test_epi64_mask(a, a) == 0 }
         }
@@ -269,6 +389,36 @@ mod lanes {
         }
 
         #[inline(always)]
+        fn words_of(self, lines: &[Line], index: &[u32; GROUP], _: usize) -> [__m512i; 8] {
+            let [i, j, k, l, m, n, o, p] = *index;
+            let (e0, o0) = self.interleaved(&lines[i as usize], &lines[j as usize]);
+            let (e1, o1) = self.interleaved(&lines[k as usize], &lines[l as usize]);
+            let (e2, o2) = self.interleaved(&lines[m as usize], &lines[n as usize]);
+            let (e3, o3) = self.interleaved(&lines[o as usize], &lines[p as usize]);
+            let (even, odd) = (self.quarters(e0, e1, e2, e3), self.quarters(o0, o1, o2, o3));
+            [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3], odd[3]]
+        }
+
+        #[inline(always)]
+        fn columns(self, rows: &[[i64; 4]; GROUP], _: usize) -> [__m512i; 4] {
+            let (a, b) = (self.quads_of(&rows[0], &rows[4]), self.quads_of(&rows[1], &rows[5]));
+            let (c, d) = (self.quads_of(&rows[2], &rows[6]), self.quads_of(&rows[3], &rows[7]));
+            unsafe {
+                // In each half four rows and four columns.
+                let (even, other_even) = (_mm512_unpacklo_epi64(a, b), _mm512_unpacklo_epi64(c, d));
+                let (odd, other_odd) = (_mm512_unpackhi_epi64(a, b), _mm512_unpackhi_epi64(c, d));
+                let (first, third) =
+                    (_mm512_setr_epi64(0, 1, 8, 9, 4, 5, 12, 13), _mm512_setr_epi64(2, 3, 10, 11, 6, 7, 14, 15));
+                [
+                    _mm512_permutex2var_epi64(even, first, other_even),
+                    _mm512_permutex2var_epi64(odd, first, other_odd),
+                    _mm512_permutex2var_epi64(even, third, other_even),
+                    _mm512_permutex2var_epi64(odd, third, other_odd),
+                ]
+            }
+        }
+
+        #[inline(always)]
         fn gather(self, rows: &[Row], index: &[u32; GROUP], _: usize) -> Gathered<__m512i> {
             let [i, j, k, l, m, n, o, p] = *index;
             let a = self.both(&rows[i as usize], &rows[m as usize]);
@@ -295,6 +445,23 @@ mod lanes {
             for (&i, row) in index.iter().zip(self.transposed(change)) {
                 let gain = rows[i as usize].gain.as_mut_ptr().cast();
                 unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+            }
+        }
+
+        #[inline(always)]
+        fn add_sums(
+            self,
+            sums: &mut [Sums],
+            [first, second]: [&[u32; GROUP]; 2],
+            _: usize,
+            linear: [[__m512i; 4]; 2],
+            turns: [[__m512i; 4]; 2],
+        ) {
+            let (low, high) = (self.square(linear[0]), self.square(linear[1]));
+            let (turn_a, turn_b) = (self.square(turns[0]), self.square(turns[1]));
+            for lane in 0..GROUP {
+                self.0.take_quads(&mut sums[first[lane] as usize], [low[lane], high[lane], turn_a[lane]]);
+                self.0.add_quads(&mut sums[second[lane] as usize], [low[lane], high[lane], turn_b[lane]]);
             }
         }
     }

@@ -5,7 +5,7 @@
 
 use core::arch::aarch64::*;
 
-use super::{GROUP, Gathered, Job, Lanes, Pairs, Portable, Row, part, part_mut};
+use super::{GROUP, Gathered, Job, Lanes, Line, Pairs, Portable, Row, part, part_mut};
 
 /// The two lanes. This module is part of builds for CPUs with NEON only.
 #[derive(Clone, Copy)]
@@ -46,6 +46,7 @@ impl Lanes for Neon {
     const WIDTH: usize = 2;
     type Narrow = int32x2_t;
     type Wide = int64x2_t;
+    type Mask = uint64x2_t;
     type Quads = Portable;
 
     #[inline(always)]
@@ -193,6 +194,60 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
+    fn all(self, value: i64) -> int64x2_t {
+        self.words(value)
+    }
+
+    #[inline(always)]
+    fn bit_length(self, a: int64x2_t) -> int64x2_t {
+        let length = |word: i64| i64::from(64 - word.leading_zeros());
+        unsafe {
+            let (first, second) = (length(vgetq_lane_s64::<0>(a)), length(vgetq_lane_s64::<1>(a)));
+            vcombine_s64(vcreate_s64(first as u64), vcreate_s64(second as u64))
+        }
+    }
+
+    #[inline(always)]
+    fn greater(self, a: int64x2_t, b: int64x2_t) -> uint64x2_t {
+        unsafe { vcgtq_s64(a, b) }
+    }
+
+    #[inline(always)]
+    fn equal(self, a: int64x2_t, b: int64x2_t) -> uint64x2_t {
+        unsafe { vceqq_s64(a, b) }
+    }
+
+    #[inline(always)]
+    fn both(self, m: uint64x2_t, n: uint64x2_t) -> uint64x2_t {
+        unsafe { vandq_u64(m, n) }
+    }
+
+    #[inline(always)]
+    fn either(self, m: uint64x2_t, n: uint64x2_t) -> uint64x2_t {
+        unsafe { vorrq_u64(m, n) }
+    }
+
+    #[inline(always)]
+    fn unless(self, m: uint64x2_t, n: uint64x2_t) -> uint64x2_t {
+        unsafe { vbicq_u64(m, n) }
+    }
+
+    #[inline(always)]
+    fn unlike(self, m: uint64x2_t, n: uint64x2_t) -> uint64x2_t {
+        unsafe { veorq_u64(m, n) }
+    }
+
+    #[inline(always)]
+    fn select(self, m: uint64x2_t, a: int64x2_t, b: int64x2_t) -> int64x2_t {
+        unsafe { vbslq_s64(m, a, b) }
+    }
+
+    #[inline(always)]
+    fn bits(self, m: uint64x2_t) -> u32 {
+        unsafe { (vgetq_lane_u64::<0>(m) & 1 | vgetq_lane_u64::<1>(m) & 2) as u32 }
+    }
+
+    #[inline(always)]
     fn is_zero(self, a: int64x2_t) -> bool {
         unsafe { vmaxvq_u32(vreinterpretq_u32_s64(a)) == 0 }
     }
@@ -216,6 +271,30 @@ impl Lanes for Neon {
         unsafe {
             let signs = self.upper::<63>(vorrq_s64(impulses[0], impulses[1]));
             self.is_zero(vorrq_s64(self.beyond(changes), signs))
+        }
+    }
+
+    #[inline(always)]
+    fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [int64x2_t; 8] {
+        let [a, b] = part(index, at).map(|i| &lines[i as usize].0);
+        let mut words = [self.words(0); 8];
+        for word in (0..8).step_by(2) {
+            unsafe {
+                let (first, second) = (vld1q_s64(a[word..].as_ptr()), vld1q_s64(b[word..].as_ptr()));
+                words[word] = vzip1q_s64(first, second);
+                words[word + 1] = vzip2q_s64(first, second);
+            }
+        }
+        words
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[i64; 4]; GROUP], at: usize) -> [int64x2_t; 4] {
+        let [a, b]: &[[i64; 4]; 2] = part(rows, at);
+        unsafe {
+            let (a, other_a) = (vld1q_s64(a.as_ptr()), vld1q_s64(a.as_ptr().add(2)));
+            let (b, other_b) = (vld1q_s64(b.as_ptr()), vld1q_s64(b.as_ptr().add(2)));
+            [vzip1q_s64(a, b), vzip2q_s64(a, b), vzip1q_s64(other_a, other_b), vzip2q_s64(other_a, other_b)]
         }
     }
 

@@ -1,6 +1,6 @@
 //! One lane at a time, in plain integers: the reference.
 
-use super::{GAIN_BITS, GROUP, Gathered, Lanes, Pairs, Quads, Row};
+use super::{GAIN_BITS, GROUP, Gathered, Lanes, Line, Pairs, Quads, Row};
 
 /// One lane, on every machine.
 #[derive(Clone, Copy)]
@@ -10,6 +10,7 @@ impl Lanes for Portable {
     const WIDTH: usize = 1;
     type Narrow = i32;
     type Wide = i64;
+    type Mask = bool;
     type Quads = Self;
 
     #[inline(always)]
@@ -123,6 +124,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn reciprocal(self, d: i32) -> i32 {
+        (((1_u64 << 60) - 1) / d as u64) as i32
+    }
+
+    #[inline(always)]
     fn rounded(self, a: i64) -> i32 {
         ((a + (1 << 29)) >> 30) as i32
     }
@@ -141,6 +147,56 @@ impl Lanes for Portable {
     fn share(self, factor: i32, load: i64) -> i64 {
         let (low, high) = (load & 0x7fff_ffff, load >> 31);
         ((i64::from(factor) * low + (1 << 25)) >> 26) + ((i64::from(factor) * high) << 5)
+    }
+
+    #[inline(always)]
+    fn all(self, value: i64) -> i64 {
+        value
+    }
+
+    #[inline(always)]
+    fn bit_length(self, a: i64) -> i64 {
+        i64::from(64 - a.leading_zeros())
+    }
+
+    #[inline(always)]
+    fn greater(self, a: i64, b: i64) -> bool {
+        a > b
+    }
+
+    #[inline(always)]
+    fn equal(self, a: i64, b: i64) -> bool {
+        a == b
+    }
+
+    #[inline(always)]
+    fn both(self, m: bool, n: bool) -> bool {
+        m & n
+    }
+
+    #[inline(always)]
+    fn either(self, m: bool, n: bool) -> bool {
+        m | n
+    }
+
+    #[inline(always)]
+    fn unless(self, m: bool, n: bool) -> bool {
+        m & !n
+    }
+
+    #[inline(always)]
+    fn unlike(self, m: bool, n: bool) -> bool {
+        m ^ n
+    }
+
+    #[inline(always)]
+    fn select(self, m: bool, a: i64, b: i64) -> i64 {
+        if m { a } else { b }
+    }
+
+    #[inline(always)]
+    fn bits(self, m: bool) -> u32 {
+        u32::from(m)
     }
 
     #[inline(always)]
@@ -164,6 +220,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn are_pushes(self, impulses: [i64; 2], changes: [i64; 2]) -> bool {
         (impulses[0] | impulses[1]) >= 0 && !self.are_beyond(changes, [0; 2])
+    }
+
+    #[inline(always)]
+    fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [i64; 8] {
+        lines[index[at] as usize].0
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[i64; 4]; GROUP], at: usize) -> [i64; 4] {
+        rows[at]
     }
 
     #[inline(always)]

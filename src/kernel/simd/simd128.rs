@@ -6,7 +6,7 @@
 
 use core::arch::wasm32::*;
 
-use super::{GROUP, Gathered, Job, Lanes, Pairs, Portable, Row, part, part_mut};
+use super::{GROUP, Gathered, Job, Lanes, Line, Pairs, Portable, Row, part, part_mut};
 
 /// The two lanes. This module is part of builds with these instructions only.
 #[derive(Clone, Copy)]
@@ -46,6 +46,7 @@ impl Lanes for Simd128 {
     const WIDTH: usize = 2;
     type Narrow = v128;
     type Wide = v128;
+    type Mask = v128;
     type Quads = Portable;
 
     #[inline(always)]
@@ -195,6 +196,57 @@ impl Lanes for Simd128 {
     }
 
     #[inline(always)]
+    fn all(self, value: i64) -> v128 {
+        i64x2_splat(value)
+    }
+
+    #[inline(always)]
+    fn bit_length(self, a: v128) -> v128 {
+        let length = |word: i64| i64::from(64 - word.leading_zeros());
+        i64x2(length(i64x2_extract_lane::<0>(a)), length(i64x2_extract_lane::<1>(a)))
+    }
+
+    #[inline(always)]
+    fn greater(self, a: v128, b: v128) -> v128 {
+        i64x2_gt(a, b)
+    }
+
+    #[inline(always)]
+    fn equal(self, a: v128, b: v128) -> v128 {
+        i64x2_eq(a, b)
+    }
+
+    #[inline(always)]
+    fn both(self, m: v128, n: v128) -> v128 {
+        v128_and(m, n)
+    }
+
+    #[inline(always)]
+    fn either(self, m: v128, n: v128) -> v128 {
+        v128_or(m, n)
+    }
+
+    #[inline(always)]
+    fn unless(self, m: v128, n: v128) -> v128 {
+        v128_andnot(m, n)
+    }
+
+    #[inline(always)]
+    fn unlike(self, m: v128, n: v128) -> v128 {
+        v128_xor(m, n)
+    }
+
+    #[inline(always)]
+    fn select(self, m: v128, a: v128, b: v128) -> v128 {
+        v128_bitselect(a, b, m)
+    }
+
+    #[inline(always)]
+    fn bits(self, m: v128) -> u32 {
+        u32::from(i64x2_bitmask(m))
+    }
+
+    #[inline(always)]
     fn is_zero(self, a: v128) -> bool {
         !v128_any_true(a)
     }
@@ -217,6 +269,31 @@ impl Lanes for Simd128 {
     fn are_pushes(self, impulses: [v128; 2], changes: [v128; 2]) -> bool {
         let signs = v128_and(v128_or(impulses[0], impulses[1]), i64x2_splat(i64::MIN));
         self.are_short(v128_or(self.beyond(changes), signs))
+    }
+
+    #[inline(always)]
+    fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [v128; 8] {
+        let [a, b] = part(index, at).map(|i| &lines[i as usize].0);
+        let mut words = [i64x2_splat(0); 8];
+        for word in 0..8 {
+            words[word] = i64x2(a[word], b[word]);
+        }
+        words
+    }
+
+    #[inline(always)]
+    fn columns(self, rows: &[[i64; 4]; GROUP], at: usize) -> [v128; 4] {
+        let [a, b]: &[[i64; 4]; 2] = part(rows, at);
+        let [a, b]: [*const v128; 2] = [a.as_ptr().cast(), b.as_ptr().cast()];
+        // SAFETY: a row fills two vectors.
+        let (a, other_a, b, other_b) =
+            unsafe { (v128_load(a), v128_load(a.add(1)), v128_load(b), v128_load(b.add(1))) };
+        [
+            i64x2_shuffle::<0, 2>(a, b),
+            i64x2_shuffle::<1, 3>(a, b),
+            i64x2_shuffle::<0, 2>(other_a, other_b),
+            i64x2_shuffle::<1, 3>(other_a, other_b),
+        ]
     }
 
     #[inline(always)]

@@ -123,6 +123,8 @@ struct Wides {
     raised: [[i64; GROUP]; 2],
     load: [i64; GROUP],
     factor: Pairs,
+    /// From 2^30 to 2^31 − 1.
+    divisor: [i64; GROUP],
 }
 
 impl Wides {
@@ -132,10 +134,11 @@ impl Wides {
         let [rounded] = within([any()], |[a]| a.unsigned_abs() < (1 << 63) - (1 << 29));
         let [load] = within([any()], |[load]| (0..1 << 58).contains(&load));
         let sum = within([any(), any()], |[a, b]| a.checked_add(b).is_some() && a.checked_sub(b).is_some());
+        let divisor = any().map(|word| 1 << 30 | word & ((1 << 30) - 1));
         let (any, shift) = ([any(), any(), any()], any().map(|bits| bits & 63));
         let raised = within([any[0], any[1].map(|bits| bits & 63)], |[a, bits]| (a << bits) >> bits == a);
         let factor = pairs(random, narrow_edges).map(|[a, b]| [a.max(0), b]);
-        Self { sum, any, limit, shift, rounded, raised, load, factor }
+        Self { sum, any, limit, shift, rounded, raised, load, factor, divisor }
     }
 }
 
@@ -163,6 +166,8 @@ impl Job for Wides {
         operation!("sub", |at| lanes.sub(words_at(&self.sum[0], at), words_at(&self.sum[1], at)));
         operation!("if_negative", |at| lanes.if_negative(a(at, &self.any), b(at, &self.any), c(at, &self.any)));
         operation!("positive", |at| lanes.positive(a(at, &self.any)));
+        operation!("larger", |at| lanes.larger(words_at(&self.sum[0], at), words_at(&self.sum[1], at)));
+        operation!("smaller", |at| lanes.smaller(words_at(&self.sum[0], at), words_at(&self.sum[1], at)));
         operation!("clamped", |at| lanes.clamped(a(at, &self.any), words_at(&self.limit, at)));
         operation!(narrow "capped", |at| lanes.capped(words_at(&self.limit, at)));
         operation!("floored 28", |at| lanes.floored::<28>(a(at, &self.any)));
@@ -173,8 +178,83 @@ impl Job for Wides {
         operation!("rounded_oddly 27", |at| lanes.rounded_oddly::<27>(words_at(&self.rounded, at)));
         operation!("rounded_oddly 30", |at| lanes.rounded_oddly::<30>(words_at(&self.rounded, at)));
         operation!("raised_by", |at| lanes.raised_by(words_at(&self.raised[0], at), words_at(&self.raised[1], at)));
+        operation!("all", |_at| lanes.all(self.any[0][0]));
+        operation!("bit_length", |at| lanes.bit_length(words_at(&self.limit, at)));
+        operation!("larger", |at| lanes.larger(a(at, &self.any), b(at, &self.any)));
+        operation!("smaller", |at| lanes.smaller(a(at, &self.any), b(at, &self.any)));
+        operation!("magnitude", |at| lanes.magnitude(words_at(&self.rounded, at)));
+        // The portable one divides.
+        operation!(narrow "reciprocal", |at| lanes.reciprocal(lanes.low(words_at(&self.divisor, at))));
         operation!("share", |at| lanes.share(lanes.pair(&self.factor, at).0, words_at(&self.load, at)));
         results
+    }
+}
+
+/// Comparisons, and what masks are made of.
+struct Masks {
+    words: [[i64; GROUP]; 4],
+}
+
+impl Masks {
+    fn new(random: &mut Random, edges: &[i64]) -> Self {
+        let mut words = [0; 4].map(|_| operands(random, edges, 64));
+        // Equal words in some lanes.
+        let lanes = random.next();
+        (0..GROUP).filter(|lane| lanes >> lane & 1 == 1).for_each(|lane| words[1][lane] = words[0][lane]);
+        Self { words }
+    }
+}
+
+impl Job for Masks {
+    type Result = ([u32; 6], [i64; GROUP]);
+
+    fn run<L: Lanes>(self, lanes: L) -> Self::Result {
+        let (mut bits, mut selected) = ([0; 6], [0; GROUP]);
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            let [a, b, c, d] = [0, 1, 2, 3].map(|k: usize| lanes.wide(&self.words[k], at));
+            let (greater, equal) = (lanes.greater(c, d), lanes.equal(a, b));
+            let masks = [
+                greater,
+                equal,
+                lanes.both(greater, equal),
+                lanes.either(greater, equal),
+                lanes.unless(greater, equal),
+                lanes.unlike(greater, equal),
+            ];
+            for (bits, mask) in bits.iter_mut().zip(masks) {
+                *bits |= lanes.bits(mask) << at;
+            }
+            lanes.store(&mut selected, at, lanes.select(greater, a, c));
+        }
+        (bits, selected)
+    }
+}
+
+/// Lines that an index names.
+struct Lines {
+    lines: Vec<Line>,
+    index: [u32; GROUP],
+}
+
+impl Lines {
+    fn new(random: &mut Random) -> Self {
+        let count = 1 + random.next() as usize % 12;
+        let lines = (0..count).map(|_| Line(core::array::from_fn(|_| random.next()))).collect();
+        Self { lines, index: core::array::from_fn(|_| random.next() as u32 % count as u32) }
+    }
+}
+
+impl Job for Lines {
+    type Result = [[i64; GROUP]; 8];
+
+    fn run<L: Lanes>(self, lanes: L) -> Self::Result {
+        let mut words = [[0; GROUP]; 8];
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            for (words, value) in words.iter_mut().zip(lanes.words_of(&self.lines, &self.index, at)) {
+                lanes.store(words, at, value);
+            }
+        }
+        words
     }
 }
 
@@ -271,6 +351,10 @@ struct Bodies {
     rows: Vec<Row>,
     index: [u32; GROUP],
     change: [[i64; GROUP]; 3],
+    /// A row of four words for each lane.
+    table: [[i64; 4]; GROUP],
+    /// Impulses by quad.
+    impulses: [[[i64; GROUP]; 4]; 4],
 }
 
 impl Bodies {
@@ -285,16 +369,21 @@ impl Bodies {
         let rows = rows.collect();
         let index = core::array::from_fn(|_| random.next() as u32 % count as u32);
         let change = [0, 1, 2].map(|_| core::array::from_fn(|_| random.number(58)));
-        Self { rows, index, change }
+        let table = core::array::from_fn(|_| core::array::from_fn(|_| random.next()));
+        let impulses = core::array::from_fn(|_| core::array::from_fn(|_| core::array::from_fn(|_| random.number(58))));
+        Self { rows, index, change, table, impulses }
     }
 }
 
 impl Job for Bodies {
-    type Result = ([[i64; GROUP]; 6], Vec<Row>);
+    type Result = ([[i64; GROUP]; 10], Vec<Row>, Vec<Sums>);
 
     fn run<L: Lanes>(self, lanes: L) -> Self::Result {
-        let mut gathered = [[0; GROUP]; 6];
+        let mut gathered = [[0; GROUP]; 10];
         let mut rows = self.rows.clone();
+        let mut sums = vec![Sums::default(); rows.len()];
+        // Each body is the first one of a contact as often as the second one of another one.
+        let second: [u32; GROUP] = core::array::from_fn(|lane| self.index[GROUP - 1 - lane]);
         for at in (0..GROUP).step_by(L::WIDTH) {
             let Gathered { velocity, displacement } = lanes.gather(&self.rows, &self.index, at);
             for (words, value) in gathered.iter_mut().zip(velocity.into_iter().chain(displacement)) {
@@ -302,8 +391,13 @@ impl Job for Bodies {
             }
             let change = self.change.map(|words| lanes.wide(&words, at));
             lanes.add_gains(&mut rows, &self.index, at, change);
+            for (words, value) in gathered[6..].iter_mut().zip(lanes.columns(&self.table, at)) {
+                lanes.store(words, at, value);
+            }
+            let [low, high, turn_a, turn_b] = self.impulses.map(|quad| quad.map(|words| lanes.wide(&words, at)));
+            lanes.add_sums(&mut sums, [&self.index, &second], at, [low, high], [turn_a, turn_b]);
         }
-        (gathered, rows)
+        (gathered, rows, sums)
     }
 }
 
@@ -335,6 +429,13 @@ fn operations_on_wide_lanes_are_the_portable_ones() {
 }
 
 #[test]
+fn masks_and_lines_are_the_portable_ones() {
+    let edges = edges(64);
+    same(|random| Masks::new(random, &edges));
+    same(Lines::new);
+}
+
+#[test]
 fn each_lane_beyond_a_bound_is_seen() {
     same(Bounds::new);
     // Both answers occur.
@@ -351,6 +452,38 @@ fn operations_on_bodies_are_the_portable_ones() {
     let taken = (0..1000).filter(|&seed| OneBody::new(&mut Random(run_seed(seed)), &edges).run(Portable).2).count();
     assert!((100..900).contains(&taken), "{taken}");
     same(Bodies::new);
+}
+
+/// The columns of a table are its transpose; sums of impulses are sums of each lane.
+#[test]
+fn columns_and_sums_are_those_of_each_lane() {
+    for seed in 0..100 {
+        let bodies = Bodies::new(&mut Random(run_seed(seed)));
+        let (index, table, impulses) = (bodies.index, bodies.table, bodies.impulses);
+        let (results, rows, sums) = bodies.run(Portable);
+        for lane in 0..GROUP {
+            assert_eq!([0, 1, 2, 3].map(|k| results[6 + k][lane]), table[lane]);
+        }
+        let mut expected = vec![Sums::default(); rows.len()];
+        for lane in 0..GROUP {
+            let quad = |quad: usize| [0, 1, 2, 3].map(|k| impulses[quad][k][lane]);
+            let (a, b) = (index[lane] as usize, index[GROUP - 1 - lane] as usize);
+            for (k, (from_a, to_b)) in
+                [(quad(0), quad(0)), (quad(1), quad(1)), (quad(2), quad(3))].into_iter().enumerate()
+            {
+                (0..4).for_each(|i| expected[a].0[k][i] -= from_a[i]);
+                (0..4).for_each(|i| expected[b].0[k][i] += to_b[i]);
+            }
+        }
+        assert_eq!(sums, expected);
+    }
+}
+
+#[test]
+fn reciprocals_are_quotients() {
+    for d in [(1 << 30), (1 << 30) + 1, (1 << 30) + 2, 3 << 29, i32::MAX - 1, i32::MAX] {
+        assert_eq!(i64::from(Portable.reciprocal(d)), ((1_i64 << 60) - 1) / i64::from(d));
+    }
 }
 
 #[test]

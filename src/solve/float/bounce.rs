@@ -160,7 +160,12 @@ impl Bounces {
             let (Some(impulses), Some(island)) = (impulses, graph.island_of(i as u32)) else { continue };
             let energy = &mut self.energies[island as usize];
             for (c, impulse) in impulses.iter().enumerate() {
-                let mass = if c < 2 { flights[i].mass.to_f64() } else { flights[i].inertia.to_f64() };
+                let inverse_inertia = body.inverse_mass[2];
+                let mass = match c {
+                    0 | 1 => flights[i].mass.to_f64(),
+                    _ if inverse_inertia > 0.0 => inverse_inertia.recip(),
+                    _ => 0.0,
+                };
                 let free = body.start[c] + body.change[c];
                 let change = *impulse * body.inverse_mass[c];
                 energy.add(mass, free, body.velocity[c], change);

@@ -23,6 +23,9 @@ use super::graph::graph_start;
 use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
 use crate::math::TimeStep;
 use crate::scalar::ToF64 as _;
+#[cfg(feature = "timers")]
+use crate::timers::Timers;
+use crate::timers::{counted, timed};
 
 /// Two numbers: of two points, or a vector in the plane.
 type Pair = [f64; 2];
@@ -82,6 +85,8 @@ pub struct FloatSolver {
     /// Bodies with their leaders.
     followers: Vec<[u32; 2]>,
     pub(super) rounding: Rounding,
+    #[cfg(feature = "timers")]
+    timers: Timers,
 }
 
 impl ContactSolver for FloatSolver {
@@ -95,25 +100,19 @@ impl ContactSolver for FloatSolver {
     ) {
         let clock = Clock::new(time_step, options.substeps);
         self.prepare(clock, options, flights, contacts);
-        for k in 1..=clock.substeps {
-            self.bodies.iter_mut().for_each(|body| body.begin(k, clock.substeps, &mut self.rounding));
-            self.follow();
-            if k == 1 {
-                self.pass(clock.length, Pass::WarmStart);
-            }
-            self.pass(clock.length, Pass::Solve);
-            self.bodies.iter_mut().for_each(|body| body.advance(clock.length));
-            self.follow();
-            self.pass(clock.length, Pass::Relax);
-            for _ in 1..options.relax_passes {
-                self.pass(clock.length, Pass::RelaxAgain);
-            }
-        }
+        timed!(self, passes, self.run_passes(clock, options.relax_passes));
         let threshold = options.restitution_speed.to_f64();
-        self.bounces.run(clock, threshold, &self.graph, flights, &self.bodies, &mut self.phases);
-        self.apply(contacts);
+        let Self { bounces, graph, bodies, phases, .. } = self;
+        timed!(self, impacts, bounces.run(clock, threshold, graph, flights, bodies, phases));
+        timed!(self, apply, self.apply(contacts));
         corrections.clear();
         corrections.extend(self.bodies.iter().map(|body| body.correction(clock.length)));
+        counted!(self, islands, self.graph.islands());
+    }
+
+    #[cfg(feature = "timers")]
+    fn take_timers(&mut self) -> Timers {
+        core::mem::take(&mut self.timers)
     }
 
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
@@ -175,6 +174,24 @@ impl FloatSolver {
         for rows in self.phases[phase].iter_mut().filter(|rows| rows.roll.resists()) {
             let shares = rows.bodies.map(|body| f64::from(self.shares[body as usize]));
             rows.share_roll(rows.bodies.map(|body| &self.bodies[body as usize]), shares);
+        }
+    }
+
+    /// The passes of all sub-steps, and the motion of bodies between them.
+    fn run_passes(&mut self, clock: Clock, relax_passes: u32) {
+        for k in 1..=clock.substeps {
+            self.bodies.iter_mut().for_each(|body| body.begin(k, clock.substeps, &mut self.rounding));
+            self.follow();
+            if k == 1 {
+                self.pass(clock.length, Pass::WarmStart);
+            }
+            self.pass(clock.length, Pass::Solve);
+            self.bodies.iter_mut().for_each(|body| body.advance(clock.length));
+            self.follow();
+            self.pass(clock.length, Pass::Relax);
+            for _ in 1..relax_passes {
+                self.pass(clock.length, Pass::RelaxAgain);
+            }
         }
     }
 

@@ -11,9 +11,9 @@
 
 use super::super::bodies::BodyRows;
 use super::super::groups::ContactGroups;
-use super::super::number::shifted;
+use super::super::number::{shifted, shifted_word};
 use super::jacobian::product;
-use super::shock::{Shock, closes, rows_before};
+use super::shock::{Shock, closing};
 use super::{FRACTION, Impacts, SubStep};
 
 /// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
@@ -46,14 +46,14 @@ impl Shock {
     /// A factor is below 2^61 and a velocity below 2^58. The impulse is within ±2^60.
     fn scaled(&self, factor: i64, velocity: i64) -> i64 {
         let down = 61 + FRACTION - 30 + self.inverse.shift;
-        shifted(-product(factor, velocity), down).clamp(-(1 << 60), 1 << 60) as i64
+        limited(shifted(-product(factor, velocity), down))
     }
 
     /// The change of the velocity along one row by an impulse along another one, by their element of the matrix, in 2^-[`FRACTION`].
     fn coupled(&self, element: usize, impulse: i64) -> i64 {
         // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
         let product = product(self.matrix[element], impulse);
-        shifted(product, 30 - FRACTION - 8).clamp(-(1 << 60), 1 << 60) as i64
+        limited(shifted(product, 30 - FRACTION - 8))
     }
 
     /// The changes of the normal impulses that bring these velocities to zero, or leave them positive without an impulse.
@@ -115,8 +115,15 @@ impl Shock {
     }
 }
 
+/// A value within ±2^60.
+#[inline(always)]
+fn limited(value: i128) -> i64 {
+    // Most are within: a comparison of words twice as long costs more than a shift.
+    if matches!(value >> 60, 0 | -1) { value as i64 } else { value.clamp(-(1 << 60), 1 << 60) as i64 }
+}
+
 /// Takes the last changes of all impulses once more, in part: by (m − 1)/(m + 2) after m iterations.
-fn run_ahead(impacts: &mut Impacts, momentum: i128) {
+fn run_ahead(impacts: &mut Impacts, momentum: i64) {
     let Impacts { shocks, struck, coarse, .. } = impacts;
     // In 2^-20.
     let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
@@ -124,8 +131,13 @@ fn run_ahead(impacts: &mut Impacts, momentum: i128) {
         shock.from = shock.impulses;
         if share > 0 {
             for row in 0..3 {
-                let last = i128::from(shock.impulses[row]) - i128::from(shock.last[row]);
-                shock.from[row] += shifted(last * share, 20) as i64;
+                // Impulses are below 2^62.
+                let last = shock.impulses[row] - shock.last[row];
+                shock.from[row] += if last.unsigned_abs() < 1 << 42 {
+                    shifted_word(last * share, 20)
+                } else {
+                    shifted(product(last, share), 20) as i64
+                };
             }
             (0..2).for_each(|point| shock.from[point] = shock.from[point].max(shock.lower_bounds[point]));
         }
@@ -142,7 +154,7 @@ fn run_ahead(impacts: &mut Impacts, momentum: i128) {
 fn correct(impacts: &mut Impacts, renews: bool) -> (i64, i128) {
     let Impacts { shocks, struck, set, exponent, coarse, .. } = impacts;
     let mut largest = 0;
-    let mut uphill = 0;
+    let mut uphill = 0_i128;
     // All changes follow from the same velocities.
     for shock in shocks.iter_mut() {
         let velocities = shock.velocities(struck, *coarse);
@@ -156,11 +168,12 @@ fn correct(impacts: &mut Impacts, renews: bool) -> (i64, i128) {
         for row in 0..3 {
             shock.impulses[row] = shock.from[row] + change[row];
             if row < 2 {
-                work += i128::from(velocities[row]) * (i128::from(shock.impulses[row]) - i128::from(shock.last[row]));
+                work += product(velocities[row], shock.impulses[row] - shock.last[row]);
             }
         }
         // Coarse velocities are larger.
-        uphill += work >> (*exponent - shock.exponent + *coarse).clamp(0, 126);
+        let down = *exponent - shock.exponent + *coarse;
+        uphill += if down <= 0 { work } else { work >> down.min(126) };
     }
     for shock in shocks.iter() {
         let change = [0, 1, 2].map(|row| shock.impulses[row] - shock.from[row]);
@@ -258,9 +271,10 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
         }
         for at in impacts.places_of(struck.row) {
             let place = impacts.places[at];
-            if !impacts.is_joined[place as usize] && closes(impacts, substep, bodies, groups, place, slowest) {
-                let (_, group, lane) = groups.lane_of(place);
-                let before = rows_before(&bodies.rows, group, lane, substep);
+            if impacts.is_joined[place as usize] || impacts.has_earlier_body(struck.row, groups, place) {
+                continue;
+            }
+            if let Some(before) = closing(impacts, substep, bodies, groups, place, slowest) {
                 let shock = Shock::new(substep, bodies, groups, place, before, impacts.moment);
                 impacts.join(shock, substep, &bodies.rows);
             }

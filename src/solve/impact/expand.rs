@@ -196,7 +196,7 @@ fn take_all_back(impacts: &mut Impacts) {
 /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
 pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, groups: &mut ContactGroups, lanes: L) {
     let mean = mean_moment(impacts);
-    let Impacts { shocks, struck, set, strikes, is_joined, coarse, .. } = impacts;
+    let Impacts { shocks, struck, set, strikes, is_joined, coarse, velocities, .. } = impacts;
     for shock in shocks {
         is_joined[shock.place as usize] = false;
         if shock.impulses == [0; 3] {
@@ -231,6 +231,7 @@ pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, gro
             let change = [0, 1, 2].map(|axis| struck.velocity[axis] - struck.start[axis]);
             let change = change.map(|part| part.clamp(-limit, limit) << *coarse);
             bodies.rows.strike(lanes, struck.row, change, back.map(|way| shifted(way, FINE)));
+            velocities.forget(struck.row);
         }
     }
     for index in 0..impacts.set.len() {

@@ -74,9 +74,16 @@ impl Jacobian {
         if sizes < 1 << 32 && coarse == 0 {
             // Sums of three products are below 2^62.
             let turned = first * impulses[0] + second * impulses[1] + third * impulses[2];
+            let [x, y] = [nx * pressing + tx * impulses[2], ny * pressing + ty * impulses[2]];
+            // Most are far within the limit: the logarithm of the share is rounded up.
+            let bits = 60 - (64 - (share - 1).max(0).leading_zeros());
+            let largest = x.unsigned_abs() | y.unsigned_abs() | turned.unsigned_abs();
+            if largest >> bits.saturating_sub(self.angular_shift as u32) == 0 {
+                return [x, y, turned << self.angular_shift];
+            }
             return [
-                limited_word(nx * pressing + tx * impulses[2], share),
-                limited_word(ny * pressing + ty * impulses[2], share),
+                limited_word(x, share),
+                limited_word(y, share),
                 limited(i128::from(turned) << self.angular_shift, share),
             ];
         }
@@ -101,6 +108,21 @@ impl Jacobian {
         // Both ways, so that the points may come in either order.
         [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
     }
+}
+
+/// By point: true if two bodies with these velocities in 2^(coarse − [`FINE`]) close along the normal faster than a speed in 2^-[`FRACTION`],
+/// as [`Jacobian::velocities`] has them.
+#[inline(always)]
+pub(super) fn closes_faster(group: &Group, lane: usize, [a, b]: [[i64; 3]; 2], coarse: i32, speed: i64) -> [bool; 2] {
+    let bits = 30 + FINE - FRACTION - coarse;
+    let [nx, ny] = group.normal[lane].map(i64::from);
+    // Rounded down after a half is added: below −speed if the sum is below −speed · 2^bits.
+    let normal = product(nx, b[0] - a[0]) + product(ny, b[1] - a[1]) + (1 << (bits - 1));
+    let limit = -(i128::from(speed) << bits);
+    [0, 1].map(|point: usize| {
+        let [arm_a, arm_b] = group.arms[point][lane].map(i64::from);
+        normal + product(arm_b, b[2]) - product(arm_a, a[2]) < limit
+    })
 }
 
 /// A velocity in units 2^coarse times as large, rounded oddly.

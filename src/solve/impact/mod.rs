@@ -31,14 +31,18 @@
 
 mod compress;
 mod expand;
+mod fast;
 mod jacobian;
 mod shock;
+mod velocities;
 
 use alloc::vec::Vec;
 
 use self::expand::{renew_separation, solve_shocks, strike};
+use self::fast::FastLanes;
 use self::jacobian::coarsened;
-use self::shock::{Shock, velocity_before};
+use self::shock::Shock;
+use self::velocities::Velocities;
 use super::bodies::{BodyRows, STILL};
 use super::follow::Follower;
 use super::graph::Graph;
@@ -137,6 +141,8 @@ pub(super) struct Impacts {
     struck: Vec<Struck>,
     /// By row: true for a body that may have an impact in the sub-step.
     fast: Vec<bool>,
+    fast_lanes: FastLanes,
+    velocities: Velocities,
     /// By row: the index in `struck`, or [`NONE`].
     struck_of: Vec<u32>,
     /// The bodies of the shocks.
@@ -173,6 +179,7 @@ impl Impacts {
     }
 
     /// Solves the impacts of a sub-step, after [`Begin`](super::motion::Begin).
+    #[inline(always)]
     pub(super) fn solve<L: Lanes>(
         &mut self,
         substep: SubStep<'_>,
@@ -180,11 +187,12 @@ impl Impacts {
         groups: &mut ContactGroups,
         lanes: L,
     ) {
-        self.list_fast(&bodies.rows, groups);
+        self.list_fast(substep, &bodies.rows, groups, lanes);
         if self.pending.is_empty() {
             return;
         }
         self.index_contacts(&bodies.rows, groups);
+        self.velocities.begin(bodies.rows.len());
         let islands = substep.graph.islands();
         self.work.resize(islands, 0);
         self.is_finished.clear();
@@ -201,16 +209,19 @@ impl Impacts {
 
     /// Lists the contacts of fast bodies. Where a quarter of all bodies is fast, all contacts are looked through in their order, and the list
     /// needs no sort.
-    fn list_fast(&mut self, rows: &Rows, groups: &ContactGroups) {
-        let Self { pending, fast, .. } = self;
+    #[inline(always)]
+    fn list_fast<L: Lanes>(&mut self, substep: SubStep<'_>, rows: &Rows, groups: &ContactGroups, lanes: L) {
+        let Self { pending, fast, fast_lanes, .. } = self;
         pending.clear();
         fast.clear();
         fast.extend((0..rows.len()).map(|row| rows.is_fast(row)));
         let count = fast.iter().filter(|&&is_fast| is_fast).count();
         if count > fast.len() / 4 {
+            fast_lanes.find(substep, rows, &groups.groups, lanes);
             for (index, place) in groups.places.iter().enumerate() {
                 let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
-                if fast[group.a[lane] as usize] || fast[group.b[lane] as usize] {
+                let is_fast = fast[group.a[lane] as usize] || fast[group.b[lane] as usize];
+                if is_fast && fast_lanes.contains(place.group, place.lane) {
                     pending.push(index as u32);
                 }
             }
@@ -326,6 +337,7 @@ impl Impacts {
             let is_struck = self.struck_of[leader as usize] != NONE;
             let moment = self.moment_of(leader);
             if is_struck && rows.follow_impact(row, leader, down) {
+                self.velocities.forget(row);
                 let follower = self.struck_of(row);
                 self.struck[follower as usize].moment = moment;
                 for at in self.places_of(row) {
@@ -351,7 +363,7 @@ impl Impacts {
     fn join_body(&mut self, row: u32, substep: SubStep<'_>, rows: &Rows) -> u32 {
         let body = self.struck_of(row);
         if !self.struck[body as usize].is_in_set {
-            let start = coarsened(velocity_before(rows, row, substep), self.coarse);
+            let start = coarsened(self.velocities.at(rows, row, substep), self.coarse);
             let struck = &mut self.struck[body as usize];
             (struck.is_in_set, struck.share) = (true, 0);
             struck.start = start;
@@ -369,6 +381,18 @@ impl Impacts {
     /// Counts an iteration over the shocks.
     fn count_work(&mut self) {
         self.work[self.island] += self.shocks.len() as u32;
+    }
+
+    /// Returns true if the other body of a contact has changed too, and its row comes first: so that contacts between two bodies of the set
+    /// are looked at once.
+    fn has_earlier_body(&self, row: u32, groups: &ContactGroups, place: u32) -> bool {
+        let (_, group, lane) = groups.lane_of(place);
+        let earlier = group.a[lane].min(group.b[lane]);
+        let body = self.struck_of[earlier as usize];
+        earlier != row
+            && body != NONE
+            && self.struck[body as usize].is_in_set
+            && self.struck[body as usize].has_changed()
     }
 
     /// The contacts of a row.

@@ -1,13 +1,13 @@
 //! A contact in an impact: its points, its matrix, and the velocities along its rows.
 
 use super::super::Contact;
-use super::super::bodies::{BodyRows, STILL};
+use super::super::bodies::BodyRows;
 use super::super::group::Group;
 use super::super::groups::{ContactGroups, Place};
 use super::super::motion::{Rows, Vector};
 use super::super::number::shifted;
-use super::jacobian::{Elements, Jacobian, coarsened};
-use super::{AT_ONCE, FINE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, Struck, SubStep, TOUCH};
+use super::jacobian::{Elements, Jacobian, closes_faster, coarsened};
+use super::{AT_ONCE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, Struck, SubStep, TOUCH};
 
 /// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
 #[derive(Clone, Copy, Debug, Default)]
@@ -72,7 +72,7 @@ pub(super) struct Shock {
 impl Shock {
     /// The impact of a contact in a sub-step, if it has one.
     pub(super) fn find(
-        impacts: &Impacts,
+        impacts: &mut Impacts,
         substep: SubStep<'_>,
         bodies: &BodyRows,
         groups: &ContactGroups,
@@ -84,8 +84,7 @@ impl Shock {
             return None;
         }
         let jacobian = Jacobian::of(group, lane);
-        let [a, b] = rows.map(|row| velocity_before(&bodies.rows, row, substep));
-        let before = jacobian.along(a, b, FINE - FRACTION);
+        let before = impacts.velocities.along(&bodies.rows, group, lane, substep);
         let threshold = i64::from(group.surface[lane][1]) << FRACTION;
         let [change_a, change_b] = rows.map(|row| wide(bodies.rows.flight(row).change).map(|part| part << FRACTION));
         let change = jacobian.along(change_a, change_b, 0);
@@ -137,17 +136,13 @@ impl Shock {
         let jacobian = Jacobian::of(group, lane);
         let closing = jacobian.along(start_a, start_b, 0);
         let threshold = i64::from(group.surface[lane][1]);
-        let touches = |i: usize| {
-            let moved = ((i128::from(before[i]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
-            i < contact.count && i64::from(group.separation_now[lane][i]) + moved <= i64::from(touch)
-        };
         let bounces = |i: usize| closing[i] < -threshold || group.separation[lane][i] > -4 * touch;
         Self {
             place,
             island: substep.graph.island_of(mover).unwrap_or_default(),
             rows,
             bodies: [NONE; 2],
-            joined: [touches(0), touches(1)],
+            joined: touching(group, lane, contact, before, moment, touch),
             moments: [None; 2],
             speeds: [0; 2],
             window: 0,
@@ -275,21 +270,6 @@ pub(super) fn wide(vector: Vector) -> [i64; 3] {
     [vector[0].into(), vector[1].into(), vector[2].into()]
 }
 
-/// The velocity of a body at the beginning of a sub-step, before its contacts, or at its end; in 2^-[`FINE`].
-pub(super) fn velocity_before(rows: &Rows, row: u32, substep: SubStep<'_>) -> [i64; 3] {
-    if row == STILL {
-        return [0; 3];
-    }
-    let flight = rows.flight(row);
-    let (before, rest) = rows.before(row);
-    [0, 1, 2].map(|i| {
-        // Changes are below 2^28 and there are at most 16 sub-steps. To nearest, halves away from zero.
-        let whole = (i64::from(flight.change[i]) * i64::from(substep.k - 1)) << FINE;
-        let flown = (whole + i64::from(substep.n / 2) * whole.signum()) / i64::from(substep.n);
-        ((i64::from(flight.start[i]) + i64::from(before[i])) << FINE) + flown + rest[i]
-    })
-}
-
 /// Returns true if no point of a contact can be faster than the threshold of impacts in a step: in words, with room for rounding.
 ///
 /// # Ranges
@@ -330,34 +310,39 @@ fn motion(rows: &Rows, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
     [start, change]
 }
 
-/// The velocities along the rows of a contact at the beginning of a sub-step.
-pub(super) fn rows_before(rows: &Rows, group: &Group, lane: usize, substep: SubStep<'_>) -> [i64; 3] {
-    let [a, b] = [group.a[lane], group.b[lane]].map(|row| velocity_before(rows, row, substep));
-    Jacobian::of(group, lane).along(a, b, FINE - FRACTION)
-}
-
-/// Returns true if a contact that is not among the shocks touches and closes faster than the slowest one that counts, so that it
-/// joins them.
-pub(super) fn closes(
-    impacts: &Impacts,
+/// The velocities along the rows of a contact before it joins the shocks, if it touches and closes faster than the slowest one that
+/// counts.
+pub(super) fn closing(
+    impacts: &mut Impacts,
     substep: SubStep<'_>,
     bodies: &BodyRows,
     groups: &ContactGroups,
     place: u32,
     slowest: i64,
-) -> bool {
-    let (_, group, lane) = groups.lane_of(place);
-    let [a, b] = [group.a[lane], group.b[lane]].map(|row| match impacts.struck_of[row as usize] {
-        body if body != NONE && impacts.struck[body as usize].is_in_set => impacts.struck[body as usize].velocity,
-        _ => coarsened(velocity_before(&bodies.rows, row, substep), impacts.coarse),
+) -> Option<[i64; 3]> {
+    let (&Place { contact, .. }, group, lane) = groups.lane_of(place);
+    let Impacts { velocities, struck, struck_of, coarse, moment, .. } = impacts;
+    let rows = [group.a[lane], group.b[lane]];
+    let [a, b] = rows.map(|row| match struck_of[row as usize] {
+        body if body != NONE && struck[body as usize].is_in_set => struck[body as usize].velocity,
+        _ => coarsened(velocities.at(&bodies.rows, row, substep), *coarse),
     });
-    let velocities = Jacobian::of(group, lane).velocities(a, b, impacts.coarse);
-    if velocities[0].min(velocities[1]) >= -slowest {
-        return false;
+    let is_closing = closes_faster(group, lane, [a, b], *coarse, slowest);
+    if is_closing == [false; 2] {
+        return None;
     }
-    let before = rows_before(&bodies.rows, group, lane, substep);
-    let shock = Shock::new(substep, bodies, groups, place, before, impacts.moment);
-    (0..2).any(|point| shock.joined[point] && velocities[point] < -slowest)
+    let before = velocities.along(&bodies.rows, group, lane, substep);
+    let contact = &substep.contacts[contact as usize];
+    let touches = touching(group, lane, contact, before, *moment, touch(substep, bodies, contact));
+    (0..2).any(|point| touches[point] && is_closing[point]).then_some(before)
+}
+
+/// By point: true if it touches at a moment, for velocities along the rows at the beginning of the sub-step.
+fn touching(group: &Group, lane: usize, contact: &Contact, before: [i64; 3], moment: i64, touch: i32) -> [bool; 2] {
+    [0, 1].map(|point: usize| {
+        let moved = ((i128::from(before[point]) * i128::from(moment)) >> (30 + FRACTION)) as i64;
+        point < contact.count && i64::from(group.separation_now[lane][point]) + moved <= i64::from(touch)
+    })
 }
 
 /// The gap of a point at the beginning of a sub-step, in 2^-[`FRACTION`]. The flight of the solver, which is semi-implicit, is ahead.

@@ -7,10 +7,11 @@ use core::ops::Range;
 
 use super::{Block, Joint, JointPass};
 use crate::kernel::simd::Lanes;
-use crate::solve::apply::{Path, Total, shifted_within};
+use crate::solve::apply::{Path, Total};
 use crate::solve::bodies::BodyRows;
 use crate::solve::graph::{Graph, PHASES};
 use crate::solve::groups::Shares;
+use crate::solve::limbs::shifted_within;
 use crate::solve::motion::{DISPLACEMENT, Rows};
 use crate::solve::number::clamped;
 use crate::solve::{Flight, Impulses, StepInput};

@@ -8,6 +8,7 @@ mod doubles;
 mod extremes;
 mod fair;
 mod graph;
+mod limbs;
 mod made;
 mod paths;
 mod scene;

@@ -57,7 +57,6 @@ pub(super) fn body(mass: f64, gyration: f64, radius: f64) -> Flight {
         displacement: Vec2::default(),
         rotation: Fx::from_bits(0),
         mass,
-        inertia,
         inverse_mass: Vec2::new(inverse, inverse),
         inverse_inertia: FxFactor::ONE.over(inertia),
         radius: fx(radius),

@@ -284,3 +284,51 @@ fn contacts_of_any_masses_and_bases_follow_a_wide_twin() {
     check(2, 20_000, &wide_ranges, |_, _, _, _| {});
     check(3, 20_000, &Ranges::default(), |_, _, _, _| {});
 }
+
+/// Inverse matrices, ratios and the inverse of friction, beside the matrix that follows from the factors, in doubles.
+#[test]
+fn inverses_are_those_of_the_factors() {
+    let mut random = Random::seeded(run_seed(9));
+    let ranges = Ranges { mass: [-6.0, 6.0], gyration: [1.0, 4.0], ..Ranges::default() };
+    let mut compared = [0; 2];
+    for _ in 0..10_000 {
+        let Case { group, .. } = case(&mut random, &ranges);
+        let k = |i: usize, j: usize| element(&group, i, j);
+        let [k11, k12, k22] = [k(0, 0), k(0, 1), k(1, 1)];
+        let has_two_points = group.inverse[0][0][1] != 0;
+        let (tangent, inverse) = (k(2, 2), f64::from(group.friction[0][0]) / 2f64.powi(27));
+        if tangent > 0.07 {
+            assert!((inverse * tangent - 1.0).abs() < 1e-5, "{inverse} of {tangent}");
+        }
+        // Factors and elements are rounded to 28 bits of the largest one: here no element is much smaller.
+        if k11.min(k22) < 0.01 || has_two_points && (k12 * k12 > 0.95 * k11 * k22 || k12.abs() > 3.9 * k11.min(k22)) {
+            continue;
+        }
+        compared[usize::from(has_two_points)] += 1;
+        let soft = group.compliance[0].map(|c| f64::from(c) / 2f64.powi(30));
+        for set in 0..4 {
+            let scale = 2f64.powi(-(group.inverse_shift[0] as i32));
+            let [i11, i22] = group.inverse[set][0].map(|i| f64::from(i) * scale);
+            let i12 = f64::from(group.inverse_12[set / 2][0][set % 2]) * scale;
+            let s11 = k11 + if set & 1 == 0 { 0.0 } else { soft[0] };
+            let s22 = k22 + if set & 2 == 0 { 0.0 } else { soft[1] };
+            let wanted = if has_two_points {
+                let determinant = s11 * s22 - k12 * k12;
+                [s22 / determinant, -k12 / determinant, s11 / determinant]
+            } else {
+                [1.0 / s11, 0.0, 0.0]
+            };
+            let largest = wanted.iter().fold(0.0, |largest: f64, w| largest.max(w.abs()));
+            for (found, wanted) in [i11, i12, i22].into_iter().zip(wanted) {
+                assert!((found - wanted).abs() < 1e-5 * largest, "set {set}: {found}, not {wanted}, of {largest}");
+            }
+        }
+        let ratios = [group.ratio_12[0], group.ratio_21[0]].map(|ratios| ratios.map(|r| f64::from(r) / 2f64.powi(28)));
+        let wanted = [[k12 / k11, k12 / (k11 + soft[0])], [k12 / k22, k12 / (k22 + soft[1])]];
+        for (found, wanted) in ratios.as_flattened().iter().zip(wanted.as_flattened()) {
+            let wanted = if has_two_points { *wanted } else { 0.0 };
+            assert!((found - wanted).abs() < 1e-5, "{found}, not {wanted}");
+        }
+    }
+    assert!(compared.iter().all(|&compared| compared > 1000), "{compared:?}");
+}

@@ -528,6 +528,35 @@ fn json_has_the_same_in_exact_decimals() {
 }
 
 #[test]
+fn a_profile_says_where_the_time_of_the_steps_went() {
+    let output = umbra(&["run", "scenes/pyramid.json", "--ticks", "30", "--profile"]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let summary = text(&output.stdout);
+    for part in ["part of a step", "\n  manifolds ", "\n  passes ", "\n  all ", "\n  contacts ", "\n  islands  "] {
+        assert!(summary.contains(part), "{part} in {summary}");
+    }
+    assert!(!summary.contains("\n  damp "), "there are no coupled bodies: {summary}");
+    for scalar in ["fx", "f64"] {
+        let arguments = ["run", "scenes/pyramid.json", "--ticks", "30", "--json", "--scalar", scalar];
+        let json = |profile: &[&str]| {
+            let output = umbra(&[&arguments[..], profile].concat());
+            serde_json::from_slice::<serde_json::Value>(&output.stdout).expect("one JSON value")
+        };
+        assert_eq!(json(&[]).get("profile"), None);
+        let result = json(&["--profile"]);
+        let profile = &result["profile"];
+        assert_eq!(profile["steps"], 30);
+        let parts = profile["parts"].as_array().expect("a list");
+        let sum = |key: &str| parts.iter().map(|part| part[key].as_f64().expect("a number")).sum::<f64>();
+        assert!((sum("share") - 1.0).abs() < 1e-9);
+        let steps = sum("us_per_step") * 30e-6;
+        assert!(steps > 0.0 && steps <= result["wall_seconds"].as_f64().expect("a number"), "{result}");
+        let counts = profile["counts"].as_array().expect("a list");
+        assert!(counts.iter().any(|count| count["name"] == "points" && count["per_step"].as_f64() > Some(10.0)));
+    }
+}
+
+#[test]
 fn the_integrator_can_be_chosen() {
     let energy = |name: &str| {
         let output = umbra(&["run", "scenes/kepler.json", "--ticks", "1200", "--json", "--integrator", name]);

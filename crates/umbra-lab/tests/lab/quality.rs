@@ -111,7 +111,7 @@ fn known_figures_hold() {
     is("break", "energy_left", 0.9138, 0.001);
     is("break", "overlap_worst", 0.0000365, 0.0001);
     is("flat_drop", "bounce_height", 0.5, 1e-4);
-    is("slope_above", "acceleration_err", -6.52e-6, 1e-8);
+    is("slope_above", "acceleration_err", -6.42e-7, 1e-8);
     is("bounce", "height_err_10", -5.8e-7, 1e-7);
     is("shots", "twin_fixed", 1000.0, 10.0);
     for (scene, name) in

@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::world::{factor, fx, inverse, vec2};
+use super::world::{fx, inverse, vec2};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::FxFactor;
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
@@ -44,7 +44,6 @@ fn flight(random: &mut Random, is_fixed: bool) -> Flight {
         displacement: vec2([displacement(0), displacement(1)]),
         rotation: fx(displacement(2)),
         mass: fx(mass),
-        inertia: factor(inertia),
         inverse_mass: Vec2::new(inverse_or_zero(mass), inverse_or_zero(mass)),
         inverse_inertia: inverse_or_zero(inertia),
         radius: fx(0.75),

@@ -148,7 +148,6 @@ impl World {
             displacement: vec2([(vx + kick[0] / 2.0) * h, (vy + kick[1] / 2.0) * h]),
             rotation: fx(body.spin * h),
             mass: fx(body.mass),
-            inertia: factor(body.inertia),
             inverse_mass: Vec2::new(inverse(body.mass), inverse(body.mass)),
             inverse_inertia: inverse(body.inertia),
             radius: fx(body.radius),

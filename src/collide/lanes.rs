@@ -1,0 +1,186 @@
+//! Pairs of outlines side by side in lanes: the manifolds of pairs alone, to the bit, and their points as contacts take them.
+//!
+//! Boxes are rectangles without a radius that stand alone. A lane whose choice takes more than comparisons, a wider product or a root is left
+//! undecided. No such criterion depends on which of the two outlines comes first.
+//!
+//! # Ranges
+//! Corners are below 2^48 ulps; offsets from 2^55 on count as 0, and the lane is left. In the pair's unit coordinates are below
+//! 2^30 + 2, components of normals up to 2^30 + 1: products as in [`Product`](super::cores::Product) for 64 bits. Vectors between corners are
+//! below 2^56: with parts of 31 bits, products with normals are below 2^56.1 above and 2^62 below. Separations at points are below 2^31
+//! ulps (half a metre): their products with normals are below 2^61.1. Ways to the moment of the manifold are below 2^30 ulps and 2^28 units of
+//! rotation, with arms below 2^35 where the body turns: along a row they are below 2^60.6 and 2^61, their difference below 2^62.8.
+
+mod boxes;
+mod direction;
+mod discs;
+mod facing;
+mod motion;
+mod point;
+#[cfg(test)]
+mod tests;
+mod vector;
+
+pub(super) use self::boxes::CollideBoxes;
+pub(super) use self::discs::CollideDiscs;
+use super::{Manifold, ManifoldPoint};
+use crate::fx::Fx;
+use crate::kernel::simd::{GROUP, Lanes};
+use crate::math::Vec2;
+
+/// A number for each lane.
+type Words = [i64; GROUP];
+
+/// Pairs of outlines to be collided, side by side.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct LanePairs {
+    /// The outlines A and B, by their lines; of a box and a disc the box is A.
+    outlines: [[u32; GROUP]; 2],
+    /// The motions of A and B, by their lines.
+    motions: [[u32; GROUP]; 2],
+    /// −1 for a pair that has B first, else 0.
+    swapped: Words,
+}
+
+impl LanePairs {
+    /// Writes a pair into a lane.
+    #[inline(always)]
+    pub(crate) fn set(&mut self, lane: usize, outlines: [u32; 2], motions: [u32; 2], is_swapped: bool) {
+        for side in 0..2 {
+            self.outlines[side][lane] = outlines[side];
+            self.motions[side][lane] = motions[side];
+        }
+        self.swapped[lane] = -i64::from(is_swapped);
+    }
+
+    /// Repeats the pair of the first lane in the lanes from this one on.
+    pub(crate) fn fill(&mut self, lanes: usize) {
+        for indices in self.outlines.iter_mut().chain(&mut self.motions) {
+            let first = indices[0];
+            indices[lanes..].fill(first);
+        }
+        let first = self.swapped[0];
+        self.swapped[lanes..].fill(first);
+    }
+}
+
+/// The manifolds of pairs, side by side.
+#[derive(Clone, Debug, Default)]
+#[repr(C, align(64))]
+pub(crate) struct LaneManifolds {
+    normal: [Words; 2],
+    /// By point and side: arms to the surfaces.
+    arms: [[[Words; 2]; 2]; 2],
+    /// By point: the vector by which the point is before the surface of A, and behind the surface of B.
+    halves: [[Words; 2]; 2],
+    separations: [Words; 2],
+    /// The separations at the start of the step.
+    starts: [Words; 2],
+    features: [Words; 2],
+    /// A bit for each lane that is left.
+    undecided: u32,
+    /// A bit for each lane with a disc at a corner of a box, and the number of the corner.
+    at_corner: u32,
+    corners: Words,
+    /// By point: a bit for each lane that has it.
+    points: [u32; 2],
+}
+
+/// The result of a lane.
+pub(crate) enum LaneManifold {
+    Undecided,
+    None,
+    /// The disc is next to this corner of the box.
+    Corner(usize),
+    /// The number of points, and the first one.
+    Points(usize, usize),
+}
+
+/// A point of a manifold as a contact takes it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct SurfacePoint {
+    /// From the positions of A and B to their surfaces, m.
+    pub(crate) arms: [Vec2; 2],
+    /// The separation at the start of the step, m.
+    pub(crate) separation: Fx,
+    pub(crate) feature: u32,
+}
+
+#[inline(always)]
+fn vector([x, y]: &[Words; 2], lane: usize) -> Vec2 {
+    Vec2::new(Fx::from_bits(x[lane]), Fx::from_bits(y[lane]))
+}
+
+impl LaneManifolds {
+    /// The result of a lane.
+    #[inline(always)]
+    pub(crate) fn get(&self, lane: usize) -> LaneManifold {
+        let has = |bits: u32| bits >> lane & 1 == 1;
+        if has(self.undecided) {
+            return LaneManifold::Undecided;
+        }
+        if has(self.at_corner) {
+            return LaneManifold::Corner(self.corners[lane] as usize);
+        }
+        match self.points.map(has) {
+            [false, false] => LaneManifold::None,
+            [true, true] => LaneManifold::Points(2, 0),
+            [true, false] => LaneManifold::Points(1, 0),
+            [false, true] => LaneManifold::Points(1, 1),
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn normal(&self, lane: usize) -> [i32; 2] {
+        [self.normal[0][lane] as i32, self.normal[1][lane] as i32]
+    }
+
+    /// A point of a lane that has it.
+    #[inline(always)]
+    pub(crate) fn point(&self, lane: usize, point: usize) -> SurfacePoint {
+        let [arm_a, arm_b] = &self.arms[point];
+        SurfacePoint {
+            arms: [vector(arm_a, lane), vector(arm_b, lane)],
+            separation: Fx::from_bits(self.starts[point][lane]),
+            feature: self.features[point][lane] as u32,
+        }
+    }
+
+    /// The manifold of a lane with this number of points, from this one on.
+    pub(crate) fn manifold(&self, lane: usize, count: usize, first: usize) -> Manifold {
+        let mut points = [ManifoldPoint::default(); 2];
+        for (k, point) in points.iter_mut().enumerate().take(count) {
+            let SurfacePoint { arms, feature, .. } = self.point(lane, first + k);
+            let half = vector(&self.halves[first + k], lane);
+            let separation = Fx::from_bits(self.separations[first + k][lane]);
+            *point = ManifoldPoint { arm_a: arms[0] + half, arm_b: arms[1] - half, separation, feature };
+        }
+        Manifold { normal: self.normal(lane), count, points }
+    }
+}
+
+impl LaneManifolds {
+    /// Forgets all manifolds.
+    #[inline(always)]
+    fn clear(&mut self) {
+        (self.undecided, self.at_corner, self.points) = (0, 0, [0; 2]);
+    }
+
+    /// Writes the normals and the masks of the lanes from `at` on.
+    #[inline(always)]
+    fn finish<L: Lanes>(
+        &mut self,
+        lanes: L,
+        normal: [L::Wide; 2],
+        undecided: L::Mask,
+        is_there: [L::Mask; 2],
+        at: usize,
+    ) {
+        lanes.store(&mut self.normal[0], at, normal[0]);
+        lanes.store(&mut self.normal[1], at, normal[1]);
+        self.undecided |= lanes.bits(undecided) << at;
+        for (points, is_there) in self.points.iter_mut().zip(is_there) {
+            *points |= lanes.bits(is_there) << at;
+        }
+    }
+}

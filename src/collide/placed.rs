@@ -1,0 +1,230 @@
+//! Outlines in world axes, each turned once for all its pairs.
+
+use alloc::vec::Vec;
+
+use super::cores::across;
+use super::lanes::{CollideBoxes, CollideDiscs, LaneManifolds, LanePairs};
+use super::link::{collide_surfaces, swapped};
+use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
+use super::points::Ends;
+use super::seam::Face;
+use super::surface::{Link, Surface, Surfaces};
+use super::{Manifold, Margin, collide_placed};
+use crate::collider::BodyOutline;
+use crate::fx::Fx;
+use crate::kernel::simd::{self, Line};
+use crate::math::Vec2;
+use crate::shape::{Aabb, Outline};
+
+/// In place of the first place of a core in the lists of corners and normals: a rectangle or a disc is not there, as its line has all of it.
+const IN_LINE: usize = usize::MAX;
+
+/// Outlines in world axes, each turned once for all its pairs.
+#[derive(Clone, Debug, Default)]
+pub struct Cores {
+    corners: Vec<[i64; 2]>,
+    normals: Vec<[i32; 2]>,
+    /// Each core with its first place, and whether it is among the surfaces.
+    placed: Vec<(Placed, usize, bool)>,
+    /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
+    surfaces: Vec<(usize, bool, usize)>,
+    links: Vec<Link>,
+    /// By core: a box or a disc, as [`CollideBoxes`] and [`CollideDiscs`] read it.
+    lines: Vec<Line>,
+}
+
+impl Cores {
+    /// Forgets all outlines and keeps the memory.
+    pub fn clear(&mut self) {
+        self.corners.clear();
+        self.normals.clear();
+        self.placed.clear();
+        self.surfaces.clear();
+        self.links.clear();
+        self.lines.clear();
+    }
+
+    /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
+    pub fn push(&mut self, outline: &Outline, pose: &Pose) -> usize {
+        if let Some(core) = PlacedBox::new(outline, pose).and_then(|placed_box| self.push_placed(placed_box)) {
+            return core;
+        }
+        if outline.corners().len() == 1 {
+            return self.push_disc(outline, pose);
+        }
+        let start = self.corners.len();
+        let end = start + places_of(outline.corners().len());
+        self.corners.resize(end, [0; 2]);
+        self.normals.resize(end, [0; 2]);
+        let placed = Placed::new(outline, pose, &mut self.corners[start..], &mut self.normals[start..]);
+        if let Some(neighbours) = outline.neighbours() {
+            let turned = |normal| turned_normal(normal, pose);
+            let neighbours = neighbours.map(|neighbour| neighbour.map(turned));
+            self.links.push(Link::new([0, 1], self.normals[start], neighbours, None));
+            self.surfaces.push((self.placed.len(), true, self.links.len()));
+        }
+        self.lines.push(Line::default());
+        self.placed.push((placed, start, outline.neighbours().is_some()));
+        self.placed.len() - 1
+    }
+
+    fn push_disc(&mut self, outline: &Outline, pose: &Pose) -> usize {
+        let mut room = Room::default();
+        let placed = Placed::new(outline, pose, &mut room.corners, &mut room.normals);
+        let ([x, y], position) = (room.corners[0], placed.position);
+        self.lines.push(Line([x, y, 0, 0, placed.radius, 0, position.x.to_bits(), position.y.to_bits()]));
+        self.placed.push((placed, IN_LINE, false));
+        self.placed.len() - 1
+    }
+
+    /// Adds the outline of a body if it is a rectangle, and returns its number.
+    pub(crate) fn push_box(&mut self, outline: &BodyOutline, pose: &Pose) -> Option<usize> {
+        self.push_placed(outline.placed_box(pose)?)
+    }
+
+    #[inline(always)]
+    fn push_placed(&mut self, placed_box: PlacedBox) -> Option<usize> {
+        let PlacedBox { placed, corners: [[x1, y1], [x2, y2]], normals: [first, second] } = placed_box;
+        if second != across(first) {
+            return None;
+        }
+        let ([nx, ny], Vec2 { x, y }) = (first.map(i64::from), placed.position);
+        self.lines.push(Line([x1, y1, x2, y2, nx, ny, x.to_bits(), y.to_bits()]));
+        self.placed.push((placed, IN_LINE, false));
+        Some(self.placed.len() - 1)
+    }
+
+    /// A box around an outline: as [`Pose::bounds`].
+    pub(crate) fn bounds(&self, i: usize) -> Aabb {
+        self.placed[i].0.bounds()
+    }
+
+    /// The radius of an outline, m.
+    pub(crate) fn radius(&self, i: usize) -> Fx {
+        Fx::from_bits(self.placed[i].0.radius)
+    }
+
+    /// Returns true for a disc, or a point: [`collide_discs`](Self::collide_discs) takes it.
+    #[inline]
+    pub(crate) fn is_disc(&self, i: usize) -> bool {
+        self.placed[i].0.count == 1
+    }
+
+    /// Returns true for a rectangle without a radius that stands alone: [`collide_boxes`](Self::collide_boxes) takes it.
+    #[inline]
+    pub(crate) fn is_plain_box(&self, i: usize) -> bool {
+        let (placed, start, is_surface) = &self.placed[i];
+        *start == IN_LINE && placed.count == 4 && placed.radius == 0 && !is_surface
+    }
+
+    #[cfg(test)]
+    pub(super) fn lines(&self) -> &[Line] {
+        &self.lines
+    }
+
+    /// Finds the manifolds of pairs of plain boxes with these motions, which have one if they are nearer than a margin, in ulps, and the
+    /// distance that they close.
+    pub(crate) fn collide_boxes(
+        &self,
+        motions: &[Line],
+        margin: i64,
+        pairs: &[LanePairs],
+        manifolds: &mut [LaneManifolds],
+    ) {
+        simd::run(CollideBoxes { boxes: &self.lines, motions, margin, pairs, manifolds });
+    }
+
+    /// Finds the manifolds of pairs of a plain box and a disc: as [`collide_boxes`](Self::collide_boxes).
+    pub(crate) fn collide_discs(
+        &self,
+        motions: &[Line],
+        margin: i64,
+        pairs: &[LanePairs],
+        manifolds: &mut [LaneManifolds],
+    ) {
+        simd::run(CollideDiscs { outlines: &self.lines, motions, margin, pairs, manifolds });
+    }
+
+    /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.
+    pub(crate) fn set_faces(&mut self, faces: impl Iterator<Item = Face>) {
+        let Self { placed, lines, normals, links, surfaces, .. } = self;
+        let (Some((placed, start, is_surface)), Some(line)) = (placed.last_mut(), lines.last()) else { return };
+        *is_surface = true;
+        let mut room = Room::default();
+        let (count, normals) = match *start {
+            IN_LINE => {
+                room.fill_rectangle(line);
+                (4, &room.normals[..])
+            }
+            start => (placed.count, &normals[start..]),
+        };
+        let link = |face: Face| {
+            let corners = [face.edge, (face.edge + 1) % count];
+            Link::new(corners, normals[face.edge], face.ends, face.part)
+        };
+        links.extend(faces.map(link));
+        surfaces.push((lines.len() - 1, false, links.len()));
+    }
+
+    /// The manifold of two of the outlines: see [`collide`](super::collide()).
+    ///
+    /// # Panics
+    /// Panics if one of them is not there.
+    #[must_use]
+    pub fn collide(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
+        if self.placed[a].2 || self.placed[b].2 {
+            return self.collide_surfaces(a, b, margin);
+        }
+        let mut rooms = [Room::default(); 2];
+        let [room_a, room_b] = &mut rooms;
+        collide_placed(self.view(a, room_a), self.view(b, room_b), margin)
+    }
+
+    /// The manifold of a rectangle and a disc next to a corner of it.
+    pub(crate) fn collide_corner(&self, a: usize, b: usize, corner: usize, margin: Margin) -> Option<Manifold> {
+        let mut rooms = [Room::default(); 2];
+        let [room_a, room_b] = &mut rooms;
+        let (a, b) = (self.view(a, room_a), self.view(b, room_b));
+        let corners = if a.placed.count == 1 { [0, corner] } else { [corner, 0] };
+        let limit = margin.limit(a.placed.radius + b.placed.radius);
+        let ends = Ends { a, b, offset: a.offset_to(&b)?, limit };
+        ends.between_corners(corners[0], corners[1])
+    }
+
+    fn surface(&self, i: usize) -> Option<Surface<'_>> {
+        let index = self.surfaces.binary_search_by_key(&i, |(number, ..)| *number).ok()?;
+        let start = if index == 0 { 0 } else { self.surfaces[index - 1].2 };
+        let (_, is_one_sided, end) = self.surfaces[index];
+        Some(Surface { links: &self.links[start..end], is_one_sided, is_across: false })
+    }
+
+    #[cold]
+    fn collide_surfaces(&self, a: usize, b: usize, margin: Margin) -> Option<Manifold> {
+        let mut rooms = [Room::default(); 2];
+        let [room_a, room_b] = &mut rooms;
+        let (view_a, view_b) = (self.view(a, room_a), self.view(b, room_b));
+        let surfaces = Surfaces { a: self.surface(a), b: self.surface(b) };
+        if surfaces.a.is_some() {
+            return collide_surfaces(view_a, view_b, surfaces, margin);
+        }
+        let surfaces = Surfaces { a: surfaces.b, b: None };
+        collide_surfaces(view_b, view_a, surfaces, margin).map(swapped)
+    }
+
+    /// An outline; the corners and normals of a rectangle or a disc go to `room`.
+    #[inline(always)]
+    fn view<'a>(&'a self, i: usize, room: &'a mut Room) -> View<'a> {
+        let (placed, start, _) = &self.placed[i];
+        if *start == IN_LINE {
+            if placed.count == 1 {
+                let Line([x, y, ..]) = self.lines[i];
+                room.corners = [[x, y]; 4];
+            } else {
+                room.fill_rectangle(&self.lines[i]);
+            }
+            return View { placed, corners: &room.corners, normals: &room.normals };
+        }
+        let places = *start..start + places_of(placed.count);
+        View { placed, corners: &self.corners[places.clone()], normals: &self.normals[places] }
+    }
+}

@@ -1,0 +1,205 @@
+//! The outlines of a step that are near others, as pairs look at them, and pairs of boxes side by side in lanes.
+//!
+//! Reads: sides of pairs, boxes in world axes. Writes: actors, manifolds of pairs of boxes.
+
+use alloc::vec::Vec;
+
+use super::Scene;
+use super::coefficients::{Coefficients, Materials};
+use super::flights::{FlightKind, PairSide};
+use super::moment::Way;
+use super::reach::{CLOSE, Reach};
+use super::slot_table::SlotTable;
+use crate::collide::{Cores, LaneManifolds, LanePairs};
+use crate::collider::OutlineId;
+use crate::kernel::simd::{GROUP, Line, VectorSet};
+use crate::math::Vec2;
+use crate::slots::NONE;
+
+/// The number of pairs that are looked at together: their manifolds stay in the first cache.
+pub(super) const CHUNK: usize = 64;
+
+/// The shape of an outline, as far as lanes take it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum LaneShape {
+    /// A rectangle without a radius that stands alone.
+    Box,
+    Disc,
+    /// Its pairs are collided one by one.
+    None,
+}
+
+/// An outline that is near another one.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Actor {
+    pub(super) number: u32,
+    pub(super) id: OutlineId,
+    pub(super) flight: u32,
+    pub(super) kind: FlightKind,
+    /// Its index in [`Cores`], if it is placed.
+    pub(super) core: u32,
+    pub(super) shape: LaneShape,
+    /// The number of its material in the step, if it has one.
+    pub(super) material: Option<u8>,
+    /// True if its contacts may be hits.
+    pub(super) has_hits: bool,
+}
+
+impl Actor {
+    /// The side of a pair.
+    #[inline(always)]
+    pub(super) fn side<'a>(&self, scene: &Scene<'a>) -> Option<PairSide<'a>> {
+        let Self { number, id, flight, kind, .. } = *self;
+        Some(PairSide { number, id, collider: scene.colliders.at(id.slot)?, flight, kind })
+    }
+}
+
+/// The place of a pair in the lanes of a chunk.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum LanePlace {
+    Boxes(usize),
+    /// Of a box and a disc.
+    Disc(usize),
+}
+
+/// Pairs of a chunk in groups of lanes, and their manifolds.
+#[derive(Debug, Default)]
+struct Queue {
+    pairs: Vec<LanePairs>,
+    manifolds: Vec<LaneManifolds>,
+    /// The number of pairs.
+    count: usize,
+}
+
+impl Queue {
+    fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    #[inline(always)]
+    fn push(&mut self, outlines: [u32; 2], motions: [u32; 2], is_swapped: bool) -> usize {
+        let place = self.count;
+        if place == self.pairs.len() * GROUP {
+            self.pairs.push(LanePairs::default());
+            self.manifolds.push(LaneManifolds::default());
+        }
+        self.pairs[place / GROUP].set(place % GROUP, outlines, motions, is_swapped);
+        self.count += 1;
+        place
+    }
+
+    /// The groups with pairs, and room for their manifolds; `None` if there is no pair.
+    fn groups(&mut self) -> Option<(&[LanePairs], &mut [LaneManifolds])> {
+        let groups = self.count.div_ceil(GROUP);
+        let (pairs, manifolds) = (&mut self.pairs[..groups], &mut self.manifolds[..groups]);
+        pairs.last_mut()?.fill((self.count - 1) % GROUP + 1);
+        Some((pairs, manifolds))
+    }
+}
+
+/// The actors of a step, each made when a pair first names it.
+#[derive(Debug, Default)]
+pub(super) struct Actors {
+    actors: Vec<Actor>,
+    /// The motion of each over the step, as lanes read it.
+    motions: Vec<Line>,
+    pub(super) materials: Materials,
+    /// The index by the number of the outline.
+    index_of: SlotTable,
+    /// The pairs of a chunk: of two boxes, and of a box and a disc.
+    boxes: Queue,
+    discs: Queue,
+    /// False where one pair at a time is as fast.
+    has_lanes: bool,
+}
+
+impl Actors {
+    pub(super) fn clear(&mut self) {
+        self.actors.clear();
+        self.motions.clear();
+        self.materials.clear();
+        self.index_of.clear();
+        self.has_lanes = VectorSet::used() != VectorSet::Portable;
+    }
+
+    /// The index of an outline, if it is an actor already.
+    #[inline(always)]
+    pub(super) fn find(&self, number: u32) -> Option<usize> {
+        Some(self.index_of.get(number)).filter(|&index| index != NONE).map(|index| index as usize)
+    }
+
+    /// Adds an outline with its motion, whose body goes this way to the moment of manifolds, and returns its index.
+    pub(super) fn push(&mut self, actor: Actor, reach: &Reach, way: &Way) -> usize {
+        let index = self.actors.len();
+        let Way { displacement: Vec2 { x, y }, rotation } = *way;
+        let Reach { displacement: [step_x, step_y], turned } = *reach;
+        let words = [step_x, step_y, turned, x.to_bits(), y.to_bits(), rotation.to_bits(), 0, 0];
+        self.motions.push(Line(words));
+        self.index_of.set(actor.number, index as u32);
+        self.actors.push(actor);
+        index
+    }
+
+    #[inline(always)]
+    pub(super) fn get(&self, index: usize) -> &Actor {
+        &self.actors[index]
+    }
+
+    /// The motion of an actor over the step.
+    #[inline(always)]
+    pub(super) fn reach(&self, index: usize) -> Reach {
+        let Line([x, y, turned, ..]) = self.motions[index];
+        Reach { displacement: [x, y], turned }
+    }
+
+    /// Begins a chunk of pairs.
+    pub(super) fn begin_chunk(&mut self) {
+        self.boxes.clear();
+        self.discs.clear();
+    }
+
+    /// Adds a pair to the chunk, if lanes take it. Returns its place.
+    #[inline(always)]
+    pub(super) fn push_pair(&mut self, pair: [usize; 2]) -> Option<LanePlace> {
+        let [a, b] = pair.map(|index| &self.actors[index]);
+        let (cores, motions) = ([a.core, b.core], pair.map(|index| index as u32));
+        match (a.shape, b.shape) {
+            _ if !self.has_lanes => None,
+            (LaneShape::Box, LaneShape::Box) => Some(LanePlace::Boxes(self.boxes.push(cores, motions, false))),
+            (LaneShape::Box, LaneShape::Disc) => Some(LanePlace::Disc(self.discs.push(cores, motions, false))),
+            (LaneShape::Disc, LaneShape::Box) => {
+                let (cores, motions) = ([cores[1], cores[0]], [motions[1], motions[0]]);
+                Some(LanePlace::Disc(self.discs.push(cores, motions, true)))
+            }
+            _ => None,
+        }
+    }
+
+    /// Finds the manifolds of the pairs of the chunk.
+    pub(super) fn collide(&mut self, cores: &Cores) {
+        let Self { motions, boxes, discs, .. } = self;
+        if let Some((pairs, manifolds)) = boxes.groups() {
+            cores.collide_boxes(motions, CLOSE, pairs, manifolds);
+        }
+        if let Some((pairs, manifolds)) = discs.groups() {
+            cores.collide_discs(motions, CLOSE, pairs, manifolds);
+        }
+    }
+
+    /// The group of manifolds with a place, and its lane there.
+    #[inline(always)]
+    pub(super) fn manifolds(&self, place: LanePlace) -> (&LaneManifolds, usize) {
+        let (queue, place) = match place {
+            LanePlace::Boxes(place) => (&self.boxes, place),
+            LanePlace::Disc(place) => (&self.discs, place),
+        };
+        (&queue.manifolds[place / GROUP], place % GROUP)
+    }
+
+    /// The coefficients of a pair, if both materials have numbers.
+    #[inline(always)]
+    pub(super) fn coefficients(&self, pair: [usize; 2]) -> Option<&Coefficients> {
+        let [a, b] = pair.map(|index| self.actors[index].material);
+        Some(self.materials.coefficients([a?, b?]))
+    }
+}

@@ -1,0 +1,261 @@
+//! The pairs of a chunk: which of them may have a contact, and their contacts.
+
+use alloc::vec::Vec;
+use core::cmp::Ordering;
+
+use super::super::Scene;
+use super::super::actors::{Actor, LanePlace};
+use super::super::coefficients::Coefficients;
+use super::super::flights::{FlightKind, Flights, PairSide};
+use super::super::list::{ContactList, ContactPoints};
+use super::super::narrow::{Meeting, Narrow};
+use super::super::seams::rolling_radius;
+use super::Pipeline;
+use crate::collide::{LaneManifold, SurfacePoint};
+use crate::collider::Collider;
+use crate::fx::Fx;
+use crate::slots::BodyId;
+use crate::solve::Impulses;
+
+/// A pair that may have a contact.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearPair {
+    /// The indices of its actors.
+    actors: [usize; 2],
+    /// The index of its record of the step before.
+    record: Option<usize>,
+    /// True if the outlines pressed each other then.
+    pressed: bool,
+    /// True if neither body moves.
+    are_asleep: bool,
+    /// Its place in the lanes, if these take it.
+    place: Option<LanePlace>,
+}
+
+impl Pipeline {
+    /// Lists the pairs of a chunk that may have a contact. `next_record` is the first record of the step before that no earlier pair has
+    /// passed.
+    pub(super) fn find_near(&mut self, scene: &Scene<'_>, chunk: &[[u32; 2]], next_record: &mut usize) {
+        let Self { flights, resting, narrow, near, .. } = self;
+        near.clear();
+        narrow.actors.begin_chunk();
+        let is_simple = resting.numbers.is_simple();
+        for &[first, second] in chunk {
+            let Some(first) = narrow.actor(scene, flights, resting, first) else { continue };
+            let Some(second) = narrow.actor(scene, flights, resting, second) else { continue };
+            let pair = [narrow.actors.get(first), narrow.actors.get(second)];
+            let kinds = pair.map(|actor| actor.kind);
+            if !kinds.contains(&FlightKind::Dynamic) && !kinds.contains(&FlightKind::Asleep) {
+                continue;
+            }
+            let record = find_record(scene, is_simple, pair, next_record);
+            let are_asleep = !kinds.iter().any(|kind| matches!(kind, FlightKind::Dynamic | FlightKind::Kinematic));
+            if are_asleep && (kinds == [FlightKind::Asleep; 2] || !scene.may_have_moved_statics) {
+                continue;
+            }
+            let pressed = record.is_some_and(|record| !scene.contacts.records[record].is_slack());
+            let place = narrow.push_pair([first, second], pressed);
+            near.push(NearPair { actors: [first, second], record, pressed, are_asleep, place });
+        }
+    }
+
+    /// Adds the contacts of the pairs of a chunk, and the sleeping bodies that they wake.
+    pub(super) fn push_contacts(&mut self, scene: &Scene<'_>, touched: &mut Vec<BodyId>) {
+        let near = core::mem::take(&mut self.near);
+        let mut first: Option<(usize, PairSide<'_>)> = None;
+        for near_pair in &near {
+            if near_pair.place.is_some_and(|place| self.push_lane(scene, near_pair, place)) {
+                continue;
+            }
+            // Pairs are sorted: most have the same first outline as the pair before.
+            let [first_actor, second_actor] = near_pair.actors;
+            if first.as_ref().is_none_or(|(actor, _)| *actor != first_actor) {
+                first = self.narrow.actors.get(first_actor).side(scene).map(|side| (first_actor, side));
+            }
+            let second = self.narrow.actors.get(second_actor).side(scene);
+            if let (Some((_, first)), Some(second)) = (&first, &second) {
+                self.push_contact(scene, near_pair, [first, second], touched);
+            }
+        }
+        self.near = near;
+    }
+
+    /// Adds the contact of a pair, if it has one, or the sleeping bodies that the pair wakes.
+    #[inline(always)]
+    fn push_contact(
+        &mut self,
+        scene: &Scene<'_>,
+        near_pair: &NearPair,
+        pair: [&PairSide<'_>; 2],
+        touched: &mut Vec<BodyId>,
+    ) {
+        let Self { flights, resting, narrow, contacts, .. } = self;
+        let &NearPair { actors, record, pressed, are_asleep, .. } = near_pair;
+        let Some(meeting) = narrow.meet(scene, flights, resting, pair, actors, pressed) else { return };
+        let manifold = &meeting.manifold;
+        let kinds = pair.map(|side| side.kind);
+        if kinds.contains(&FlightKind::Asleep) {
+            // A dynamic body that overlaps a static one this much is pushed, and wakes: a call has placed one of the two. A body that fell
+            // asleep in this contact sleeps on. A body that nothing moves would fall asleep again after each wake, and sleeps on too.
+            if !are_asleep
+                || manifold.is_pressed() && !scene.contacts.are_asleep_on_each_other(pair.map(|side| side.id))
+            {
+                let asleep = pair.into_iter().filter(|side| side.kind == FlightKind::Asleep);
+                let woken =
+                    asleep.map(|side| side.collider).filter(|collider| !are_asleep || is_pushed(scene, collider));
+                touched.extend(woken.map(|collider| collider.body));
+            }
+            return;
+        }
+        let mut start = Impulses::default();
+        if let Some(record) = record {
+            start = scene.contacts.records[record].start(manifold.features(), manifold.count);
+        }
+        for side in 0..2 {
+            if pair[side].collider.def.shape.is_chain()
+                || pair[side].may_be_tile() && !narrow.faces(scene, pair[side]).is_empty()
+            {
+                narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
+            }
+        }
+        let mixed = narrow.actors.coefficients(actors).copied();
+        push_meeting(contacts, scene, flights, pair, &meeting, mixed, start);
+    }
+
+    /// Adds the contact of a pair in the lanes, if it has one. Returns false if the lane is undecided.
+    #[inline(always)]
+    fn push_lane(&mut self, scene: &Scene<'_>, near_pair: &NearPair, place: LanePlace) -> bool {
+        let Self { flights, narrow, contacts, .. } = self;
+        let &NearPair { actors, record, .. } = near_pair;
+        let (manifolds, lane) = narrow.actors.manifolds(place);
+        // Each arm ends in a call: values that take two ways to one place go through memory.
+        match manifolds.get(lane) {
+            LaneManifold::Undecided => return false,
+            LaneManifold::None => {}
+            LaneManifold::Corner(corner) => {
+                let pair = actors.map(|actor| narrow.actors.get(actor));
+                if let Some(manifold) = narrow.collide_corner(actors, corner) {
+                    let ways = flights.ways(pair.map(|actor| actor.flight));
+                    let meeting = Meeting { manifold, ways };
+                    let points = ContactPoints::new(&meeting);
+                    push_points(contacts, scene, flights, narrow, actors, record, &points);
+                    if pair.iter().any(|actor| actor.has_hits) {
+                        contacts.add_approach(scene, flights, &meeting);
+                    }
+                }
+            }
+            LaneManifold::Points(count, first) => {
+                let second = if count == 2 { manifolds.point(lane, 1) } else { SurfacePoint::default() };
+                let points = ContactPoints {
+                    normal: manifolds.normal(lane),
+                    count,
+                    points: [manifolds.point(lane, first), second],
+                };
+                push_points(contacts, scene, flights, narrow, actors, record, &points);
+                let pair = actors.map(|actor| narrow.actors.get(actor));
+                if pair.iter().any(|actor| actor.has_hits) {
+                    let ways = flights.ways(pair.map(|actor| actor.flight));
+                    let meeting = Meeting { manifold: manifolds.manifold(lane, count, first), ways };
+                    contacts.add_approach(scene, flights, &meeting);
+                }
+            }
+        }
+        true
+    }
+}
+
+/// Adds the contact of a pair of actors that have these points and a record of the step before, or none.
+#[inline(always)]
+fn push_points(
+    contacts: &mut ContactList,
+    scene: &Scene<'_>,
+    flights: &mut Flights,
+    narrow: &Narrow,
+    actors: [usize; 2],
+    record: Option<usize>,
+    points: &ContactPoints,
+) {
+    let [a, b] = actors.map(|actor| narrow.actors.get(actor));
+    let mixed;
+    let coefficients = match narrow.actors.coefficients(actors) {
+        Some(coefficients) => coefficients,
+        None => {
+            mixed = mixed_coefficients(scene, [a, b]);
+            &mixed
+        }
+    };
+    let mut start = Impulses::default();
+    if let Some(record) = record {
+        start = scene.contacts.records[record].start(points.points.map(|point| point.feature), points.count);
+    }
+    let mut radius = Fx::ZERO;
+    if points.count == 1 && coefficients.materials.rolling_resistance > Fx::ZERO {
+        radius = rolling_radius(points.points[0].feature, [narrow.radius(a), narrow.radius(b)]);
+    }
+    let ends = [a.flight, b.flight];
+    ends.into_iter().for_each(|flight| flights.complete(scene, flight));
+    contacts.push([a.id, b.id], flights.by_dominance(ends), points, coefficients, radius, start);
+}
+
+/// The coefficients of a step with more materials than it keeps.
+#[cold]
+fn mixed_coefficients(scene: &Scene<'_>, pair: [&Actor; 2]) -> Coefficients {
+    match pair.map(|actor| scene.colliders.at(actor.id.slot)) {
+        [Some(a), Some(b)] => Coefficients::new(scene, [&a.def.material, &b.def.material]),
+        _ => Coefficients::default(),
+    }
+}
+
+/// The index of the record of a pair from the step before. Records are sorted by pair, as the pairs are: `next_record` goes through them
+/// once. `is_simple` says that slots are the numbers of outlines.
+#[inline(always)]
+fn find_record(scene: &Scene<'_>, is_simple: bool, pair: [&Actor; 2], next_record: &mut usize) -> Option<usize> {
+    let records = &scene.contacts.records;
+    // In one word.
+    let number = |[first, second]: [u32; 2]| u64::from(first) << 32 | u64::from(second);
+    let pair_number = number(pair.map(|actor| actor.number));
+    while let Some(record) = records.get(*next_record) {
+        let order = if is_simple {
+            number(record.slots()).cmp(&pair_number)
+        } else {
+            record.pair().cmp(&pair.map(|actor| actor.id))
+        };
+        match order {
+            Ordering::Less => *next_record += 1,
+            Ordering::Equal => return Some(*next_record),
+            Ordering::Greater => return None,
+        }
+    }
+    None
+}
+
+/// Adds the contact of a pair that meets, with these coefficients or with the ones of its materials.
+pub(super) fn push_meeting(
+    contacts: &mut ContactList,
+    scene: &Scene<'_>,
+    flights: &mut Flights,
+    pair: [&PairSide<'_>; 2],
+    meeting: &Meeting,
+    mixed: Option<Coefficients>,
+    start: Impulses,
+) {
+    let defs = pair.map(|side| &side.collider.def);
+    let coefficients = mixed.unwrap_or_else(|| Coefficients::new(scene, defs.map(|def| &def.material)));
+    let points = ContactPoints::new(meeting);
+    let mut radius = Fx::ZERO;
+    if points.count == 1 && coefficients.materials.rolling_resistance > Fx::ZERO {
+        radius = rolling_radius(points.points[0].feature, pair.map(|side| side.outline().outline.radius()));
+    }
+    let ends = pair.map(|side| side.flight);
+    ends.into_iter().for_each(|flight| flights.complete(scene, flight));
+    contacts.push(pair.map(|side| side.id), flights.by_dominance(ends), &points, &coefficients, radius, start);
+    if defs.iter().any(|def| def.hit_events) {
+        contacts.add_approach(scene, flights, meeting);
+    }
+}
+
+/// Returns true if impulses push the body of a collider out of an overlap, and it can move.
+fn is_pushed(scene: &Scene<'_>, collider: &Collider) -> bool {
+    scene.settings.push_speed > Fx::ZERO
+        && scene.bodies.index_of(collider.body).is_some_and(|dense| scene.bodies.can_move(dense))
+}
