@@ -61,6 +61,10 @@ pub trait World {
     fn hash(&self) -> u64;
     /// Force at the centre of mass of body `i` for the next step only.
     fn push(&mut self, i: usize, fx: f64, fy: f64);
+    /// Gives body `i` a velocity (x, y, angular), and wakes it.
+    fn set_velocity(&mut self, _i: usize, _velocity: [f64; 3]) {
+        unreachable!("the engine refuses scenes with kicks")
+    }
     /// Number of dynamic bodies awake.
     fn awake(&self) -> Option<usize>;
     /// Number of contact points the solver works on.

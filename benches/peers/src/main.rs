@@ -2,12 +2,14 @@
 //! beside them in one run. See README.md.
 
 mod bench;
+mod builds;
 mod engine;
 mod engines;
 mod report;
 mod scene;
 
 use bench::Opt;
+use builds::BUILDS;
 use engine::Engine;
 use report::Report;
 use std::time::Instant;
@@ -27,6 +29,14 @@ const SCENES: &[(&str, Bench)] = &[
     ("passes", bench::passes),
     ("rays", bench::rays),
     ("impacts", bench::impacts),
+    ("many_pyramids", bench::many_pyramids),
+    ("spinner", bench::spinner),
+    ("hourglass", bench::hourglass),
+    ("hopper", bench::hopper),
+    ("polygons", bench::polygons),
+    ("tiles", bench::tiles),
+    ("rooms", bench::rooms),
+    ("settling", bench::settling),
     (QUALITY, bench::quality),
 ];
 
@@ -45,6 +55,7 @@ fn main() {
     let mut quick = false;
     let mut table_min = false;
     let mut csv: Option<String> = None;
+    let mut head_only = false;
     let mut args = std::env::args().skip(1);
     let list = |s: Option<String>| s.unwrap_or_else(|| usage()).split(',').map(str::to_string).collect::<Vec<_>>();
     while let Some(a) = args.next() {
@@ -57,6 +68,7 @@ fn main() {
             }
             "--csv" => csv = Some(args.next().unwrap_or_else(|| usage())),
             "--quick" => quick = true,
+            "--head" => head_only = true,
             "--wall" => bench::WALL.store(true, std::sync::atomic::Ordering::Relaxed),
             "--table" => match args.next().as_deref() {
                 Some("min") => table_min = true,
@@ -67,6 +79,9 @@ fn main() {
                 println!("scenes:  {}", SCENES.iter().map(|s| s.0).collect::<Vec<_>>().join(" "));
                 println!("quality: {}", bench::quality_names().collect::<Vec<_>>().join(" "));
                 println!("engines: {}", all.iter().map(|e| e.id()).collect::<Vec<_>>().join(" "));
+                for build in &BUILDS {
+                    println!("         {} (in a build of their own)", build.engines.join(" "));
+                }
                 return;
             }
             "--mem-child" => {
@@ -91,43 +106,51 @@ fn main() {
         usage();
     }
     let known_scene = |s: &String| SCENES.iter().any(|k| k.0 == s);
-    let known_engine = |s: &String| all.iter().any(|k| k.id() == s);
+    let known_engine =
+        |s: &String| all.iter().any(|k| k.id() == s) || BUILDS.iter().any(|b| b.engines.contains(&s.as_str()));
     if !scenes.iter().flatten().all(known_scene) || !only.iter().flatten().all(known_engine) {
         eprintln!("unknown scene or engine; --list names them");
         usage();
     }
-    let chosen: Vec<&dyn Engine> = all
-        .iter()
-        .map(|e| e.as_ref())
-        .filter(|e| only.as_ref().is_none_or(|o| o.iter().any(|x| x == e.id())))
-        .collect();
+    let is_wanted = |id: &str| only.as_ref().is_none_or(|ids| ids.iter().any(|x| x == id));
+    let chosen: Vec<&dyn Engine> = all.iter().map(|e| e.as_ref()).filter(|e| is_wanted(e.id())).collect();
 
     for e in &chosen {
         let i = e.info();
         println!("# {}: {}; {}; {}", e.id(), i.version, i.number, i.build);
         println!("#   {}; damping: {}", i.solver, i.damping_law);
     }
+    if head_only {
+        return;
+    }
+    let mut rep = Report::default();
+    let is_wanted_child = |id: &str| is_wanted(id) && !all.iter().any(|e| e.id() == id);
+    let children = builds::children(is_wanted_child, &mut rep);
     println!(
         "# one thread, dt 1/60 unless the scene says otherwise; timed scenes: friction 0.5, restitution 0, density 1"
     );
-    let clock = if bench::WALL.load(std::sync::atomic::Ordering::Relaxed) {
-        "wall clock"
-    } else {
-        "CPU time of the measuring thread (--wall for the wall clock)"
-    };
+    let wall = bench::WALL.load(std::sync::atomic::Ordering::Relaxed);
+    let clock = if wall { "wall clock" } else { "CPU time of the measuring thread (--wall for the wall clock)" };
     println!("# clock: {clock}");
     println!("{}", report::CSV_HEAD);
     let t0 = Instant::now();
-    let mut rep = Report::default();
     let opt = Opt { quick, parts };
     for (name, f) in SCENES {
         if scenes.as_ref().map_or(*name != QUALITY, |o| o.iter().any(|x| x == name)) {
             let t = Instant::now();
             f(&mut rep, &chosen, &opt);
+            let parts = if *name == QUALITY { opt.parts.as_slice() } else { &[] };
+            let scenes: Vec<String> = parts.iter().map(|part| format!("{QUALITY}:{part}")).collect();
+            let scenes = if scenes.is_empty() { name.to_string() } else { scenes.join(",") };
+            let mut options = vec!["--scene", &scenes];
+            options.extend(quick.then_some("--quick"));
+            options.extend(wall.then_some("--wall"));
+            children.iter().for_each(|child| child.run(&options, &mut rep));
             eprintln!("[{name}: {:.1} s]", t.elapsed().as_secs_f64());
         }
     }
-    let ids: Vec<&str> = chosen.iter().map(|e| e.id()).collect();
+    let mut ids: Vec<&str> = chosen.iter().map(|e| e.id()).collect();
+    ids.extend(children.iter().flat_map(|child| &child.engines));
     println!("{}", rep.tables(&ids, table_min));
     println!("total {:.0} s", t0.elapsed().as_secs_f64());
     if let Some(path) = csv {

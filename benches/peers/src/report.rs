@@ -8,7 +8,7 @@ pub struct Row {
     pub n: usize,
     pub metric: String,
     pub value: f64,
-    pub unit: &'static str,
+    pub unit: String,
     pub min: f64,
     pub max: f64,
     pub samples: usize,
@@ -16,7 +16,7 @@ pub struct Row {
 }
 
 /// Scene, n, metric, unit.
-type Key = (String, usize, String, &'static str);
+type Key = (String, usize, String, String);
 
 #[derive(Default)]
 pub struct Report {
@@ -70,12 +70,16 @@ impl Report {
             n,
             metric: metric.into(),
             value,
-            unit,
+            unit: unit.into(),
             min,
             max,
             samples: s.len(),
             note: note.into().replace(',', ";"),
         };
+        self.push(r);
+    }
+    /// Adds a row, and prints it.
+    fn push(&mut self, r: Row) {
         println!(
             "{},{},{},{},{},{},{},{},{},{}",
             r.engine,
@@ -91,6 +95,26 @@ impl Report {
         );
         self.rows.push(r);
     }
+
+    /// Adds a row of the CSV file of another run.
+    pub fn add_line(&mut self, line: &str) {
+        let cells: Vec<&str> = line.splitn(10, ',').collect();
+        let [engine, scene, n, metric, value, unit, min, max, samples, note] = cells[..] else { return };
+        let number = |text: &str| text.parse().unwrap_or(f64::NAN);
+        self.push(Row {
+            engine: engine.into(),
+            scene: scene.into(),
+            n: n.parse().unwrap_or(0),
+            metric: metric.into(),
+            value: number(value),
+            unit: unit.into(),
+            min: number(min),
+            max: number(max),
+            samples: samples.parse().unwrap_or(0),
+            note: note.into(),
+        });
+    }
+
     pub fn one(
         &mut self,
         engine: &str,
@@ -104,8 +128,11 @@ impl Report {
         self.add(engine, scene, n, metric, unit, &[value], note);
     }
     pub fn skip(&mut self, engine: &str, scene: &str, n: usize, why: &str) {
-        println!("# skipped: {engine} {scene} {n}: {why}");
-        self.notes.push(format!("{engine} {scene} {n}: {why}"));
+        self.note_skipped(&format!("{engine} {scene} {n}: {why}"));
+    }
+    pub fn note_skipped(&mut self, note: &str) {
+        println!("# skipped: {note}");
+        self.notes.push(note.into());
     }
 
     /// The table's entry of an engine in the row of (scene, n, metric, unit).
@@ -125,7 +152,7 @@ impl Report {
         let mut out = String::from("\n");
         let mut keys: Vec<Key> = Vec::new();
         for r in &self.rows {
-            let k = (r.scene.clone(), r.n, r.metric.clone(), r.unit);
+            let k = (r.scene.clone(), r.n, r.metric.clone(), r.unit.clone());
             if !keys.contains(&k) {
                 keys.push(k);
             }
@@ -151,7 +178,7 @@ impl Report {
         for (s, n) in scenes {
             for k in keys.iter().filter(|k| k.0 == s && k.1 == n) {
                 let cells: Vec<_> = engines.iter().map(|e| self.cell(e, k, min)).collect();
-                line([&k.0, &k.1.to_string(), &k.2, k.3], &cells);
+                line([&k.0, &k.1.to_string(), &k.2, &k.3], &cells);
             }
         }
         out.push_str(if min { "\nSmallest of the samples." } else { "\nMedians." });

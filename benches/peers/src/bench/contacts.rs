@@ -1,16 +1,16 @@
 //! Scenes with contacts and joints, run from their start, with the quality of the end state beside the time.
 
 use super::geometry::joint_gap;
-use super::{Engines, Opt, now};
+use super::{Engines, Opt, kick, now};
 use crate::engine::World;
 use crate::report::Report;
 use crate::scene::{self, Kind, Scene, Shape};
 
 /// Metrics of the end state, and what is wrong with it if it makes the times of the
 /// run meaningless (bodies that flew apart have no contacts to solve).
-struct Quality {
-    rows: Vec<(&'static str, &'static str, f64)>,
-    bad: Option<&'static str>,
+pub(super) struct Quality {
+    pub(super) rows: Vec<(&'static str, &'static str, f64)>,
+    pub(super) bad: Option<&'static str>,
 }
 
 struct Run {
@@ -26,7 +26,7 @@ struct Run {
 }
 
 /// A scene run from the start, several times, engines in turn.
-fn runs(
+pub(super) fn runs(
     rep: &mut Report,
     engines: Engines,
     s: &Scene,
@@ -64,7 +64,8 @@ fn runs(
             let mut w = e.build(s);
             let mut t_step = Vec::with_capacity(steps);
             let t0 = now();
-            for _ in 0..steps {
+            for step in 0..steps {
+                kick(s, w.as_mut(), step);
                 let t = now();
                 w.step();
                 t_step.push((now() - t) * 1e6);

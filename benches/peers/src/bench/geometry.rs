@@ -42,6 +42,16 @@ pub fn largest(a: f64, b: f64) -> f64 {
     if b > a || b.is_nan() { b } else { a }
 }
 
+/// The kinetic energy, J.
+pub fn kinetic(s: &Scene, states: &[State]) -> f64 {
+    let dynamic = s.bodies.iter().zip(states).filter(|(b, _)| b.kind == Kind::Dynamic);
+    let energy = dynamic.map(|(b, q)| {
+        let (mass, inertia) = b.mass_inertia();
+        0.5 * (mass * (q.vx * q.vx + q.vy * q.vy) + inertia * q.w * q.w)
+    });
+    energy.sum()
+}
+
 /// The largest error of a joint, m.
 pub fn joint_gap(s: &Scene, states: &[State]) -> f64 {
     let gap = |j: &crate::scene::Joint| {
@@ -74,7 +84,7 @@ fn place(b: &Body, q: &State) -> Option<Placed> {
         [0, 1].map(|k| corners.iter().map(|c: &Point| c[k]).reduce(pick).expect("a corner") + grow)
     };
     let (low, high) = (bound(f64::min, -r), bound(f64::max, r));
-    Some(Placed { corners, r, low, high, fixed: b.kind == Kind::Fixed })
+    Some(Placed { corners, r, low, high, fixed: b.kind != Kind::Dynamic })
 }
 
 /// The signed distance of polygon `p`'s faces to the points: positive if a face parts them.

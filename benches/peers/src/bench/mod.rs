@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod contacts;
+mod crowds;
 mod geometry;
 mod impacts;
 mod memory;
@@ -13,6 +14,7 @@ mod steady;
 
 pub use accuracy::accuracy;
 pub use contacts::{joints, pyramid, rain};
+pub use crowds::{hopper, hourglass, many_pyramids, polygons, rooms, settling, spinner, tiles};
 pub use impacts::impacts;
 pub use memory::{mem_child, memory};
 pub use passes::passes;
@@ -55,6 +57,13 @@ fn now() -> f64 {
 fn heap_bytes() -> usize {
     let m = unsafe { libc::mallinfo2() };
     m.uordblks + m.hblkhd
+}
+
+/// Gives bodies the velocities that the scene has for this step.
+fn kick(s: &Scene, w: &mut dyn World, step: usize) {
+    for kick in s.kicks_at(step) {
+        w.set_velocity(kick.body, [kick.vx, kick.vy, kick.w]);
+    }
 }
 
 /// Builds the scene in every engine that accepts it.

@@ -14,7 +14,7 @@ const SUBSTEPS: u32 = 4;
 
 impl Engine for Box2d {
     fn id(&self) -> &'static str {
-        "box2d"
+        if cfg!(feature = "avx2") { "box2d-avx2" } else { "box2d" }
     }
     fn info(&self) -> Info {
         let v = unsafe { b2GetVersion() };
@@ -22,8 +22,9 @@ impl Engine for Box2d {
             version: format!("Box2D {}.{}.{} in boxdd {}", v.major, v.minor, v.revision, locked_version("boxdd")),
             number: "f32",
             build: format!(
-                "C, -O2 -ffp-contract=off, then CFLAGS={:?}; SSE2 SIMD of 4 lanes, 1 worker",
-                option_env!("CFLAGS").unwrap_or("")
+                "C, -O2 -ffp-contract=off, then CFLAGS={:?}; {}, 1 worker",
+                option_env!("CFLAGS").unwrap_or(""),
+                if cfg!(feature = "avx2") { "AVX2 of 8 lanes" } else { "SSE2 SIMD of 4 lanes" }
             ),
             solver: "defaults: soft step, 4 substeps, contacts 30 Hz, contact recycling, continuous on".into(),
             damping_law: "v *= 1/(1+c*h), every substep h",
@@ -59,6 +60,7 @@ unsafe fn add_body(world: b2WorldId, scene: &Scene, b: &Body) -> b2BodyId {
         let mut bd = b2DefaultBodyDef();
         bd.type_ = match b.kind {
             Kind::Fixed => b2BodyType_b2_staticBody,
+            Kind::Kinematic => b2BodyType_b2_kinematicBody,
             Kind::Dynamic => b2BodyType_b2_dynamicBody,
         };
         bd.position = v2(b.x, b.y);
@@ -173,6 +175,13 @@ impl World for B2World {
     fn push(&mut self, i: usize, fx: f64, fy: f64) {
         // Box2D clears forces after every step.
         unsafe { b2Body_ApplyForceToCenter(self.ids[i], v2(fx, fy), true) }
+    }
+    fn set_velocity(&mut self, i: usize, [x, y, angular]: [f64; 3]) {
+        unsafe {
+            b2Body_SetAwake(self.ids[i], true);
+            b2Body_SetLinearVelocity(self.ids[i], v2(x, y));
+            b2Body_SetAngularVelocity(self.ids[i], angular as f32);
+        }
     }
     fn awake(&self) -> Option<usize> {
         Some(unsafe { b2World_GetAwakeBodyCount(self.world) } as usize)

@@ -16,7 +16,14 @@ impl Engine for Rapier {
         Info {
             version: locked_version(CRATE),
             number: NUMBER,
-            build: "enhanced-determinism, serde-serialize; default SIMD of 4 lanes (wide), target baseline".into(),
+            build: if cfg!(feature = "determinism") {
+                "enhanced-determinism, serde-serialize; default SIMD of 4 lanes (wide), target baseline"
+            } else if cfg!(feature = "avx2") {
+                "without enhanced-determinism; simd8: in f32 SIMD of 8 lanes (wide), -C target-feature=+avx2,+fma"
+            } else {
+                "without enhanced-determinism; default SIMD of 4 lanes (wide), target baseline"
+            }
+            .into(),
             solver: "defaults: 4 substeps (num_solver_iterations) x 1 PGS + 1 stabilization, soft contacts 30 Hz, \
                      block solver, contact recycling, speculative CCD (max_ccd_substeps 1)"
                 .into(),
@@ -49,6 +56,7 @@ impl Engine for Rapier {
         for b in &scene.bodies {
             let rb = match b.kind {
                 Kind::Fixed => RigidBodyBuilder::fixed(),
+                Kind::Kinematic => RigidBodyBuilder::kinematic_velocity_based(),
                 Kind::Dynamic => RigidBodyBuilder::dynamic(),
             };
             let mut rb = rb
@@ -157,6 +165,11 @@ impl World for RapierWorld {
         let b = &mut self.w.bodies[self.handles[i]];
         b.reset_forces(false);
         b.add_force(vec2(fx, fy), true);
+    }
+    fn set_velocity(&mut self, i: usize, [x, y, angular]: [f64; 3]) {
+        let body = &mut self.w.bodies[self.handles[i]];
+        body.set_linvel(vec2(x, y), true);
+        body.set_angvel(angular as Real, true);
     }
     fn awake(&self) -> Option<usize> {
         Some(

@@ -86,6 +86,7 @@ pub fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
 fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
     let def = match b.kind {
         Kind::Fixed => BodyDef::fixed(),
+        Kind::Kinematic => BodyDef::kinematic(),
         Kind::Dynamic => BodyDef::dynamic(),
     };
     let (mut mass, mut origin) = (def.mass, [0.0; 2]);
@@ -284,6 +285,10 @@ impl<S: Number> World for Built<S> {
     }
     fn push(&mut self, i: usize, fx: f64, fy: f64) {
         self.world.apply_force(self.ids[i], vector(fx, fy)).expect("a force within the limits");
+    }
+    fn set_velocity(&mut self, i: usize, [x, y, angular]: [f64; 3]) {
+        self.world.set_velocity(self.ids[i], vector(x, y)).expect("a velocity within the limits");
+        self.world.set_angular_velocity(self.ids[i], S::number(angular)).expect("a velocity within the limits");
     }
     fn awake(&self) -> Option<usize> {
         let awake = self.world.bodies().filter(|b| b.kind() == BodyKind::Dynamic && b.activity() == Activity::Awake);

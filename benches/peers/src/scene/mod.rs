@@ -1,11 +1,13 @@
 //! Engine-neutral scene descriptions, in f64. Everything is generated from integer
 //! arithmetic and a fixed LCG, so every engine gets the same numbers.
 
+mod crowds;
 mod impacts;
 mod quality;
 mod speed;
 mod twins;
 
+pub use crowds::*;
 pub use impacts::*;
 pub use quality::*;
 pub use speed::*;
@@ -14,6 +16,8 @@ pub use twins::{Mirror, mirrored, shuffled};
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Kind {
     Fixed,
+    /// Moves at the velocity that it has.
+    Kinematic,
     Dynamic,
 }
 
@@ -223,6 +227,8 @@ pub struct Scene {
     pub substeps: Option<u32>,
     pub bodies: Vec<Body>,
     pub joints: Vec<Joint>,
+    /// Sorted by step.
+    pub kicks: Vec<Kick>,
     pub symmetry: Option<Symmetry>,
     /// A force field that acts on all bodies.
     pub field: Option<Field>,
@@ -242,11 +248,30 @@ impl Scene {
             substeps: None,
             bodies: Vec::new(),
             joints: Vec::new(),
+            kicks: Vec::new(),
             symmetry: None,
             field: None,
             pushed: false,
         }
     }
+
+    /// The kicks before a step.
+    pub fn kicks_at(&self, step: usize) -> &[Kick] {
+        let from = self.kicks.partition_point(|kick| kick.step < step);
+        let count = self.kicks[from..].partition_point(|kick| kick.step == step);
+        &self.kicks[from..from + count]
+    }
+}
+
+/// The velocity that the harness gives a body before a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Kick {
+    /// The number of the step, from 0.
+    pub step: usize,
+    pub body: usize,
+    pub vx: f64,
+    pub vy: f64,
+    pub w: f64,
 }
 
 /// A ray: where it starts, and from there to its end, m.

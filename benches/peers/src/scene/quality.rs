@@ -40,7 +40,7 @@ impl Scene {
     }
 
     /// A floor and two high walls.
-    fn container(&mut self, half_width: f64) {
+    pub(super) fn container(&mut self, half_width: f64) {
         self.fixed(0.0, -2.0, rectangle(half_width + 8.0, 2.0));
         for side in [-1.0, 1.0] {
             self.fixed(side * (half_width + 2.0), 400.0, rectangle(2.0, 402.0));

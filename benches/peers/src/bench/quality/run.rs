@@ -1,6 +1,6 @@
 //! A scene run once beside its twins, and what was seen on the way.
 
-use crate::bench::geometry::{joint_gap, largest, largest_speed, overlap, radius};
+use crate::bench::geometry::{joint_gap, kinetic, largest, largest_speed, overlap, radius};
 use crate::bench::now;
 use crate::engine::{Engine, State, World};
 use crate::scene::{self, Mirror, Scene};
@@ -102,15 +102,6 @@ fn asymmetry(s: &Scene, states: &[State]) -> f64 {
         largest((a.x - b.x).hypot(a.y - b.y), turn.abs() * radius(&s.bodies[i]))
     };
     symmetry.partner.iter().enumerate().map(distance).fold(0.0, largest)
-}
-
-fn kinetic(s: &Scene, states: &[State]) -> f64 {
-    let dynamic = s.bodies.iter().zip(states).filter(|(b, _)| b.kind == scene::Kind::Dynamic);
-    let energy = dynamic.map(|(b, q)| {
-        let (mass, inertia) = b.mass_inertia();
-        0.5 * (mass * (q.vx * q.vx + q.vy * q.vy) + inertia * q.w * q.w)
-    });
-    energy.sum()
 }
 
 impl Run {

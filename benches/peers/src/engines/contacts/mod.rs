@@ -5,7 +5,7 @@ mod joints;
 mod pairs;
 
 use crate::engine::{Engine, Hash, Info, State, World, locked_version};
-use crate::scene::Scene;
+use crate::scene::{Kind, Scene};
 use bodies::{Body, Timing};
 use joints::Joints;
 use pairs::Pairs;
@@ -76,6 +76,8 @@ impl Engine for Contacts {
     fn refuse(&self, scene: &Scene) -> Option<String> {
         let lacks = if scene.sleep {
             "sleep"
+        } else if !scene.kicks.is_empty() || scene.bodies.iter().any(|b| b.kind == Kind::Kinematic) {
+            "kinematic bodies"
         } else if scene.field.is_some() || scene.pushed {
             "forces"
         } else if scene.bodies.iter().any(|b| b.lin_damp != 0.0 || b.ang_damp != 0.0) {
