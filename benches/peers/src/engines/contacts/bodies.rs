@@ -47,7 +47,6 @@ pub struct Body {
     /// The centre of mass in the scene's coordinates of the body.
     shift: Vec2,
     mass: Fx,
-    inertia: FxFactor,
     inverse_mass: FxFactor,
     inverse_inertia: FxFactor,
 }
@@ -99,7 +98,6 @@ impl Body {
             surface_speed: Fx::number(b.surface_speed),
             shift,
             mass,
-            inertia,
             inverse_mass: inverse(FxFactor::from_scalar(mass)),
             inverse_inertia: inverse(inertia),
         }
@@ -147,7 +145,6 @@ impl Body {
             displacement: displacement.map(FxAccumulator::value),
             rotation: rotation.value(),
             mass: self.mass,
-            inertia: self.inertia,
             inverse_mass: Vec2::new(self.inverse_mass, self.inverse_mass),
             inverse_inertia: self.inverse_inertia,
             radius: self.radius,
