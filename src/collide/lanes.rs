@@ -20,11 +20,9 @@ mod point;
 mod tests;
 mod vector;
 
-pub(super) use self::boxes::CollideBoxes;
-pub(super) use self::discs::CollideDiscs;
 use super::{Manifold, ManifoldPoint};
 use crate::fx::Fx;
-use crate::kernel::simd::{GROUP, Lanes};
+use crate::kernel::simd::{GROUP, Job, Lanes, Line};
 use crate::math::Vec2;
 
 /// A number for each lane.
@@ -61,6 +59,41 @@ impl LanePairs {
         }
         let first = self.swapped[0];
         self.swapped[lanes..].fill(first);
+    }
+}
+
+/// Finds the manifolds of pairs, group by group.
+pub(super) struct CollidePairs<'a> {
+    /// True for pairs of a box and a disc, else of two boxes.
+    pub(super) has_discs: bool,
+    /// By box: the first two corners relative to the position, in ulps; the first normal; the position. By disc: the centre relative to the
+    /// position, in ulps, two zeros, the radius, a zero, the position.
+    pub(super) outlines: &'a [Line],
+    /// By body: the displacement in the step, a bound of the way that the rotation adds, in ulps; the way to the moment of the manifold, in
+    /// ulps and 2^-32 rad.
+    pub(super) motions: &'a [Line],
+    /// Outlines have a manifold if they are nearer than this and the distance that they close, ulps.
+    pub(super) margin: i64,
+    pub(super) pairs: &'a [LanePairs],
+    pub(super) manifolds: &'a mut [LaneManifolds],
+}
+
+impl Job for CollidePairs<'_> {
+    type Result = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { has_discs, outlines, motions, margin, pairs, manifolds } = self;
+        for (pairs, manifolds) in pairs.iter().zip(manifolds) {
+            manifolds.clear();
+            for at in (0..GROUP).step_by(L::WIDTH) {
+                if has_discs {
+                    discs::collide(lanes, outlines, motions, margin, pairs, manifolds, at);
+                } else {
+                    boxes::collide(lanes, outlines, motions, margin, pairs, manifolds, at);
+                }
+            }
+        }
     }
 }
 
@@ -157,9 +190,7 @@ impl LaneManifolds {
         }
         Manifold { normal: self.normal(lane), count, points }
     }
-}
 
-impl LaneManifolds {
     /// Forgets all manifolds.
     #[inline(always)]
     fn clear(&mut self) {

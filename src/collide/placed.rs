@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::cores::across;
-use super::lanes::{CollideBoxes, CollideDiscs, LaneManifolds, LanePairs};
+use super::lanes::{CollidePairs, LaneManifolds, LanePairs};
 use super::link::{collide_surfaces, swapped};
 use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
 use super::points::Ends;
@@ -11,7 +11,6 @@ use super::seam::Face;
 use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
 use crate::collider::BodyOutline;
-use crate::fx::Fx;
 use crate::kernel::simd::{self, Line};
 use crate::math::Vec2;
 use crate::shape::{Aabb, Outline};
@@ -29,7 +28,7 @@ pub struct Cores {
     /// Segments of chains and polygons among others, by number: true for a segment, and the last of its links.
     surfaces: Vec<(usize, bool, usize)>,
     links: Vec<Link>,
-    /// By core: a box or a disc, as [`CollideBoxes`] and [`CollideDiscs`] read it.
+    /// By core: a box or a disc, as [`CollidePairs`] reads it.
     lines: Vec<Line>,
 }
 
@@ -99,18 +98,13 @@ impl Cores {
         self.placed[i].0.bounds()
     }
 
-    /// The radius of an outline, m.
-    pub(crate) fn radius(&self, i: usize) -> Fx {
-        Fx::from_bits(self.placed[i].0.radius)
-    }
-
-    /// Returns true for a disc, or a point: [`collide_discs`](Self::collide_discs) takes it.
+    /// Returns true for a disc, or a point: [`collide_pairs`](Self::collide_pairs) takes it.
     #[inline]
     pub(crate) fn is_disc(&self, i: usize) -> bool {
         self.placed[i].0.count == 1
     }
 
-    /// Returns true for a rectangle without a radius that stands alone: [`collide_boxes`](Self::collide_boxes) takes it.
+    /// Returns true for a rectangle without a radius that stands alone: [`collide_pairs`](Self::collide_pairs) takes it.
     #[inline]
     pub(crate) fn is_plain_box(&self, i: usize) -> bool {
         let (placed, start, is_surface) = &self.placed[i];
@@ -122,27 +116,17 @@ impl Cores {
         &self.lines
     }
 
-    /// Finds the manifolds of pairs of plain boxes with these motions, which have one if they are nearer than a margin, in ulps, and the
-    /// distance that they close.
-    pub(crate) fn collide_boxes(
+    /// Finds the manifolds of pairs with these motions, of a plain box and a disc or of two plain boxes: they have one if they are nearer than
+    /// a margin, in ulps, and the distance that they close.
+    pub(crate) fn collide_pairs(
         &self,
+        has_discs: bool,
         motions: &[Line],
         margin: i64,
         pairs: &[LanePairs],
         manifolds: &mut [LaneManifolds],
     ) {
-        simd::run(CollideBoxes { boxes: &self.lines, motions, margin, pairs, manifolds });
-    }
-
-    /// Finds the manifolds of pairs of a plain box and a disc: as [`collide_boxes`](Self::collide_boxes).
-    pub(crate) fn collide_discs(
-        &self,
-        motions: &[Line],
-        margin: i64,
-        pairs: &[LanePairs],
-        manifolds: &mut [LaneManifolds],
-    ) {
-        simd::run(CollideDiscs { outlines: &self.lines, motions, margin, pairs, manifolds });
+        simd::run(CollidePairs { has_discs, outlines: &self.lines, motions, margin, pairs, manifolds });
     }
 
     /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.

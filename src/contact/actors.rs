@@ -1,6 +1,6 @@
-//! The outlines of a step that are near others, as pairs look at them, and pairs of boxes side by side in lanes.
+//! The outlines that may meet others in a step, as pairs look at them, and pairs of boxes and discs side by side in lanes.
 //!
-//! Reads: sides of pairs, boxes in world axes. Writes: actors, manifolds of pairs of boxes.
+//! Reads: sides of pairs, boxes and discs in world axes. Writes: actors, manifolds of these pairs.
 
 use alloc::vec::Vec;
 
@@ -12,6 +12,7 @@ use super::reach::{CLOSE, Reach};
 use super::slot_table::SlotTable;
 use crate::collide::{Cores, LaneManifolds, LanePairs};
 use crate::collider::OutlineId;
+use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Line, VectorSet};
 use crate::math::Vec2;
 use crate::slots::NONE;
@@ -29,7 +30,7 @@ pub(super) enum LaneShape {
     None,
 }
 
-/// An outline that is near another one.
+/// An outline of a body that moves, or of one that is near such an outline.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Actor {
     pub(super) number: u32,
@@ -51,6 +52,11 @@ impl Actor {
     pub(super) fn side<'a>(&self, scene: &Scene<'a>) -> Option<PairSide<'a>> {
         let Self { number, id, flight, kind, .. } = *self;
         Some(PairSide { number, id, collider: scene.colliders.at(id.slot)?, flight, kind })
+    }
+
+    /// The radius of the outline, m.
+    pub(super) fn radius(&self, scene: &Scene<'_>) -> Fx {
+        self.side(scene).map_or(Fx::ZERO, |side| side.outline().outline.radius())
     }
 }
 
@@ -97,7 +103,7 @@ impl Queue {
     }
 }
 
-/// The actors of a step, each made when a pair first names it.
+/// The actors of a step: outlines of moving bodies, each made when the body is entered, and other ones, each made when a pair first names it.
 #[derive(Debug, Default)]
 pub(super) struct Actors {
     actors: Vec<Actor>,
@@ -178,11 +184,10 @@ impl Actors {
     /// Finds the manifolds of the pairs of the chunk.
     pub(super) fn collide(&mut self, cores: &Cores) {
         let Self { motions, boxes, discs, .. } = self;
-        if let Some((pairs, manifolds)) = boxes.groups() {
-            cores.collide_boxes(motions, CLOSE, pairs, manifolds);
-        }
-        if let Some((pairs, manifolds)) = discs.groups() {
-            cores.collide_discs(motions, CLOSE, pairs, manifolds);
+        for (has_discs, queue) in [(false, boxes), (true, discs)] {
+            if let Some((pairs, manifolds)) = queue.groups() {
+                cores.collide_pairs(has_discs, motions, CLOSE, pairs, manifolds);
+            }
         }
     }
 
@@ -194,6 +199,12 @@ impl Actors {
             LanePlace::Disc(place) => (&self.discs, place),
         };
         (&queue.manifolds[place / GROUP], place % GROUP)
+    }
+
+    /// Returns true if contacts of a pair may be hits.
+    #[inline(always)]
+    pub(super) fn have_hits(&self, pair: [usize; 2]) -> bool {
+        pair.into_iter().any(|index| self.actors[index].has_hits)
     }
 
     /// The coefficients of a pair, if both materials have numbers.

@@ -233,17 +233,9 @@ impl Narrow {
         resting: &Resting,
         number: u32,
     ) -> Option<usize> {
-        let actor = self.actors.find(number);
-        if actor.is_none() { self.push_actor(scene, flights, resting, number) } else { actor }
-    }
-
-    fn push_actor(
-        &mut self,
-        scene: &Scene<'_>,
-        flights: &mut Flights,
-        resting: &Resting,
-        number: u32,
-    ) -> Option<usize> {
+        if let Some(actor) = self.actors.find(number) {
+            return Some(actor);
+        }
         let side = flights.side(scene, &resting.numbers, number)?;
         if matches!(side.outline().outline.corners().len(), 1 | 4) {
             _ = self.core(scene, flights, resting, &side);
@@ -306,11 +298,6 @@ impl Narrow {
         if is_mean { self.actors.push_pair(actors) } else { None }
     }
 
-    /// The radius of an actor that is placed.
-    pub(super) fn radius(&self, actor: &Actor) -> Fx {
-        self.cores.radius(actor.core as usize)
-    }
-
     /// The manifold of a box and a disc next to a corner of it, at the moment of manifolds of bodies that press each other.
     pub(super) fn collide_corner(&self, actors: [usize; 2], corner: usize) -> Option<Manifold> {
         let [a, b] = actors.map(|actor| self.actors.get(actor).core as usize);
@@ -324,8 +311,8 @@ impl Narrow {
         actors.collide(cores);
     }
 
-    /// Finds where the outlines of a pair, which are these actors, meet; `None` if they do not meet in the step. `pressed` is true if they pressed each other in the
-    /// step before.
+    /// Finds where the outlines of a pair, which are these actors, meet; `None` if they do not meet in the step. `pressed` is true if they
+    /// pressed each other in the step before.
     #[inline(always)]
     pub(super) fn meet(
         &mut self,

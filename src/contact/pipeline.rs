@@ -47,7 +47,7 @@ pub(crate) struct Pipeline {
     again: Again,
     sweeps: Sweeps,
     /// The pairs of a chunk.
-    near: Vec<NearPair>,
+    near_pairs: Vec<NearPair>,
     /// Of the current step.
     #[cfg(feature = "timers")]
     pub(crate) timers: Timers,
@@ -173,7 +173,10 @@ impl Pipeline {
                 let asleep = [first, second].into_iter().filter(|side| side.kind == FlightKind::Asleep);
                 touched.extend(asleep.map(|side| side.collider.body));
                 if touched.len() == count {
-                    push_meeting(contacts, scene, flights, [first, second], &meeting, None, Impulses::default());
+                    let actors = pair.map(|number| narrow.actor(scene, flights, resting, number));
+                    let [Some(first), Some(second)] = actors else { continue };
+                    let start = Impulses::default();
+                    push_meeting(contacts, scene, flights, &narrow.actors, [first, second], &meeting, start);
                 }
             }
         }

@@ -150,19 +150,19 @@ pub(crate) trait Lanes: Copy {
     /// to one below it. Products are within 2^61.
     #[inline(always)]
     fn reciprocal(self, d: Self::Narrow) -> Self::Narrow {
-        let one = self.wide(&[(1 << 60) - 1; GROUP], 0);
+        let numerator = self.all((1 << 60) - 1);
         // 48/17 − 32/17·d for d from 1/2 to 1, in 2^-29.
         let line = self.low(self.floored::<31>(self.times(self.splat(1_010_580_540), d)));
         let mut x = self.minus(self.splat(1_515_870_810), line);
         for _ in 0..2 {
-            let error = self.rounded(self.sub(one, self.times(d, x)));
+            let error = self.rounded(self.sub(numerator, self.times(d, x)));
             x = self.plus(x, self.rounded(self.times(x, error)));
         }
-        let error = self.low(self.floored::<14>(self.sub(one, self.times(d, x))));
+        let error = self.low(self.floored::<14>(self.sub(numerator, self.times(d, x))));
         x = self.plus(x, self.low(self.floored::<46>(self.times(x, error))));
         let next = self.plus(x, self.splat(1));
         // One less where that is beyond the quotient.
-        self.plus(next, self.low(self.floored::<63>(self.sub(one, self.times(d, next)))))
+        self.plus(next, self.low(self.floored::<63>(self.sub(numerator, self.times(d, next)))))
     }
     /// a / 2^30 to nearest, ties upwards.
     fn rounded(self, a: Self::Wide) -> Self::Narrow;
@@ -210,7 +210,17 @@ pub(crate) trait Lanes: Copy {
 
     #[inline(always)]
     fn magnitude(self, a: Self::Wide) -> Self::Wide {
-        self.negated(self.greater(self.all(0), a), a)
+        self.if_negative(a, self.sub(self.all(0), a), a)
+    }
+
+    /// The largest magnitude.
+    #[inline(always)]
+    fn largest<const N: usize>(self, values: [Self::Wide; N]) -> Self::Wide {
+        let mut maximum = self.magnitude(values[0]);
+        for value in &values[1..] {
+            maximum = self.larger(maximum, self.magnitude(*value));
+        }
+        maximum
     }
 
     /// Returns true if all lanes are zero.

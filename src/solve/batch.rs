@@ -9,7 +9,7 @@
 
 use super::group::{GAIN, Group};
 use super::load::LaneScales;
-use super::vectors::{Shift, across, largest, long, product, word};
+use super::vectors::{Shift, across, long, product};
 use crate::kernel::simd::{GAIN_BITS, GROUP, Lanes, Pairs};
 
 /// A value for each lane.
@@ -222,10 +222,10 @@ impl Batch {
         for (words, value) in self.angular.iter_mut().zip([t1, t2, tt]) {
             lanes.store(&mut words[side], at, value);
         }
-        let largest = [largest(lanes, [px, py, qx, qy]), largest(lanes, [t1, t2, tt])];
+        let largest = [lanes.largest([px, py, qx, qy]), lanes.largest([t1, t2, tt])];
         let [px, py, qx, qy] = [lanes.low(px), lanes.low(py), lanes.low(qx), lanes.low(qy)];
         let [t1, t2, tt] = [lanes.low(t1), lanes.low(t2), lanes.low(tt)];
-        let half = word(lanes, 1 << 29);
+        let half = lanes.all(1 << 29);
         let along = lanes.add(lanes.add(lanes.times(px, nx), lanes.times(py, ny)), half);
         let cross = lanes.add(lanes.times(qx, nx), lanes.times(qy, ny));
         // Both ways, so that the points may come in either order.
@@ -260,21 +260,21 @@ impl Batch {
     fn choose_bits<L: Lanes>(&mut self, lanes: L, group: &mut Group, at: usize) -> bool {
         let (k11, k22) = (lanes.wide(&self.whole[0], at), lanes.wide(&self.whole[2], at));
         let tangent = lanes.wide(&self.tangent[0], at);
-        let (zero, normal) = (word(lanes, 0), lanes.smaller(k11, k22));
+        let (zero, normal) = (lanes.all(0), lanes.smaller(k11, k22));
         let smallest = lanes.if_negative(lanes.sub(zero, tangent), lanes.smaller(normal, tangent), normal);
         let (first, second) = (lanes.wide(&self.coupling[0], at), lanes.wide(&self.coupling[1], at));
-        let linear = largest(lanes, [lanes.wide(&self.widest[0], at), smallest, first, second]);
+        let linear = lanes.largest([lanes.wide(&self.widest[0], at), smallest, first, second]);
         let turning = lanes.bit_length(lanes.wide(&self.widest[1], at));
-        let bits = lanes.larger(lanes.bit_length(linear), lanes.sub(turning, word(lanes, 18)));
-        let factor_bits = word(lanes, FACTOR_BITS);
+        let bits = lanes.larger(lanes.bit_length(linear), lanes.sub(turning, lanes.all(18)));
+        let factor_bits = lanes.all(FACTOR_BITS);
         let is_filled = lanes.sub(zero, k11);
         let bits = lanes.if_negative(is_filled, bits, factor_bits);
         let angular_shift = lanes.positive(lanes.sub(turning, bits));
         lanes.store(&mut self.bits, at, bits);
         lanes.store(&mut group.angular_shift, at, angular_shift);
         // Changes below half of a factor's unit are none.
-        let half = lanes.positive(lanes.sub(bits, word(lanes, FACTOR_BITS + 1)));
-        let angular_half = lanes.positive(lanes.add(lanes.sub(bits, word(lanes, FACTOR_BITS + 1)), angular_shift));
+        let half = lanes.positive(lanes.sub(bits, lanes.all(FACTOR_BITS + 1)));
+        let angular_half = lanes.positive(lanes.add(lanes.sub(bits, lanes.all(FACTOR_BITS + 1)), angular_shift));
         for side in 0..2 {
             let moved = lanes.floored_by(lanes.wide(&self.largest[side][0], at), half);
             let turned = lanes.floored_by(lanes.wide(&self.largest[side][1], at), angular_half);
@@ -288,7 +288,7 @@ impl Batch {
     /// With the share of the body these are below 2^bits, angular ones below 2^(bits + shift): the factors are at most a quarter.
     #[inline(always)]
     fn factors<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
-        let bits = lanes.sub(lanes.wide(&self.bits, at), word(lanes, FACTOR_BITS));
+        let bits = lanes.sub(lanes.wide(&self.bits, at), lanes.all(FACTOR_BITS));
         let shift = Shift::<L>::new::<UP>(lanes, bits);
         for direction in 0..2 {
             let [[ax, ay], [bx, by]] = &self.linear[direction];

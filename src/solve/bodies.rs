@@ -39,8 +39,6 @@ pub(super) struct BodyRows {
     pub(super) rows: Rows,
     /// Row by body.
     pub(super) row_of: Vec<u32>,
-    /// log2 of the unit of velocity by body.
-    pub(super) unit_of: Vec<i32>,
     /// Masses and lengths by body.
     pub(super) bodies: Vec<SolverBody>,
     /// The largest speed by island, in 2^-[`COARSE`] m/s.
@@ -87,12 +85,11 @@ impl BodyRows {
     /// Makes the rows of bodies that are in islands.
     #[inline(always)]
     fn set_rows(&mut self, input: &StepInput<'_>, graph: &Graph) {
-        let Self { rows, row_of, unit_of, bodies, fastest, .. } = self;
+        let Self { rows, row_of, bodies, fastest, .. } = self;
         let StepInput { clock, softness, flights, .. } = *input;
         rows.clear();
         rows.push(FlightRow::default(), i32::MAX);
         row_of.clear();
-        unit_of.clear();
         for (body, (flight, solver_body)) in (0..).zip(flights.iter().zip(bodies)) {
             if let Some(island) = graph.island_of(body) {
                 let unit = unit_for(fastest[island as usize], clock.substeps);
@@ -102,7 +99,6 @@ impl BodyRows {
                 solver_body.is_carrier = flight.is_fixed() && (flight.is_moving() || flight.leader.is_some());
             }
             row_of.push(solver_body.row);
-            unit_of.push(solver_body.unit);
         }
     }
 
@@ -265,7 +261,7 @@ const NO_MASS: i32 = -(1 << 20);
 /// The fields of the measures of a body, from the lowest on: its radius over the length, in 2^-30; log2 of the unit of arms in 2^-32 m, which
 /// is less than a quarter of this; the exponent of its masses.
 pub(super) const DOWN_BITS: i32 = 7;
-/// What is added to that logarithm, so that it is not negative.
+/// An offset of the logarithm in its field, so that the field is not negative.
 pub(super) const DOWN_ZERO: i64 = 64;
 
 /// The measures of a body in a word.

@@ -46,14 +46,14 @@ pub(super) fn add_leader_speeds(fastest: &mut [u64], graph: &Graph, flights: &[F
 
 /// Lists the rows of followers whose leaders have rows.
 pub(super) fn set_followers(bodies: &mut BodyRows, flights: &[Flight]) {
-    let BodyRows { row_of, unit_of, carriers, carrier_of, followers, .. } = bodies;
+    let BodyRows { row_of, bodies, carriers, carrier_of, followers, .. } = bodies;
     followers.clear();
     let pairs = (0..).zip(flights).filter_map(|(body, flight): (usize, _)| Some((body, flight.leader? as usize)));
     for (body, leader) in pairs.filter(|&(_, leader)| row_of[leader] != STILL) {
         let mut next = carrier_of[body];
         while let Some(index) = next {
             let carrier = &carriers[index as usize];
-            let down = carrier.unit - unit_of[leader];
+            let down = carrier.unit - bodies[leader].unit;
             followers.push(Follower { row: carrier.row, leader: row_of[leader], down });
             next = carrier.next;
         }

@@ -14,7 +14,6 @@
 use super::batch::Words;
 use super::group::Group;
 use super::number::shifted;
-use super::vectors::word;
 use crate::kernel::simd::{GROUP, Lanes, Sums};
 
 /// The bits of a lower limb.
@@ -72,12 +71,12 @@ pub(super) fn add_impulses<L: Lanes, const MIDDLE: bool>(lanes: L, group: &Group
 #[inline(always)]
 fn limbs<L: Lanes, const MIDDLE: bool>(lanes: L, group: &Group, at: usize, impulses: &[Words; 3]) -> [[L::Wide; 2]; 4] {
     let p = [lanes.wide(&impulses[0], at), lanes.wide(&impulses[1], at), lanes.wide(&impulses[2], at)];
-    let zero = word(lanes, 0);
+    let zero = lanes.all(0);
     let (low, high) = if MIDDLE {
         let (mut lower, mut upper) = ([lanes.splat(0); 3], [lanes.splat(0); 3]);
         for k in 0..3 {
-            let half = lanes.floored::<LIMB>(lanes.add(p[k], word(lanes, 1 << (LIMB - 1))));
-            lower[k] = lanes.low(lanes.sub(p[k], lanes.raised_by(half, word(lanes, LIMB.into()))));
+            let half = lanes.floored::<LIMB>(lanes.add(p[k], lanes.all(1 << (LIMB - 1))));
+            lower[k] = lanes.low(lanes.sub(p[k], lanes.raised_by(half, lanes.all(LIMB.into()))));
             upper[k] = lanes.low(half);
         }
         (along(lanes, group, at, lower), along(lanes, group, at, upper))
@@ -88,7 +87,7 @@ fn limbs<L: Lanes, const MIDDLE: bool>(lanes: L, group: &Group, at: usize, impul
     let mut limbs = [[zero; 2]; 4];
     for k in 0..4 {
         let carry = lanes.floored::<LIMB>(low[k]);
-        let rest = lanes.sub(low[k], lanes.raised_by(carry, word(lanes, LIMB.into())));
+        let rest = lanes.sub(low[k], lanes.raised_by(carry, lanes.all(LIMB.into())));
         limbs[k] = if MIDDLE {
             shifted_limbs(lanes, [rest, lanes.add(high[k], carry)], raise)
         } else {
@@ -101,10 +100,10 @@ fn limbs<L: Lanes, const MIDDLE: bool>(lanes: L, group: &Group, at: usize, impul
 /// Limbs times 2^raise, to nearest, ties away from zero. *Domain* raise ≥ −30.
 #[inline(always)]
 fn shifted_limbs<L: Lanes>(lanes: L, [low, high]: [L::Wide; 2], raise: L::Wide) -> [L::Wide; 2] {
-    let (zero, limb) = (word(lanes, 0), word(lanes, LIMB.into()));
+    let (zero, limb) = (lanes.all(0), lanes.all(LIMB.into()));
     let down = lanes.positive(lanes.sub(zero, raise));
-    let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), down));
-    let less = lanes.positive(lanes.sub(half, word(lanes, 1)));
+    let half = lanes.floored::<1>(lanes.raised_by(lanes.all(1), down));
+    let less = lanes.positive(lanes.sub(half, lanes.all(1)));
     // The upper limb has the sign. Its bits that are shifted out go to the lower one.
     let low = lanes.add(low, lanes.if_negative(high, less, half));
     let upper = lanes.floored_by(high, down);

@@ -4,11 +4,11 @@ use super::batch::{Batch, Words};
 use super::bodies::{DOWN_BITS, DOWN_ZERO, MASS_BITS};
 use super::group::{Group, IMPULSE, SEPARATION, SURFACE};
 use super::unit::Scale;
-use super::vectors::{Shift, magnitude, word};
+use super::vectors::Shift;
 use super::{Contact, Point};
 use crate::kernel::simd::{GROUP, Lanes};
 
-/// What follows from the unit of the island of a contact: [`Scale`] by lane. It stays from group to group, as most contacts have the same.
+/// The [`Scale`] of the unit of an island, by lane. It stays from group to group, as most contacts have the same unit.
 #[derive(Clone, Debug, Default)]
 pub(super) struct LaneScales {
     unit: Words,
@@ -66,7 +66,7 @@ impl Batch {
         let exponent = lanes.larger(exponent_a, exponent_b);
         self.align(lanes, at, 0, a, measures_a, exponent);
         self.align(lanes, at, 1, b, measures_b, exponent);
-        let mass_unit = lanes.sub(word(lanes, MASS_BITS.into()), exponent);
+        let mass_unit = lanes.sub(lanes.all(MASS_BITS.into()), exponent);
         lanes.store(&mut self.exponent, at, lanes.add(lanes.wide(&self.scales.unit, at), mass_unit));
     }
 
@@ -82,10 +82,10 @@ impl Batch {
         exponent: L::Wide,
     ) {
         let body_exponent = lanes.floored::<DOWN_BITS>(upper);
-        let base = lanes.raised_by(body_exponent, word(lanes, DOWN_BITS.into()));
-        lanes.store(&mut self.down[side], at, lanes.sub(lanes.sub(upper, base), word(lanes, DOWN_ZERO)));
-        lanes.store(&mut self.rim[side], at, lanes.sub(measures, lanes.raised_by(upper, word(lanes, 32))));
-        let bits = lanes.smaller(lanes.sub(exponent, body_exponent), word(lanes, 62));
+        let base = lanes.raised_by(body_exponent, lanes.all(DOWN_BITS.into()));
+        lanes.store(&mut self.down[side], at, lanes.sub(lanes.sub(upper, base), lanes.all(DOWN_ZERO)));
+        lanes.store(&mut self.rim[side], at, lanes.sub(measures, lanes.raised_by(upper, lanes.all(32))));
+        let bits = lanes.smaller(lanes.sub(exponent, body_exponent), lanes.all(62));
         if lanes.is_zero(bits) {
             lanes.store(&mut self.mass[side][0], at, x);
             lanes.store(&mut self.mass[side][1], at, y);
@@ -93,7 +93,7 @@ impl Batch {
             return;
         }
         // To nearest, ties upwards: masses have no sign.
-        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), bits));
+        let half = lanes.floored::<1>(lanes.raised_by(lanes.all(1), bits));
         lanes.store(&mut self.mass[side][0], at, lanes.floored_by(lanes.add(x, half), bits));
         lanes.store(&mut self.mass[side][1], at, lanes.floored_by(lanes.add(y, half), bits));
         lanes.store(&mut self.inertia[side], at, lanes.floored_by(lanes.add(inertia, half), bits));
@@ -112,21 +112,21 @@ impl Batch {
         lanes.put_pair(&mut group.separation, at, (first, last));
         lanes.put_pair(&mut group.separation_now, at, (first, last));
         // From 2^-32 to 2^-26.
-        let mu = lanes.positive(lanes.clamped(lanes.wide(friction, at), word(lanes, 1 << 37)));
-        let mu = lanes.capped(lanes.floored::<6>(lanes.add(mu, word(lanes, 32))));
+        let mu = lanes.positive(lanes.clamped(lanes.wide(friction, at), lanes.all(1 << 37)));
+        let mu = lanes.capped(lanes.floored::<6>(lanes.add(mu, lanes.all(32))));
         lanes.put_pair(&mut group.friction, at, (lanes.splat(0), mu));
         let (normal, change) = (lanes.pair(&group.normal, at), lanes.pair(change, at));
         let along = lanes.add(lanes.times(normal.0, change.0), lanes.times(normal.1, change.1));
         // As in the passes, the largest speed is 2^28.
-        let forced = lanes.smaller(lanes.floored::<29>(magnitude(lanes, along)), word(lanes, 1 << 28));
+        let forced = lanes.smaller(lanes.floored::<29>(lanes.magnitude(along)), lanes.all(1 << 28));
         let impact_speed = lanes.low(lanes.larger(forced, lanes.wide(&scales.impact_speed, at)));
         let surface = lanes.wide(surface, at);
         let mut speed = lanes.splat(0);
         if !lanes.is_zero(surface) {
-            let bits = lanes.add(lanes.wide(&scales.unit, at), word(lanes, 32));
-            let shift = Shift::<L>::new::<false>(lanes, lanes.smaller(lanes.positive(bits), word(lanes, 62)));
-            let surface = lanes.clamped(surface, word(lanes, 1 << 61));
-            speed = lanes.low(lanes.clamped(shift.rounded::<false>(lanes, surface), word(lanes, SURFACE)));
+            let bits = lanes.add(lanes.wide(&scales.unit, at), lanes.all(32));
+            let shift = Shift::<L>::new::<false>(lanes, lanes.smaller(lanes.positive(bits), lanes.all(62)));
+            let surface = lanes.clamped(surface, lanes.all(1 << 61));
+            speed = lanes.low(lanes.clamped(shift.rounded::<false>(lanes, surface), lanes.all(SURFACE)));
         }
         lanes.put_pair(&mut group.surface, at, (speed, impact_speed));
     }
@@ -135,33 +135,28 @@ impl Batch {
     #[inline(always)]
     pub(super) fn start<L: Lanes>(&mut self, lanes: L, group: &mut Group, at: usize) {
         // The unit of masses · 2^-exponent is 2^-(bits + 2).
-        let bits = lanes.add(lanes.wide(&self.bits, at), word(lanes, 2));
+        let bits = lanes.add(lanes.wide(&self.bits, at), lanes.all(2));
         let exponent = lanes.sub(lanes.wide(&self.exponent, at), bits);
         lanes.store(&mut self.exponent, at, exponent);
         // Normals and arms are in 2^-30. Empty lanes have no impulses, in any unit.
-        let is_filled = lanes.sub(word(lanes, 0), lanes.wide(&self.whole[0], at));
-        let raise = lanes.if_negative(is_filled, lanes.add(exponent, word(lanes, 64 - 30)), word(lanes, 0));
+        let is_filled = lanes.sub(lanes.all(0), lanes.wide(&self.whole[0], at));
+        let raise = lanes.if_negative(is_filled, lanes.add(exponent, lanes.all(64 - 30)), lanes.all(0));
         lanes.store(&mut group.raise, at, raise);
         let [first, second, tangent, unit] = lanes.columns(&self.impulses, at);
-        // Impulses are within 2^62.
-        let down = lanes.smaller(lanes.sub(exponent, unit), word(lanes, 62));
-        // The limit itself has no more bits.
-        let up = lanes.smaller(lanes.positive(lanes.sub(word(lanes, 0), down)), word(lanes, 44));
-        let limit = word(lanes, IMPULSE);
-        let raised_limit = lanes.floored_by(limit, up);
-        let down = lanes.positive(down);
-        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), down));
-        let less = lanes.positive(lanes.sub(half, word(lanes, 1)));
+        // Impulses are within 2^62, and the limit has no more than 44 bits.
+        let down = lanes.clamped(lanes.sub(exponent, unit), lanes.all(62));
+        let up = lanes.smaller(lanes.positive(lanes.sub(lanes.all(0), down)), lanes.all(44));
+        let shift = Shift::<L>::new::<true>(lanes, lanes.sub(lanes.positive(down), up));
+        let limit = lanes.all(IMPULSE);
+        let widest = lanes.if_negative(down, lanes.floored_by(limit, up), lanes.all(1 << 62));
         let mut scaled = [first, second, tangent];
         for impulse in &mut scaled {
-            let raised = lanes.raised_by(lanes.clamped(*impulse, raised_limit), up);
-            let lowered = lanes.add(*impulse, lanes.if_negative(*impulse, less, half));
-            let lowered = lanes.clamped(lanes.floored_by(lowered, down), limit);
-            *impulse = lanes.if_negative(lanes.sub(word(lanes, 0), up), raised, lowered);
+            let cut = lanes.clamped(*impulse, widest);
+            *impulse = lanes.clamped(shift.rounded::<true>(lanes, cut), limit);
         }
         lanes.store(&mut group.impulses[0], at, lanes.positive(scaled[0]));
         // A second point may be missing.
-        let second = lanes.if_negative(lanes.wide(&self.two, at), lanes.positive(scaled[1]), word(lanes, 0));
+        let second = lanes.if_negative(lanes.wide(&self.two, at), lanes.positive(scaled[1]), lanes.all(0));
         lanes.store(&mut group.impulses[1], at, second);
         // Friction has either sign.
         lanes.store(&mut group.impulses[2], at, scaled[2]);
@@ -173,12 +168,12 @@ impl LaneScales {
     #[inline(always)]
     fn separation<L: Lanes>(&self, lanes: L, at: usize, metres: L::Wide, rate: i32) -> L::Narrow {
         let (before, after) = (lanes.wide(&self.before, at), lanes.wide(&self.after, at));
-        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), before));
+        let half = lanes.floored::<1>(lanes.raised_by(lanes.all(1), before));
         let short = lanes.floored_by(lanes.add(metres, half), before);
         let short = lanes.low(lanes.clamped(short, lanes.wide(&self.limit, at)));
-        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), after));
+        let half = lanes.floored::<1>(lanes.raised_by(lanes.all(1), after));
         let units = lanes.floored_by(lanes.add(lanes.times(short, lanes.splat(rate)), half), after);
-        lanes.low(lanes.clamped(units, word(lanes, SEPARATION)))
+        lanes.low(lanes.clamped(units, lanes.all(SEPARATION)))
     }
 }
 

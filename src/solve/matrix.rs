@@ -3,7 +3,7 @@
 use super::batch::{Batch, FACTOR_BITS};
 use super::group::Group;
 use super::number::bits_in;
-use super::vectors::{Shift, long, magnitude, word};
+use super::vectors::{Shift, long};
 use crate::kernel::simd::{GROUP, Lanes};
 
 /// The matrix of two rows.
@@ -95,11 +95,11 @@ fn soften<L: Lanes, const UP: bool>(lanes: L, batch: &Batch, group: &mut Group, 
     let [k11, k12, k22] = &batch.whole;
     let (k11, k12, k22) = (lanes.wide(k11, at), lanes.wide(k12, at), lanes.wide(k22, at));
     let two = lanes.wide(&batch.two, at);
-    let k12 = lanes.if_negative(two, lanes.positive(k12), word(lanes, 0));
+    let k12 = lanes.if_negative(two, lanes.positive(k12), lanes.all(0));
     let compliance = lanes.low(lanes.wide(&batch.compliance, at));
     let first = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k11, k12)));
     let second = lanes.rounded_oddly::<30>(long(lanes, compliance, lanes.add(k22, k12)));
-    let bits = lanes.sub(lanes.wide(&batch.bits, at), word(lanes, FACTOR_BITS));
+    let bits = lanes.sub(lanes.wide(&batch.bits, at), lanes.all(FACTOR_BITS));
     let shift = Shift::<L>::new::<UP>(lanes, bits);
     let pair = (shift.quarter::<UP>(lanes, first), shift.quarter::<UP>(lanes, second));
     lanes.put_pair(&mut group.compliance, at, pair);
@@ -126,11 +126,11 @@ impl<L: Lanes> Rows<L> {
     fn new(lanes: L, batch: &Batch, at: usize, softness: [L::Wide; 2]) -> Self {
         let [k11, k12, k22] = &batch.split;
         let two = lanes.wide(&batch.two, at);
-        let (zero, k11) = (word(lanes, 0), lanes.wide(k11, at));
+        let (zero, k11) = (lanes.all(0), lanes.wide(k11, at));
         let k12 = lanes.if_negative(two, lanes.wide(k12, at), zero);
         let k22 = lanes.if_negative(two, lanes.wide(k22, at), k11);
         let softness_2 = lanes.if_negative(two, softness[1], softness[0]);
-        let smallest = lanes.floored::<2>(lanes.add(magnitude(lanes, k12), word(lanes, RATIO - 1)));
+        let smallest = lanes.floored::<2>(lanes.add(lanes.magnitude(k12), lanes.all(RATIO - 1)));
         let unit_1 = even_unit(lanes, lanes.add(lanes.larger(k11, smallest), softness[0]));
         let unit_2 = even_unit(lanes, lanes.add(lanes.larger(k22, smallest), softness_2));
         let both = lanes.add(unit_1, unit_2);
@@ -144,9 +144,9 @@ impl<L: Lanes> Rows<L> {
         let more_2 = lanes.if_negative(is_near, lanes.floored::<13>(e22), zero);
         let least_1 = lanes.larger(lanes.add(e11, more_1), lowered(lanes, smallest, unit_1));
         let least_2 = lanes.larger(lanes.add(e22, more_2), lowered(lanes, smallest, unit_2));
-        let noise = lowered(lanes, lanes.raised_by(lanes.add(k11, k22), word(lanes, 2)), both);
-        let noise = lanes.add(noise, lanes.raised_by(lanes.add(e11, e22), word(lanes, 1)));
-        let is_multiple = lanes.if_negative(two, lanes.sub(determinant, lanes.add(noise, word(lanes, 1))), zero);
+        let noise = lowered(lanes, lanes.raised_by(lanes.add(k11, k22), lanes.all(2)), both);
+        let noise = lanes.add(noise, lanes.raised_by(lanes.add(e11, e22), lanes.all(1)));
+        let is_multiple = lanes.if_negative(two, lanes.sub(determinant, lanes.add(noise, lanes.all(1))), zero);
         Self {
             k11: lanes.if_negative(is_multiple, lanes.add(e11, e11), least_1),
             k22: lanes.if_negative(is_multiple, lanes.add(e22, e22), least_2),
@@ -168,9 +168,9 @@ impl<L: Lanes> Rows<L> {
     #[inline(always)]
     fn write_inverses(&self, lanes: L, two: L::Wide, bits: L::Wide, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
-        let zero = word(lanes, 0);
+        let zero = lanes.all(0);
         // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
-        let unit = lanes.add(bits, word(lanes, 2));
+        let unit = lanes.add(bits, lanes.all(2));
         let square = lanes.times(self.k12, self.k12);
         let mut inverse_shift = zero;
         let mut elements_12 = [lanes.splat(0); 4];
@@ -185,8 +185,8 @@ impl<L: Lanes> Rows<L> {
                 let first = lanes.floored_by(e11, lanes.sub(unit_1, finest));
                 let second = lanes.floored_by(e22, lanes.sub(unit_2, finest));
                 let top = lanes.sub(lanes.bit_length(lanes.larger(first, second)), lanes.add(exponent, finest));
-                inverse_shift = lanes.sub(lanes.sub(word(lanes, 30), top), unit);
-                inverse_shift = lanes.smaller(lanes.positive(inverse_shift), word(lanes, 62));
+                inverse_shift = lanes.sub(lanes.sub(lanes.all(30), top), unit);
+                inverse_shift = lanes.smaller(lanes.positive(inverse_shift), lanes.all(62));
                 lanes.store(&mut group.inverse_shift, at, inverse_shift);
             }
             let down = lanes.sub(lanes.sub(exponent, inverse_shift), unit);
@@ -213,7 +213,7 @@ impl<L: Lanes> Rows<L> {
             // 1/11 and 1/22 in 2^-(exponent − 30), below 2^31.
             let first = lanes.low(lanes.floored::<30>(lanes.times(k22, reciprocal)));
             let second = lanes.low(lanes.floored::<30>(lanes.times(k11, reciprocal)));
-            let down = lanes.sub(exponent, word(lanes, 58));
+            let down = lanes.sub(exponent, lanes.all(58));
             ratios_12[soft] = ratio_of(lanes, lanes.times(self.k12, first), lanes.sub(down, step));
             ratios_21[soft] = ratio_of(lanes, lanes.times(self.k12, second), lanes.add(down, step));
         }
@@ -225,42 +225,42 @@ impl<L: Lanes> Rows<L> {
 /// log2 of the unit, the square of a power of two, in which a value has [`ELEMENT_BITS`], or one less.
 #[inline(always)]
 fn even_unit<L: Lanes>(lanes: L, value: L::Wide) -> L::Wide {
-    let bits = lanes.sub(lanes.bit_length(value), word(lanes, ELEMENT_BITS - 1));
-    lanes.raised_by(lanes.floored::<1>(bits), word(lanes, 1))
+    let bits = lanes.sub(lanes.bit_length(value), lanes.all(ELEMENT_BITS - 1));
+    lanes.raised_by(lanes.floored::<1>(bits), lanes.all(1))
 }
 
 /// value · 2^-bits, down where they are positive and up where they are negative. *Domain* −64 < bits < 64, and the result fits.
 #[inline(always)]
 fn lowered<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Wide {
-    let up = lanes.positive(lanes.sub(word(lanes, 0), bits));
+    let up = lanes.positive(lanes.sub(lanes.all(0), bits));
     lanes.floored_by(lanes.raised_by(value, up), lanes.positive(bits))
 }
 
 /// 1/value in 2^-exponent, below 2^30, and the exponent; of one, where the value is not positive. *Error* 2^-28. *Domain* value < 2^62.
 #[inline(always)]
 fn reciprocal_of<L: Lanes>(lanes: L, value: L::Wide) -> (L::Narrow, L::Wide) {
-    let value = lanes.larger(value, word(lanes, 1));
+    let value = lanes.larger(value, lanes.all(1));
     let bits = lanes.bit_length(value);
     // Its top 31 bits: the value is d · 2^(bits − 31).
-    let d = lanes.floored::<32>(lanes.raised_by(value, lanes.sub(word(lanes, 63), bits)));
-    (lanes.reciprocal(lanes.low(d)), lanes.add(bits, word(lanes, 29)))
+    let d = lanes.floored::<32>(lanes.raised_by(value, lanes.sub(lanes.all(63), bits)));
+    (lanes.reciprocal(lanes.low(d)), lanes.add(bits, lanes.all(29)))
 }
 
 /// value · 2^-bits, rounded down, within the range of a factor.
 #[inline(always)]
 fn factor_of<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Wide {
     // A value that would be shifted up is beyond the range as it is.
-    let bits = lanes.smaller(lanes.positive(bits), word(lanes, 62));
-    lanes.clamped(lanes.floored_by(value, bits), word(lanes, i32::MAX.into()))
+    let bits = lanes.smaller(lanes.positive(bits), lanes.all(62));
+    lanes.clamped(lanes.floored_by(value, bits), lanes.all(i32::MAX.into()))
 }
 
 /// value · 2^-bits, rounded towards zero, within ±[`RATIO`] in 2^-28.
 #[inline(always)]
 fn ratio_of<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Narrow {
-    let bits = lanes.smaller(lanes.positive(bits), word(lanes, 62));
-    let size = lanes.floored_by(magnitude(lanes, value), bits);
-    let size = lanes.smaller(size, word(lanes, RATIO << 28));
-    lanes.low(lanes.if_negative(value, lanes.sub(word(lanes, 0), size), size))
+    let bits = lanes.smaller(lanes.positive(bits), lanes.all(62));
+    let size = lanes.floored_by(lanes.magnitude(value), bits);
+    let size = lanes.smaller(size, lanes.all(RATIO << 28));
+    lanes.low(lanes.if_negative(value, lanes.sub(lanes.all(0), size), size))
 }
 
 /// Writes the inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it.
@@ -270,9 +270,9 @@ fn write_friction<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group, at: usiz
     let (reciprocal, exponent) = reciprocal_of(lanes, tangent);
     // With 30 bits more below it, as it may be shifted up.
     let raised = lanes.times(reciprocal, lanes.splat(1 << 30));
-    let down = lanes.sub(lanes.add(exponent, word(lanes, 1)), lanes.wide(&batch.bits, at));
+    let down = lanes.sub(lanes.add(exponent, lanes.all(1)), lanes.wide(&batch.bits, at));
     let inverse = factor_of(lanes, raised, down);
-    let inverse = lanes.if_negative(lanes.sub(word(lanes, 0), tangent), inverse, word(lanes, 0));
+    let inverse = lanes.if_negative(lanes.sub(lanes.all(0), tangent), inverse, lanes.all(0));
     let (_, mu) = lanes.pair(&group.friction, at);
     lanes.put_pair(&mut group.friction, at, (lanes.low(inverse), mu));
 }

@@ -2,7 +2,6 @@
 
 use super::batch::Batch;
 use super::group::Group;
-use super::vectors::{largest, magnitude, word};
 use crate::kernel::simd::{GROUP, Lanes};
 
 impl Batch {
@@ -23,7 +22,7 @@ impl Batch {
     /// Returns true if no push of these lanes needs a limit.
     #[inline(always)]
     fn is_none_limited<L: Lanes>(&self, lanes: L, group: &Group, at: usize) -> bool {
-        let zero = word(lanes, 0);
+        let zero = lanes.all(0);
         let mut faster = zero;
         for (row, element) in [(0, 0), (1, 2)] {
             let along = lanes.wide(&self.whole[element], at);
@@ -32,8 +31,8 @@ impl Batch {
                 let rim = lanes.low(lanes.floored::<10>(lanes.wide(&self.rim[side], at)));
                 let rim = lanes.times(lanes.low(lanes.wide(&self.angular[row][side], at)), rim);
                 // Towards zero, as below.
-                let rim = lanes.floored::<20>(magnitude(lanes, rim));
-                let fastest = largest(lanes, [lanes.wide(x, at), lanes.wide(y, at), rim]);
+                let rim = lanes.floored::<20>(lanes.magnitude(rim));
+                let fastest = lanes.largest([lanes.wide(x, at), lanes.wide(y, at), rim]);
                 faster = lanes.larger(faster, lanes.sub(fastest, along));
             }
         }

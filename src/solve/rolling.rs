@@ -129,7 +129,7 @@ impl Rolls {
             let contact = &contacts[place.contact as usize];
             let phase = phase_of[place.contact as usize];
             let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
-            let unit = graph.mover(contact.bodies).map_or(FINEST, |mover| bodies.unit_of[mover as usize]);
+            let unit = graph.mover(contact.bodies).map_or(FINEST, |mover| bodies.bodies[mover as usize].unit);
             let radius = contact.rolling_radius.to_bits().min(1 << 46);
             let ends = contact.bodies.map(|body| &flights[body as usize]);
             let arms = ends.map(|flight| match 2 + flight.length() {

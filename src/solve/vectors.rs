@@ -3,28 +3,6 @@
 use super::batch::ONE;
 use crate::kernel::simd::{GROUP, Lanes};
 
-/// A number in all lanes.
-#[inline(always)]
-pub(super) fn word<L: Lanes>(lanes: L, value: i64) -> L::Wide {
-    lanes.wide(&[value; GROUP], 0)
-}
-
-/// |a|
-#[inline(always)]
-pub(super) fn magnitude<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
-    lanes.if_negative(a, lanes.sub(word(lanes, 0), a), a)
-}
-
-/// The largest magnitude.
-#[inline(always)]
-pub(super) fn largest<L: Lanes, const N: usize>(lanes: L, values: [L::Wide; N]) -> L::Wide {
-    let mut maximum = word(lanes, 0);
-    for value in values {
-        maximum = lanes.larger(maximum, magnitude(lanes, value));
-    }
-    maximum
-}
-
 /// a·b / 2^30 to nearest, ties away from zero.
 #[inline(always)]
 pub(super) fn product<L: Lanes>(lanes: L, a: L::Narrow, b: L::Narrow) -> L::Wide {
@@ -34,7 +12,7 @@ pub(super) fn product<L: Lanes>(lanes: L, a: L::Narrow, b: L::Narrow) -> L::Wide
 /// a·b, exact. *Domain* |b| < 2^62, and the product fits.
 #[inline(always)]
 pub(super) fn long<L: Lanes>(lanes: L, a: L::Narrow, b: L::Wide) -> L::Wide {
-    let bits = word(lanes, 31);
+    let bits = lanes.all(31);
     let high = lanes.floored::<31>(b);
     let low = lanes.sub(b, lanes.raised_by(high, bits));
     lanes.add(lanes.times(a, lanes.low(low)), lanes.raised_by(lanes.times(a, lanes.low(high)), bits))
@@ -44,7 +22,7 @@ pub(super) fn long<L: Lanes>(lanes: L, a: L::Narrow, b: L::Wide) -> L::Wide {
 #[inline(always)]
 pub(super) fn across<L: Lanes>(lanes: L, arm: (L::Narrow, L::Narrow), direction: (L::Narrow, L::Narrow)) -> L::Narrow {
     let cross = lanes.sub(lanes.times(arm.0, direction.1), lanes.times(arm.1, direction.0));
-    lanes.low(lanes.clamped(lanes.rounded_oddly::<30>(cross), word(lanes, ONE)))
+    lanes.low(lanes.clamped(lanes.rounded_oddly::<30>(cross), lanes.all(ONE)))
 }
 
 /// A shift by the bits of each lane, down where they are positive and up where they are negative.
@@ -57,13 +35,13 @@ pub(super) struct Shift<L: Lanes> {
 }
 
 impl<L: Lanes> Shift<L> {
-    /// *Domain* −32 < bits < 63; not negative without `UP`.
+    /// *Domain* −64 < bits < 63; not negative without `UP`.
     #[inline(always)]
     pub(super) fn new<const UP: bool>(lanes: L, bits: L::Wide) -> Self {
         let (up, down) =
-            if UP { (lanes.positive(lanes.sub(word(lanes, 0), bits)), lanes.positive(bits)) } else { (bits, bits) };
-        let half = lanes.floored::<1>(lanes.raised_by(word(lanes, 1), down));
-        Self { up, down, half, less: lanes.positive(lanes.sub(half, word(lanes, 1))) }
+            if UP { (lanes.positive(lanes.sub(lanes.all(0), bits)), lanes.positive(bits)) } else { (bits, bits) };
+        let half = lanes.floored::<1>(lanes.raised_by(lanes.all(1), down));
+        Self { up, down, half, less: lanes.positive(lanes.sub(half, lanes.all(1))) }
     }
 
     /// value · 2^-bits to nearest, ties away from zero. *Domain* the result, and the sum of the value and one half of its unit, fit.
@@ -82,13 +60,13 @@ impl<L: Lanes> Shift<L> {
     /// [`rounded`](Self::rounded) within ±[`ONE`].
     #[inline(always)]
     pub(super) fn arm<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
-        lanes.clamped(self.rounded::<UP>(lanes, value), word(lanes, ONE))
+        lanes.clamped(self.rounded::<UP>(lanes, value), lanes.all(ONE))
     }
 
     /// [`factor`](Self::factor) within a quarter.
     #[inline(always)]
     pub(super) fn quarter<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Narrow {
-        lanes.low(lanes.clamped(self.factor::<UP>(lanes, value), word(lanes, ONE >> 2)))
+        lanes.low(lanes.clamped(self.factor::<UP>(lanes, value), lanes.all(ONE >> 2)))
     }
 
     /// value · 2^-bits to nearest, ties away from zero, within the range of a factor.
@@ -96,11 +74,11 @@ impl<L: Lanes> Shift<L> {
     fn factor<const UP: bool>(&self, lanes: L, value: L::Wide) -> L::Wide {
         let cut = if UP {
             // A value that is shifted up beyond 2^31 saturates.
-            let is_up = lanes.sub(word(lanes, 0), self.up);
-            lanes.if_negative(is_up, lanes.clamped(value, word(lanes, 1 << 31)), value)
+            let is_up = lanes.sub(lanes.all(0), self.up);
+            lanes.if_negative(is_up, lanes.clamped(value, lanes.all(1 << 31)), value)
         } else {
             value
         };
-        lanes.clamped(self.rounded::<UP>(lanes, cut), word(lanes, i32::MAX.into()))
+        lanes.clamped(self.rounded::<UP>(lanes, cut), lanes.all(i32::MAX.into()))
     }
 }

@@ -83,7 +83,7 @@ fn has_avx2() -> bool {
 }
 
 impl Child {
-    /// What it prints, run for its engines with some options.
+    /// The text that it prints when run for its engines with some options.
     fn output(&self, options: &[&str]) -> String {
         let mut command = Command::new(&self.program);
         command.args(["--engine", &self.engines.join(",")]).args(options).stderr(Stdio::inherit());

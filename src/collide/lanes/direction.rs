@@ -1,6 +1,6 @@
 //! Two boxes in one unit, and the direction in which they are farthest apart.
 
-use super::vector::{Vector, dot, largest_of, opposite};
+use super::vector::{Vector, dot, opposite};
 use crate::kernel::simd::{GROUP, Lanes, Line};
 
 /// The pair's unit: 2^k ulps.
@@ -42,6 +42,47 @@ impl<L: Lanes> Unit<L> {
     }
 }
 
+/// The offset from A to B in ulps, and the unit of a pair. The offset is zero where it is too large for lanes.
+pub(super) struct Frame<L: Lanes> {
+    pub(super) offset: Vector<L>,
+    pub(super) unit: Unit<L>,
+    /// True where the offset or the unit is too large.
+    pub(super) undecided: L::Mask,
+}
+
+impl<L: Lanes> Frame<L> {
+    /// The frame of two outlines of which the corners reach as far as `extents` together, and the smaller one as far as `smallest`.
+    #[inline(always)]
+    pub(super) fn new(lanes: L, offset: Vector<L>, extents: L::Wide, smallest: L::Wide) -> Self {
+        let zero = lanes.all(0);
+        let distance = lanes.add(lanes.largest(offset), extents);
+        let is_distant = lanes.greater(distance, lanes.all((1 << 55) - 1));
+        let offset = [lanes.select(is_distant, zero, offset[0]), lanes.select(is_distant, zero, offset[1])];
+        let total = lanes.add(extents, lanes.largest(offset));
+        let k = lanes.positive(lanes.sub(lanes.bit_length(total), lanes.all(30)));
+        let is_coarse = lanes.greater(lanes.raised_by(lanes.all(1), k), lanes.floored::<25>(smallest));
+        let is_coarse = lanes.both(lanes.greater(k, zero), is_coarse);
+        Self { offset, unit: Unit::new(lanes, k), undecided: lanes.either(is_distant, is_coarse) }
+    }
+
+    /// True where the gap between boxes around both outlines, in ulps, or the separation along a normal, as a product with it, is beyond a
+    /// limit in ulps.
+    #[inline(always)]
+    pub(super) fn is_beyond(&self, lanes: L, gap: L::Wide, separation: L::Wide, limit: L::Wide) -> L::Mask {
+        // Nothing is above a limit of 2^33 units.
+        let cap = lanes.sub(lanes.raised_by(lanes.all(1 << 33), self.unit.k), lanes.all(1));
+        let limit_product = self.unit.length(lanes, lanes.smaller(limit, cap));
+        lanes.either(lanes.greater(gap, limit), lanes.greater(separation, limit_product))
+    }
+}
+
+/// The gap between the boxes around two outlines, for their offset and how far they reach together along x and y.
+#[inline(always)]
+pub(super) fn gap<L: Lanes>(lanes: L, offset: Vector<L>, reach: Vector<L>) -> L::Wide {
+    let (x, y) = (lanes.magnitude(offset[0]), lanes.magnitude(offset[1]));
+    lanes.larger(lanes.sub(x, reach[0]), lanes.sub(y, reach[1]))
+}
+
 /// A box: its first two corners in ulps and its first two normals, its position, and how far the corners reach along x, along y and in all.
 pub(super) struct Rectangle<L: Lanes> {
     pub(super) corners: [Vector<L>; 2],
@@ -55,7 +96,7 @@ impl<L: Lanes> Rectangle<L> {
     #[inline(always)]
     pub(super) fn load(lanes: L, lines: &[Line], index: &[u32; GROUP], at: usize) -> Self {
         let [x1, y1, x2, y2, nx, ny, x, y] = lanes.words_of(lines, index, at);
-        let reach = [largest_of(lanes, [x1, x2]), largest_of(lanes, [y1, y2])];
+        let reach = [lanes.largest([x1, x2]), lanes.largest([y1, y2])];
         Self {
             corners: [[x1, y1], [x2, y2]],
             normals: [[nx, ny], [lanes.sub(lanes.all(0), ny), nx]],
@@ -122,7 +163,7 @@ pub(super) struct Direction<L: Lanes> {
 /// The larger one of the separations along a normal of a box and along its opposite, for the higher end of the normal's edge.
 #[inline(always)]
 pub(super) fn separation<L: Lanes>(lanes: L, offset: L::Wide, target: [L::Wide; 2], edge: [L::Wide; 2]) -> L::Wide {
-    let distance = lanes.sub(lanes.magnitude(offset), largest_of(lanes, target));
+    let distance = lanes.sub(lanes.magnitude(offset), lanes.largest(target));
     lanes.sub(distance, lanes.larger(edge[0], edge[1]))
 }
 

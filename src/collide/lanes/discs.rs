@@ -1,45 +1,10 @@
 //! Pairs of a box and a disc: the manifolds of the general way, by the same integers. A disc beside the face that it is nearest to is left.
 
-use super::direction::{Rectangle, Unit};
+use super::direction::{Frame, Rectangle, Unit, gap};
 use super::motion::{Motion, Way, closed, half_gap};
-use super::vector::{Corner, Vector, dot, height, largest_of, minus, not, plus, product};
+use super::vector::{Corner, Vector, dot, height, minus, not, plus, product};
 use super::{LaneManifolds, LanePairs};
-use crate::kernel::simd::{GROUP, Job, Lanes, Line};
-
-/// Finds the manifolds of pairs, group by group.
-pub(in crate::collide) struct CollideDiscs<'a> {
-    /// By box, as [`CollideBoxes`](super::CollideBoxes) has them; by disc: the centre relative to the position, in ulps, two zeros, the
-    /// radius, a zero, the position.
-    pub(in crate::collide) outlines: &'a [Line],
-    /// By body, as [`CollideBoxes`](super::CollideBoxes) has them.
-    pub(in crate::collide) motions: &'a [Line],
-    /// Outlines have a manifold if they are nearer than this and the distance that they close, ulps.
-    pub(in crate::collide) margin: i64,
-    pub(in crate::collide) pairs: &'a [LanePairs],
-    pub(in crate::collide) manifolds: &'a mut [LaneManifolds],
-}
-
-impl Job for CollideDiscs<'_> {
-    type Result = ();
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) {
-        let Self { outlines, motions, margin, pairs, manifolds } = self;
-        let margin = lanes.all(margin);
-        for (pairs, manifolds) in pairs.iter().zip(manifolds) {
-            manifolds.clear();
-            for at in (0..GROUP).step_by(L::WIDTH) {
-                let a = Rectangle::load(lanes, outlines, &pairs.outlines[0], at);
-                let b = Disc::load(lanes, outlines, &pairs.outlines[1], at);
-                let motion_a = Motion::load(lanes, motions, &pairs.motions[0], a.extent, at);
-                let reach = lanes.add(largest_of(lanes, b.centre), b.radius);
-                let motion_b = Motion::load(lanes, motions, &pairs.motions[1], reach, at);
-                let is_swapped = lanes.greater(lanes.all(0), lanes.wide(&pairs.swapped, at));
-                collide(lanes, &a, &b, [&motion_a, &motion_b], margin, is_swapped, manifolds, at);
-            }
-        }
-    }
-}
+use crate::kernel::simd::{GROUP, Lanes, Line};
 
 /// A disc: its centre relative to the position of its body.
 struct Disc<L: Lanes> {
@@ -124,46 +89,36 @@ fn half_along<L: Lanes>(lanes: L, n: L::Wide, length: L::Wide) -> L::Wide {
 
 /// Collides the pairs of the lanes from `at` on.
 #[inline(always)]
-fn collide<L: Lanes>(
+pub(super) fn collide<L: Lanes>(
     lanes: L,
-    a: &Rectangle<L>,
-    b: &Disc<L>,
-    motions: [&Motion<L>; 2],
-    margin: L::Wide,
-    is_swapped: L::Mask,
+    outlines: &[Line],
+    motions: &[Line],
+    margin: i64,
+    pairs: &LanePairs,
     manifolds: &mut LaneManifolds,
     at: usize,
 ) {
     let zero = lanes.all(0);
+    let a = Rectangle::load(lanes, outlines, &pairs.outlines[0], at);
+    let b = Disc::load(lanes, outlines, &pairs.outlines[1], at);
+    let centre_extent = lanes.largest(b.centre);
+    let extent = lanes.add(centre_extent, b.radius);
+    let motion_a = Motion::load(lanes, motions, &pairs.motions[0], a.extent, at);
+    let motion_b = Motion::load(lanes, motions, &pairs.motions[1], extent, at);
+    let is_swapped = lanes.greater(zero, lanes.wide(&pairs.swapped, at));
     let offset = minus(lanes, b.position, a.position);
-    let extents = lanes.add(a.extent, largest_of(lanes, b.centre));
-    let distance = lanes.add(extents, largest_of(lanes, offset));
-    let is_distant = lanes.greater(distance, lanes.all((1 << 55) - 1));
-    let offset = [lanes.select(is_distant, zero, offset[0]), lanes.select(is_distant, zero, offset[1])];
-    let total = lanes.add(extents, largest_of(lanes, offset));
-    let k = lanes.positive(lanes.sub(lanes.bit_length(total), lanes.all(30)));
-    let size = lanes.add(largest_of(lanes, b.centre), b.radius);
-    let finest = lanes.floored::<25>(lanes.smaller(a.extent, size));
-    let is_coarse = lanes.both(lanes.greater(k, zero), lanes.greater(lanes.raised_by(lanes.all(1), k), finest));
-    let unit = Unit::new(lanes, k);
+    let frame = Frame::new(lanes, offset, lanes.add(a.extent, centre_extent), lanes.smaller(a.extent, extent));
+    let (offset, unit) = (frame.offset, &frame.unit);
     let corners = [unit.vector(lanes, a.corners[0]), unit.vector(lanes, a.corners[1])];
     let centre = plus(lanes, unit.vector(lanes, b.centre), unit.vector(lanes, offset));
-    let face = find_face(lanes, a, corners, centre);
-    let limits = motions[0].limits(lanes, motions[1], margin);
-    let [lower, upper] = [lanes.add(limits[0], b.radius), lanes.add(limits[1], b.radius)];
-    // Nothing is above a limit of 2^33 units.
-    let cap = lanes.sub(lanes.raised_by(lanes.all(1 << 33), k), lanes.all(1));
-    let lower_product = unit.length(lanes, lanes.smaller(lower, cap));
-    let upper_product = unit.length(lanes, lanes.smaller(upper, cap));
-    // The box around the box: farther apart than the limit there is no manifold.
+    let face = find_face(lanes, &a, corners, centre);
+    let [lower, upper] = motion_a.limits(lanes, &motion_b, lanes.all(margin));
+    let [lower, upper] = [lanes.add(lower, b.radius), lanes.add(upper, b.radius)];
     let centre_ulps = plus(lanes, b.centre, offset);
-    let gap = lanes.larger(
-        lanes.sub(lanes.magnitude(centre_ulps[0]), a.reach[0]),
-        lanes.sub(lanes.magnitude(centre_ulps[1]), a.reach[1]),
-    );
-    let is_apart = lanes.either(lanes.greater(gap, upper), lanes.greater(face.separation, upper_product));
-    let may_be_apart = lanes.either(lanes.greater(gap, lower), lanes.greater(face.separation, lower_product));
-    let (high, is_uneven) = highest_end(lanes, a, &face, &unit);
+    let gap = gap(lanes, centre_ulps, a.reach);
+    let is_apart = frame.is_beyond(lanes, gap, face.separation, upper);
+    let may_be_apart = frame.is_beyond(lanes, gap, face.separation, lower);
+    let (high, is_uneven) = highest_end(lanes, &a, &face, unit);
     let across = [lanes.sub(zero, face.n[1]), face.n[0]];
     let places = [dot(lanes, across, corners[0]), dot(lanes, across, corners[1])];
     let [from, to] = [face.ends[0].of(lanes, places), face.ends[1].of(lanes, places)];
@@ -183,21 +138,20 @@ fn collide<L: Lanes>(
     let separation = lanes.sub(depth, b.radius);
     let is_wide = lanes.greater(lanes.magnitude(separation), lanes.all((1 << 31) - 1));
     let mut undecided = lanes.either(lanes.greater(difference, lanes.all(4)), lanes.greater(depth, lower));
-    undecided = lanes.either(undecided, lanes.either(is_wide, lanes.either(motions[0].is_long, motions[1].is_long)));
+    undecided = lanes.either(undecided, lanes.either(is_wide, lanes.either(motion_a.is_long, motion_b.is_long)));
     // A corner has its point alone.
     undecided = lanes.unless(lanes.either(undecided, is_beside), is_at_corner);
     undecided = lanes.either(undecided, lanes.either(face.undecided, is_uneven));
     undecided = lanes.either(undecided, lanes.either(may_be_apart, not(lanes, lanes.greater(to, from))));
-    undecided = lanes.either(lanes.either(is_distant, is_coarse), lanes.unless(undecided, is_apart));
+    undecided = lanes.either(frame.undecided, lanes.unless(undecided, is_apart));
     manifolds.at_corner |= lanes.bits(lanes.unless(is_at_corner, is_apart)) << at;
     let corner = face.ends[0].or(lanes, is_before, face.ends[1]);
     lanes.store(&mut manifolds.corners, at, corner.number(lanes));
     let is_there = not(lanes, is_apart);
     let normal = [lanes.negated(is_swapped, face.n[0]), lanes.negated(is_swapped, face.n[1])];
     manifolds.finish(lanes, normal, undecided, [is_there, lanes.unless(is_there, is_there)], at);
-    let ways = [&motions[0].way, &motions[1].way];
     let point = Point { offset, depth, is_swapped };
-    point.store(lanes, &face, b, ways, manifolds, at);
+    point.store(lanes, &face, &b, [&motion_a.way, &motion_b.way], manifolds, at);
 }
 
 /// The point of a disc on a face: the centre of the disc is as high as this over the face, and at this offset from the box.

@@ -1,7 +1,7 @@
 //! The edges of two boxes that face each other along a direction.
 
 use super::direction::{Along, Direction, Rectangle, Unit, Units};
-use super::vector::{Corner, Vector, choose, cross, largest_of, not, opposite};
+use super::vector::{Corner, Vector, choose, cross, not, opposite};
 use crate::kernel::simd::Lanes;
 
 /// The edge of a box that faces along a direction, and the places across it of the corners that are farthest out, from the least to the
@@ -87,7 +87,7 @@ pub(super) fn find_facing<L: Lanes>(
     let edge_a = facing_edge(lanes, n, a.normals, along.a, across.a, slack_a);
     let edge_b = facing_edge(lanes, opposite(lanes, n), b.normals, down_b, back_b, slack_b);
     // Far corners next to each other have the direction between them.
-    let separation = lanes.sub(lanes.sub(along.offset, largest_of(lanes, along.b)), largest_of(lanes, along.a));
+    let separation = lanes.sub(lanes.sub(along.offset, lanes.largest(along.b)), lanes.largest(along.a));
     let far = unit.length(lanes, lanes.floored::<11>(lanes.smaller(a.extent, b.extent)));
     let is_far = lanes.both(lanes.greater(separation, zero), lanes.greater(separation, far));
     let support_b = [lanes.sub(across.offset, edge_b.support[1]), lanes.sub(across.offset, edge_b.support[0])];

@@ -1,7 +1,7 @@
 //! The motions of bodies over a step, and the distances that they close.
 
 use super::super::margin::MARGIN_MAX;
-use super::vector::{Vector, cross, dot, largest_of, minus, product};
+use super::vector::{Vector, cross, dot, minus, product};
 use crate::kernel::simd::{GROUP, Lanes, Line};
 
 /// The motion of a body over a step, and its way from the start to the moment of the manifold.
@@ -37,7 +37,7 @@ impl<L: Lanes> Motion<L> {
     pub(super) fn load(lanes: L, motions: &[Line], index: &[u32; GROUP], extent: L::Wide, at: usize) -> Self {
         let [x, y, turned, way_x, way_y, rotation, ..] = lanes.words_of(motions, index, at);
         let angle = lanes.magnitude(rotation);
-        let is_far = lanes.greater(largest_of(lanes, [way_x, way_y]), lanes.all((1 << 30) - 1));
+        let is_far = lanes.greater(lanes.largest([way_x, way_y]), lanes.all((1 << 30) - 1));
         let is_turned = lanes.both(lanes.greater(extent, lanes.all((1 << 34) - 1)), lanes.greater(angle, lanes.all(0)));
         let is_turned = lanes.either(is_turned, lanes.greater(angle, lanes.all((1 << 28) - 1)));
         Self {

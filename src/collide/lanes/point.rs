@@ -90,10 +90,10 @@ impl<L: Lanes> Point<L> {
         let is_both = lanes.equal(places_a[end], places_b[end]);
         let (inner, outer) = if end == 0 { (places_a, places_b) } else { (places_b, places_a) };
         let is_a = lanes.greater(inner[end], outer[end]);
-        let near = height(lanes, *n, minus(lanes, plus(lanes, corner_b, offset), corner_a));
+        let corner_height = height(lanes, *n, minus(lanes, plus(lanes, corner_b, offset), corner_a));
         let [from, to] = [select(lanes, is_a, corner_a, far_a), select(lanes, is_a, far_b, corner_b)];
-        let far = height(lanes, *n, minus(lanes, plus(lanes, to, offset), from));
-        let heights = if end == 0 { [near, far] } else { [far, near] };
+        let edge_height = height(lanes, *n, minus(lanes, plus(lanes, to, offset), from));
+        let heights = if end == 0 { [corner_height, edge_height] } else { [edge_height, corner_height] };
         let difference = lanes.sub(heights[1], heights[0]);
         let size = lanes.magnitude(difference);
         // An edge square to n is flat but for rounding.
@@ -105,7 +105,7 @@ impl<L: Lanes> Point<L> {
         let after = lanes.floored::<30>(lanes.sub(span[1], place));
         let part = part(lanes, lanes.unless(is_tilted, is_steep), difference, before, lanes.add(before, after));
         let mean = lanes.floored::<1>(lanes.add(heights[0], heights[1]));
-        let flat = lanes.select(is_both, near, mean);
+        let flat = lanes.select(is_both, corner_height, mean);
         let separation = lanes.select(is_tilted, lanes.add(heights[0], part), flat);
         let number_b = lanes.raised_by(facing.b[end].number(lanes), lanes.all(12));
         let numbers = lanes.add(facing.a[end].number(lanes), number_b);

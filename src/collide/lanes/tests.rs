@@ -1,7 +1,6 @@
 use alloc::format;
 use alloc::vec::Vec;
 
-use super::super::lanes::{CollideBoxes, CollideDiscs};
 use super::super::{Cores, Margin, Pose};
 use super::*;
 use crate::cases::{run_seed, times};
@@ -135,13 +134,10 @@ impl Group {
     /// The manifolds of an image with a set of vectors.
     fn collide(&self, set: VectorSet, image: usize) -> LaneManifolds {
         let mut manifolds = [LaneManifolds::default()];
-        let (lines, motions, margin) = (self.cores.lines(), &self.motions, MARGIN);
+        let (has_discs, outlines, motions) = (self.has_discs, self.cores.lines(), &self.motions);
         let pairs = core::slice::from_ref(&self.pairs[image]);
-        if self.has_discs {
-            run_with(set, CollideDiscs { outlines: lines, motions, margin, pairs, manifolds: &mut manifolds });
-        } else {
-            run_with(set, CollideBoxes { boxes: lines, motions, margin, pairs, manifolds: &mut manifolds });
-        }
+        let job = CollidePairs { has_discs, outlines, motions, margin: MARGIN, pairs, manifolds: &mut manifolds };
+        run_with(set, job);
         let [manifolds] = manifolds;
         manifolds
     }

@@ -46,12 +46,6 @@ pub(super) fn minus<L: Lanes>(lanes: L, a: Vector<L>, b: Vector<L>) -> Vector<L>
     [lanes.sub(a[0], b[0]), lanes.sub(a[1], b[1])]
 }
 
-/// The largest one of two numbers and their opposites.
-#[inline(always)]
-pub(super) fn largest_of<L: Lanes>(lanes: L, [a, b]: [L::Wide; 2]) -> L::Wide {
-    lanes.larger(lanes.magnitude(a), lanes.magnitude(b))
-}
-
 /// n·v to nearest ulps, for a vector in ulps: floor((n·v + 2^29) / 2^30).
 #[inline(always)]
 pub(super) fn height<L: Lanes>(lanes: L, n: Vector<L>, v: Vector<L>) -> L::Wide {

@@ -4,11 +4,11 @@ use alloc::vec::Vec;
 use core::cmp::Ordering;
 
 use super::super::Scene;
-use super::super::actors::{Actor, LanePlace};
+use super::super::actors::{Actor, Actors, LanePlace};
 use super::super::coefficients::Coefficients;
 use super::super::flights::{FlightKind, Flights, PairSide};
 use super::super::list::{ContactList, ContactPoints};
-use super::super::narrow::{Meeting, Narrow};
+use super::super::narrow::Meeting;
 use super::super::seams::rolling_radius;
 use super::Pipeline;
 use crate::collide::{LaneManifold, SurfacePoint};
@@ -36,8 +36,8 @@ impl Pipeline {
     /// Lists the pairs of a chunk that may have a contact. `next_record` is the first record of the step before that no earlier pair has
     /// passed.
     pub(super) fn find_near(&mut self, scene: &Scene<'_>, chunk: &[[u32; 2]], next_record: &mut usize) {
-        let Self { flights, resting, narrow, near, .. } = self;
-        near.clear();
+        let Self { flights, resting, narrow, near_pairs, .. } = self;
+        near_pairs.clear();
         narrow.actors.begin_chunk();
         let is_simple = resting.numbers.is_simple();
         for &[first, second] in chunk {
@@ -55,15 +55,15 @@ impl Pipeline {
             }
             let pressed = record.is_some_and(|record| !scene.contacts.records[record].is_slack());
             let place = narrow.push_pair([first, second], pressed);
-            near.push(NearPair { actors: [first, second], record, pressed, are_asleep, place });
+            near_pairs.push(NearPair { actors: [first, second], record, pressed, are_asleep, place });
         }
     }
 
     /// Adds the contacts of the pairs of a chunk, and the sleeping bodies that they wake.
     pub(super) fn push_contacts(&mut self, scene: &Scene<'_>, touched: &mut Vec<BodyId>) {
-        let near = core::mem::take(&mut self.near);
+        let near_pairs = core::mem::take(&mut self.near_pairs);
         let mut first: Option<(usize, PairSide<'_>)> = None;
-        for near_pair in &near {
+        for near_pair in &near_pairs {
             if near_pair.place.is_some_and(|place| self.push_lane(scene, near_pair, place)) {
                 continue;
             }
@@ -77,7 +77,7 @@ impl Pipeline {
                 self.push_contact(scene, near_pair, [first, second], touched);
             }
         }
-        self.near = near;
+        self.near_pairs = near_pairs;
     }
 
     /// Adds the contact of a pair, if it has one, or the sleeping bodies that the pair wakes.
@@ -107,10 +107,7 @@ impl Pipeline {
             }
             return;
         }
-        let mut start = Impulses::default();
-        if let Some(record) = record {
-            start = scene.contacts.records[record].start(manifold.features(), manifold.count);
-        }
+        let mut start = start_impulses(scene, record, manifold.features(), manifold.count);
         for side in 0..2 {
             if pair[side].collider.def.shape.is_chain()
                 || pair[side].may_be_tile() && !narrow.faces(scene, pair[side]).is_empty()
@@ -118,8 +115,7 @@ impl Pipeline {
                 narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
             }
         }
-        let mixed = narrow.actors.coefficients(actors).copied();
-        push_meeting(contacts, scene, flights, pair, &meeting, mixed, start);
+        push_meeting(contacts, scene, flights, &narrow.actors, actors, &meeting, start);
     }
 
     /// Adds the contact of a pair in the lanes, if it has one. Returns false if the lane is undecided.
@@ -127,35 +123,28 @@ impl Pipeline {
     fn push_lane(&mut self, scene: &Scene<'_>, near_pair: &NearPair, place: LanePlace) -> bool {
         let Self { flights, narrow, contacts, .. } = self;
         let &NearPair { actors, record, .. } = near_pair;
+        let ends = actors.map(|actor| narrow.actors.get(actor).flight);
         let (manifolds, lane) = narrow.actors.manifolds(place);
         // Each arm ends in a call: values that take two ways to one place go through memory.
         match manifolds.get(lane) {
             LaneManifold::Undecided => return false,
             LaneManifold::None => {}
             LaneManifold::Corner(corner) => {
-                let pair = actors.map(|actor| narrow.actors.get(actor));
                 if let Some(manifold) = narrow.collide_corner(actors, corner) {
-                    let ways = flights.ways(pair.map(|actor| actor.flight));
-                    let meeting = Meeting { manifold, ways };
-                    let points = ContactPoints::new(&meeting);
-                    push_points(contacts, scene, flights, narrow, actors, record, &points);
-                    if pair.iter().any(|actor| actor.has_hits) {
-                        contacts.add_approach(scene, flights, &meeting);
-                    }
+                    let start = start_impulses(scene, record, manifold.features(), manifold.count);
+                    let meeting = Meeting { manifold, ways: flights.ways(ends) };
+                    push_meeting(contacts, scene, flights, &narrow.actors, actors, &meeting, start);
                 }
             }
             LaneManifold::Points(count, first) => {
                 let second = if count == 2 { manifolds.point(lane, 1) } else { SurfacePoint::default() };
-                let points = ContactPoints {
-                    normal: manifolds.normal(lane),
-                    count,
-                    points: [manifolds.point(lane, first), second],
-                };
-                push_points(contacts, scene, flights, narrow, actors, record, &points);
-                let pair = actors.map(|actor| narrow.actors.get(actor));
-                if pair.iter().any(|actor| actor.has_hits) {
-                    let ways = flights.ways(pair.map(|actor| actor.flight));
-                    let meeting = Meeting { manifold: manifolds.manifold(lane, count, first), ways };
+                let points = [manifolds.point(lane, first), second];
+                let start = start_impulses(scene, record, points.map(|point| point.feature), count);
+                let points = ContactPoints { normal: manifolds.normal(lane), count, points };
+                push_points(contacts, scene, flights, &narrow.actors, actors, &points, start);
+                if narrow.actors.have_hits(actors) {
+                    let meeting =
+                        Meeting { manifold: manifolds.manifold(lane, count, first), ways: flights.ways(ends) };
                     contacts.add_approach(scene, flights, &meeting);
                 }
             }
@@ -164,37 +153,58 @@ impl Pipeline {
     }
 }
 
-/// Adds the contact of a pair of actors that have these points and a record of the step before, or none.
+/// The impulses that a contact with these features starts from: of its record of the step before, if it has one.
+#[inline(always)]
+fn start_impulses(scene: &Scene<'_>, record: Option<usize>, features: [u32; 2], count: usize) -> Impulses {
+    match record {
+        Some(record) => scene.contacts.records[record].start(features, count),
+        None => Impulses::default(),
+    }
+}
+
+/// Adds the contact of two actors with these points, which starts from these impulses.
 #[inline(always)]
 fn push_points(
     contacts: &mut ContactList,
     scene: &Scene<'_>,
     flights: &mut Flights,
-    narrow: &Narrow,
-    actors: [usize; 2],
-    record: Option<usize>,
+    actors: &Actors,
+    pair: [usize; 2],
     points: &ContactPoints,
+    start: Impulses,
 ) {
-    let [a, b] = actors.map(|actor| narrow.actors.get(actor));
+    let [a, b] = pair.map(|actor| actors.get(actor));
     let mixed;
-    let coefficients = match narrow.actors.coefficients(actors) {
+    let coefficients = match actors.coefficients(pair) {
         Some(coefficients) => coefficients,
         None => {
             mixed = mixed_coefficients(scene, [a, b]);
             &mixed
         }
     };
-    let mut start = Impulses::default();
-    if let Some(record) = record {
-        start = scene.contacts.records[record].start(points.points.map(|point| point.feature), points.count);
-    }
     let mut radius = Fx::ZERO;
     if points.count == 1 && coefficients.materials.rolling_resistance > Fx::ZERO {
-        radius = rolling_radius(points.points[0].feature, [narrow.radius(a), narrow.radius(b)]);
+        radius = rolling_radius(points.points[0].feature, [a.radius(scene), b.radius(scene)]);
     }
     let ends = [a.flight, b.flight];
     ends.into_iter().for_each(|flight| flights.complete(scene, flight));
     contacts.push([a.id, b.id], flights.by_dominance(ends), points, coefficients, radius, start);
+}
+
+/// [`push_points`] for the points of a manifold.
+pub(super) fn push_meeting(
+    contacts: &mut ContactList,
+    scene: &Scene<'_>,
+    flights: &mut Flights,
+    actors: &Actors,
+    pair: [usize; 2],
+    meeting: &Meeting,
+    start: Impulses,
+) {
+    push_points(contacts, scene, flights, actors, pair, &ContactPoints::new(meeting), start);
+    if actors.have_hits(pair) {
+        contacts.add_approach(scene, flights, meeting);
+    }
 }
 
 /// The coefficients of a step with more materials than it keeps.
@@ -227,31 +237,6 @@ fn find_record(scene: &Scene<'_>, is_simple: bool, pair: [&Actor; 2], next_recor
         }
     }
     None
-}
-
-/// Adds the contact of a pair that meets, with these coefficients or with the ones of its materials.
-pub(super) fn push_meeting(
-    contacts: &mut ContactList,
-    scene: &Scene<'_>,
-    flights: &mut Flights,
-    pair: [&PairSide<'_>; 2],
-    meeting: &Meeting,
-    mixed: Option<Coefficients>,
-    start: Impulses,
-) {
-    let defs = pair.map(|side| &side.collider.def);
-    let coefficients = mixed.unwrap_or_else(|| Coefficients::new(scene, defs.map(|def| &def.material)));
-    let points = ContactPoints::new(meeting);
-    let mut radius = Fx::ZERO;
-    if points.count == 1 && coefficients.materials.rolling_resistance > Fx::ZERO {
-        radius = rolling_radius(points.points[0].feature, pair.map(|side| side.outline().outline.radius()));
-    }
-    let ends = pair.map(|side| side.flight);
-    ends.into_iter().for_each(|flight| flights.complete(scene, flight));
-    contacts.push(pair.map(|side| side.id), flights.by_dominance(ends), &points, &coefficients, radius, start);
-    if defs.iter().any(|def| def.hit_events) {
-        contacts.add_approach(scene, flights, meeting);
-    }
 }
 
 /// Returns true if impulses push the body of a collider out of an overlap, and it can move.

@@ -450,7 +450,7 @@ impl Impacts {
             let place = &groups.places[strike.place as usize];
             let mover = graph.mover(contacts[place.contact as usize].bodies)?;
             // Units are from 2^-22 to 2^13 m/s, and speeds below 2^31 units.
-            let up = 32 + bodies.unit_of[mover as usize];
+            let up = 32 + bodies.bodies[mover as usize].unit;
             let metres = |speed: i64| Fx::from_bits((i128::from(speed) << up).min(i64::MAX.into()) as i64);
             let ([first, second, _], speeds) = (strike.impulses, strike.speeds.map(metres));
             Some(ContactImpact { contact: place.contact, impulses: [first, second], exponent: place.exponent, speeds })

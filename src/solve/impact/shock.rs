@@ -353,7 +353,7 @@ fn gap(separation: i32, acceleration: i128, substep: SubStep<'_>) -> i128 {
 /// [`TOUCH`] in the units of displacements of a contact.
 fn touch(substep: SubStep<'_>, bodies: &BodyRows, contact: &Contact) -> i32 {
     let mover = substep.graph.mover(contact.bodies).unwrap_or_default();
-    substep.clock.length_within(TOUCH, bodies.unit_of[mover as usize], 1 << 29)
+    substep.clock.length_within(TOUCH, bodies.bodies[mover as usize].unit, 1 << 29)
 }
 
 /// The sum of the magnitudes of the components.

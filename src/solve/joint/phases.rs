@@ -54,7 +54,7 @@ impl Joints {
                     continue;
                 }
                 let Some(mover) = graph.mover(joint.bodies) else { continue };
-                let unit = bodies.unit_of[mover as usize];
+                let unit = bodies.bodies[mover as usize].unit;
                 let rows = joint.bodies.map(|body| bodies.row(input, body, unit));
                 let ends = joint.bodies.map(|body| &bodies.bodies[body as usize]);
                 let shares = joint.bodies.map(|body| shares.counts[body as usize][phase].into());
@@ -100,7 +100,7 @@ impl Joints {
         for block in blocks {
             let ends = joints[block.joint as usize].bodies;
             let Some(mover) = graph.mover(ends) else { continue };
-            let unit = bodies.unit_of[mover as usize];
+            let unit = bodies.bodies[mover as usize].unit;
             for (side, body) in block.sides.iter_mut().zip(ends) {
                 let flight = &flights[body as usize];
                 if paths[body as usize] == Path::Flight {

@@ -26,9 +26,9 @@ type Vector = [f64; 3];
 fn rounding(scene: &Scene) -> Rounding {
     let mut solver = Solver::default();
     solver.prepare(scene.time_step, &scene.options, &scene.flights, &[], &scene.contacts);
-    let bodies = scene.flights.iter().zip(&solver.bodies.unit_of).map(|(flight, &unit)| {
+    let bodies = scene.flights.iter().zip(&solver.bodies.bodies).map(|(flight, body)| {
         // Bodies that are fixed or touch nothing have no unit.
-        let unit = 2f64.powi(if unit == 0 { FINEST } else { unit });
+        let unit = 2f64.powi(if body.unit == 0 { FINEST } else { body.unit });
         let length = 2f64.powi(flight.length());
         BodyUnits { velocity: [unit, unit, unit / length], length }
     });

@@ -39,7 +39,7 @@ impl Job for AddGroups<'_> {
     }
 }
 
-/// The same in 128 bits.
+/// The sums in 128 bits.
 fn twin(groups: &[Group], rows: usize) -> Vec<Totals> {
     let mut totals = Vec::new();
     totals.resize(rows, Totals::default());

@@ -145,7 +145,7 @@ impl Twin {
             n: scene.options.substeps as usize,
             frequency: double(scene.options.joint_frequency),
             damping: double(scene.options.joint_damping_ratio),
-            unit: 2f64.powi(solver.bodies.unit_of.iter().copied().max().unwrap_or_default()),
+            unit: 2f64.powi(solver.bodies.bodies.iter().map(|body| body.unit).max().unwrap_or_default()),
         }
     }
 
