@@ -11,6 +11,9 @@ use super::split::{Part, Solvers};
 use super::{Correction, Scene};
 use crate::solve::{Contact, ContactSolver, Graph};
 
+/// An island of more bodies is large: no contacts are added to it within a step.
+const LARGEST: u32 = 64;
+
 /// The islands to which contacts were added within a step, and memory for solving them again.
 #[derive(Debug, Default)]
 pub(super) struct Again {
@@ -19,6 +22,8 @@ pub(super) struct Again {
     /// By flight: true for a body of an island with such a contact; empty before the first ones are added.
     is_changed: Vec<bool>,
     graph: Graph,
+    /// The number of bodies by island, of the contacts so far; empty where none can be large.
+    body_counts: Vec<u32>,
     /// By island.
     is_taken: Vec<bool>,
     part: Part,
@@ -59,6 +64,28 @@ impl Again {
     pub(super) fn clear(&mut self) {
         self.added.clear();
         self.is_changed.clear();
+        self.body_counts.clear();
+    }
+
+    /// Counts the bodies of islands, for the contacts so far.
+    pub(super) fn count_bodies(&mut self, flights: &Flights, contacts: &[Contact]) {
+        let Self { graph, body_counts, .. } = self;
+        body_counts.clear();
+        // An island of that many bodies has as many contacts.
+        if contacts.len() < LARGEST as usize {
+            return;
+        }
+        build_islands(graph, flights, contacts);
+        body_counts.resize(graph.islands(), 0);
+        for island in (0..flights.len() as u32).filter_map(|flight| graph.island_of(flight)) {
+            body_counts[island as usize] += 1;
+        }
+    }
+
+    /// Returns true for a body of a large island.
+    pub(super) fn is_in_large_island(&self, flight: u32) -> bool {
+        let is_large = |island: u32| self.body_counts[island as usize] > LARGEST;
+        !self.body_counts.is_empty() && self.graph.island_of(flight).is_some_and(is_large)
     }
 
     /// Returns true if the path of a body may be another one than before the last contacts were added.
@@ -68,10 +95,9 @@ impl Again {
 
     /// Copies the contacts of the islands of the added contacts; all of them where bodies follow others.
     fn take_islands(&mut self, flights: &Flights, contacts: &[Contact]) {
-        let Self { added, is_changed, graph, is_taken, part } = self;
-        let links = contacts.iter().map(|contact| contact.bodies);
+        let Self { added, is_changed, graph, is_taken, part, .. } = self;
+        build_islands(graph, flights, contacts);
         let all = flights.all();
-        graph.build_islands(|body| all[body as usize].is_fixed(), all.len(), links);
         is_taken.clear();
         is_taken.resize(graph.islands(), flights.any_followers());
         for island in added.drain(..).filter_map(|body| graph.island_of(body)) {
@@ -85,4 +111,9 @@ impl Again {
             part.flights[index].leader = part.flights[index].leader.and_then(|leader| part.flight(leader));
         }
     }
+}
+
+fn build_islands(graph: &mut Graph, flights: &Flights, contacts: &[Contact]) {
+    let all = flights.all();
+    graph.build_islands(|body| all[body as usize].is_fixed(), all.len(), contacts.iter().map(|contact| contact.bodies));
 }

@@ -8,6 +8,10 @@
 //! set of contacts only grows, and is a function of the scene. Only bodies that are deflected still after all rounds are swept as bullets
 //! are: they stop at the bodies that they meet, and have the impact in the next step. (Bodies of a pile, whose contacts the solver has,
 //! would stop at each other for ever.)
+//!
+//! An island is solved again as a whole, and in a crowd some body meets another one in each step: what bodies of large islands meet on new
+//! ways has no contact before the next step. They overlap by at most the rest of their ways then, as all bodies do where contacts are
+//! looked for once a step.
 
 use alloc::vec::Vec;
 
@@ -16,6 +20,7 @@ use super::flights::{FlightKind, Flights};
 use super::{Correction, Scene};
 use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
+use crate::solve::Contact;
 
 /// Bodies of which impulses change the way by less than this, 1 mm, are not deflected: they overlap by no more in the next step.
 const DEFLECTION: i64 = 1 << 22;
@@ -25,12 +30,13 @@ pub(crate) const ROUNDS: u32 = 8;
 
 /// Lists the flights of dynamic bodies that move, and of which impulses change the way: it is neither the way of the free flight nor, for
 /// bodies that another one carries, the way at the velocity of the start. Bodies whose paths have not changed since the last time are left
-/// out: they meet nothing new.
+/// out: they meet nothing new. So are bodies of large islands.
 pub(super) fn list_deflected(
     scene: &Scene<'_>,
     corrections: &[Correction],
     flights: &Flights,
-    again: &Again,
+    contacts: &[Contact],
+    again: &mut Again,
     deflected: &mut Vec<u32>,
 ) {
     deflected.clear();
@@ -49,6 +55,10 @@ pub(super) fn list_deflected(
         if size(Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y))) > DEFLECTION {
             deflected.push(flight);
         }
+    }
+    if !deflected.is_empty() {
+        again.count_bodies(flights, contacts);
+        deflected.retain(|&flight| !again.is_in_large_island(flight));
     }
 }
 

@@ -88,8 +88,6 @@ pub(super) struct Flights {
     /// The moment of manifolds, and the length of the step, in 2^-48 s.
     mean_beginning: u64,
     length: u64,
-    /// The changes by impulses, by flight, when contacts are detected again in a step.
-    deflections: Vec<Correction>,
     /// The follower of each flight and the leader of each follower, or [`NONE`]; empty if there are no followers.
     followers: Vec<u32>,
 }
@@ -106,7 +104,6 @@ impl Flights {
         self.places.clear();
         self.flight_of.clear();
         self.followers.clear();
-        self.deflections.clear();
         self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
         self.length = length(scene.time_step);
         for start in scene.starts {
@@ -250,10 +247,10 @@ impl Flights {
         scene.starts.get(flight as usize).map(|start| pose(start.position, start.angle))
     }
 
-    /// A flight with the changes of its way by impulses, if contacts are detected again in the step.
-    pub(super) fn deflected(&self, flight: u32) -> Flight {
+    /// A flight with the changes of its way by impulses, if there are any.
+    pub(super) fn deflected(&self, flight: u32, corrections: &[Correction]) -> Flight {
         let free = self.flights[flight as usize];
-        match self.deflections.get(self.leader(flight) as usize) {
+        match corrections.get(self.leader(flight) as usize) {
             Some(change) => Flight {
                 displacement: free.displacement + change.displacement.map(FxAccumulator::value),
                 rotation: free.rotation.saturating_add(change.rotation.value()),
@@ -261,12 +258,6 @@ impl Flights {
             },
             None => free,
         }
-    }
-
-    /// Takes note of the changes by impulses, by flight; none when contacts are detected first.
-    pub(super) fn set_deflections(&mut self, corrections: &[Correction]) {
-        self.deflections.clear();
-        self.deflections.extend_from_slice(corrections);
     }
 
     /// The flight of the body in a slot, if it has one.

@@ -380,7 +380,7 @@ impl Narrow {
                 self.core(paths.scene, flights, resting, pair[side])
             };
         }
-        let ways = pair.map(|side| Way::along(&flights.deflected(side.flight), moment));
+        let ways = pair.map(|side| Way::along(&flights.deflected(side.flight, paths.corrections), moment));
         let manifold = self.cores.collide(cores[0], cores[1], MARGIN.into())?;
         Some(Meeting { manifold, ways })
     }

@@ -11,7 +11,8 @@ use super::resting::{Resting, Trees};
 use super::{Scene, pair_limits, sorted};
 use crate::body::Activity;
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees};
-use crate::collider::OutlineId;
+use crate::collider::{Filter, OutlineId};
+use crate::shape::Aabb;
 use crate::slots::BodyId;
 
 /// The pairs of moving outlines, and the broad phase that finds them.
@@ -61,6 +62,11 @@ impl Pairs {
                 }
             }
         }
+    }
+
+    /// Visits the moving outlines near a box over their free flights, with the slots of their bodies, until `visit` returns false.
+    pub(super) fn search_movers(&self, bounds: Aabb, filter: Filter, visit: impl FnMut(u32, u32) -> bool) {
+        self.broad.search_movers(bounds, filter, visit);
     }
 
     /// The outlines of colliders with too many pairs, by number, sorted.

@@ -150,18 +150,18 @@ impl Pipeline {
         corrections: &[Correction],
         touched: &mut Vec<BodyId>,
     ) -> bool {
-        let Self { flights, resting, rules, narrow, contacts, again, sweeps, .. } = self;
+        let Self { flights, resting, pairs, rules, narrow, contacts, again, sweeps, .. } = self;
         #[cfg(feature = "selftest")]
         if narrow.is_discrete {
             return false;
         }
         let known = contacts.len();
-        list_deflected(scene, corrections, flights, again, &mut sweeps.deflected);
+        list_deflected(scene, corrections, flights, &contacts.solver_contacts, again, &mut sweeps.deflected);
         if !sweeps.deflected.is_empty() {
             let paths = Paths { scene, corrections, is_corrected: false };
             sweeps.fast.clone_from(&sweeps.deflected);
-            sweeps.find_pairs(&paths, flights, resting, rules, &|_| false);
-            flights.set_deflections(corrections);
+            let takes_part = |flight: u32| !again.is_in_large_island(flight);
+            sweeps.find_pairs(&paths, flights, resting, rules, Some(pairs), &takes_part);
             for &pair in &sweeps.pairs {
                 let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
                 let [Some(first), Some(second)] = &sides else { continue };
@@ -211,7 +211,8 @@ impl Pipeline {
 
     /// Lists the bodies that are deflected still after all rounds: they are swept as bullets are.
     pub(crate) fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
-        list_deflected(scene, corrections, &self.flights, &self.again, &mut self.sweeps.deflected);
+        let Self { flights, contacts, again, sweeps, .. } = self;
+        list_deflected(scene, corrections, flights, &contacts.solver_contacts, again, &mut sweeps.deflected);
     }
 
     /// Reads the impulses and impacts of events from the solvers, if a collider has events. The solvers have solved all contacts, or the

@@ -217,7 +217,7 @@ impl Graph {
 
     /// The island of a body; `None` if it touches nothing or cannot be moved.
     pub(crate) fn island_of(&self, body: u32) -> Option<u32> {
-        Some(self.island[body as usize]).filter(|&island| island != NONE)
+        self.island.get(body as usize).copied().filter(|&island| island != NONE)
     }
 
     /// The number of islands.

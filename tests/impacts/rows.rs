@@ -95,6 +95,25 @@ fn an_impact_that_passes_many_bodies_in_a_step_goes_through_none() {
     }
 }
 
+/// A disc at the end of a column is struck from the side, and meets another one within the step. An island of up to 64 bodies is solved
+/// again with this contact; a larger one is not, and the other disc is struck in the next step.
+#[test]
+fn what_a_body_of_a_crowd_meets_is_struck_a_step_later() {
+    for (column, ticks) in [(1, 1), (63, 1), (64, 2), (200, 2)] {
+        let mut bodies = row(&disc(fx!(0.5)), &[-1.01, 0.0, 1.03], 1, 3.0, Fx::ONE);
+        let above = |i: i32| of_material(dynamic(disc(fx!(0.5)), vec2(0, i)), Fx::ZERO, Fx::ONE);
+        bodies.extend((1..column).map(above));
+        let (mut world, ids) = build(floating(), bodies);
+        for tick in 1..=10 {
+            world.step();
+            let expected = if tick < ticks { [0.0, 3.0, 0.0] } else { [0.0, 0.0, 3.0] };
+            let after = speeds(&world, &ids[..3]);
+            let is_right = after.iter().zip(expected).all(|(v, expected)| (v - expected).abs() < 0.01);
+            assert!(is_right, "{column} discs, tick {tick}: {after:.3?}");
+        }
+    }
+}
+
 #[test]
 fn a_row_that_takes_energy_passes_its_share_on() {
     let mut failures = Vec::new();

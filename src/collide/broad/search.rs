@@ -3,6 +3,11 @@
 use alloc::vec::Vec;
 
 use super::entry::Entry;
+use super::tree::Extent;
+use crate::collider::Filter;
+use crate::fx::Fx;
+use crate::shape::Aabb;
+
 use super::{BroadPhase, PairLimits, RestingTrees, Statics, key, pair};
 
 /// The most candidates and rejected overlaps that a search may come to.
@@ -13,6 +18,21 @@ pub(super) struct Room {
 }
 
 impl BroadPhase {
+    /// Visits the colliders that moved in the last step, whose boxes meet a box and whose filters agree with a filter, with the numbers of
+    /// their bodies, until `visit` returns false.
+    pub(crate) fn search_movers(&self, bounds: Aabb<Fx>, filter: Filter, mut visit: impl FnMut(u32, u32) -> bool) {
+        let extent = Extent::new(bounds.into(), filter);
+        self.tree.search(
+            0,
+            |node| node.meets(&extent),
+            |collider| {
+                let is_met = self.boxes[collider as usize].overlaps(&extent.bounds);
+                let entry = &self.entries[collider as usize];
+                !is_met || !filter.agrees(entry.filter) || visit(collider, entry.body)
+            },
+        );
+    }
+
     /// Searches the candidates of all moving colliders.
     pub(super) fn search_all(&mut self, resting: &RestingTrees<'_>, room: Room) {
         self.settle();

@@ -26,6 +26,7 @@ use core::slice::from_ref;
 
 use super::Stop;
 use super::flights::{FlightKind, Flights, Place};
+use super::pairs::Pairs;
 use super::resting::Resting;
 use super::rules::Rules;
 use crate::collide::sweep::{END, Form, Leg, Moment, Path, Second, Sweep};
@@ -59,6 +60,8 @@ pub(super) struct Sweeps {
     courses: Vec<Course>,
     /// The outlines of each pair by number, the lower one first.
     pub(super) pairs: Vec<[u32; 2]>,
+    /// The outlines near an outline that fly freely.
+    nearby: Vec<u32>,
     hits: Vec<Hit>,
     movers: Movers,
     regions: Regions,
@@ -108,7 +111,9 @@ impl Sweeps {
         if self.fast.is_empty() {
             return;
         }
-        self.find_pairs(paths, flights, resting, rules, is_faulty);
+        let takes_part =
+            |flight: u32| paths.scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
+        self.find_pairs(paths, flights, resting, rules, None, &takes_part);
         self.run_rounds(paths, flights, resting);
         for course in &self.courses {
             if course.path.len() > 1 {
@@ -151,24 +156,26 @@ impl Sweeps {
         is_fast.then(|| self.ended_path(paths, flights, flight))
     }
 
-    /// Lists the pairs that are looked at. A body at fault is back at its start, and nothing moves it.
+    /// Lists the pairs that are looked at, of bodies that take part. A body at fault does not: it is back at its start, and nothing moves it.
+    /// `flown` has the pairs of the step where the paths of bodies without impulses are their free flights, on which they were found.
     pub(super) fn find_pairs(
         &mut self,
         paths: &Paths<'_>,
         flights: &mut Flights,
         resting: &Resting,
         rules: &Rules,
-        is_faulty: &dyn Fn(usize) -> bool,
+        flown: Option<&Pairs>,
+        takes_part: &dyn Fn(u32) -> bool,
     ) {
         let scene = paths.scene;
         let Self { fast, deflected, movers, regions, .. } = self;
         regions.list(paths, flights, resting, fast);
-        movers.list(paths, flights, resting, regions, fast, deflected);
-        self.list_near(paths, flights, resting, rules);
+        let is_listed = |flight: u32| takes_part(flight) && (flown.is_none() || !paths.is_free(flights, flight));
+        movers.list(paths, flights, resting, regions, fast, deflected, &is_listed);
+        self.list_near(paths, flights, resting, rules, flown);
         let Self { pairs, deflected, .. } = self;
         pairs.sort_unstable();
         pairs.dedup();
-        let takes_part = |flight: u32| scene.starts.get(flight as usize).is_none_or(|start| !is_faulty(start.dense));
         pairs.retain(|&pair| {
             let sides = pair.map(|number| flights.side(scene, &resting.numbers, number));
             let [Some(first), Some(second)] = sides else { return false };
@@ -180,9 +187,16 @@ impl Sweeps {
     }
 
     /// Lists the pairs that are near each other.
-    fn list_near(&mut self, paths: &Paths<'_>, flights: &mut Flights, resting: &Resting, rules: &Rules) {
+    fn list_near(
+        &mut self,
+        paths: &Paths<'_>,
+        flights: &mut Flights,
+        resting: &Resting,
+        rules: &Rules,
+        flown: Option<&Pairs>,
+    ) {
         let scene = paths.scene;
-        let Self { fast, deflected, pairs, movers, regions, .. } = self;
+        let Self { fast, deflected, pairs, movers, regions, nearby, .. } = self;
         pairs.clear();
         for &flight in fast.iter() {
             let place = *flights.body(flight);
@@ -195,6 +209,14 @@ impl Sweeps {
                     let reach = collider.outline(part).radius.to_bits();
                     let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
                     let filter = collider.def.filter;
+                    nearby.clear();
+                    if let Some(flown) = flown.filter(|_| is_obstacle) {
+                        flown.search_movers(bounds, filter, |candidate, slot| {
+                            let is_free = flights.at(slot).is_some_and(|flight| paths.is_free(flights, flight));
+                            nearby.extend(is_free.then_some(candidate));
+                            true
+                        });
+                    }
                     let mut visit = |candidate: u32| {
                         let pair = [number.min(candidate), number.max(candidate)];
                         if regions.meet(paths, flights, resting, [number, candidate], &leg, reach)
@@ -209,6 +231,7 @@ impl Sweeps {
                         trees.sleepers.search_box(bounds, filter, &mut visit);
                     }
                     movers.search(bounds, filter, is_obstacle, &mut visit);
+                    nearby.iter().for_each(|&candidate| _ = visit(candidate));
                 }
             }
         }

@@ -73,7 +73,8 @@ impl Layer {
 }
 
 impl Movers {
-    /// Lists the outlines for these fast bodies, ascending, of which some are swept as bullets are.
+    /// Lists the outlines for these fast bodies, ascending, of which some are swept as bullets are; `is_listed` is false for bodies that are
+    /// left out.
     pub(super) fn list(
         &mut self,
         paths: &Paths<'_>,
@@ -82,6 +83,7 @@ impl Movers {
         regions: &Regions,
         fast: &[u32],
         deflected: &[u32],
+        is_listed: &dyn Fn(u32) -> bool,
     ) {
         let Self { obstacles, bodies } = self;
         let kind = |flight: u32| flights.body(flight).kind;
@@ -95,6 +97,9 @@ impl Movers {
         let mut rest = fast.iter().copied().peekable();
         for flight in 0..paths.scene.starts.len() as u32 {
             let is_fast = rest.next_if_eq(&flight).is_some();
+            if !is_listed(flight) {
+                continue;
+            }
             match kind(flight) {
                 FlightKind::Kinematic if has_dynamic => obstacles.push(paths, flights, resting, regions, flight),
                 FlightKind::Dynamic if is_bullet(flight) => obstacles.push(paths, flights, resting, regions, flight),

@@ -1,6 +1,6 @@
 //! The paths of bodies over a tick, as impulses left them.
 
-use super::super::flights::Flights;
+use super::super::flights::{FlightKind, Flights};
 use super::super::{Correction, Scene, Stop};
 use super::{Course, legs};
 use crate::body::{BodyKind, Locks};
@@ -42,6 +42,12 @@ impl Paths<'_> {
         }
         let rotation = correction.map(|correction| correction.rotation);
         legs::leg(start, position, angle, flights.flight(flight), rotation)
+    }
+
+    /// Returns true for a dynamic body without impulses.
+    pub(super) fn is_free(&self, flights: &Flights, flight: u32) -> bool {
+        let is_pushed = self.corrections.get(flight as usize).is_some_and(|correction| correction.is_pushed);
+        flights.body(flight).kind == FlightKind::Dynamic && !is_pushed
     }
 
     /// Returns true if a point within `reach` of the centre of a moving body moved more than a quarter of a width, both in ulps.
