@@ -44,6 +44,10 @@ pub(super) struct Actor {
     pub(super) material: Option<u8>,
     /// True if its contacts may be hits.
     pub(super) has_hits: bool,
+    /// True if no other outline goes on where its surface ends.
+    pub(super) is_alone: bool,
+    /// The largest distance of a point of the outline from the centre of mass of its body, ulps.
+    pub(super) extent: i64,
 }
 
 impl Actor {
@@ -107,7 +111,7 @@ impl Queue {
 #[derive(Debug, Default)]
 pub(super) struct Actors {
     actors: Vec<Actor>,
-    /// The motion of each over the step, as lanes read it.
+    /// The motion of each over the step, as lanes read it, and the centre of mass of its body at the start.
     motions: Vec<Line>,
     pub(super) materials: Materials,
     /// The index by the number of the outline.
@@ -134,12 +138,21 @@ impl Actors {
         Some(self.index_of.get(number)).filter(|&index| index != NONE).map(|index| index as usize)
     }
 
-    /// Adds an outline with its motion, whose body goes this way to the moment of manifolds, and returns its index.
-    pub(super) fn push(&mut self, actor: Actor, reach: &Reach, way: &Way) -> usize {
+    /// Adds an outline with its motion, whose body goes from this centre and this way to the moment of manifolds, and returns its index.
+    pub(super) fn push(&mut self, actor: Actor, reach: &Reach, centre: Vec2, way: &Way) -> usize {
         let index = self.actors.len();
         let Way { displacement: Vec2 { x, y }, rotation } = *way;
         let Reach { displacement: [step_x, step_y], turned } = *reach;
-        let words = [step_x, step_y, turned, x.to_bits(), y.to_bits(), rotation.to_bits(), 0, 0];
+        let words = [
+            step_x,
+            step_y,
+            turned,
+            x.to_bits(),
+            y.to_bits(),
+            rotation.to_bits(),
+            centre.x.to_bits(),
+            centre.y.to_bits(),
+        ];
         self.motions.push(Line(words));
         self.index_of.set(actor.number, index as u32);
         self.actors.push(actor);
@@ -156,6 +169,17 @@ impl Actors {
     pub(super) fn reach(&self, index: usize) -> Reach {
         let Line([x, y, turned, ..]) = self.motions[index];
         Reach { displacement: [x, y], turned }
+    }
+
+    /// Returns true if the outlines of a pair stay so far apart on their free flights that they surely do not meet.
+    #[inline(always)]
+    pub(super) fn stay_apart(&self, pair: [usize; 2]) -> bool {
+        let centres = pair.map(|index| {
+            let Line([.., x, y]) = self.motions[index];
+            [x, y]
+        });
+        let [a, b] = pair;
+        self.reach(a).stays_apart(&self.reach(b), centres, self.actors[a].extent + self.actors[b].extent)
     }
 
     /// Begins a chunk of pairs.

@@ -240,7 +240,7 @@ impl Narrow {
         if matches!(side.outline().outline.corners().len(), 1 | 4) {
             _ = self.core(scene, flights, resting, &side);
         }
-        Some(self.push_side(scene, flights, &side, flights.reach(&side)))
+        Some(self.push_side(scene, flights, &side, flights.reach(&side), side.radius().to_bits()))
     }
 
     /// Makes an actor of an outline of a body that moves. Returns the box around it over the step.
@@ -266,11 +266,18 @@ impl Narrow {
             }
             None => pose.outline_bounds(outline),
         };
-        self.push_side(scene, flights, side, reach);
+        self.push_side(scene, flights, side, reach, outline.radius.to_bits());
         reach.swept(bounds)
     }
 
-    fn push_side(&mut self, scene: &Scene<'_>, flights: &Flights, side: &PairSide<'_>, reach: Reach) -> usize {
+    fn push_side(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        side: &PairSide<'_>,
+        reach: Reach,
+        extent: i64,
+    ) -> usize {
         let PairSide { number, id, flight, kind, .. } = *side;
         let core = self.core_of.get(number);
         let shape = match core {
@@ -281,8 +288,10 @@ impl Narrow {
         };
         let def = &side.collider.def;
         let material = self.actors.materials.number(scene, &def.material);
-        let actor = Actor { number, id, flight, kind, core, shape, material, has_hits: def.hit_events };
-        self.actors.push(actor, &reach, &flights.body(flight).way)
+        let is_alone = !side.may_be_tile() && !def.shape.is_chain();
+        let has_hits = def.hit_events;
+        let actor = Actor { number, id, flight, kind, core, shape, material, has_hits, is_alone, extent };
+        self.actors.push(actor, &reach, flights.flight(flight).position, &flights.body(flight).way)
     }
 
     /// Takes a pair of actors for the lanes, if these have its shapes and it has the manifold of bodies that press each other: returns its place
@@ -311,6 +320,25 @@ impl Narrow {
         actors.collide(cores);
     }
 
+    /// Returns true if two outlines, which did not press each other in the step before, are asked for the moment at which they meet.
+    #[inline(always)]
+    fn is_asked(&self, kinds: [FlightKind; 2], reaches: &[Reach; 2]) -> bool {
+        #[cfg(feature = "selftest")]
+        if self.is_discrete {
+            return false;
+        }
+        let bound = reaches[0].approach_bound(&reaches[1]);
+        bound > SLOW || bound > 0 && kinds.contains(&FlightKind::Asleep)
+    }
+
+    /// Returns true if two actors, which did not press each other in the step before, surely do not [meet](Self::meet).
+    #[inline(always)]
+    pub(super) fn stay_apart(&self, actors: [usize; 2]) -> bool {
+        let [a, b] = actors.map(|actor| self.actors.get(actor));
+        let reaches = actors.map(|actor| self.actors.reach(actor));
+        a.is_alone && b.is_alone && self.is_asked([a.kind, b.kind], &reaches) && self.actors.stay_apart(actors)
+    }
+
     /// Finds where the outlines of a pair, which are these actors, meet; `None` if they do not meet in the step. `pressed` is true if they
     /// pressed each other in the step before.
     #[inline(always)]
@@ -324,13 +352,8 @@ impl Narrow {
         pressed: bool,
     ) -> Option<Meeting> {
         let reaches = actors.map(|actor| self.actors.reach(actor));
-        let bound = reaches[0].approach_bound(&reaches[1]);
-        let sleeps = pair[0].kind == FlightKind::Asleep || pair[1].kind == FlightKind::Asleep;
-        let is_asked = !pressed && (bound > SLOW || bound > 0 && sleeps);
-        #[cfg(feature = "selftest")]
-        let is_asked = is_asked && !self.is_discrete;
         let ways = pair.map(|side| flights.body(side.flight).way);
-        if !is_asked || presses_nearby(scene, pair) {
+        if pressed || !self.is_asked(pair.map(|side| side.kind), &reaches) || presses_nearby(scene, pair) {
             let cores = [self.core(scene, flights, resting, pair[0]), self.core(scene, flights, resting, pair[1])];
             let margin = reaches[0].closing(&reaches[1]);
             #[cfg(feature = "selftest")]
@@ -338,18 +361,33 @@ impl Narrow {
             let manifold = self.cores.collide(cores[0], cores[1], margin)?;
             return Some(Meeting { manifold, ways });
         }
-        if pair[0].may_be_tile() || pair[1].may_be_tile() {
+        if (pair[0].may_be_tile() || pair[1].may_be_tile()) && self.have_faces(scene, flights, resting, pair) {
             if let Some(manifold) = self.mean_manifold(scene, flights, resting, pair) {
                 if self.comes_over_seams(scene, flights, resting, pair, &manifold, SLANTED) {
                     return Some(Meeting { manifold, ways });
                 }
             }
         }
+        if self.actors.stay_apart(actors) {
+            return None;
+        }
         let paths = Paths { scene, corrections: &[], is_corrected: false };
         let meeting = self.meet_on_paths(&paths, flights, resting, pair)?;
         // A body does not meet a tile of a level surface before it arrives there.
         let is_later = self.comes_over_seams(scene, flights, resting, pair, &meeting.manifold, LEVEL);
         (!is_later).then_some(meeting)
+    }
+
+    /// Returns true if an outline of a pair has a surface, which is known once the outline is placed.
+    fn have_faces(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        resting: &Resting,
+        pair: [&PairSide<'_>; 2],
+    ) -> bool {
+        pair.into_iter().for_each(|side| _ = self.core(scene, flights, resting, side));
+        pair.into_iter().any(|side| !self.faces(scene, side).is_empty())
     }
 
     /// [`meet`](Self::meet) for the moment at which these paths meet.

@@ -26,9 +26,10 @@ mod moment;
 mod path;
 
 pub(crate) use form::Form;
+use form::height;
 pub(crate) use hull::Hull;
 pub(crate) use moment::Moment;
-use moment::{ROUNDING, SHORTEST, along, height};
+use moment::{ROUNDING, SHORTEST, along};
 pub(crate) use path::{END, Leg, Path, ends};
 
 /// The most steps along a path.
@@ -164,7 +165,7 @@ impl Sweep<'_> {
                 return None;
             }
             guess = longest.saturating_mul(16).min(END);
-            self.set(moment, at);
+            moment.advance(self.forms, self.paths, at);
         }
         Some(at)
     }

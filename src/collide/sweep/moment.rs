@@ -1,6 +1,6 @@
 //! Two outlines at a moment of their paths: how far apart they are, and for how long they surely stay so.
 
-use super::form::{Form, PlacedForm, square};
+use super::form::{Form, PlacedForm, height, square};
 use super::path::{self, END, Leg};
 use crate::kernel::sqrt::direction;
 use crate::scalar::Turn;
@@ -27,8 +27,11 @@ pub(crate) struct Moment {
     /// The outer side of a segment of a chain that meets a segment: it has no other side to be told by, and directions to its inner side do not
     /// count.
     front: Option<[i32; 2]>,
-    /// `None` until [`measure`](Self::measure).
-    widest: Option<Widest>,
+    /// A direction across the way that they go against each other, if they do not go together.
+    across: Option<[i32; 2]>,
+    /// Of another moment until [`measure`](Self::measure).
+    widest: Widest,
+    is_measured: bool,
 }
 
 impl Default for Moment {
@@ -41,7 +44,9 @@ impl Default for Moment {
             radius: 0,
             until: 0,
             front: None,
-            widest: None,
+            across: None,
+            widest: Widest::NONE,
+            is_measured: false,
         }
     }
 }
@@ -63,13 +68,13 @@ impl Widest {
     const NONE: Self =
         Self { distance: None, count: 0, gaps: [Gap { n: [0; 2], support_a: 0, support_b: 0, distance: 0 }; KEPT] };
 
-    fn add(&mut self, gap: Gap) {
+    fn add(&mut self, gap: &Gap) {
         if Some(gap.distance) > self.distance {
             (self.distance, self.count) = (Some(gap.distance), 0);
         }
         if Some(gap.distance) == self.distance {
             if let Some(place) = self.gaps.get_mut(self.count) {
-                *place = gap;
+                *place = *gap;
             }
             self.count += 1;
         }
@@ -92,11 +97,6 @@ pub(super) fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
     (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
 }
 
-/// n·p in units of 2^-30 of p's unit.
-pub(super) fn height(n: [i32; 2], p: [i64; 2]) -> i128 {
-    i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
-}
-
 /// The unit vector along a vector of any size, 2^-30.
 fn unit([x, y]: [i128; 2]) -> Option<[i32; 2]> {
     if (x, y) == (0, 0) {
@@ -117,17 +117,35 @@ impl Moment {
         let [(a, until_a), (b, until_b)] = paths.map(|legs| path::leg(legs, at));
         self.placed[0].set(forms[0], a, at);
         self.placed[1].set(forms[1], b, at);
-        let [from, to] = [self.placed[0].centre, self.placed[1].centre];
-        self.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
         self.legs = [*a, *b];
         self.radius = forms[0].radius + forms[1].radius;
         self.until = until_a.min(until_b);
+        self.across = unit([0, 1].map(|k| b.way[k] - a.way[k])).map(|[x, y]| [-y, x]);
+        self.complete(forms);
+    }
+
+    /// Brings the outlines that were [set](Self::set) to a later moment of their paths.
+    pub(super) fn advance(&mut self, forms: [&Form<'_>; 2], paths: [&[Leg]; 2], at: u64) {
+        if at >= self.until {
+            self.set(forms, paths, at);
+            return;
+        }
+        for ((placed, form), leg) in self.placed.iter_mut().zip(forms).zip(&self.legs) {
+            placed.advance(form, leg, at);
+        }
+        self.complete(forms);
+    }
+
+    /// Completes what follows from the places of the outlines.
+    fn complete(&mut self, forms: [&Form<'_>; 2]) {
+        let [from, to] = [self.placed[0].centre, self.placed[1].centre];
+        self.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));
         self.front = match (forms[0].is_link, forms[1].is_link) {
             (true, _) if forms[1].width == 0 => Some(self.placed[0].normals()[0]),
             (_, true) if forms[0].width == 0 => Some(self.placed[1].normals()[0].map(|part| -part)),
             _ => None,
         };
-        self.widest = None;
+        self.is_measured = false;
     }
 
     /// Returns true if a direction counts.
@@ -135,71 +153,101 @@ impl Moment {
         self.front.is_none_or(|front| height(n, front.map(i64::from)) >= 0)
     }
 
-    fn gap(&self, n: [i32; 2]) -> Gap {
-        let highest = self.placed[0].corners().iter().map(|&corner| height(n, corner)).max().unwrap_or(0);
-        let lowest = self.placed[1].corners().iter().map(|&corner| height(n, corner)).min().unwrap_or(0);
-        // Rounded outwards.
-        let (support_a, support_b) = (-((-highest) >> 30) as i64, (lowest >> 30) as i64);
-        let between = along(n, self.offset) + i128::from(support_b) - i128::from(support_a);
-        Gap { n, support_a, support_b, distance: between - i128::from(self.radius) }
+    /// The distances along a direction and along its opposite.
+    #[inline(always)]
+    fn gaps(&self, n: [i32; 2]) -> [Gap; 2] {
+        let [lowest_a, highest_a] = self.placed[0].heights(n);
+        let [lowest_b, highest_b] = self.placed[1].heights(n);
+        // Below 2^72 · 2^30 · 2.
+        let offset = i128::from(n[0]) * self.offset[0] + i128::from(n[1]) * self.offset[1];
+        let gap = |n: [i32; 2], offset: i128, highest: i128, lowest: i128| {
+            // Rounded outwards.
+            let (support_a, support_b) = (-((-highest) >> 30) as i64, (lowest >> 30) as i64);
+            let between = (offset >> 30) + i128::from(support_b) - i128::from(support_a);
+            Gap { n, support_a, support_b, distance: between - i128::from(self.radius) }
+        };
+        [gap(n, offset, highest_a, lowest_b), gap(n.map(|part| -part), -offset, -lowest_a, -highest_b)]
     }
 
-    /// The directions that may separate best: of all edges, and between the corners that are nearest to each other.
-    fn each_direction(&self, mut visit: impl FnMut([i32; 2])) {
-        self.placed[0].normals().iter().for_each(|&n| visit(n));
-        self.placed[1].normals().iter().for_each(|&n| visit(n.map(|part| -part)));
+    /// The distances along the directions that may separate best: of all edges, and between the corners that are nearest to each other.
+    #[inline(always)]
+    fn each_gap(&self, mut visit: impl FnMut(&Gap)) {
+        for side in 0..2 {
+            let placed = &self.placed[side];
+            for &n in placed.distinct_normals() {
+                let gaps = self.gaps(if side == 0 { n } else { n.map(|part| -part) });
+                visit(&gaps[0]);
+                if placed.is_symmetric {
+                    visit(&gaps[1]);
+                }
+            }
+        }
         // The offset is cut to words, which changes it only for outlines that are never near; corners are below 2^50.
         let offset = self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64);
         let [a, b] = [0, 1].map(|side: usize| self.placed[side].corners());
         let between = |a: [i64; 2], b: [i64; 2]| [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]];
         let mut nearest = u128::MAX;
-        for &a in a {
-            for &b in b {
-                nearest = nearest.min(square(between(a, b)));
-            }
-        }
+        let (mut shortest, mut count) = ([[0; 2]; KEPT], 0);
         for &a in a {
             for &b in b {
                 let d = between(a, b);
-                if square(d) == nearest {
-                    unit(d.map(i128::from)).into_iter().for_each(&mut visit);
+                let square = square(d);
+                if square < nearest {
+                    (nearest, count) = (square, 0);
+                }
+                if square == nearest {
+                    if let Some(place) = shortest.get_mut(count) {
+                        *place = d;
+                    }
+                    count += 1;
                 }
             }
         }
+        let mut visit_along = |d: [i64; 2]| {
+            if let Some(n) = unit(d.map(i128::from)) {
+                visit(&self.gaps(n)[0]);
+            }
+        };
+        if let Some(shortest) = shortest.get(..count) {
+            shortest.iter().for_each(|&d| visit_along(d));
+            return;
+        }
+        let all = a.iter().flat_map(|&a| b.iter().map(move |&b| between(a, b)));
+        all.filter(|&d| square(d) == nearest).for_each(visit_along);
     }
 
     /// Finds the largest distance along a direction.
     pub(super) fn measure(&mut self) {
-        if self.widest.is_some() {
+        if self.is_measured {
             return;
         }
         let mut widest = Widest::NONE;
-        self.each_direction(|n| {
-            if self.is_allowed(n) {
-                widest.add(self.gap(n));
+        self.each_gap(|gap| {
+            if self.is_allowed(gap.n) {
+                widest.add(gap);
             }
         });
-        self.widest = Some(widest);
+        self.widest = widest;
+        self.is_measured = true;
     }
 
     /// Visits the directions of the largest distance, all that tie. *Domain* a moment that was [measured](Self::measure).
     pub(super) fn each_widest(&self, mut visit: impl FnMut(&Gap)) {
-        let Some(widest) = &self.widest else { return };
+        let widest = &self.widest;
         if let Some(gaps) = widest.gaps.get(..widest.count) {
             gaps.iter().for_each(visit);
             return;
         }
-        self.each_direction(|n| {
-            let gap = self.gap(n);
-            if self.is_allowed(n) && Some(gap.distance) == widest.distance {
-                visit(&gap);
+        self.each_gap(|gap| {
+            if self.is_allowed(gap.n) && Some(gap.distance) == widest.distance {
+                visit(gap);
             }
         });
     }
 
     /// The largest distance along a direction, if one counts. *Domain* a moment that was [measured](Self::measure).
     pub(super) fn widest_distance(&self) -> Option<i128> {
-        self.widest.as_ref().and_then(|widest| widest.distance)
+        self.widest.distance
     }
 
     /// The distance of the outlines, negative where they overlap. *Domain* a moment that was [measured](Self::measure).
@@ -209,10 +257,10 @@ impl Moment {
 
     /// The longest step that a direction across the way proves safe.
     pub(super) fn longest_across(&self, depth: i64, room: u64, guess: u64) -> u64 {
-        let [a, b] = &self.legs;
-        let Some([x, y]) = unit([0, 1].map(|k| b.way[k] - a.way[k])) else { return 0 };
-        let allowed = [[-y, x], [y, -x]].into_iter().filter(|&n| self.is_allowed(n));
-        allowed.map(|n| self.time(&self.gap(n), depth, room, guess)).max().unwrap_or(0)
+        let Some(across) = self.across else { return 0 };
+        let gaps = self.gaps(across);
+        let allowed = gaps.iter().filter(|gap| self.is_allowed(gap.n));
+        allowed.map(|gap| self.time(gap, depth, room, guess)).max().unwrap_or(0)
     }
 
     /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
@@ -280,12 +328,9 @@ impl Moment {
             if leg.spin == 0 {
                 return 0;
             }
-            let [x, y] = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
+            let n = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
             let size = i128::from(turn);
-            let turn = if leg.spin < 0 { -size } else { size };
-            // Along n, and along n the corner turned by a quarter. Corners are below 2^49.5 ulps, angles below 2^46: below 2^126.
-            let at = |&corner: &[i64; 2]| height([x, y], corner) + ((height([y, -x], corner) * turn) >> 44);
-            let highest = placed.corners().iter().map(at).max().unwrap_or(0);
+            let highest = placed.highest_after(n, if leg.spin < 0 { -turn } else { turn });
             let support = if side == 0 { gap.support_a } else { -gap.support_b };
             // Rounded up: the product above, the angle, and half of its square.
             let rounding = i128::from(2 + (placed.reach >> 40));
@@ -306,8 +351,11 @@ fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
         if speed <= 0 || distance >= speed {
             return END;
         }
+        if distance <= 0 {
+            return 0;
+        }
         let right = (128 - speed.leading_zeros()).saturating_sub(64);
-        (((distance.max(0).unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
+        (((distance.unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
     };
     // A rotation is at its bound from some time on.
     let [first, second] = bounds.map(|(speed, bound)| {

@@ -54,6 +54,9 @@ impl Pipeline {
                 continue;
             }
             let pressed = record.is_some_and(|record| !scene.contacts.records[record].is_slack());
+            if !pressed && narrow.stay_apart([first, second]) {
+                continue;
+            }
             let place = narrow.push_pair([first, second], pressed);
             near_pairs.push(NearPair { actors: [first, second], record, pressed, are_asleep, place });
         }
