@@ -36,6 +36,13 @@ pub(super) const fn lowered_word(value: i64, bits: i32) -> i64 {
     }
 }
 
+/// [`shifted`] down by a part of a double word. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 126.
+#[inline(always)]
+pub(super) const fn lowered(value: i128, bits: i32) -> i128 {
+    // The last term is −1 for a negative value.
+    (value + (1 << (bits - 1)) + (value >> 127)) >> bits
+}
+
 /// The value within ±limit. *Domain* limit ≥ 0.
 #[inline]
 pub(super) fn clamped_word(value: i64, limit: i64) -> i32 {

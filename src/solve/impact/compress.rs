@@ -11,10 +11,10 @@
 
 use super::super::bodies::BodyRows;
 use super::super::groups::ContactGroups;
-use super::super::number::{shifted, shifted_word};
+use super::super::number::{lowered, shifted, shifted_word};
 use super::jacobian::product;
-use super::shock::{Shock, closing};
-use super::{FRACTION, Impacts, SubStep};
+use super::shock::{Beside, Shock, WORD, beside};
+use super::{FRACTION, Impacts, Struck, SubStep};
 
 /// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
 /// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
@@ -43,21 +43,30 @@ impl Shock {
     /// −factor · velocity as an impulse, rounded oddly: velocities in 2^-[`FRACTION`], elements of the matrix in 2^-30.
     ///
     /// # Ranges
-    /// A factor is below 2^61 and a velocity below 2^58. The impulse is within ±2^60.
+    /// A factor is below 2^62, and a velocity too: it is below 2^58 without the changes by other impulses, of at most 2^60 each. So the
+    /// upper word of a product is within ±2^60, as the impulse is.
+    #[inline(always)]
     fn scaled(&self, factor: i64, velocity: i64) -> i64 {
-        let down = 61 + FRACTION - 30 + self.inverse.shift;
-        limited(shifted(-product(factor, velocity), down))
+        let product = product(factor, velocity);
+        if self.inverse.down == WORD {
+            return -(lowered(product, WORD) as i64);
+        }
+        limited(shifted(-product, self.inverse.down))
     }
 
     /// The change of the velocity along one row by an impulse along another one, by their element of the matrix, in 2^-[`FRACTION`].
     fn coupled(&self, element: usize, impulse: i64) -> i64 {
-        // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
-        let product = product(self.matrix[element], impulse);
-        limited(shifted(product, 30 - FRACTION - 8))
+        const DOWN: i32 = 30 - FRACTION - 8;
+        match self.matrix[element].checked_mul(impulse) {
+            // Below 2^57.
+            Some(product) => shifted_word(product, DOWN),
+            // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
+            None => limited(lowered(product(self.matrix[element], impulse), DOWN)),
+        }
     }
 
     /// The changes of the normal impulses that bring these velocities to zero, or leave them positive without an impulse.
-    fn normal_change(&self, velocities: [i64; 3]) -> [i64; 2] {
+    fn normal_change(&self, velocities: [i64; 2]) -> [i64; 2] {
         match self.joined {
             [true, false] => [self.alone(0, velocities[0]), 0],
             [false, true] => [0, self.alone(1, velocities[1])],
@@ -71,7 +80,7 @@ impl Shock {
     }
 
     /// [`normal_change`](Self::normal_change) of two points.
-    fn block_change(&self, [i11, i12, i22]: [i64; 3], velocities: [i64; 3]) -> [i64; 2] {
+    fn block_change(&self, [i11, i12, i22]: [i64; 3], velocities: [i64; 2]) -> [i64; 2] {
         let change = [
             self.scaled(i11, velocities[0]).saturating_add(self.scaled(i12, velocities[1])),
             self.scaled(i12, velocities[0]).saturating_add(self.scaled(i22, velocities[1])),
@@ -87,13 +96,21 @@ impl Shock {
         }
     }
 
-    /// The changes of all impulses for these velocities.
-    fn change(&self, velocities: [i64; 3]) -> [i64; 3] {
-        let [first, second] = self.normal_change(velocities);
-        let slip = velocities[2].saturating_add(self.coupled(3, first)).saturating_add(self.coupled(4, second));
-        let limit = self.limit;
-        let tangent = (self.from[2] + self.scaled(self.inverse.alone[2], slip)).clamp(-limit, limit) - self.from[2];
-        [first, second, tangent]
+    /// The change of the tangential impulse for this slip and these changes of the normal ones.
+    fn tangent_change(&self, slip: i64, normal: [i64; 2]) -> i64 {
+        let slip = slip.saturating_add(self.coupled(3, normal[0])).saturating_add(self.coupled(4, normal[1]));
+        self.held_tangent(slip) - self.from[2]
+    }
+
+    /// The tangential impulse within its limit that holds against a slip.
+    #[inline(always)]
+    fn held_tangent(&self, slip: i64) -> i64 {
+        (self.from[2] + self.scaled(self.inverse.alone[2], slip)).clamp(-self.limit, self.limit)
+    }
+
+    /// Returns true if the tangential impulse is zero, and stays so.
+    fn is_smooth(&self) -> bool {
+        self.limit == 0 && self.from[2] == 0
     }
 
     fn friction_limit(&self, normal: [i64; 2]) -> i64 {
@@ -102,16 +119,19 @@ impl Shock {
         ((pressing * i128::from(self.friction)) >> 26).clamp(0, 1 << 61) as i64
     }
 
-    /// By how much the velocities miss the goal: all of a closing one, and of an opening one or of slip the part that impulses can take back.
-    fn residual(&self, velocities: [i64; 3]) -> i64 {
+    /// By how much the normal velocities miss the goal: all of a closing one, and of an opening one the part that impulses can take back.
+    fn normal_residual(&self, velocities: [i64; 2]) -> i64 {
         let normal = |point: usize| match (self.joined[point], velocities[point]) {
             (false, _) => 0,
             (true, velocity @ ..0) => -velocity,
             (true, velocity) => velocity.min(self.coupled([0, 2][point], self.from[point] - self.lower_bounds[point])),
         };
-        let tangent = self.from[2] + self.scaled(self.inverse.alone[2], velocities[2]);
-        let slip = self.coupled(5, tangent.clamp(-self.limit, self.limit) - self.from[2]).abs();
-        normal(0).max(normal(1)).max(slip)
+        normal(0).max(normal(1))
+    }
+
+    /// The part of a slip that impulses can take back.
+    fn slip_residual(&self, slip: i64) -> i64 {
+        self.coupled(5, self.held_tangent(slip) - self.from[2]).abs()
     }
 }
 
@@ -129,7 +149,7 @@ fn run_ahead(impacts: &mut Impacts, momentum: i64) {
     let share = (momentum - 1).max(0) * (1 << 20) / (momentum + 2);
     for shock in shocks {
         shock.from = shock.impulses;
-        if share > 0 {
+        if share > 0 && shock.impulses != shock.last {
             for row in 0..3 {
                 // Impulses are below 2^62.
                 let last = shock.impulses[row] - shock.last[row];
@@ -157,19 +177,21 @@ fn correct(impacts: &mut Impacts, renews: bool) -> (i64, i128) {
     let mut uphill = 0_i128;
     // All changes follow from the same velocities.
     for shock in shocks.iter_mut() {
-        let velocities = shock.velocities(struck, *coarse);
+        let velocities = shock.normal_velocities(struck, *coarse);
         if renews {
             shock.limit = shock.friction_limit([shock.from[0], shock.from[1]]);
         }
-        shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
-        largest = largest.max(shock.residual(velocities));
-        let change = shock.change(velocities);
+        largest = largest.max(shock.normal_residual(velocities));
+        let change = shock.normal_change(velocities);
+        if !shock.is_smooth() {
+            let slip = shock.slip(struck, *coarse);
+            largest = largest.max(shock.slip_residual(slip));
+            shock.impulses[2] = shock.from[2] + shock.tangent_change(slip, change);
+        }
         let mut work = 0;
-        for row in 0..3 {
-            shock.impulses[row] = shock.from[row] + change[row];
-            if row < 2 {
-                work += product(velocities[row], shock.impulses[row] - shock.last[row]);
-            }
+        for point in 0..2 {
+            shock.impulses[point] = shock.from[point] + change[point];
+            work += product(velocities[point], shock.impulses[point] - shock.last[point]);
         }
         // Coarse velocities are larger.
         let down = *exponent - shock.exponent + *coarse;
@@ -184,7 +206,10 @@ fn correct(impacts: &mut Impacts, renews: bool) -> (i64, i128) {
     for &body in set.iter() {
         let velocity = &mut struck[body as usize].velocity;
         // Sums of all shocks of a body are below 2^60.
-        *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
+        // Most are far within: one comparison costs less than six.
+        if velocity.iter().any(|part| !matches!(part >> 59, 0 | -1)) {
+            *velocity = velocity.map(|part| part.clamp(-(1 << 59), 1 << 59));
+        }
     }
     (largest, uphill)
 }
@@ -199,6 +224,7 @@ pub(super) fn compress(
     grows: bool,
 ) -> bool {
     impacts.shocks.iter_mut().for_each(Shock::begin);
+    set_shares(impacts);
     for &body in &impacts.set {
         let struck = &mut impacts.struck[body as usize];
         struck.begun = struck.velocity;
@@ -264,19 +290,35 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
     // Bodies that join meanwhile have not changed.
     let count = impacts.set.len();
     while index < count {
-        let struck = impacts.struck[impacts.set[index] as usize];
+        let body = impacts.set[index] as usize;
         index += 1;
-        if !struck.has_changed() {
+        let Struck { row, open, .. } = impacts.struck[body];
+        if open == 0 || !impacts.struck[body].has_changed() {
             continue;
         }
-        for at in impacts.places_of(struck.row) {
-            let place = impacts.places[at];
-            if impacts.is_joined[place as usize] || impacts.has_earlier_body(struck.row, groups, place) {
-                continue;
+        let mut at = impacts.first_normal_rows(row, groups);
+        let mut end = at + open as usize;
+        while at < end {
+            let contact = impacts.normal_rows[at];
+            let mut is_open = !impacts.is_joined[contact.place as usize];
+            if is_open && !impacts.has_earlier_body(row, &contact) {
+                match beside(impacts, substep, bodies, groups, &contact, slowest) {
+                    Beside::Slow => {}
+                    Beside::Apart => is_open = false,
+                    Beside::Closing(before) => {
+                        let shock = Shock::new(substep, bodies, groups, contact.place, before, impacts.moment);
+                        impacts.join(shock, substep, &bodies.rows);
+                        is_open = false;
+                    }
+                }
             }
-            if let Some(before) = closing(impacts, substep, bodies, groups, place, slowest) {
-                let shock = Shock::new(substep, bodies, groups, place, before, impacts.moment);
-                impacts.join(shock, substep, &bodies.rows);
+            if is_open {
+                at += 1;
+            } else {
+                // The order of contacts does not count.
+                end -= 1;
+                impacts.normal_rows.swap(at, end);
+                impacts.struck[body].open -= 1;
             }
         }
     }
@@ -284,5 +326,16 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
         shock.begin();
         impacts.exponent = impacts.exponent.max(shock.exponent);
     }
+    if impacts.shocks.len() > before {
+        set_shares(impacts);
+    }
     impacts.shocks.len() > before
+}
+
+/// Finds the matrices of the shocks for the shares of their bodies.
+fn set_shares(impacts: &mut Impacts) {
+    let Impacts { shocks, struck, .. } = impacts;
+    for shock in shocks {
+        shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
+    }
 }

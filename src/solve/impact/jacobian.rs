@@ -1,7 +1,7 @@
 //! The rows of a contact in words, for impacts: velocities along them, and changes of bodies by impulses along them.
 
 use super::super::group::Group;
-use super::super::number::{shifted, shifted_word};
+use super::super::number::{bits_of, lowered, shifted, shifted_word};
 use super::{COARSER, FINE, FRACTION};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
@@ -40,25 +40,55 @@ impl Jacobian {
     /// velocities, 2^58.
     #[inline(always)]
     pub(super) fn along(&self, a: [i64; 3], b: [i64; 3], bits: i32) -> [i64; 3] {
-        let [nx, ny] = self.normal.map(i64::from);
-        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-        let turned = |row: usize| {
-            let [arm_a, arm_b] = self.arms[row].map(i64::from);
-            product(arm_b, b[2]) - product(arm_a, a[2])
-        };
-        let normal = product(nx, dx) + product(ny, dy) + (1 << (29 + bits));
-        [
-            ((normal + turned(0)) >> (30 + bits)) as i64,
-            ((normal + turned(1)) >> (30 + bits)) as i64,
-            shifted(product(ny, dx) - product(nx, dy) + turned(2), 30 + bits) as i64,
-        ]
+        let [first, second] = self.along_normal(a, b, bits, true);
+        [first, second, self.along_tangent(a, b, bits)]
     }
 
-    /// [`along`](Self::along) of velocities in 2^(coarse − [`FINE`]), in 2^-[`FRACTION`].
+    /// The normal rows of [`along`](Self::along). The second one is zero if it is not wanted.
     #[inline(always)]
-    pub(super) fn velocities(&self, a: [i64; 3], b: [i64; 3], coarse: i32) -> [i64; 3] {
+    fn along_normal(&self, a: [i64; 3], b: [i64; 3], bits: i32, has_second: bool) -> [i64; 2] {
+        let [nx, ny] = self.normal.map(i64::from);
+        let normal = product(nx, b[0] - a[0]) + product(ny, b[1] - a[1]) + (1 << (29 + bits));
+        let first = (normal + self.turned(0, a, b)) >> (30 + bits);
+        let second = if has_second { (normal + self.turned(1, a, b)) >> (30 + bits) } else { 0 };
+        [first as i64, second as i64]
+    }
+
+    /// The friction row of [`along`](Self::along).
+    #[inline(always)]
+    fn along_tangent(&self, a: [i64; 3], b: [i64; 3], bits: i32) -> i64 {
+        let [nx, ny] = self.normal.map(i64::from);
+        let tangent = product(ny, b[0] - a[0]) - product(nx, b[1] - a[1]);
+        lowered(tangent + self.turned(2, a, b), 30 + bits) as i64
+    }
+
+    /// The part of angular velocities along a row.
+    #[inline(always)]
+    fn turned(&self, row: usize, a: [i64; 3], b: [i64; 3]) -> i128 {
+        let [arm_a, arm_b] = self.arms[row].map(i64::from);
+        product(arm_b, b[2]) - product(arm_a, a[2])
+    }
+
+    /// The normal rows of [`along`](Self::along) of velocities in 2^(coarse − [`FINE`]), in 2^-[`FRACTION`]. The second one is zero if it is
+    /// not wanted.
+    #[inline(always)]
+    pub(super) fn normal_velocities(&self, a: [i64; 3], b: [i64; 3], coarse: i32, has_second: bool) -> [i64; 2] {
         // By constants: shifts of words twice as long by a number cost several times as much.
-        if coarse == 0 { self.along(a, b, FINE - FRACTION) } else { self.along(a, b, FINE - FRACTION - COARSER) }
+        if coarse == 0 {
+            self.along_normal(a, b, FINE - FRACTION, has_second)
+        } else {
+            self.along_normal(a, b, FINE - FRACTION - COARSER, has_second)
+        }
+    }
+
+    /// The friction row of [`along`](Self::along) of velocities in 2^(coarse − [`FINE`]), in 2^-[`FRACTION`].
+    #[inline(always)]
+    pub(super) fn slip(&self, a: [i64; 3], b: [i64; 3], coarse: i32) -> i64 {
+        if coarse == 0 {
+            self.along_tangent(a, b, FINE - FRACTION)
+        } else {
+            self.along_tangent(a, b, FINE - FRACTION - COARSER)
+        }
     }
 
     /// The change of velocity of a body by impulses, in 2^(coarse − [`FINE`]), rounded oddly and within ±2^60 over its share.
@@ -97,32 +127,79 @@ impl Jacobian {
         changes.map(|change| limited(change, share))
     }
 
+    /// The changes of [`gain`](Self::gain) by impulses that are [free](Self::free_bits), in 2^-[`FINE`].
+    #[inline(always)]
+    pub(super) fn free_gain(&self, side: usize, impulses: [i64; 3]) -> [i64; 3] {
+        let [[nx, ny], [tx, ty]] = self.linear[side].map(|factors| factors.map(i64::from));
+        let [first, second, third] = self.angular.map(|factors| i64::from(factors[side]));
+        let pressing = impulses[0] + impulses[1];
+        let turned = first * impulses[0] + second * impulses[1] + third * impulses[2];
+        [nx * pressing + tx * impulses[2], ny * pressing + ty * impulses[2], turned << self.angular_shift]
+    }
+
+    /// The bits of impulses that change no velocity of a body as far as its limit: below 2^bits they are *free*.
+    ///
+    /// # Ranges
+    /// A change is below the sum of the factors of its impulses times 2^bits, and that times the share is at most 2^60. So no product in
+    /// words wraps.
+    pub(super) fn free_bits(&self, side: usize, share: i64) -> i32 {
+        let [normal, tangent] = self.linear[side].map(|factors| factors.map(|factor| i64::from(factor).abs()));
+        let turning: i64 = self.angular.iter().map(|factors| i64::from(factors[side]).abs()).sum();
+        let linear = (2 * normal[0] + tangent[0]) | (2 * normal[1] + tangent[1]);
+        60 - bits_of(share) - bits_of(linear).max(bits_of(turning) + self.angular_shift as i32)
+    }
+
     /// The elements of the matrix by one body.
     pub(super) fn elements(&self, side: usize) -> Elements {
-        let column = |impulses: [i64; 3]| {
-            let change = self.gain(side, impulses, 1, 0);
-            let (a, b) = if side == 0 { (change, [0; 3]) } else { ([0; 3], change) };
-            self.along(a, b, 0)
+        let column = |row: usize| {
+            let [x, y] = self.linear[side][row / 2].map(i64::from);
+            // The gain by an impulse of one unit.
+            let turned = i128::from(self.angular[row][side]) << self.angular_shift;
+            let change = [x, y, limited(turned, 1)];
+            if side == 0 { self.along(change, [0; 3], 0) } else { self.along([0; 3], change, 0) }
         };
-        let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column([1, 0, 0]), column([0, 1, 0]), column([0, 0, 1]));
+        let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column(0), column(1), column(2));
         // Both ways, so that the points may come in either order.
         [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]
     }
 }
 
-/// By point: true if two bodies with these velocities in 2^(coarse − [`FINE`]) close along the normal faster than a speed in 2^-[`FRACTION`],
-/// as [`Jacobian::velocities`] has them.
-#[inline(always)]
-pub(super) fn closes_faster(group: &Group, lane: usize, [a, b]: [[i64; 3]; 2], coarse: i32, speed: i64) -> [bool; 2] {
-    let bits = 30 + FINE - FRACTION - coarse;
-    let [nx, ny] = group.normal[lane].map(i64::from);
-    // Rounded down after a half is added: below −speed if the sum is below −speed · 2^bits.
-    let normal = product(nx, b[0] - a[0]) + product(ny, b[1] - a[1]) + (1 << (bits - 1));
-    let limit = -(i128::from(speed) << bits);
-    [0, 1].map(|point: usize| {
-        let [arm_a, arm_b] = group.arms[point][lane].map(i64::from);
-        normal + product(arm_b, b[2]) - product(arm_a, a[2]) < limit
-    })
+/// The two normal rows of a contact: a copy of its lane of a group, for contacts that are looked at again and again whether they close.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NormalRows {
+    pub(super) place: u32,
+    /// The rows of both bodies.
+    pub(super) rows: [u32; 2],
+    normal: [i32; 2],
+    arms: [[i32; 2]; 2],
+}
+
+impl NormalRows {
+    pub(super) fn of(place: u32, group: &Group, lane: usize) -> Self {
+        Self {
+            place,
+            rows: [group.a[lane], group.b[lane]],
+            normal: group.normal[lane],
+            arms: [group.arms[0][lane], group.arms[1][lane]],
+        }
+    }
+
+    /// By point: true if two bodies with these velocities in 2^(coarse − [`FINE`]) close along the normal faster than a speed in
+    /// 2^-[`FRACTION`], as [`Jacobian::normal_velocities`] has them.
+    #[inline(always)]
+    pub(super) fn close_faster(&self, [a, b]: [[i64; 3]; 2], coarse: i32, speed: i64) -> [bool; 2] {
+        let bits = 30 + FINE - FRACTION - coarse;
+        let [nx, ny] = self.normal.map(i64::from);
+        // Rounded down after a half is added: below −speed if the sum is below −speed · 2^bits.
+        let normal = product(nx, b[0] - a[0]) + product(ny, b[1] - a[1]) + (1 << (bits - 1));
+        let limit = -(i128::from(speed) << bits);
+        let mut close = [false; 2];
+        for (point, closes) in close.iter_mut().enumerate() {
+            let [arm_a, arm_b] = self.arms[point].map(i64::from);
+            *closes = normal + product(arm_b, b[2]) - product(arm_a, a[2]) < limit;
+        }
+        close
+    }
 }
 
 /// A velocity in units 2^coarse times as large, rounded oddly.

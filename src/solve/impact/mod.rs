@@ -40,7 +40,7 @@ use alloc::vec::Vec;
 
 use self::expand::{renew_separation, solve_shocks, strike};
 use self::fast::FastLanes;
-use self::jacobian::coarsened;
+use self::jacobian::{NormalRows, coarsened};
 use self::shock::Shock;
 use self::velocities::Velocities;
 use super::bodies::{BodyRows, STILL};
@@ -88,6 +88,8 @@ struct Struck {
     is_in_set: bool,
     /// The number of shocks that share it.
     share: i64,
+    /// The number of its contacts that may still join the shocks: they stand first among its [normal rows](Impacts::normal_rows).
+    open: u32,
     /// The velocity before the round, at the beginning of the compression and now, in 2^([`coarse`](Impacts::coarse) − [`FINE`]).
     start: [i64; 3],
     begun: [i64; 3],
@@ -135,6 +137,9 @@ pub(super) struct Impacts {
     /// The numbers of the candidates by island, then by contact.
     order: Vec<u32>,
     pending: Vec<u32>,
+    /// The normal rows of the contacts of rows that have been looked at in the step, and by row: the first of them, or [`NONE`].
+    normal_rows: Vec<NormalRows>,
+    normal_rows_of: Vec<u32>,
     /// By contact: true while it is among the shocks.
     is_joined: Vec<bool>,
     /// The bodies of the impacts of a sub-step.
@@ -245,7 +250,7 @@ impl Impacts {
             let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
             [group.a[lane], group.b[lane]].into_iter().filter(|&row| row != STILL)
         };
-        let Self { first, places, is_joined, struck_of, first_moment, .. } = self;
+        let Self { first, places, is_joined, struck_of, first_moment, normal_rows, normal_rows_of, .. } = self;
         first.resize(rows.len() as usize + 1, 0);
         for row in groups.places.iter().flat_map(rows_of) {
             first[row as usize] += 1;
@@ -269,6 +274,9 @@ impl Impacts {
         struck_of.resize(rows.len() as usize, NONE);
         first_moment.clear();
         first_moment.resize(rows.len() as usize, ONE);
+        normal_rows.clear();
+        normal_rows_of.clear();
+        normal_rows_of.resize(rows.len() as usize, NONE);
     }
 
     /// Looks for impacts at the pending contacts, sorted by island and contact.
@@ -366,6 +374,7 @@ impl Impacts {
             let start = coarsened(self.velocities.at(rows, row, substep), self.coarse);
             let struck = &mut self.struck[body as usize];
             (struck.is_in_set, struck.share) = (true, 0);
+            struck.open = self.first[row as usize + 1] - self.first[row as usize];
             struck.start = start;
             (struck.velocity, struck.begun) = (struck.start, struck.start);
             self.set.push(body);
@@ -383,11 +392,25 @@ impl Impacts {
         self.work[self.island] += self.shocks.len() as u32;
     }
 
+    /// The index of the first one of the normal rows of the contacts of a row.
+    fn first_normal_rows(&mut self, row: u32, groups: &ContactGroups) -> usize {
+        let places = self.places_of(row);
+        let Self { normal_rows, normal_rows_of, places: all, .. } = self;
+        let first = &mut normal_rows_of[row as usize];
+        if *first == NONE {
+            *first = normal_rows.len() as u32;
+            for &place in &all[places] {
+                let (_, group, lane) = groups.lane_of(place);
+                normal_rows.push(NormalRows::of(place, group, lane));
+            }
+        }
+        *first as usize
+    }
+
     /// Returns true if the other body of a contact has changed too, and its row comes first: so that contacts between two bodies of the set
     /// are looked at once.
-    fn has_earlier_body(&self, row: u32, groups: &ContactGroups, place: u32) -> bool {
-        let (_, group, lane) = groups.lane_of(place);
-        let earlier = group.a[lane].min(group.b[lane]);
+    fn has_earlier_body(&self, row: u32, contact: &NormalRows) -> bool {
+        let earlier = contact.rows[0].min(contact.rows[1]);
         let body = self.struck_of[earlier as usize];
         earlier != row
             && body != NONE
@@ -465,6 +488,7 @@ impl Impacts {
                 row,
                 is_in_set: false,
                 share: 0,
+                open: 0,
                 start: [0; 3],
                 begun: [0; 3],
                 velocity: [0; 3],

@@ -5,18 +5,39 @@ use super::super::bodies::BodyRows;
 use super::super::group::Group;
 use super::super::groups::{ContactGroups, Place};
 use super::super::motion::{Rows, Vector};
-use super::super::number::shifted;
-use super::jacobian::{Elements, Jacobian, closes_faster, coarsened};
+use super::super::number::{lowered, shifted};
+use super::jacobian::{Elements, Jacobian, NormalRows, coarsened, product};
 use super::{AT_ONCE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, Struck, SubStep, TOUCH};
 
-/// The inverse of the matrix of a contact for its shares: factors of velocities, with one shift for all.
+/// Bits of a word.
+pub(super) const WORD: i32 = 64;
+
+/// The inverse of the matrix of a contact for its shares: factors of velocities, and the bits by which all products with them are shifted
+/// down. These are 64 wherever the factors, moved up, stay below 2^62: then the upper word of a product is the result.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Inverse {
-    /// Elements 11, 12 and 22 of the inverse; `None` where both points are as good as one.
+    /// Elements 11, 12 and 22 of the inverse; `None` where both points are as good as one, or only one takes part.
     pub(super) block: Option<[i64; 3]>,
     /// 1 over elements 11, 22 and tt; zero for a row that moves nothing.
     pub(super) alone: [i64; 3],
-    pub(super) shift: i32,
+    pub(super) down: i32,
+}
+
+impl Inverse {
+    /// The inverse for products that are shifted down by 64 bits, if the factors stay below 2^62.
+    fn raised(self) -> Self {
+        let up = WORD - self.down;
+        let factors = self.block.unwrap_or_default().into_iter().chain(self.alone);
+        let sizes = factors.fold(0, |sizes, factor| sizes | factor.unsigned_abs());
+        if up < 0 || (sizes.leading_zeros() as i32) < up + 2 {
+            return self;
+        }
+        Self {
+            block: self.block.map(|block| block.map(|factor| factor << up)),
+            alone: self.alone.map(|factor| factor << up),
+            down: WORD,
+        }
+    }
 }
 
 /// A contact in an impact: in the rounds of a sub-step in place of its lane.
@@ -52,6 +73,8 @@ pub(super) struct Shock {
     pub(super) matrix: [i64; 6],
     pub(super) inverse: Inverse,
     pub(super) shares: [i64; 2],
+    /// Impulses below it are [free](Jacobian::free_bits) for the shares of both bodies.
+    pub(super) free: u64,
     /// Velocities along the rows before the impact.
     pub(super) before: [i64; 3],
     /// Lower bounds of the normal impulses.
@@ -157,6 +180,7 @@ impl Shock {
             matrix: [0; 6],
             inverse: Inverse::default(),
             shares: [0; 2],
+            free: 0,
             before,
             lower_bounds: [0; 2],
             impulses: [0; 3],
@@ -192,39 +216,65 @@ impl Shock {
             return;
         }
         self.shares = shares;
-        let shared = |i: usize| {
-            i128::from(shares[0]) * i128::from(self.elements[0][i])
-                + i128::from(shares[1]) * i128::from(self.elements[1][i])
-        };
-        let matrix = [shared(0), shared(1), shared(2), shared(3), shared(4), shared(5)];
-        self.matrix = matrix.map(|element| shifted(element, 8) as i64);
+        let free_bits = [0, 1].map(|side| self.jacobian.free_bits(side, shares[side]));
+        self.free = 1 << free_bits[0].min(free_bits[1]).max(0);
+        let [elements_a, elements_b] = &self.elements;
+        let mut matrix = [0; 6];
+        for (i, element) in matrix.iter_mut().enumerate() {
+            *element = product(shares[0], elements_a[i]) + product(shares[1], elements_b[i]);
+            self.matrix[i] = lowered(*element, 8) as i64;
+        }
         let largest = matrix[0].max(matrix[2]).max(matrix[5]).max(1);
         let down = 128 - largest.leading_zeros() as i32 - 31;
         let scaled = |i: usize| shifted(matrix[i], down) as i64;
         let (k11, k12, k22, ktt) = (scaled(0), scaled(1), scaled(2), scaled(5));
         let ratio = |num: i64, den: i64| if den <= 0 { 0 } else { ((i128::from(num) << 61) / i128::from(den)) as i64 };
-        let inverted = |k: i64| if k <= 0 { 0 } else { ((1_i128 << 61) / i128::from(k)) as i64 };
+        let has_both = self.joined == [true; 2];
+        let inverted = |k: i64| if k <= 0 { 0 } else { (1 << 61) / k };
         let determinant = k11 * k22 - k12 * k12;
         let is_regular = determinant > (k11 * k22) >> 20;
         self.inverse = Inverse {
-            block: is_regular.then(|| [ratio(k22, determinant), ratio(-k12, determinant), ratio(k11, determinant)]),
+            block: (has_both && is_regular)
+                .then(|| [ratio(k22, determinant), ratio(-k12, determinant), ratio(k11, determinant)]),
             alone: [inverted(k11), inverted(k22), inverted(ktt)],
-            shift: down,
-        };
+            down: 61 + FRACTION - 30 + down,
+        }
+        .raised();
     }
 
-    /// The velocities along the rows, with the part that the flight adds up to the moments, less the velocity of the surfaces.
+    /// The velocities along the rows, with the part that the flight adds up to the moments, less the velocity of the surfaces. That of a
+    /// second point that takes no part is any.
     pub(super) fn velocities(&self, struck: &[Struck], coarse: i32) -> [i64; 3] {
+        let [first, second] = self.normal_velocities(struck, coarse);
+        [first, second, self.slip(struck, coarse)]
+    }
+
+    /// The normal rows of [`velocities`](Self::velocities).
+    #[inline(always)]
+    pub(super) fn normal_velocities(&self, struck: &[Struck], coarse: i32) -> [i64; 2] {
         let [a, b] = self.bodies.map(|body| struck[body as usize].velocity);
-        let [first, second, slip] = self.jacobian.velocities(a, b, coarse);
-        [first + self.gained[0], second + self.gained[1], slip - self.surface]
+        let [first, second] = self.jacobian.normal_velocities(a, b, coarse, self.joined[1]);
+        [first + self.gained[0], second + self.gained[1]]
+    }
+
+    /// The friction row of [`velocities`](Self::velocities).
+    #[inline(always)]
+    pub(super) fn slip(&self, struck: &[Struck], coarse: i32) -> i64 {
+        let [a, b] = self.bodies.map(|body| struck[body as usize].velocity);
+        self.jacobian.slip(a, b, coarse) - self.surface
     }
 
     /// Applies changes of its impulses to its bodies.
     pub(super) fn push(&self, struck: &mut [Struck], coarse: i32, impulses: [i64; 3]) {
+        let sizes = impulses[0].unsigned_abs() | impulses[1].unsigned_abs() | impulses[2].unsigned_abs();
+        let are_free = sizes < self.free && coarse == 0;
         for (side, &body) in self.bodies.iter().enumerate() {
             let struck = &mut struck[body as usize];
-            let change = self.jacobian.gain(side, impulses, struck.share, coarse);
+            let change = if are_free {
+                self.jacobian.free_gain(side, impulses)
+            } else {
+                self.jacobian.gain(side, impulses, struck.share, coarse)
+            };
             (0..3).for_each(|i| struck.velocity[i] += change[i]);
         }
     }
@@ -310,31 +360,48 @@ fn motion(rows: &Rows, row: u32, n: i64, passed: i64) -> [[i64; 3]; 2] {
     [start, change]
 }
 
-/// The velocities along the rows of a contact before it joins the shocks, if it touches and closes faster than the slowest one that
-/// counts.
-pub(super) fn closing(
+/// A contact beside the shocks.
+pub(super) enum Beside {
+    /// It does not touch at their moment.
+    Apart,
+    /// It does not close, or not fast enough to count.
+    Slow,
+    /// It joins them. The velocities along its rows before it does.
+    Closing([i64; 3]),
+}
+
+/// How a contact stands beside the shocks, of which the slowest that counts closes at a speed.
+#[inline(always)]
+pub(super) fn beside(
     impacts: &mut Impacts,
     substep: SubStep<'_>,
     bodies: &BodyRows,
     groups: &ContactGroups,
-    place: u32,
+    contact_rows: &NormalRows,
     slowest: i64,
-) -> Option<[i64; 3]> {
-    let (&Place { contact, .. }, group, lane) = groups.lane_of(place);
+) -> Beside {
+    let NormalRows { place, rows, .. } = *contact_rows;
     let Impacts { velocities, struck, struck_of, coarse, moment, .. } = impacts;
-    let rows = [group.a[lane], group.b[lane]];
-    let [a, b] = rows.map(|row| match struck_of[row as usize] {
-        body if body != NONE && struck[body as usize].is_in_set => struck[body as usize].velocity,
-        _ => coarsened(velocities.at(&bodies.rows, row, substep), *coarse),
-    });
-    let is_closing = closes_faster(group, lane, [a, b], *coarse, slowest);
-    if is_closing == [false; 2] {
-        return None;
+    let mut body_velocities = [[0; 3]; 2];
+    for (velocity, row) in body_velocities.iter_mut().zip(rows) {
+        *velocity = match struck_of[row as usize] {
+            body if body != NONE && struck[body as usize].is_in_set => struck[body as usize].velocity,
+            _ => coarsened(velocities.at(&bodies.rows, row, substep), *coarse),
+        };
     }
+    let is_closing = contact_rows.close_faster(body_velocities, *coarse, slowest);
+    if is_closing == [false; 2] {
+        return Beside::Slow;
+    }
+    let (&Place { contact, .. }, group, lane) = groups.lane_of(place);
     let before = velocities.along(&bodies.rows, group, lane, substep);
     let contact = &substep.contacts[contact as usize];
     let touches = touching(group, lane, contact, before, *moment, touch(substep, bodies, contact));
-    (0..2).any(|point| touches[point] && is_closing[point]).then_some(before)
+    match touches {
+        [false, false] => Beside::Apart,
+        [first, second] if first && is_closing[0] || second && is_closing[1] => Beside::Closing(before),
+        _ => Beside::Slow,
+    }
 }
 
 /// By point: true if it touches at a moment, for velocities along the rows at the beginning of the sub-step.

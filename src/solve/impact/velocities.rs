@@ -31,7 +31,7 @@ impl Velocities {
     }
 
     /// The velocity of a row.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&mut self, rows: &Rows, row: u32, substep: SubStep<'_>) -> [i64; 3] {
         if !self.is_known[row as usize] {
             self.velocities[row as usize] = velocity_before(rows, row, substep);
@@ -48,6 +48,7 @@ impl Velocities {
 }
 
 /// The velocity of a body at the beginning of a sub-step, before its contacts, or as impacts left it; in 2^-[`FINE`].
+#[inline(never)]
 fn velocity_before(rows: &Rows, row: u32, substep: SubStep<'_>) -> [i64; 3] {
     if row == STILL {
         return [0; 3];
