@@ -50,6 +50,45 @@ fn belts_on_both_sides_add_up() {
     near(world.body(ids[1]).expect("the box").velocity().x, fx!(1), fx!(0.001));
 }
 
+/// Two boxes on a belt, one upon the other, with surfaces of their own; in every second column the upper one is the first body.
+fn column(number: i32) -> [BodyDef; 2] {
+    let of_height = |height: i32| {
+        let offset = if height == 0 { Fx::ZERO } else { fx!(0.125) };
+        let position = Vec2::new(Fx::from(number * 3 - 45) + offset, Fx::from(height) + fx!(0.5));
+        let surface = Fx::from(number * 2 + height);
+        let mut body = square(position, 1).expect("a square");
+        body.colliders[0].material = Material {
+            friction: fx!(0.1) + surface / 100,
+            restitution: surface / 200,
+            surface_speed: (surface - fx!(20.5)) / 8,
+            rolling_resistance: surface / 1000,
+            ..Material::default()
+        };
+        body
+    };
+    if number % 2 == 0 { [0, 1].map(of_height) } else { [1, 0].map(of_height) }
+}
+
+/// The step keeps the mixed coefficients of sixteen materials: with 61 of them each column moves as it does alone, to the bit.
+#[test]
+fn each_pair_of_many_surfaces_has_its_own_coefficients() {
+    let (mut all, ids) = world(def(), [belt(to_the_right(fx!(1)))].into_iter().chain((0..30).flat_map(column)))
+        .expect("a scene");
+    (0..60).for_each(|_| _ = all.step());
+    for number in 0..30 {
+        let alone = [belt(to_the_right(fx!(1)))].into_iter().chain(column(number));
+        let (mut alone, ids_alone) = world(def(), alone).expect("a scene");
+        (0..60).for_each(|_| _ = alone.step());
+        for k in 1..=2 {
+            let together = all.body(ids[number as usize * 2 + k]).expect("a box");
+            let alone = alone.body(ids_alone[k]).expect("a box");
+            assert_eq!(together.position_exact(), alone.position_exact(), "column {number}");
+            assert_eq!(together.velocity_exact(), alone.velocity_exact(), "column {number}");
+            assert_ne!(together.velocity().x, fx!(0), "column {number}");
+        }
+    }
+}
+
 /// A disc on a belt that rolls without slip moves at a third of the belt's speed.
 #[test]
 fn a_disc_on_a_belt_spins_up() {
