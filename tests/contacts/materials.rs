@@ -72,8 +72,8 @@ fn column(number: i32) -> [BodyDef; 2] {
 /// The step keeps the mixed coefficients of sixteen materials: with 61 of them each column moves as it does alone, to the bit.
 #[test]
 fn each_pair_of_many_surfaces_has_its_own_coefficients() {
-    let (mut all, ids) = world(def(), [belt(to_the_right(fx!(1)))].into_iter().chain((0..30).flat_map(column)))
-        .expect("a scene");
+    let (mut all, ids) =
+        world(def(), [belt(to_the_right(fx!(1)))].into_iter().chain((0..30).flat_map(column))).expect("a scene");
     (0..60).for_each(|_| _ = all.step());
     for number in 0..30 {
         let alone = [belt(to_the_right(fx!(1)))].into_iter().chain(column(number));
