@@ -1,6 +1,7 @@
 //! The distance that two bodies close in a step, and the boxes of outlines over a step.
 
 use super::MARGIN;
+use crate::collide::sweep::passes_beyond;
 use crate::collide::{Margin, Pose};
 use crate::collider::BodyOutline;
 use crate::fx::Fx;
@@ -43,8 +44,7 @@ impl Reach {
     /// these centres at the start: then [`Leg::stays_apart`](crate::collide::sweep::Leg::stays_apart) says so as well.
     ///
     /// # Ranges
-    /// Centres are within 2^29 m, displacements below that: offsets and ways are below 2^62. Components are brought to 30 bits: sums of two
-    /// products are below 2^61, the squares below 2^122.
+    /// Centres are within 2^29 m, displacements below that: offsets and ways are below 2^62. Components are brought to 30 bits.
     ///
     /// # Precision
     /// Displacements are within 2 ulps of the ways of legs. Let a unit be 2^k ulps. Cutting the offset and the way off, each by less than √2
@@ -61,19 +61,7 @@ impl Reach {
         let sizes = offset.iter().chain(&way).map(|part| part.unsigned_abs());
         let down = (64 - sizes.fold(0, |all, size| all | size).leading_zeros()).saturating_sub(30);
         let scaled = |part: i64| (part.unsigned_abs() >> down) as i64 * part.signum();
-        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
-        let distance = (radii >> down) + 32;
-        let square_of_distance = distance.saturating_mul(distance);
-        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
-        if dot >= 0 {
-            return x * x + y * y > square_of_distance;
-        }
-        if dot + square <= 0 {
-            let (x, y) = (x + vx, y + vy);
-            return x * x + y * y > square_of_distance;
-        }
-        let cross = i128::from(x * vy - y * vx);
-        cross * cross > i128::from(square_of_distance) * i128::from(square)
+        passes_beyond(offset.map(scaled), way.map(scaled), (radii >> down) + 32)
     }
 
     /// The largest distance of two outlines that may touch in the step: the margin and the distance that they close.

@@ -4,11 +4,10 @@ use alloc::vec::Vec;
 
 use super::entry::Entry;
 use super::tree::Extent;
+use super::{BroadPhase, PairLimits, RestingTrees, Statics, key, pair};
 use crate::collider::Filter;
 use crate::fx::Fx;
 use crate::shape::Aabb;
-
-use super::{BroadPhase, PairLimits, RestingTrees, Statics, key, pair};
 
 /// The most candidates and rejected overlaps that a search may come to.
 #[derive(Clone, Copy)]

@@ -30,7 +30,7 @@ use form::height;
 pub(crate) use hull::Hull;
 pub(crate) use moment::Moment;
 use moment::{ROUNDING, SHORTEST, along};
-pub(crate) use path::{END, Leg, Path, ends};
+pub(crate) use path::{END, Leg, Path, ends, passes_beyond};
 
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;

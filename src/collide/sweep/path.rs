@@ -99,9 +99,6 @@ impl Leg {
     }
 
     /// Returns true if the centres of mass on two paths of one piece stay farther apart than `reach`: a bound that may miss some.
-    ///
-    /// # Ranges
-    /// Components are brought to 30 bits: sums of two products are below 2^61, the squares below 2^122.
     pub(crate) fn stays_apart(&self, leg: &Self, reach: i64) -> bool {
         if self.arm != [0; 2] || leg.arm != [0; 2] {
             return false;
@@ -112,19 +109,28 @@ impl Leg {
         let down = (128 - largest.leading_zeros()).saturating_sub(30);
         // Towards zero: alike in a mirror image.
         let scaled = |part: i128| (part.unsigned_abs() >> down) as i64 * part.signum() as i64;
-        let ([x, y], [vx, vy]) = (offset.map(scaled), way.map(scaled));
-        let reach = (reach >> down).saturating_add(4);
-        let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
-        if dot >= 0 {
-            return x * x + y * y > reach.saturating_mul(reach);
-        }
-        if dot + square <= 0 {
-            let (x, y) = (x + vx, y + vy);
-            return x * x + y * y > reach.saturating_mul(reach);
-        }
-        let cross = i128::from(x * vy - y * vx);
-        cross * cross > i128::from(reach.saturating_mul(reach)) * i128::from(square)
+        passes_beyond(offset.map(scaled), way.map(scaled), (reach >> down).saturating_add(4))
     }
+}
+
+/// Returns true if a point at an offset from the origin stays farther from it than `reach` on a straight way.
+///
+/// # Ranges
+/// *Domain* components below 2^30. Sums of two products are below 2^61, their squares below 2^122; where the end of the way is nearest, it is
+/// no farther than the beginning.
+#[inline(always)]
+pub(crate) fn passes_beyond([x, y]: [i64; 2], [vx, vy]: [i64; 2], reach: i64) -> bool {
+    let square_of_reach = reach.saturating_mul(reach);
+    let (dot, square) = (x * vx + y * vy, vx * vx + vy * vy);
+    if dot >= 0 {
+        return x * x + y * y > square_of_reach;
+    }
+    if dot + square <= 0 {
+        let (x, y) = (x + vx, y + vy);
+        return x * x + y * y > square_of_reach;
+    }
+    let cross = i128::from(x * vy - y * vx);
+    cross * cross > i128::from(square_of_reach) * i128::from(square)
 }
 
 /// The piece of a path at a moment, and the moment at which it ends.

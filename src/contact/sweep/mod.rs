@@ -157,22 +157,22 @@ impl Sweeps {
     }
 
     /// Lists the pairs that are looked at, of bodies that take part. A body at fault does not: it is back at its start, and nothing moves it.
-    /// `flown` has the pairs of the step where the paths of bodies without impulses are their free flights, on which they were found.
+    /// `free_pairs` are the pairs of the step where the paths of bodies without impulses are their free flights, on which they were found.
     pub(super) fn find_pairs(
         &mut self,
         paths: &Paths<'_>,
         flights: &mut Flights,
         resting: &Resting,
         rules: &Rules,
-        flown: Option<&Pairs>,
+        free_pairs: Option<&Pairs>,
         takes_part: &dyn Fn(u32) -> bool,
     ) {
         let scene = paths.scene;
         let Self { fast, deflected, movers, regions, .. } = self;
         regions.list(paths, flights, resting, fast);
-        let is_listed = |flight: u32| takes_part(flight) && (flown.is_none() || !paths.is_free(flights, flight));
+        let is_listed = |flight: u32| takes_part(flight) && (free_pairs.is_none() || !paths.is_free(flights, flight));
         movers.list(paths, flights, resting, regions, fast, deflected, &is_listed);
-        self.list_near(paths, flights, resting, rules, flown);
+        self.list_near(paths, flights, resting, rules, free_pairs);
         let Self { pairs, deflected, .. } = self;
         pairs.sort_unstable();
         pairs.dedup();
@@ -193,7 +193,7 @@ impl Sweeps {
         flights: &mut Flights,
         resting: &Resting,
         rules: &Rules,
-        flown: Option<&Pairs>,
+        free_pairs: Option<&Pairs>,
     ) {
         let scene = paths.scene;
         let Self { fast, deflected, pairs, movers, regions, nearby, .. } = self;
@@ -210,8 +210,8 @@ impl Sweeps {
                     let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
                     let filter = collider.def.filter;
                     nearby.clear();
-                    if let Some(flown) = flown.filter(|_| is_obstacle) {
-                        flown.search_movers(bounds, filter, |candidate, slot| {
+                    if let Some(free_pairs) = free_pairs.filter(|_| is_obstacle) {
+                        free_pairs.search_movers(bounds, filter, |candidate, slot| {
                             let is_free = flights.at(slot).is_some_and(|flight| paths.is_free(flights, flight));
                             nearby.extend(is_free.then_some(candidate));
                             true

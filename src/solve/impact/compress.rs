@@ -296,10 +296,10 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
         if open == 0 || !impacts.struck[body].has_changed() {
             continue;
         }
-        let mut at = impacts.first_normal_rows(row, groups);
+        let mut at = impacts.index.first_normal_rows(row, groups);
         let mut end = at + open as usize;
         while at < end {
-            let contact = impacts.normal_rows[at];
+            let contact = impacts.index.normal_rows[at];
             let mut is_open = !impacts.is_joined[contact.place as usize];
             if is_open && !impacts.has_earlier_body(row, &contact) {
                 match beside(impacts, substep, bodies, groups, &contact, slowest) {
@@ -317,7 +317,7 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
             } else {
                 // The order of contacts does not count.
                 end -= 1;
-                impacts.normal_rows.swap(at, end);
+                impacts.index.normal_rows.swap(at, end);
                 impacts.struck[body].open -= 1;
             }
         }

@@ -237,8 +237,8 @@ pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, gro
     for index in 0..impacts.set.len() {
         let struck = impacts.struck[impacts.set[index] as usize];
         if struck.has_changed() && struck.row != STILL {
-            for at in impacts.places_of(struck.row) {
-                let place = impacts.places[at];
+            for at in impacts.index.places_of(struck.row) {
+                let place = impacts.index.places[at];
                 renew_separation(&bodies.rows, groups, place);
                 // More rounds would not help bodies that have no way to go.
                 if !impacts.is_clamped {

@@ -32,6 +32,7 @@
 mod compress;
 mod expand;
 mod fast;
+mod index;
 mod jacobian;
 mod shock;
 mod velocities;
@@ -40,13 +41,14 @@ use alloc::vec::Vec;
 
 use self::expand::{renew_separation, solve_shocks, strike};
 use self::fast::FastLanes;
+use self::index::ContactIndex;
 use self::jacobian::{NormalRows, coarsened};
 use self::shock::Shock;
 use self::velocities::Velocities;
-use super::bodies::{BodyRows, STILL};
+use super::bodies::BodyRows;
 use super::follow::Follower;
 use super::graph::Graph;
-use super::groups::{ContactGroups, Place};
+use super::groups::ContactGroups;
 use super::motion::Rows;
 use super::unit::Clock;
 use super::{Contact, ContactImpact};
@@ -88,7 +90,7 @@ struct Struck {
     is_in_set: bool,
     /// The number of shocks that share it.
     share: i64,
-    /// The number of its contacts that may still join the shocks: they stand first among its [normal rows](Impacts::normal_rows).
+    /// The number of its contacts that may still join the shocks: they stand first among its [normal rows](ContactIndex::normal_rows).
     open: u32,
     /// The velocity before the round, at the beginning of the compression and now, in 2^([`coarse`](Impacts::coarse) − [`FINE`]).
     start: [i64; 3],
@@ -128,18 +130,14 @@ pub(super) struct SubStep<'a> {
 /// The buffers of impacts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Impacts {
-    /// The contacts of each row, made in the first sub-step of a step that needs them.
-    first: Vec<u32>,
-    places: Vec<u32>,
+    /// The contacts of each row, listed in the first sub-step of a step that needs them.
+    index: ContactIndex,
     /// The impacts of a round, and the contacts to look at in the next one.
     shocks: Vec<Shock>,
     candidates: Vec<Shock>,
     /// The numbers of the candidates by island, then by contact.
     order: Vec<u32>,
     pending: Vec<u32>,
-    /// The normal rows of the contacts of rows that have been looked at in the step, and by row: the first of them, or [`NONE`].
-    normal_rows: Vec<NormalRows>,
-    normal_rows_of: Vec<u32>,
     /// By contact: true while it is among the shocks.
     is_joined: Vec<bool>,
     /// The bodies of the impacts of a sub-step.
@@ -178,7 +176,7 @@ pub(super) struct Impacts {
 impl Impacts {
     /// Forgets the contacts of the step before.
     pub(super) fn clear(&mut self) {
-        self.first.clear();
+        self.index.clear();
         self.strikes.clear();
         self.work.clear();
     }
@@ -234,39 +232,18 @@ impl Impacts {
             self.index_contacts(rows, groups);
             for row in 0..rows.len() {
                 if self.fast[row as usize] {
-                    let places = self.places_of(row);
-                    self.pending.extend_from_slice(&self.places[places]);
+                    let places = self.index.places_of(row);
+                    self.pending.extend_from_slice(&self.index.places[places]);
                 }
             }
         }
     }
 
-    /// Lists the contacts of each row, once a step. A body that cannot be moved has rows, and contacts here, only if it moves.
+    /// Lists the contacts of each row, once a step.
     fn index_contacts(&mut self, rows: &Rows, groups: &ContactGroups) {
-        if !self.first.is_empty() {
+        let Self { index, is_joined, struck_of, first_moment, .. } = self;
+        if !index.build(rows, groups) {
             return;
-        }
-        let rows_of = |place: &Place| {
-            let (group, lane) = (&groups.groups[place.group as usize], place.lane as usize);
-            [group.a[lane], group.b[lane]].into_iter().filter(|&row| row != STILL)
-        };
-        let Self { first, places, is_joined, struck_of, first_moment, normal_rows, normal_rows_of, .. } = self;
-        first.resize(rows.len() as usize + 1, 0);
-        for row in groups.places.iter().flat_map(rows_of) {
-            first[row as usize] += 1;
-        }
-        let mut sum = 0;
-        for end in first.iter_mut() {
-            sum += *end;
-            *end = sum;
-        }
-        places.clear();
-        places.resize(sum as usize, 0);
-        for (index, place) in groups.places.iter().enumerate() {
-            for row in rows_of(place) {
-                first[row as usize] -= 1;
-                places[first[row as usize] as usize] = index as u32;
-            }
         }
         is_joined.clear();
         is_joined.resize(groups.places.len(), false);
@@ -274,9 +251,6 @@ impl Impacts {
         struck_of.resize(rows.len() as usize, NONE);
         first_moment.clear();
         first_moment.resize(rows.len() as usize, ONE);
-        normal_rows.clear();
-        normal_rows_of.clear();
-        normal_rows_of.resize(rows.len() as usize, NONE);
     }
 
     /// Looks for impacts at the pending contacts, sorted by island and contact.
@@ -348,8 +322,8 @@ impl Impacts {
                 self.velocities.forget(row);
                 let follower = self.struck_of(row);
                 self.struck[follower as usize].moment = moment;
-                for at in self.places_of(row) {
-                    let place = self.places[at];
+                for at in self.index.places_of(row) {
+                    let place = self.index.places[at];
                     renew_separation(rows, groups, place);
                     self.pending.push(place);
                 }
@@ -374,7 +348,7 @@ impl Impacts {
             let start = coarsened(self.velocities.at(rows, row, substep), self.coarse);
             let struck = &mut self.struck[body as usize];
             (struck.is_in_set, struck.share) = (true, 0);
-            struck.open = self.first[row as usize + 1] - self.first[row as usize];
+            struck.open = self.index.places_of(row).len() as u32;
             struck.start = start;
             (struck.velocity, struck.begun) = (struck.start, struck.start);
             self.set.push(body);
@@ -392,21 +366,6 @@ impl Impacts {
         self.work[self.island] += self.shocks.len() as u32;
     }
 
-    /// The index of the first one of the normal rows of the contacts of a row.
-    fn first_normal_rows(&mut self, row: u32, groups: &ContactGroups) -> usize {
-        let places = self.places_of(row);
-        let Self { normal_rows, normal_rows_of, places: all, .. } = self;
-        let first = &mut normal_rows_of[row as usize];
-        if *first == NONE {
-            *first = normal_rows.len() as u32;
-            for &place in &all[places] {
-                let (_, group, lane) = groups.lane_of(place);
-                normal_rows.push(NormalRows::of(place, group, lane));
-            }
-        }
-        *first as usize
-    }
-
     /// Returns true if the other body of a contact has changed too, and its row comes first: so that contacts between two bodies of the set
     /// are looked at once.
     fn has_earlier_body(&self, row: u32, contact: &NormalRows) -> bool {
@@ -416,11 +375,6 @@ impl Impacts {
             && body != NONE
             && self.struck[body as usize].is_in_set
             && self.struck[body as usize].has_changed()
-    }
-
-    /// The contacts of a row.
-    fn places_of(&self, row: u32) -> core::ops::Range<usize> {
-        self.first[row as usize] as usize..self.first[row as usize + 1] as usize
     }
 
     /// The moment of the last impact of a row in the sub-step.
