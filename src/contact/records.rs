@@ -106,11 +106,14 @@ impl ContactRecord {
     }
 
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
-    /// if a point is, rolling resistance if both have this one point.
+    /// if a point is, rolling resistance if both have this one point. Single points with a [common corner](have_common_corner) are one point.
     #[inline]
     pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
         let record_features = self.features();
-        if (features, count) == (record_features, self.count()) {
+        let is_one = (count, self.count()) == (1, 1);
+        if (features, count) == (record_features, self.count())
+            || is_one && have_common_corner(features[0], record_features[0])
+        {
             return Impulses { values: self.impulses, exponent: self.exponent() };
         }
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
@@ -118,9 +121,6 @@ impl ContactRecord {
             if let Some(i) = (0..self.count()).find(|&i| record_features[i] == *feature) {
                 start.values[k] = self.impulses[i];
                 start.values[2] = self.impulses[2];
-                if (count, self.count()) == (1, 1) {
-                    start.values[1] = self.impulses[1];
-                }
             }
         }
         start
@@ -194,6 +194,15 @@ impl ContactRecord {
             || !is_one && second < 0
             || self.impulses.iter().any(|impulse| impulse.unsigned_abs() > 1 << 62)
     }
+}
+
+/// Returns true if two single points of a pair have a corner in common on either outline: they are one point, as it goes on from an edge to the
+/// corner at its end, or as an edge that meets it gives way to the next one. Where a body rocks from corner to corner, both corners change.
+fn have_common_corner(first: u32, second: u32) -> bool {
+    [0, 12].into_iter().any(|side| {
+        let corners = |feature: u32| [feature >> side & 0x3F, feature >> (side + 6) & 0x3F];
+        corners(first).iter().any(|corner| corners(second).contains(corner))
+    })
 }
 
 impl Write for ContactRecord {

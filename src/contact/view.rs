@@ -90,9 +90,8 @@ impl<S: Scalar> Contact<S> {
         manifold: &Manifold,
     ) -> Self {
         let (colliders, bodies) = handles;
-        let features = record.features();
         let is_rolling = record.count() == 1;
-        let rolling = if is_rolling { at_lever(record, rolling_radius(features[0], radii)) } else { Fx::ZERO };
+        let rolling = if is_rolling { at_lever(record, rolling_radius(record.features()[0], radii)) } else { Fx::ZERO };
         // From 2^-30 to 2^-32.
         let [x, y] = manifold.normal.map(|part| S::from_fx(Fx::from_bits(i64::from(part) << 2)));
         let mut contact = Self {
@@ -105,16 +104,16 @@ impl<S: Scalar> Contact<S> {
             points: Default::default(),
             count: manifold.count,
         };
-        for (place, point) in contact.points.iter_mut().zip(&manifold.points).take(manifold.count) {
-            let known = (0..record.count()).find(|&k| features[k] == point.feature);
-            let impulse = known.map_or(Fx::ZERO, |k| newton_seconds(record.impulses[k], record.exponent()));
+        let impulses = record.start(manifold.features(), manifold.count);
+        let points = manifold.points.iter().zip(impulses.values);
+        for (place, (point, impulse)) in contact.points.iter_mut().zip(points).take(manifold.count) {
             // Positions are within 2^31 m, arms within 2^15 m.
             let x = position.x.saturating_add(point.arm_a.x);
             let y = position.y.saturating_add(point.arm_a.y);
             *place = ContactPoint {
                 position: Vec2::new(S::from_fx(x), S::from_fx(y)),
                 separation: S::from_fx(point.separation),
-                normal_impulse: S::from_fx(impulse),
+                normal_impulse: S::from_fx(newton_seconds(impulse, impulses.exponent)),
             };
         }
         contact
