@@ -10,12 +10,14 @@
 //! ulps (half a metre): their products with normals are below 2^61.1. Ways to the moment of the manifold are below 2^30 ulps and 2^28 units of
 //! rotation, with arms below 2^35 where the body turns: along a row they are below 2^60.6 and 2^61, their difference below 2^62.8.
 
+mod box_disc;
 mod boxes;
 mod direction;
 mod discs;
 mod facing;
 mod motion;
 mod point;
+mod single;
 #[cfg(test)]
 mod tests;
 mod vector;
@@ -27,6 +29,15 @@ use crate::math::Vec2;
 
 /// A number for each lane.
 type Words = [i64; GROUP];
+
+/// The kinds of pairs that lanes take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LaneKind {
+    Boxes,
+    /// A box and a disc.
+    BoxDisc,
+    Discs,
+}
 
 /// Pairs of outlines to be collided, side by side.
 #[derive(Clone, Debug, Default)]
@@ -64,8 +75,7 @@ impl LanePairs {
 
 /// Finds the manifolds of pairs, group by group.
 pub(super) struct CollidePairs<'a> {
-    /// True for pairs of a box and a disc, else of two boxes.
-    pub(super) has_discs: bool,
+    pub(super) kind: LaneKind,
     /// By box: the first two corners relative to the position, in ulps; the first normal; the position. By disc: the centre relative to the
     /// position, in ulps, two zeros, the radius, a zero, the position.
     pub(super) outlines: &'a [Line],
@@ -83,14 +93,14 @@ impl Job for CollidePairs<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { has_discs, outlines, motions, margin, pairs, manifolds } = self;
+        let Self { kind, outlines, motions, margin, pairs, manifolds } = self;
         for (pairs, manifolds) in pairs.iter().zip(manifolds) {
             manifolds.clear();
             for at in (0..GROUP).step_by(L::WIDTH) {
-                if has_discs {
-                    discs::collide(lanes, outlines, motions, margin, pairs, manifolds, at);
-                } else {
-                    boxes::collide(lanes, outlines, motions, margin, pairs, manifolds, at);
+                match kind {
+                    LaneKind::Boxes => boxes::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
+                    LaneKind::BoxDisc => box_disc::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
+                    LaneKind::Discs => discs::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
                 }
             }
         }
@@ -112,9 +122,6 @@ pub(crate) struct LaneManifolds {
     features: [Words; 2],
     /// A bit for each lane that is left.
     undecided: u32,
-    /// A bit for each lane with a disc at a corner of a box, and the number of the corner.
-    at_corner: u32,
-    corners: Words,
     /// By point: a bit for each lane that has it.
     points: [u32; 2],
 }
@@ -123,8 +130,6 @@ pub(crate) struct LaneManifolds {
 pub(crate) enum LaneManifold {
     Undecided,
     None,
-    /// The disc is next to this corner of the box.
-    Corner(usize),
     /// The number of points, and the first one.
     Points(usize, usize),
 }
@@ -151,9 +156,6 @@ impl LaneManifolds {
         let has = |bits: u32| bits >> lane & 1 == 1;
         if has(self.undecided) {
             return LaneManifold::Undecided;
-        }
-        if has(self.at_corner) {
-            return LaneManifold::Corner(self.corners[lane] as usize);
         }
         match self.points.map(has) {
             [false, false] => LaneManifold::None,
@@ -194,7 +196,7 @@ impl LaneManifolds {
     /// Forgets all manifolds.
     #[inline(always)]
     fn clear(&mut self) {
-        (self.undecided, self.at_corner, self.points) = (0, 0, [0; 2]);
+        (self.undecided, self.points) = (0, [0; 2]);
     }
 
     /// Writes the normals and the masks of the lanes from `at` on.

@@ -3,10 +3,9 @@
 use alloc::vec::Vec;
 
 use super::cores::across;
-use super::lanes::{CollidePairs, LaneManifolds, LanePairs};
+use super::lanes::{CollidePairs, LaneKind, LaneManifolds, LanePairs};
 use super::link::{collide_surfaces, swapped};
 use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
-use super::points::Ends;
 use super::seam::Face;
 use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
@@ -116,17 +115,17 @@ impl Cores {
         &self.lines
     }
 
-    /// Finds the manifolds of pairs with these motions, of a plain box and a disc or of two plain boxes: they have one if they are nearer than
+    /// Finds the manifolds of pairs of a kind with these motions, where boxes are plain: they have one if they are nearer than
     /// a margin, in ulps, and the distance that they close.
     pub(crate) fn collide_pairs(
         &self,
-        has_discs: bool,
+        kind: LaneKind,
         motions: &[Line],
         margin: i64,
         pairs: &[LanePairs],
         manifolds: &mut [LaneManifolds],
     ) {
-        simd::run(CollidePairs { has_discs, outlines: &self.lines, motions, margin, pairs, manifolds });
+        simd::run(CollidePairs { kind, outlines: &self.lines, motions, margin, pairs, manifolds });
     }
 
     /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.
@@ -162,17 +161,6 @@ impl Cores {
         let mut rooms = [Room::default(); 2];
         let [room_a, room_b] = &mut rooms;
         collide_placed(self.view(a, room_a), self.view(b, room_b), margin)
-    }
-
-    /// The manifold of a rectangle and a disc next to a corner of it.
-    pub(crate) fn collide_corner(&self, a: usize, b: usize, corner: usize, margin: Margin) -> Option<Manifold> {
-        let mut rooms = [Room::default(); 2];
-        let [room_a, room_b] = &mut rooms;
-        let (a, b) = (self.view(a, room_a), self.view(b, room_b));
-        let corners = if a.placed.count == 1 { [0, corner] } else { [corner, 0] };
-        let limit = margin.limit(a.placed.radius + b.placed.radius);
-        let ends = Ends { a, b, offset: a.offset_to(&b)?, limit };
-        ends.between_corners(corners[0], corners[1])
     }
 
     fn surface(&self, i: usize) -> Option<Surface<'_>> {

@@ -10,7 +10,7 @@ use super::flights::{FlightKind, PairSide};
 use super::moment::Way;
 use super::reach::{CLOSE, Reach};
 use super::slot_table::SlotTable;
-use crate::collide::{Cores, LaneManifolds, LanePairs};
+use crate::collide::{Cores, LaneKind, LaneManifolds, LanePairs};
 use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Line, VectorSet};
@@ -64,12 +64,14 @@ impl Actor {
     }
 }
 
+/// The kinds of pairs, in their order.
+const KINDS: [LaneKind; 3] = [LaneKind::Boxes, LaneKind::BoxDisc, LaneKind::Discs];
+
 /// The place of a pair in the lanes of a chunk.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum LanePlace {
-    Boxes(usize),
-    /// Of a box and a disc.
-    Disc(usize),
+pub(super) struct LanePlace {
+    kind: LaneKind,
+    place: usize,
 }
 
 /// Pairs of a chunk in groups of lanes, and their manifolds.
@@ -116,9 +118,8 @@ pub(super) struct Actors {
     pub(super) materials: Materials,
     /// The index by the number of the outline.
     index_of: SlotTable,
-    /// The pairs of a chunk: of two boxes, and of a box and a disc.
-    boxes: Queue,
-    discs: Queue,
+    /// The pairs of a chunk, by [`LaneKind`].
+    queues: [Queue; KINDS.len()],
     /// False where one pair at a time is as fast.
     has_lanes: bool,
 }
@@ -184,45 +185,45 @@ impl Actors {
 
     /// Begins a chunk of pairs.
     pub(super) fn begin_chunk(&mut self) {
-        self.boxes.clear();
-        self.discs.clear();
+        self.queues.iter_mut().for_each(Queue::clear);
     }
 
     /// Adds a pair to the chunk, if lanes take it. Returns its place.
     #[inline(always)]
     pub(super) fn push_pair(&mut self, pair: [usize; 2]) -> Option<LanePlace> {
-        let [a, b] = pair.map(|index| &self.actors[index]);
-        let (cores, motions) = ([a.core, b.core], pair.map(|index| index as u32));
-        match (a.shape, b.shape) {
-            _ if !self.has_lanes => None,
-            (LaneShape::Box, LaneShape::Box) => Some(LanePlace::Boxes(self.boxes.push(cores, motions, false))),
-            (LaneShape::Box, LaneShape::Disc) => Some(LanePlace::Disc(self.discs.push(cores, motions, false))),
-            (LaneShape::Disc, LaneShape::Box) => {
-                let (cores, motions) = ([cores[1], cores[0]], [motions[1], motions[0]]);
-                Some(LanePlace::Disc(self.discs.push(cores, motions, true)))
-            }
-            _ => None,
+        if !self.has_lanes {
+            return None;
         }
+        let [a, b] = pair.map(|index| &self.actors[index]);
+        let kind = match (a.shape, b.shape) {
+            (LaneShape::Box, LaneShape::Box) => LaneKind::Boxes,
+            (LaneShape::Box, LaneShape::Disc) | (LaneShape::Disc, LaneShape::Box) => LaneKind::BoxDisc,
+            (LaneShape::Disc, LaneShape::Disc) => LaneKind::Discs,
+            _ => return None,
+        };
+        let is_swapped = kind == LaneKind::BoxDisc && a.shape == LaneShape::Disc;
+        let (mut cores, mut motions) = ([a.core, b.core], pair.map(|index| index as u32));
+        if is_swapped {
+            cores.reverse();
+            motions.reverse();
+        }
+        Some(LanePlace { kind, place: self.queues[kind as usize].push(cores, motions, is_swapped) })
     }
 
     /// Finds the manifolds of the pairs of the chunk.
     pub(super) fn collide(&mut self, cores: &Cores) {
-        let Self { motions, boxes, discs, .. } = self;
-        for (has_discs, queue) in [(false, boxes), (true, discs)] {
+        let Self { motions, queues, .. } = self;
+        for (kind, queue) in KINDS.into_iter().zip(queues) {
             if let Some((pairs, manifolds)) = queue.groups() {
-                cores.collide_pairs(has_discs, motions, CLOSE, pairs, manifolds);
+                cores.collide_pairs(kind, motions, CLOSE, pairs, manifolds);
             }
         }
     }
 
     /// The group of manifolds with a place, and its lane there.
     #[inline(always)]
-    pub(super) fn manifolds(&self, place: LanePlace) -> (&LaneManifolds, usize) {
-        let (queue, place) = match place {
-            LanePlace::Boxes(place) => (&self.boxes, place),
-            LanePlace::Disc(place) => (&self.discs, place),
-        };
-        (&queue.manifolds[place / GROUP], place % GROUP)
+    pub(super) fn manifolds(&self, LanePlace { kind, place }: LanePlace) -> (&LaneManifolds, usize) {
+        (&self.queues[kind as usize].manifolds[place / GROUP], place % GROUP)
     }
 
     /// Returns true if contacts of a pair may be hits.

@@ -293,13 +293,6 @@ impl Narrow {
         if is_mean { self.actors.push_pair(actors) } else { None }
     }
 
-    /// The manifold of a box and a disc next to a corner of it, at the moment of manifolds of bodies that press each other.
-    pub(super) fn collide_corner(&self, actors: [usize; 2], corner: usize) -> Option<Manifold> {
-        let [a, b] = actors.map(|actor| self.actors.get(actor).core as usize);
-        let reaches = actors.map(|actor| self.actors.reach(actor));
-        self.cores.collide_corner(a, b, corner, reaches[0].closing(&reaches[1]))
-    }
-
     /// Finds the manifolds of the pairs in the lanes.
     pub(super) fn collide_pairs(&mut self) {
         let Self { cores, actors, .. } = self;

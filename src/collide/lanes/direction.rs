@@ -50,14 +50,22 @@ pub(super) struct Frame<L: Lanes> {
     pub(super) undecided: L::Mask,
 }
 
+/// The offset of two outlines of which the corners reach as far as `extents` together, zero where it is too large for lanes; and a mask of
+/// the lanes in which it is.
+#[inline(always)]
+pub(super) fn near_offset<L: Lanes>(lanes: L, offset: Vector<L>, extents: L::Wide) -> (Vector<L>, L::Mask) {
+    let zero = lanes.all(0);
+    let distance = lanes.add(lanes.largest(offset), extents);
+    let is_distant = lanes.greater(distance, lanes.all((1 << 55) - 1));
+    ([lanes.select(is_distant, zero, offset[0]), lanes.select(is_distant, zero, offset[1])], is_distant)
+}
+
 impl<L: Lanes> Frame<L> {
     /// The frame of two outlines of which the corners reach as far as `extents` together, and the smaller one as far as `smallest`.
     #[inline(always)]
     pub(super) fn new(lanes: L, offset: Vector<L>, extents: L::Wide, smallest: L::Wide) -> Self {
         let zero = lanes.all(0);
-        let distance = lanes.add(lanes.largest(offset), extents);
-        let is_distant = lanes.greater(distance, lanes.all((1 << 55) - 1));
-        let offset = [lanes.select(is_distant, zero, offset[0]), lanes.select(is_distant, zero, offset[1])];
+        let (offset, is_distant) = near_offset(lanes, offset, extents);
         let total = lanes.add(extents, lanes.largest(offset));
         let k = lanes.positive(lanes.sub(lanes.bit_length(total), lanes.all(30)));
         let is_coarse = lanes.greater(lanes.raised_by(lanes.all(1), k), lanes.floored::<25>(smallest));

@@ -132,13 +132,6 @@ impl Pipeline {
         match manifolds.get(lane) {
             LaneManifold::Undecided => return false,
             LaneManifold::None => {}
-            LaneManifold::Corner(corner) => {
-                if let Some(manifold) = narrow.collide_corner(actors, corner) {
-                    let start = start_impulses(scene, record, manifold.features(), manifold.count);
-                    let meeting = Meeting { manifold, ways: flights.ways(ends) };
-                    push_meeting(contacts, scene, flights, &narrow.actors, actors, &meeting, start);
-                }
-            }
             LaneManifold::Points(count, first) => {
                 let second = if count == 2 { manifolds.point(lane, 1) } else { SurfacePoint::default() };
                 let points = [manifolds.point(lane, first), second];
