@@ -1,34 +1,55 @@
 //! Pairs of outlines side by side in lanes: the manifolds of pairs alone, to the bit, and their points as contacts take them.
 //!
-//! Boxes are rectangles without a radius that stand alone. A lane whose choice takes more than comparisons, a wider product or a root is left
-//! undecided. No such criterion depends on which of the two outlines comes first.
+//! Boxes are rectangles without a radius that stand alone. Pairs of boxes and discs have kernels of their own; polygons of up to eight corners,
+//! with segments and radii, have one for all of them, which takes boxes and discs too. A lane whose choice takes more than comparisons, a wider
+//! product or a root is left undecided. No such criterion depends on which of the two outlines comes first.
 //!
 //! # Ranges
-//! Corners are below 2^48 ulps; offsets from 2^55 on count as 0, and the lane is left. In the pair's unit coordinates are below
-//! 2^30 + 2, components of normals up to 2^30 + 1: products as in [`Product`](super::cores::Product) for 64 bits. Vectors between corners are
-//! below 2^56: with parts of 31 bits, products with normals are below 2^56.1 above and 2^62 below. Separations at points are below 2^31
-//! ulps (half a metre): their products with normals are below 2^61.1. Ways to the moment of the manifold are below 2^30 ulps and 2^28 units of
-//! rotation, with arms below 2^35 where the body turns: along a row they are below 2^60.6 and 2^61, their difference below 2^62.8.
+//! Corners are below 2^48 ulps; offsets from 2^55 on count as 0, and the lane is left. In the pair's unit coordinates are below 2^30 + 2,
+//! components of normals up to 2^30 + 1: products as in [`Product`](super::cores::Product) for 64 bits. Vectors between corners are below 2^56,
+//! ways along which corners move below 2^58: with parts of 31 bits, products with normals are below 2^56.1 above and 2^62 below. Separations at
+//! points are below 2^31 ulps (half a metre): their products with normals are below 2^61.1. Ways to the moment of the manifold are below 2^30
+//! ulps and 2^28 units of rotation, with arms below 2^35 where the body turns: along a row they are below 2^60.6 and 2^61, their difference below
+//! 2^62.8.
 
 mod box_disc;
 mod boxes;
+mod corners;
 mod direction;
 mod discs;
 mod facing;
 mod motion;
 mod point;
-mod single;
+mod polygons;
 #[cfg(test)]
 mod tests;
 mod vector;
 
+use alloc::vec::Vec;
+
+use super::place::{Placed, View};
 use super::{Manifold, ManifoldPoint};
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Job, Lanes, Line};
 use crate::math::Vec2;
 
+/// The largest number of corners of an outline that lanes take.
+pub(crate) const LANE_CORNERS: usize = 8;
+
 /// A number for each lane.
 type Words = [i64; GROUP];
+
+/// The shape of an outline that stands alone, as far as lanes take it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LaneShape {
+    /// A rectangle without a radius.
+    Box,
+    Disc,
+    /// A polygon or a segment of at most four corners, perhaps with a radius.
+    FourCorners,
+    /// A polygon of five to eight corners, likewise.
+    EightCorners,
+}
 
 /// The kinds of pairs that lanes take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,13 +58,80 @@ pub(crate) enum LaneKind {
     /// A box and a disc.
     BoxDisc,
     Discs,
+    /// Outlines of at most four corners.
+    FourCorners,
+    /// Outlines of at most eight corners.
+    EightCorners,
+}
+
+impl LaneKind {
+    /// All kinds, in their order.
+    pub(crate) const ALL: [Self; 5] = [Self::Boxes, Self::BoxDisc, Self::Discs, Self::FourCorners, Self::EightCorners];
+
+    #[inline(always)]
+    pub(crate) fn new([a, b]: [LaneShape; 2]) -> Self {
+        match (a, b) {
+            (LaneShape::Box, LaneShape::Box) => Self::Boxes,
+            (LaneShape::Box, LaneShape::Disc) | (LaneShape::Disc, LaneShape::Box) => Self::BoxDisc,
+            (LaneShape::Disc, LaneShape::Disc) => Self::Discs,
+            (LaneShape::EightCorners, _) | (_, LaneShape::EightCorners) => Self::EightCorners,
+            _ => Self::FourCorners,
+        }
+    }
+
+    /// Returns true if lanes read the outlines as [`Polygons`].
+    #[inline(always)]
+    pub(crate) fn has_polygons(self) -> bool {
+        matches!(self, Self::FourCorners | Self::EightCorners)
+    }
+}
+
+/// Polygons of up to eight corners, segments and discs, as lanes read them: by number.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Polygons {
+    /// The number of corners, the radius, the position; the least box around the corners, relative to the position.
+    heads: Vec<Line>,
+    /// The first and the last four corners, relative to the position, in ulps. Places after the last corner repeat the first one.
+    corners: [Vec<Line>; 2],
+    /// The normals: y above x in each word. Places after the last one repeat it.
+    normals: Vec<Line>,
+}
+
+impl Polygons {
+    pub(super) fn clear(&mut self) {
+        self.heads.clear();
+        self.corners.iter_mut().for_each(Vec::clear);
+        self.normals.clear();
+    }
+
+    /// Adds a core, and returns its number.
+    pub(super) fn push(&mut self, view: &View<'_>) -> u32 {
+        let &Placed { position, count, low, high, radius, .. } = view.placed;
+        let [x, y] = [position.x, position.y].map(Fx::to_bits);
+        self.heads.push(Line([count as i64, radius, x, y, low[0], low[1], high[0], high[1]]));
+        for (half, lines) in self.corners.iter_mut().enumerate() {
+            let mut line = Line::default();
+            for (place, words) in line.0.chunks_exact_mut(2).enumerate() {
+                let i = 4 * half + place;
+                words.copy_from_slice(&view.corners[if i < count { i } else { 0 }]);
+            }
+            lines.push(line);
+        }
+        let mut line = Line::default();
+        for (i, word) in line.0.iter_mut().enumerate() {
+            let [x, y] = view.normals[i.min(count - 1)];
+            *word = i64::from(y) << 32 | i64::from(x as u32);
+        }
+        self.normals.push(line);
+        self.heads.len() as u32 - 1
+    }
 }
 
 /// Pairs of outlines to be collided, side by side.
 #[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct LanePairs {
-    /// The outlines A and B, by their lines; of a box and a disc the box is A.
+    /// The outlines A and B, by their lines or as polygons; of a box and a disc the box is A.
     outlines: [[u32; GROUP]; 2],
     /// The motions of A and B, by their lines.
     motions: [[u32; GROUP]; 2],
@@ -73,17 +161,23 @@ impl LanePairs {
     }
 }
 
-/// Finds the manifolds of pairs, group by group.
-pub(super) struct CollidePairs<'a> {
-    pub(super) kind: LaneKind,
+/// What lanes read of outlines and bodies.
+pub(super) struct Tables<'a> {
     /// By box: the first two corners relative to the position, in ulps; the first normal; the position. By disc: the centre relative to the
     /// position, in ulps, two zeros, the radius, a zero, the position.
     pub(super) outlines: &'a [Line],
+    pub(super) polygons: &'a Polygons,
     /// By body: the displacement in the step, a bound of the way that the rotation adds, in ulps; the way to the moment of the manifold, in
     /// ulps and 2^-32 rad.
     pub(super) motions: &'a [Line],
     /// Outlines have a manifold if they are nearer than this and the distance that they close, ulps.
     pub(super) margin: i64,
+}
+
+/// Finds the manifolds of pairs of a kind, group by group.
+pub(super) struct CollidePairs<'a> {
+    pub(super) kind: LaneKind,
+    pub(super) tables: Tables<'a>,
     pub(super) pairs: &'a [LanePairs],
     pub(super) manifolds: &'a mut [LaneManifolds],
 }
@@ -93,14 +187,16 @@ impl Job for CollidePairs<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) {
-        let Self { kind, outlines, motions, margin, pairs, manifolds } = self;
+        let Self { kind, tables, pairs, manifolds } = self;
         for (pairs, manifolds) in pairs.iter().zip(manifolds) {
             manifolds.clear();
             for at in (0..GROUP).step_by(L::WIDTH) {
                 match kind {
-                    LaneKind::Boxes => boxes::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
-                    LaneKind::BoxDisc => box_disc::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
-                    LaneKind::Discs => discs::collide(lanes, outlines, motions, margin, pairs, manifolds, at),
+                    LaneKind::Boxes => boxes::collide(lanes, &tables, pairs, manifolds, at),
+                    LaneKind::BoxDisc => box_disc::collide(lanes, &tables, pairs, manifolds, at),
+                    LaneKind::Discs => discs::collide(lanes, &tables, pairs, manifolds, at),
+                    LaneKind::FourCorners => polygons::collide::<L, 4>(lanes, &tables, pairs, manifolds, at),
+                    LaneKind::EightCorners => polygons::collide::<L, 8>(lanes, &tables, pairs, manifolds, at),
                 }
             }
         }

@@ -36,7 +36,7 @@ pub(crate) mod sweep;
 
 pub use crate::collider::Filter;
 
-pub(crate) use lanes::{LaneKind, LaneManifold, LaneManifolds, LanePairs, SurfacePoint};
+pub(crate) use lanes::{LANE_CORNERS, LaneKind, LaneManifold, LaneManifolds, LanePairs, LaneShape, SurfacePoint};
 pub use margin::Margin;
 pub use place::Pose;
 pub use placed::Cores;

@@ -143,8 +143,8 @@ pub(super) struct Placed {
     pub(super) position: Vec2<Fx>,
     pub(super) count: usize,
     /// The least box around the corners, relative to the position, in ulps: below 2^48.
-    low: [i64; 2],
-    high: [i64; 2],
+    pub(super) low: [i64; 2],
+    pub(super) high: [i64; 2],
     /// The largest coordinate of a corner, below 2^48.
     pub(super) extent: i64,
     pub(super) radius: i64,

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 
 use super::cores::across;
-use super::lanes::{CollidePairs, LaneKind, LaneManifolds, LanePairs};
+use super::lanes::{CollidePairs, LANE_CORNERS, LaneKind, LaneManifolds, LanePairs, LaneShape, Polygons, Tables};
 use super::link::{collide_surfaces, swapped};
 use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
 use super::seam::Face;
@@ -13,6 +13,7 @@ use crate::collider::BodyOutline;
 use crate::kernel::simd::{self, Line};
 use crate::math::Vec2;
 use crate::shape::{Aabb, Outline};
+use crate::slots::NONE;
 
 /// In place of the first place of a core in the lists of corners and normals: a rectangle or a disc is not there, as its line has all of it.
 const IN_LINE: usize = usize::MAX;
@@ -29,6 +30,9 @@ pub struct Cores {
     links: Vec<Link>,
     /// By core: a box or a disc, as [`CollidePairs`] reads it.
     lines: Vec<Line>,
+    /// Cores of pairs with polygons, and their numbers among these by core, [`NONE`] for others.
+    polygons: Polygons,
+    polygon_of: Vec<u32>,
 }
 
 impl Cores {
@@ -40,6 +44,8 @@ impl Cores {
         self.surfaces.clear();
         self.links.clear();
         self.lines.clear();
+        self.polygons.clear();
+        self.polygon_of.clear();
     }
 
     /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
@@ -97,25 +103,44 @@ impl Cores {
         self.placed[i].0.bounds()
     }
 
-    /// Returns true for a disc, or a point: [`collide_pairs`](Self::collide_pairs) takes it.
+    /// The shape of an outline, if lanes take it.
     #[inline]
-    pub(crate) fn is_disc(&self, i: usize) -> bool {
-        self.placed[i].0.count == 1
+    pub(crate) fn lane_shape(&self, i: usize) -> Option<LaneShape> {
+        let (placed, start, is_surface) = &self.placed[i];
+        match placed.count {
+            _ if *is_surface => None,
+            1 => Some(LaneShape::Disc),
+            4 if *start == IN_LINE && placed.radius == 0 => Some(LaneShape::Box),
+            2..=4 => Some(LaneShape::FourCorners),
+            5..=LANE_CORNERS => Some(LaneShape::EightCorners),
+            _ => None,
+        }
     }
 
-    /// Returns true for a rectangle without a radius that stands alone: [`collide_pairs`](Self::collide_pairs) takes it.
+    /// The number of an outline among the polygons that lanes read: it gets one when it is first asked for.
     #[inline]
-    pub(crate) fn is_plain_box(&self, i: usize) -> bool {
-        let (placed, start, is_surface) = &self.placed[i];
-        *start == IN_LINE && placed.count == 4 && placed.radius == 0 && !is_surface
+    pub(crate) fn polygon(&mut self, i: usize) -> u32 {
+        match self.polygon_of.get(i) {
+            Some(&polygon) if polygon != NONE => polygon,
+            _ => self.push_polygon(i),
+        }
+    }
+
+    fn push_polygon(&mut self, i: usize) -> u32 {
+        let mut polygons = core::mem::take(&mut self.polygons);
+        let polygon = polygons.push(&self.view(i, &mut Room::default()));
+        self.polygons = polygons;
+        self.polygon_of.resize(self.placed.len(), NONE);
+        self.polygon_of[i] = polygon;
+        polygon
     }
 
     #[cfg(test)]
-    pub(super) fn lines(&self) -> &[Line] {
-        &self.lines
+    pub(super) fn lines(&self) -> (&[Line], &Polygons) {
+        (&self.lines, &self.polygons)
     }
 
-    /// Finds the manifolds of pairs of a kind with these motions, where boxes are plain: they have one if they are nearer than
+    /// Finds the manifolds of pairs of a kind with these motions: they have one if they are nearer than
     /// a margin, in ulps, and the distance that they close.
     pub(crate) fn collide_pairs(
         &self,
@@ -125,7 +150,8 @@ impl Cores {
         pairs: &[LanePairs],
         manifolds: &mut [LaneManifolds],
     ) {
-        simd::run(CollidePairs { kind, outlines: &self.lines, motions, margin, pairs, manifolds });
+        let tables = Tables { outlines: &self.lines, polygons: &self.polygons, motions, margin };
+        simd::run(CollidePairs { kind, tables, pairs, manifolds });
     }
 
     /// Names the edges of the outline that was added last that are on the surface among other polygons, in world axes.

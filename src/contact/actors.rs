@@ -1,6 +1,6 @@
-//! The outlines that may meet others in a step, as pairs look at them, and pairs of boxes and discs side by side in lanes.
+//! The outlines that may meet others in a step, as pairs look at them, and pairs of them side by side in lanes.
 //!
-//! Reads: sides of pairs, boxes and discs in world axes. Writes: actors, manifolds of these pairs.
+//! Reads: sides of pairs, outlines in world axes. Writes: actors, manifolds of these pairs.
 
 use alloc::vec::Vec;
 
@@ -10,7 +10,7 @@ use super::flights::{FlightKind, PairSide};
 use super::moment::Way;
 use super::reach::{CLOSE, Reach};
 use super::slot_table::SlotTable;
-use crate::collide::{Cores, LaneKind, LaneManifolds, LanePairs};
+use crate::collide::{Cores, LaneKind, LaneManifolds, LanePairs, LaneShape};
 use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::kernel::simd::{GROUP, Line, VectorSet};
@@ -19,16 +19,6 @@ use crate::slots::NONE;
 
 /// The number of pairs that are looked at together: their manifolds stay in the first cache.
 pub(super) const CHUNK: usize = 64;
-
-/// The shape of an outline, as far as lanes take it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LaneShape {
-    /// A rectangle without a radius that stands alone.
-    Box,
-    Disc,
-    /// Its pairs are collided one by one.
-    None,
-}
 
 /// An outline of a body that moves, or of one that is near such an outline.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +29,8 @@ pub(super) struct Actor {
     pub(super) kind: FlightKind,
     /// Its index in [`Cores`], if it is placed.
     pub(super) core: u32,
-    pub(super) shape: LaneShape,
+    /// Its shape, if lanes take it.
+    pub(super) shape: Option<LaneShape>,
     /// The number of its material in the step, if it has one.
     pub(super) material: Option<u8>,
     /// True if its contacts may be hits.
@@ -63,9 +54,6 @@ impl Actor {
         self.side(scene).map_or(Fx::ZERO, |side| side.outline().outline.radius())
     }
 }
-
-/// The kinds of pairs, in their order.
-const KINDS: [LaneKind; 3] = [LaneKind::Boxes, LaneKind::BoxDisc, LaneKind::Discs];
 
 /// The place of a pair in the lanes of a chunk.
 #[derive(Clone, Copy, Debug)]
@@ -119,9 +107,10 @@ pub(super) struct Actors {
     /// The index by the number of the outline.
     index_of: SlotTable,
     /// The pairs of a chunk, by [`LaneKind`].
-    queues: [Queue; KINDS.len()],
-    /// False where one pair at a time is as fast.
+    queues: [Queue; LaneKind::ALL.len()],
+    /// False where one pair at a time is as fast: lanes of polygons pay from eight lanes on.
     has_lanes: bool,
+    has_polygon_lanes: bool,
 }
 
 impl Actors {
@@ -131,6 +120,7 @@ impl Actors {
         self.materials.clear();
         self.index_of.clear();
         self.has_lanes = VectorSet::used() != VectorSet::Portable;
+        self.has_polygon_lanes = VectorSet::used() == VectorSet::Avx512;
     }
 
     /// The index of an outline, if it is an actor already.
@@ -190,30 +180,32 @@ impl Actors {
 
     /// Adds a pair to the chunk, if lanes take it. Returns its place.
     #[inline(always)]
-    pub(super) fn push_pair(&mut self, pair: [usize; 2]) -> Option<LanePlace> {
+    pub(super) fn push_pair(&mut self, cores: &mut Cores, pair: [usize; 2]) -> Option<LanePlace> {
         if !self.has_lanes {
             return None;
         }
         let [a, b] = pair.map(|index| &self.actors[index]);
-        let kind = match (a.shape, b.shape) {
-            (LaneShape::Box, LaneShape::Box) => LaneKind::Boxes,
-            (LaneShape::Box, LaneShape::Disc) | (LaneShape::Disc, LaneShape::Box) => LaneKind::BoxDisc,
-            (LaneShape::Disc, LaneShape::Disc) => LaneKind::Discs,
-            _ => return None,
-        };
-        let is_swapped = kind == LaneKind::BoxDisc && a.shape == LaneShape::Disc;
-        let (mut cores, mut motions) = ([a.core, b.core], pair.map(|index| index as u32));
+        let shapes = [a.shape?, b.shape?];
+        let kind = LaneKind::new(shapes);
+        let (mut outlines, mut motions) = ([a.core, b.core], pair.map(|index| index as u32));
+        if kind.has_polygons() {
+            if !self.has_polygon_lanes {
+                return None;
+            }
+            outlines = outlines.map(|core| cores.polygon(core as usize));
+        }
+        let is_swapped = shapes == [LaneShape::Disc, LaneShape::Box];
         if is_swapped {
-            cores.reverse();
+            outlines.reverse();
             motions.reverse();
         }
-        Some(LanePlace { kind, place: self.queues[kind as usize].push(cores, motions, is_swapped) })
+        Some(LanePlace { kind, place: self.queues[kind as usize].push(outlines, motions, is_swapped) })
     }
 
     /// Finds the manifolds of the pairs of the chunk.
     pub(super) fn collide(&mut self, cores: &Cores) {
         let Self { motions, queues, .. } = self;
-        for (kind, queue) in KINDS.into_iter().zip(queues) {
+        for (kind, queue) in LaneKind::ALL.into_iter().zip(queues) {
             if let Some((pairs, manifolds)) = queue.groups() {
                 cores.collide_pairs(kind, motions, CLOSE, pairs, manifolds);
             }

@@ -7,7 +7,7 @@ mod over_seams;
 use core::slice::from_ref;
 
 use self::over_seams::presses_nearby;
-use super::actors::{Actor, Actors, LanePlace, LaneShape};
+use super::actors::{Actor, Actors, LanePlace};
 use super::body_tiles::BodyTiles;
 use super::flights::{FlightKind, Flights, PairSide};
 use super::moment::{LEVEL, SLOW, Way};
@@ -20,7 +20,7 @@ use super::tiles::{SLANTED, Tiles, is_polygon};
 use super::{MARGIN, Scene};
 use crate::collide::seam::Face;
 use crate::collide::sweep::{Moment, Second, Sweep};
-use crate::collide::{Cores, Manifold, Margin, Pose};
+use crate::collide::{Cores, LANE_CORNERS, Manifold, Margin, Pose};
 use crate::collider::BodyOutline;
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -223,7 +223,7 @@ impl Narrow {
             return Some(actor);
         }
         let side = flights.side(scene, &resting.numbers, number)?;
-        if matches!(side.outline().outline.corners().len(), 1 | 4) {
+        if side.outline().outline.corners().len() <= LANE_CORNERS {
             _ = self.core(scene, flights, resting, &side);
         }
         Some(self.push_side(scene, flights, &side, flights.reach(&side), side.radius().to_bits()))
@@ -239,19 +239,23 @@ impl Narrow {
     ) -> Aabb {
         let reach = Reach::new(flights.flight(side.flight), outline.radius);
         let pose = &flights.body(side.flight).pose;
+        let (corners, has_others) = (outline.outline.corners().len(), side.collider.has_others());
         // Polygons beside others have a surface, which is found when a pair asks for it.
-        let core = match outline.outline.corners().len() {
+        let mut core = match corners {
             1 => Some(self.cores.push(&outline.outline, pose)),
-            4 if !side.collider.has_others() => self.cores.push_box(outline, pose),
+            4 if !has_others => self.cores.push_box(outline, pose),
             _ => None,
         };
         let bounds = match core {
-            Some(core) => {
-                self.core_of.set(side.number, core as u32);
-                self.cores.bounds(core)
-            }
+            Some(core) => self.cores.bounds(core),
             None => pose.outline_bounds(outline),
         };
+        if core.is_none() && corners <= LANE_CORNERS && !has_others {
+            core = Some(self.cores.push(&outline.outline, pose));
+        }
+        if let Some(core) = core {
+            self.core_of.set(side.number, core as u32);
+        }
         self.push_side(scene, flights, side, reach, outline.radius.to_bits());
         reach.swept(bounds)
     }
@@ -266,12 +270,7 @@ impl Narrow {
     ) -> usize {
         let PairSide { number, id, flight, kind, .. } = *side;
         let core = self.core_of.get(number);
-        let shape = match core {
-            NONE => LaneShape::None,
-            core if self.cores.is_disc(core as usize) => LaneShape::Disc,
-            core if self.cores.is_plain_box(core as usize) => LaneShape::Box,
-            _ => LaneShape::None,
-        };
+        let shape = if core == NONE { None } else { self.cores.lane_shape(core as usize) };
         let def = &side.collider.def;
         let material = self.actors.materials.number(scene, &def.material);
         let is_alone = !side.may_be_tile() && !def.shape.is_chain();
@@ -290,7 +289,7 @@ impl Narrow {
         let is_mean = are_awake && (pressed || reaches[0].approach_bound(&reaches[1]) <= SLOW);
         #[cfg(feature = "selftest")]
         let is_mean = is_mean && !self.is_discrete;
-        if is_mean { self.actors.push_pair(actors) } else { None }
+        if is_mean { self.actors.push_pair(&mut self.cores, actors) } else { None }
     }
 
     /// Finds the manifolds of the pairs in the lanes.

@@ -1,12 +1,14 @@
 //! Pairs of a box and a disc: the manifolds of the general way, by the same integers. A disc beside the face that it is nearest to is left.
 
+use super::corners::Corners;
 use super::direction::{Frame, Rectangle, Unit, gap};
 use super::discs::Disc;
 use super::motion::Motion;
-use super::single::{Corners, Single, moved_back};
+use super::point::{Point, moved_back};
+
 use super::vector::{Corner, Vector, dot, height, minus, not, plus};
-use super::{LaneManifolds, LanePairs};
-use crate::kernel::simd::{Lanes, Line};
+use super::{LaneManifolds, LanePairs, Tables};
+use crate::kernel::simd::Lanes;
 
 /// The face of a box that is nearest to a disc: its outward normal, its ends counter-clockwise, and their heights along the normal.
 struct Face<L: Lanes> {
@@ -66,19 +68,17 @@ fn highest_end<L: Lanes>(lanes: L, a: &Rectangle<L>, face: &Face<L>, unit: &Unit
 #[inline(always)]
 pub(super) fn collide<L: Lanes>(
     lanes: L,
-    outlines: &[Line],
-    motions: &[Line],
-    margin: i64,
+    tables: &Tables<'_>,
     pairs: &LanePairs,
     manifolds: &mut LaneManifolds,
     at: usize,
 ) {
     let zero = lanes.all(0);
-    let a = Rectangle::load(lanes, outlines, &pairs.outlines[0], at);
-    let b = Disc::load(lanes, outlines, &pairs.outlines[1], at);
+    let a = Rectangle::load(lanes, tables.outlines, &pairs.outlines[0], at);
+    let b = Disc::load(lanes, tables.outlines, &pairs.outlines[1], at);
     let extent = lanes.add(b.extent, b.radius);
-    let motion_a = Motion::load(lanes, motions, &pairs.motions[0], a.extent, at);
-    let motion_b = Motion::load(lanes, motions, &pairs.motions[1], extent, at);
+    let motion_a = Motion::load(lanes, tables.motions, &pairs.motions[0], a.extent, at);
+    let motion_b = Motion::load(lanes, tables.motions, &pairs.motions[1], extent, at);
     let is_swapped = lanes.greater(zero, lanes.wide(&pairs.swapped, at));
     let offset = minus(lanes, b.position, a.position);
     let frame = Frame::new(lanes, offset, lanes.add(a.extent, b.extent), lanes.smaller(a.extent, extent));
@@ -86,7 +86,7 @@ pub(super) fn collide<L: Lanes>(
     let corners = [unit.vector(lanes, a.corners[0]), unit.vector(lanes, a.corners[1])];
     let centre = plus(lanes, unit.vector(lanes, b.centre), unit.vector(lanes, offset));
     let face = find_face(lanes, &a, corners, centre);
-    let [lower, upper] = motion_a.limits(lanes, &motion_b, lanes.all(margin));
+    let [lower, upper] = motion_a.limits(lanes, &motion_b, lanes.all(tables.margin));
     let centre_ulps = plus(lanes, b.centre, offset);
     let gap = gap(lanes, centre_ulps, a.reach);
     let is_apart = frame.is_beyond(lanes, gap, face.separation, lanes.add(upper, b.radius));
@@ -114,32 +114,32 @@ pub(super) fn collide<L: Lanes>(
     let is_asked = lanes.unless(is_at_corner, is_apart);
     let (at_corner, is_between) = corners.between(lanes, is_asked);
     let number = corner.number(lanes);
-    let at_corner = Single { feature: lanes.add(number, lanes.raised_by(number, lanes.all(6))), ..at_corner };
-    let single = at_corner.or(lanes, is_at_corner, on_face);
+    let at_corner = Point { feature: lanes.add(number, lanes.raised_by(number, lanes.all(6))), ..at_corner };
+    let point = at_corner.or(lanes, is_at_corner, on_face);
     // A corner has its point alone.
     let mut undecided = lanes.either(lanes.greater(difference, lanes.all(4)), is_beside);
     undecided = lanes.unless(undecided, is_at_corner);
-    undecided = lanes.either(undecided, lanes.greater(single.separation, lower));
-    undecided = lanes.either(undecided, single.is_wide(lanes));
+    undecided = lanes.either(undecided, lanes.greater(point.separation, lower));
+    undecided = lanes.either(undecided, point.is_wide(lanes));
     undecided = lanes.either(undecided, lanes.either(motion_a.is_long, motion_b.is_long));
     let is_beyond = lanes.unless(is_at_corner, is_between);
-    let is_beyond = lanes.either(is_beyond, lanes.both(is_at_corner, lanes.greater(single.separation, upper)));
+    let is_beyond = lanes.either(is_beyond, lanes.both(is_at_corner, lanes.greater(point.separation, upper)));
     undecided = lanes.unless(undecided, is_beyond);
     undecided = lanes.either(undecided, lanes.either(face.undecided, is_uneven));
     undecided = lanes.either(undecided, lanes.either(may_be_apart, not(lanes, lanes.greater(to, from))));
     undecided = lanes.either(frame.undecided, lanes.unless(undecided, is_apart));
     let is_there = not(lanes, lanes.either(is_apart, is_beyond));
-    let normal = [lanes.negated(is_swapped, single.n[0]), lanes.negated(is_swapped, single.n[1])];
+    let normal = [lanes.negated(is_swapped, point.n[0]), lanes.negated(is_swapped, point.n[1])];
     manifolds.finish(lanes, normal, undecided, [is_there, lanes.unless(is_there, is_there)], at);
-    single.store(lanes, [&motion_a.way, &motion_b.way], is_swapped, manifolds, at);
+    point.store(lanes, [&motion_a.way, &motion_b.way], Some(is_swapped), manifolds, [0, at]);
 }
 
 /// The manifold of a disc on a face over which its centre is as high as this.
 #[inline(always)]
-fn on_face<L: Lanes>(lanes: L, face: &Face<L>, disc: &Disc<L>, offset: Vector<L>, depth: L::Wide) -> Single<L> {
+fn on_face<L: Lanes>(lanes: L, face: &Face<L>, disc: &Disc<L>, offset: Vector<L>, depth: L::Wide) -> Point<L> {
     // The centre moved against the normal, half of the way to the face and half of the radius.
     let arm_b = moved_back(lanes, disc.centre, face.n, lanes.add(depth, disc.radius));
-    Single {
+    Point {
         n: face.n,
         arms: [plus(lanes, arm_b, offset), arm_b],
         separation: lanes.sub(depth, disc.radius),

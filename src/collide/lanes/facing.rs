@@ -58,14 +58,30 @@ pub(super) fn facing_edge<L: Lanes>(
     }
 }
 
-/// Two edges that face each other: their corners and the places of these, in order of place.
+/// The ends of an edge in order of place.
+pub(super) struct Ends<L: Lanes> {
+    /// Relative to the position of the body, ulps.
+    pub(super) corners: [Vector<L>; 2],
+    pub(super) places: [L::Wide; 2],
+    pub(super) numbers: [L::Wide; 2],
+}
+
+/// Two edges that face each other.
 pub(super) struct Facing<L: Lanes> {
     pub(super) n: Vector<L>,
-    pub(super) a: [Corner<L>; 2],
-    pub(super) b: [Corner<L>; 2],
-    pub(super) places_a: [L::Wide; 2],
-    pub(super) places_b: [L::Wide; 2],
+    pub(super) a: Ends<L>,
+    pub(super) b: Ends<L>,
     pub(super) undecided: L::Mask,
+}
+
+/// The ends of an edge of a box by its corners.
+#[inline(always)]
+fn ends<L: Lanes>(lanes: L, rectangle: &Rectangle<L>, corners: [Corner<L>; 2], places: [L::Wide; 2]) -> Ends<L> {
+    Ends {
+        corners: [corners[0].vector(lanes, rectangle.corners), corners[1].vector(lanes, rectangle.corners)],
+        places,
+        numbers: [corners[0].number(lanes), corners[1].number(lanes)],
+    }
 }
 
 #[inline(always)]
@@ -102,5 +118,10 @@ pub(super) fn find_facing<L: Lanes>(
     let is_facing = lanes.greater(lanes.smaller(places_a[1], places_b[1]), lanes.larger(places_a[0], places_b[0]));
     let undecided = lanes.either(undecided, lanes.either(edge_a.undecided, edge_b.undecided));
     let undecided = lanes.either(undecided, lanes.both(is_far, are_beside));
-    Facing { n, a: ends_a, b: ends_b, places_a, places_b, undecided: lanes.either(undecided, not(lanes, is_facing)) }
+    Facing {
+        n,
+        a: ends(lanes, a, ends_a, places_a),
+        b: ends(lanes, b, ends_b, places_b),
+        undecided: lanes.either(undecided, not(lanes, is_facing)),
+    }
 }

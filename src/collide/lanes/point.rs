@@ -1,7 +1,6 @@
-//! The points at the ends of the overlap of two edges.
+//! Points of manifolds, and those at the ends of the overlap of two edges.
 
 use super::LaneManifolds;
-use super::direction::Rectangle;
 use super::facing::Facing;
 use super::motion::{Way, closed, half_gap};
 use super::vector::{Vector, height, minus, plus, product, select};
@@ -30,112 +29,181 @@ pub(super) fn part<L: Lanes>(lanes: L, m: L::Mask, difference: L::Wide, before: 
     lanes.wide(&parts, 0)
 }
 
-/// The arms of both bodies to the point at a corner of each, in the middle between the surfaces: at A's corner where `is_a` says yes, at
-/// both where they are at one place, else at B's.
+/// n · length / 2^31 to nearest, ties away from zero. *Domain* |length| < 2^61.
 #[inline(always)]
-pub(super) fn arms<L: Lanes>(
-    lanes: L,
-    n: Vector<L>,
-    [corner_a, corner_b]: [Vector<L>; 2],
-    offset: Vector<L>,
-    separation: L::Wide,
-    [is_a, is_both]: [L::Mask; 2],
-) -> [Vector<L>; 2] {
-    let mut arms = [corner_a, corner_b];
-    for axis in 0..2 {
-        let half = lanes.rounded_oddly::<31>(product(lanes, n[axis], separation));
-        let (from_a, from_b) = (lanes.add(corner_a[axis], half), lanes.sub(corner_b[axis], half));
-        // From either body: the same point but for rounding.
-        let (same_a, same_b) = (lanes.add(from_b, offset[axis]), lanes.sub(from_a, offset[axis]));
-        let shift = lanes.rounded_oddly::<1>(lanes.sub(same_a, from_a));
-        let arm_a = lanes.select(is_a, from_a, same_a);
-        let arm_b = lanes.select(is_a, same_b, from_b);
-        arms[0][axis] = lanes.select(is_both, lanes.add(from_a, shift), arm_a);
-        arms[1][axis] = lanes.select(is_both, lanes.sub(from_b, shift), arm_b);
-    }
-    arms
+fn half_along<L: Lanes>(lanes: L, n: L::Wide, length: L::Wide) -> L::Wide {
+    let zero = lanes.all(0);
+    let high = lanes.floored::<31>(length);
+    let low = lanes.sub(length, lanes.raised_by(high, lanes.all(31)));
+    // Ties of negative products are below the half by one.
+    let sign = lanes.floored::<63>(lanes.negated(lanes.greater(zero, length), n));
+    let rest = lanes.add(product(lanes, n, low), lanes.add(lanes.all(1 << 30), sign));
+    lanes.add(product(lanes, n, high), lanes.floored::<31>(rest))
 }
 
-/// The point at an end of the overlap of two edges.
+/// A corner moved along n by half of a distance.
+#[inline(always)]
+pub(super) fn moved<L: Lanes>(lanes: L, corner: Vector<L>, n: Vector<L>, twice: L::Wide) -> Vector<L> {
+    plus(lanes, corner, [half_along(lanes, n[0], twice), half_along(lanes, n[1], twice)])
+}
+
+/// A corner moved against n by half of a distance.
+#[inline(always)]
+pub(super) fn moved_back<L: Lanes>(lanes: L, corner: Vector<L>, n: Vector<L>, twice: L::Wide) -> Vector<L> {
+    minus(lanes, corner, [half_along(lanes, n[0], twice), half_along(lanes, n[1], twice)])
+}
+
+/// A point of a manifold, in the middle between the surfaces of A and B.
 pub(super) struct Point<L: Lanes> {
+    pub(super) n: Vector<L>,
+    /// From the positions of A and B to the point.
     pub(super) arms: [Vector<L>; 2],
-    /// Half of an open gap along the normal.
-    pub(super) half: Vector<L>,
     pub(super) separation: L::Wide,
-    /// The separation at the start of the step.
-    pub(super) start: L::Wide,
     pub(super) feature: L::Wide,
-    /// True if the separation is beyond half a metre.
-    pub(super) is_wide: L::Mask,
-    /// True if the separations at the ends of the edge across from the corner differ by half a metre.
-    pub(super) is_steep: L::Mask,
 }
 
 impl<L: Lanes> Point<L> {
+    /// This point where `m` says yes, else another one.
     #[inline(always)]
-    pub(super) fn new(
-        lanes: L,
-        [a, b]: [&Rectangle<L>; 2],
-        ways: [&Way<L>; 2],
-        offset: Vector<L>,
-        facing: &Facing<L>,
-        end: usize,
-    ) -> Self {
-        let Facing { n, places_a, places_b, .. } = facing;
-        let corner_a = facing.a[end].vector(lanes, a.corners);
-        let corner_b = facing.b[end].vector(lanes, b.corners);
-        let far_a = facing.a[1 - end].vector(lanes, a.corners);
-        let far_b = facing.b[1 - end].vector(lanes, b.corners);
-        // The inner one of the two ends is across from the other box's edge.
-        let is_both = lanes.equal(places_a[end], places_b[end]);
-        let (inner, outer) = if end == 0 { (places_a, places_b) } else { (places_b, places_a) };
-        let is_a = lanes.greater(inner[end], outer[end]);
-        let corner_height = height(lanes, *n, minus(lanes, plus(lanes, corner_b, offset), corner_a));
-        let [from, to] = [select(lanes, is_a, corner_a, far_a), select(lanes, is_a, far_b, corner_b)];
-        let edge_height = height(lanes, *n, minus(lanes, plus(lanes, to, offset), from));
-        let heights = if end == 0 { [corner_height, edge_height] } else { [edge_height, corner_height] };
-        let difference = lanes.sub(heights[1], heights[0]);
-        let size = lanes.magnitude(difference);
-        // An edge square to n is flat but for rounding.
-        let is_tilted = lanes.unless(lanes.greater(size, lanes.all(4)), is_both);
-        let is_steep = lanes.both(is_tilted, lanes.greater(size, lanes.all((1 << 31) - 1)));
-        let place = lanes.select(is_a, places_a[end], places_b[end]);
-        let span = select(lanes, is_a, *places_b, *places_a);
-        let before = lanes.floored::<30>(lanes.sub(place, span[0]));
-        let after = lanes.floored::<30>(lanes.sub(span[1], place));
-        let part = part(lanes, lanes.unless(is_tilted, is_steep), difference, before, lanes.add(before, after));
-        let mean = lanes.floored::<1>(lanes.add(heights[0], heights[1]));
-        let flat = lanes.select(is_both, corner_height, mean);
-        let separation = lanes.select(is_tilted, lanes.add(heights[0], part), flat);
-        let number_b = lanes.raised_by(facing.b[end].number(lanes), lanes.all(12));
-        let numbers = lanes.add(facing.a[end].number(lanes), number_b);
-        let arms = arms(lanes, *n, [corner_a, corner_b], offset, separation, [is_a, is_both]);
-        // Arms to the surface of each body: an open gap closes within the step.
-        let half = half_gap(lanes, *n, separation);
-        let arms = [minus(lanes, arms[0], half), plus(lanes, arms[1], half)];
-        let start = lanes.add(separation, closed(lanes, *n, ways, arms));
+    pub(super) fn or(self, lanes: L, m: L::Mask, point: Self) -> Self {
         Self {
-            arms,
-            half,
-            separation,
-            start,
-            // Corners, as pairs of equal numbers.
-            feature: lanes.add(numbers, lanes.raised_by(numbers, lanes.all(6))),
-            is_wide: lanes.greater(lanes.magnitude(separation), lanes.all((1 << 31) - 1)),
-            is_steep,
+            n: select(lanes, m, self.n, point.n),
+            arms: [select(lanes, m, self.arms[0], point.arms[0]), select(lanes, m, self.arms[1], point.arms[1])],
+            separation: lanes.select(m, self.separation, point.separation),
+            feature: lanes.select(m, self.feature, point.feature),
         }
     }
 
+    /// True where the separation is beyond half a metre: products with it are too wide.
     #[inline(always)]
-    pub(super) fn store(&self, lanes: L, manifolds: &mut LaneManifolds, end: usize, at: usize) {
-        for side in 0..2 {
-            lanes.store(&mut manifolds.arms[end][side][0], at, self.arms[side][0]);
-            lanes.store(&mut manifolds.arms[end][side][1], at, self.arms[side][1]);
-        }
-        lanes.store(&mut manifolds.halves[end][0], at, self.half[0]);
-        lanes.store(&mut manifolds.halves[end][1], at, self.half[1]);
-        lanes.store(&mut manifolds.separations[end], at, self.separation);
-        lanes.store(&mut manifolds.starts[end], at, self.start);
-        lanes.store(&mut manifolds.features[end], at, self.feature);
+    pub(super) fn is_wide(&self, lanes: L) -> L::Mask {
+        lanes.greater(lanes.magnitude(self.separation), lanes.all((1 << 31) - 1))
     }
+
+    /// Writes the point, as it is seen with A and B swapped where `is_swapped` says yes.
+    #[inline(always)]
+    pub(super) fn store(
+        &self,
+        lanes: L,
+        ways: [&Way<L>; 2],
+        is_swapped: Option<L::Mask>,
+        manifolds: &mut LaneManifolds,
+        [end, at]: [usize; 2],
+    ) {
+        // Arms to the surface of each body: an open gap closes within the step.
+        let mut half = half_gap(lanes, self.n, self.separation);
+        let mut arms = [minus(lanes, self.arms[0], half), plus(lanes, self.arms[1], half)];
+        let start = lanes.add(self.separation, closed(lanes, self.n, ways, arms));
+        let mut feature = self.feature;
+        if let Some(is_swapped) = is_swapped {
+            let bits = lanes.all(12);
+            let second = lanes.floored::<12>(feature);
+            let first = lanes.sub(feature, lanes.raised_by(second, bits));
+            feature = lanes.select(is_swapped, lanes.add(second, lanes.raised_by(first, bits)), feature);
+            arms = [select(lanes, is_swapped, arms[1], arms[0]), select(lanes, is_swapped, arms[0], arms[1])];
+            half = [lanes.negated(is_swapped, half[0]), lanes.negated(is_swapped, half[1])];
+        }
+        for axis in 0..2 {
+            lanes.store(&mut manifolds.arms[end][0][axis], at, arms[0][axis]);
+            lanes.store(&mut manifolds.arms[end][1][axis], at, arms[1][axis]);
+            lanes.store(&mut manifolds.halves[end][axis], at, half[axis]);
+        }
+        lanes.store(&mut manifolds.separations[end], at, self.separation);
+        lanes.store(&mut manifolds.starts[end], at, start);
+        lanes.store(&mut manifolds.features[end], at, feature);
+    }
+}
+
+/// The radii of two cores, and masks of the lanes in which the first and the second one are discs.
+pub(super) struct Rounding<L: Lanes> {
+    pub(super) radii: [L::Wide; 2],
+    pub(super) are_discs: [L::Mask; 2],
+}
+
+/// The corners of A and B moved to the middle between the surfaces, for a separation of the cores.
+#[inline(always)]
+fn middles<L: Lanes>(
+    lanes: L,
+    n: Vector<L>,
+    [a, b]: [Vector<L>; 2],
+    separation: L::Wide,
+    rounding: Option<&Rounding<L>>,
+) -> [Vector<L>; 2] {
+    let Some(Rounding { radii: [radius_a, radius_b], .. }) = rounding else {
+        let half = [
+            lanes.rounded_oddly::<31>(product(lanes, n[0], separation)),
+            lanes.rounded_oddly::<31>(product(lanes, n[1], separation)),
+        ];
+        return [plus(lanes, a, half), minus(lanes, b, half)];
+    };
+    let difference = lanes.sub(*radius_a, *radius_b);
+    let (twice_a, twice_b) = (lanes.add(separation, difference), lanes.sub(separation, difference));
+    [moved(lanes, a, n, twice_a), moved_back(lanes, b, n, twice_b)]
+}
+
+/// The point at an end of the overlap of two edges, and a mask of the lanes in which the separations at the ends of the edge across from the
+/// corner differ by half a metre.
+#[inline(always)]
+pub(super) fn end_of_overlap<L: Lanes>(
+    lanes: L,
+    offset: Vector<L>,
+    facing: &Facing<L>,
+    rounding: Option<&Rounding<L>>,
+    end: usize,
+) -> (Point<L>, L::Mask) {
+    let Facing { n, a, b, .. } = facing;
+    let (corner_a, corner_b) = (a.corners[end], b.corners[end]);
+    let (far_a, far_b) = (a.corners[1 - end], b.corners[1 - end]);
+    // The inner one of the two ends is across from the other edge.
+    let mut is_both = lanes.equal(a.places[end], b.places[end]);
+    let (inner, outer) = if end == 0 { (a, b) } else { (b, a) };
+    let mut is_a = lanes.greater(inner.places[end], outer.places[end]);
+    let [number_a, number_b] = [a.numbers[end], b.numbers[end]];
+    let mut parts = [[number_a; 2], [number_b; 2]];
+    if let Some(Rounding { are_discs: [is_disc_a, is_disc_b], .. }) = rounding {
+        // A disc is over the edge at both ends of it.
+        is_both = lanes.unless(is_both, lanes.either(*is_disc_a, *is_disc_b));
+        is_a = lanes.unless(lanes.either(is_a, *is_disc_a), *is_disc_b);
+        parts[0] = select(lanes, *is_disc_b, a.numbers, parts[0]);
+        parts[1] = select(lanes, *is_disc_a, [b.numbers[1], b.numbers[0]], parts[1]);
+    }
+    let corner_height = height(lanes, *n, minus(lanes, plus(lanes, corner_b, offset), corner_a));
+    let [from, to] = [select(lanes, is_a, corner_a, far_a), select(lanes, is_a, far_b, corner_b)];
+    let edge_height = height(lanes, *n, minus(lanes, plus(lanes, to, offset), from));
+    let heights = if end == 0 { [corner_height, edge_height] } else { [edge_height, corner_height] };
+    let difference = lanes.sub(heights[1], heights[0]);
+    let size = lanes.magnitude(difference);
+    // An edge square to n is flat but for rounding.
+    let is_tilted = lanes.unless(lanes.greater(size, lanes.all(4)), is_both);
+    let is_steep = lanes.both(is_tilted, lanes.greater(size, lanes.all((1 << 31) - 1)));
+    let place = lanes.select(is_a, a.places[end], b.places[end]);
+    let span = select(lanes, is_a, b.places, a.places);
+    let before = lanes.floored::<30>(lanes.sub(place, span[0]));
+    let after = lanes.floored::<30>(lanes.sub(span[1], place));
+    let part = part(lanes, lanes.unless(is_tilted, is_steep), difference, before, lanes.add(before, after));
+    let mean = lanes.floored::<1>(lanes.add(heights[0], heights[1]));
+    let flat = lanes.select(is_both, corner_height, mean);
+    let distance = lanes.select(is_tilted, lanes.add(heights[0], part), flat);
+    let [from_a, from_b] = middles(lanes, *n, [corner_a, corner_b], distance, rounding);
+    let mut arms = [from_a, from_b];
+    for axis in 0..2 {
+        // From either body: the same point but for rounding.
+        let (same_a, same_b) = (lanes.add(from_b[axis], offset[axis]), lanes.sub(from_a[axis], offset[axis]));
+        let shift = lanes.rounded_oddly::<1>(lanes.sub(same_a, from_a[axis]));
+        let arm_a = lanes.select(is_a, from_a[axis], same_a);
+        let arm_b = lanes.select(is_a, same_b, from_b[axis]);
+        arms[0][axis] = lanes.select(is_both, lanes.add(from_a[axis], shift), arm_a);
+        arms[1][axis] = lanes.select(is_both, lanes.sub(from_b[axis], shift), arm_b);
+    }
+    let separation = match rounding {
+        Some(Rounding { radii: [radius_a, radius_b], .. }) => lanes.sub(lanes.sub(distance, *radius_a), *radius_b),
+        None => distance,
+    };
+    let six = lanes.all(6);
+    let [first, second] = [
+        lanes.add(parts[0][0], lanes.raised_by(parts[0][1], six)),
+        lanes.add(parts[1][0], lanes.raised_by(parts[1][1], six)),
+    ];
+    let feature = lanes.add(first, lanes.raised_by(second, lanes.all(12)));
+    (Point { n: *n, arms, separation, feature }, is_steep)
 }

@@ -5,9 +5,10 @@ use super::super::{Cores, Margin, Pose};
 use super::*;
 use crate::cases::{run_seed, times};
 use crate::kernel::simd::{Line, VectorSet, run_with};
+use crate::kernel::trig::sin_cos_turn;
 use crate::math::Random;
 use crate::scalar::Turn;
-use crate::shape::Shape;
+use crate::shape::{Outline, Shape};
 
 /// Pairs as they are, with the two outlines swapped, and in a mirror image.
 const IMAGES: usize = 3;
@@ -67,6 +68,79 @@ fn centre(random: &mut Random, size: &[Fx; 2]) -> Vec2 {
     if random.below(2) == 0 { Vec2::ZERO } else { centre }
 }
 
+/// A form of an outline: its corners counter-clockwise, and the radius around them.
+struct Form {
+    corners: Vec<Vec2>,
+    radius: Fx,
+}
+
+impl Form {
+    /// A form for a side of a pair of a kind: its size is up to this.
+    fn new(random: &mut Random, kind: LaneKind, side: usize, [width, height]: [Fx; 2]) -> Self {
+        let (half_width, half_height) = (Fx::from_bits(width.to_bits() / 2), Fx::from_bits(height.to_bits() / 2));
+        let corner = |x: Fx, y: Fx| Vec2::new(x, y);
+        let rectangle = [
+            corner(-half_width, -half_height),
+            corner(half_width, -half_height),
+            corner(half_width, half_height),
+            corner(-half_width, half_height),
+        ];
+        let rounding = if random.below(2) == 0 { Fx::ZERO } else { half_height };
+        let count = match kind {
+            LaneKind::Boxes => 4,
+            LaneKind::BoxDisc if side == 0 => 4,
+            LaneKind::BoxDisc | LaneKind::Discs => 1,
+            // The first outline has sides.
+            LaneKind::FourCorners if side == 0 => 2 + random.below(3),
+            LaneKind::FourCorners => 1 + random.below(4),
+            LaneKind::EightCorners if side == 0 => 5 + random.below(4),
+            LaneKind::EightCorners => 1 + random.below(8),
+        };
+        match count {
+            1 => Self { corners: alloc::vec![centre(random, &[width, height])], radius: width },
+            2 => Self {
+                corners: alloc::vec![corner(-half_width, Fx::ZERO), corner(half_width, Fx::ZERO)],
+                radius: half_height,
+            },
+            4 if !kind.has_polygons() => Self { corners: rectangle.into(), radius: Fx::ZERO },
+            4 if random.below(2) == 0 => Self { corners: rectangle.into(), radius: rounding },
+            count => Self { corners: round_polygon(random, count, half_width), radius: rounding },
+        }
+    }
+
+    /// The outline, or its mirror image.
+    fn outline(&self, mirror: i64) -> Outline {
+        let mut corners = self.corners.clone();
+        if mirror < 0 {
+            corners.reverse();
+            corners.iter_mut().for_each(|corner| corner.x = -corner.x);
+        }
+        let shape = match corners[..] {
+            [centre] => {
+                let disc = Shape::circle(self.radius).expect("a fair disc");
+                return disc.outlines()[0].at(Fx::ZERO, centre);
+            }
+            [from, to] => Shape::capsule((to.x - from.x).abs(), self.radius),
+            _ if self.radius == Fx::ZERO => Shape::polygon(&corners),
+            _ => Shape::rounded_polygon(&corners, self.radius),
+        };
+        shape.expect("a fair shape").outlines()[0].clone()
+    }
+}
+
+/// A polygon with corners at about even angles on a circle, one in two regular but for rounding.
+fn round_polygon(random: &mut Random, count: u64, radius: Fx) -> Vec<Vec2> {
+    let is_regular = random.below(2) == 0;
+    let mut corner = |i: u64| {
+        let step = u64::MAX / count;
+        let angle = i * step + if is_regular { 0 } else { random.below(step / 2) };
+        let (sin, cos) = sin_cos_turn(angle);
+        let part = |unit: i64| Fx::from_bits((i128::from(radius.to_bits()) * i128::from(unit) >> 62) as i64);
+        Vec2::new(part(cos), part(sin))
+    };
+    (0..count).map(&mut corner).collect()
+}
+
 /// The displacement of a body in a step, the bound of what its rotation adds, and its way to the moment of the manifold; one in four is at
 /// rest.
 fn motion(random: &mut Random) -> [i64; 6] {
@@ -111,20 +185,13 @@ impl Group {
             let sizes = [sizes(random), sizes(random)];
             let angles = angles(random);
             let offset = offset(random, &sizes);
-            let centre = [centre(random, &sizes[0]), centre(random, &sizes[1])];
+            let forms = [Form::new(random, kind, 0, sizes[0]), Form::new(random, kind, 1, sizes[1])];
             let position = random.below(1 << 40) as i64;
             let motion = [motion(random), motion(random)];
             let [[ax, ay, turned_a, ..], [bx, by, turned_b, ..]] = motion;
             margins[lane] = Margin::new(Fx::from_bits(MARGIN + turned_a + turned_b), [bx - ax, by - ay]);
             let mut place = |side: usize, mirror: i64| {
-                let [width, height] = sizes[side];
-                let is_disc = kind == LaneKind::Discs || kind == LaneKind::BoxDisc && side == 1;
-                let shape = if is_disc { Shape::circle(width) } else { Shape::rectangle(width, height) };
-                let mut outline = shape.expect("a fair shape").outlines()[0].clone();
-                if is_disc {
-                    let Vec2 { x, y } = centre[side];
-                    outline = outline.at(Fx::ZERO, Vec2::new(Fx::from_bits(mirror * x.to_bits()), y));
-                }
+                let outline = forms[side].outline(mirror);
                 let [x, y] = if side == 0 { [0; 2] } else { offset };
                 let place = Vec2::new(Fx::from_bits(mirror * (x + position)), Fx::from_bits(y));
                 let angle = angles[side].wrapping_mul(mirror as u64);
@@ -140,7 +207,7 @@ impl Group {
                     Line([mirror * x, y, turned, mirror * way_x, way_y, mirror * rotation, 0, 0])
                 }));
                 let mut numbers = [first, first + 1];
-                let mut lines = pair.map(|core| core as u32);
+                let mut lines = pair.map(|core| if kind.has_polygons() { cores.polygon(core) } else { core as u32 });
                 // A box comes before a disc in lanes.
                 let is_swapped = image == 1 && kind == LaneKind::BoxDisc;
                 if is_swapped {
@@ -157,9 +224,10 @@ impl Group {
     /// The manifolds of an image with a set of vectors.
     fn collide(&self, set: VectorSet, image: usize) -> LaneManifolds {
         let mut manifolds = [LaneManifolds::default()];
-        let (kind, outlines, motions) = (self.kind, self.cores.lines(), &self.motions);
+        let (outlines, polygons) = self.cores.lines();
+        let tables = Tables { outlines, polygons, motions: &self.motions, margin: MARGIN };
         let pairs = core::slice::from_ref(&self.pairs[image]);
-        let job = CollidePairs { kind, outlines, motions, margin: MARGIN, pairs, manifolds: &mut manifolds };
+        let job = CollidePairs { kind: self.kind, tables, pairs, manifolds: &mut manifolds };
         run_with(set, job);
         let [manifolds] = manifolds;
         manifolds
@@ -195,7 +263,7 @@ impl Group {
 /// in all its images, or in none.
 #[test]
 fn lanes_find_the_manifolds_of_pairs() {
-    for kind in [LaneKind::Boxes, LaneKind::BoxDisc, LaneKind::Discs] {
+    for kind in LaneKind::ALL {
         let (mut decided, mut touching) = (0, 0);
         let rounds = times(4_000);
         for round in 0..rounds {
