@@ -36,6 +36,10 @@ pub struct Snapshot {
     pub data: Box<dyn Any>,
 }
 
+/// Parts of a step that engines have in common; the README says which stages of each engine they hold.
+pub const PARTS: [&str; 9] =
+    ["pairs", "manifolds", "set-up", "passes", "impacts", "store", "continuous", "bodies", "events"];
+
 pub trait Engine {
     fn id(&self) -> &'static str;
     fn info(&self) -> Info;
@@ -74,6 +78,10 @@ pub trait World {
     /// positions. Empty if the engine does not measure them.
     fn pass_times(&self) -> Vec<(&'static str, f64)> {
         Vec::new()
+    }
+    /// The time that the last step took in each of the [`PARTS`] of a step, µs; `None` if the engine does not measure them all.
+    fn part_times(&self) -> Option<[f64; PARTS.len()]> {
+        None
     }
     /// Finds the first collider on each ray, and writes the fraction of the ray at which it is hit, 2 where nothing is. Returns false if
     /// the engine casts no rays.

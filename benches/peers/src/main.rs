@@ -27,6 +27,7 @@ const SCENES: &[(&str, Bench)] = &[
     ("accuracy", bench::accuracy),
     ("memory", bench::memory),
     ("passes", bench::passes),
+    ("stages", bench::stages),
     ("rays", bench::rays),
     ("impacts", bench::impacts),
     ("many_pyramids", bench::many_pyramids),

@@ -10,6 +10,7 @@ mod passes;
 mod quality;
 mod rays;
 mod snapshot;
+mod stages;
 mod steady;
 
 pub use accuracy::accuracy;
@@ -21,6 +22,7 @@ pub use passes::passes;
 pub use quality::{names as quality_names, quality};
 pub use rays::rays;
 pub use snapshot::snapshot;
+pub use stages::stages;
 pub use steady::{free, free_static, sleeping};
 
 use crate::engine::{Engine, World};

@@ -1,6 +1,6 @@
 //! Box2D v3 (C), the copy bundled by boxdd, through its raw C API.
 
-use crate::engine::{Engine, Hash, Info, Snapshot, State, World, locked_version};
+use crate::engine::{Engine, Hash, Info, PARTS, Snapshot, State, World, locked_version};
 use crate::scene::{Body, Joint, Kind, Ray, Scene, Shape};
 use boxdd_sys::ffi::*;
 use std::collections::HashSet;
@@ -219,6 +219,22 @@ impl World for B2World {
             ("relaxImpulses", p.relaxImpulses),
         ];
         stages.map(|(name, ms)| (name, f64::from(ms) * 1e3)).into()
+    }
+    fn part_times(&self) -> Option<[f64; PARTS.len()]> {
+        let p = unsafe { b2World_GetProfile(self.world) };
+        let passes = p.integrateVelocities + p.warmStart + p.solveImpulses + p.integratePositions + p.relaxImpulses;
+        let parts = [
+            p.pairs + p.refit,
+            p.collide,
+            p.solverSetup + p.prepareConstraints,
+            passes,
+            p.applyRestitution,
+            p.storeImpulses,
+            p.bullets,
+            p.transforms + p.splitIslands + p.sleepIslands,
+            p.jointEvents + p.hitEvents + p.sensorHits + p.sensors,
+        ];
+        Some(parts.map(|ms| f64::from(ms) * 1e3))
     }
     fn cast_rays(&mut self, rays: &[Ray], fractions: &mut [f64]) -> bool {
         for (ray, fraction) in rays.iter().zip(fractions) {

@@ -1,5 +1,7 @@
 //! This engine, in fixed point and in floats: the same code over three scalars.
 
+#[cfg(feature = "timers")]
+use crate::engine::PARTS;
 use crate::engine::{Engine, Info, Snapshot, State, World, locked_version};
 use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
@@ -227,7 +229,15 @@ impl<S: Number> Engine for Build<S> {
                 world.add_field(law(field, id)).expect("a field within the limits");
             }
         }
-        Box::new(Built { world, ids, origins, spare: Rc::default(), widest: self.widest })
+        Box::new(Built {
+            #[cfg(feature = "timers")]
+            before: world.timers(),
+            world,
+            ids,
+            origins,
+            spare: Rc::default(),
+            widest: self.widest,
+        })
     }
 }
 
@@ -241,6 +251,9 @@ struct Built<S: Number> {
     origins: Vec<[f64; 2]>,
     spare: Spare<S>,
     widest: VectorSet,
+    /// The timers before the last step.
+    #[cfg(feature = "timers")]
+    before: umbra_physics::Timers,
 }
 
 /// A saved world, which gives its memory back.
@@ -260,6 +273,10 @@ const REUSED: usize = 0;
 impl<S: Number> World for Built<S> {
     fn step(&mut self) {
         VectorSet::allow(self.widest);
+        #[cfg(feature = "timers")]
+        {
+            self.before = self.world.timers();
+        }
         self.world.step();
         VectorSet::allow(VectorSet::Avx512);
     }
@@ -296,6 +313,25 @@ impl<S: Number> World for Built<S> {
     }
     fn contact_points(&self) -> Option<usize> {
         Some(self.world.contacts().map(|contact| contact.points().len()).sum())
+    }
+    #[cfg(feature = "timers")]
+    fn part_times(&self) -> Option<[f64; PARTS.len()]> {
+        let (times, before) = (self.world.timers().times, self.before.times);
+        let sum = |names: &[&str]| {
+            let named = times.each().zip(before.each()).filter(|((name, _), _)| names.contains(name));
+            named.map(|((_, time), (_, past))| (time - past).as_secs_f64() * 1e6).sum()
+        };
+        Some([
+            sum(&["pairs"]),
+            sum(&["manifolds"]),
+            sum(&["setup"]),
+            sum(&["passes"]),
+            sum(&["impacts"]),
+            sum(&["apply"]),
+            sum(&["deflected", "again", "sweeps"]),
+            sum(&["survey", "targets", "free", "fields", "damp", "kick", "drift", "finish"]),
+            sum(&["waking", "events"]),
+        ])
     }
     fn cast_rays(&mut self, rays: &[scene::Ray], fractions: &mut [f64]) -> bool {
         let (queries, all) = (self.world.queries(), QueryFilter::default());
