@@ -1,8 +1,8 @@
 //! Cost of a kilobyte of commands at worst, in steps of the world that it is sent to, by counting instructions under
 //! callgrind.
 //!
-//! `cargo bench -p umbra-physics --bench calls -- check` counts those of `benches/scenes/hostile.rs`, a line each: whether their cost is
-//! constant, how many commands they are, then for worlds of 1,000 and of 4,000 bodies the instructions of the calls alone, and how many
+//! `cargo bench -p umbra-physics --bench calls -- check 16000` counts those of `benches/scenes/hostile.rs`, a line each: whether their cost
+//! is constant, how many commands they are, then for worlds of 1,000 and of 4,000 bodies the instructions of the calls alone, and how many
 //! steps the calls and what they leave the next step to do come to. After them it counts calls that name 4,000 and 16,000 things.
 //! `tests/costs.rs` holds all of them to bounds. `search 600` looks for worse ones for so many seconds, and fails if it comes to one that
 //! costs more than ten steps; `search 600 7` begins elsewhere.
@@ -102,12 +102,15 @@ impl Counts {
 
 /// Bodies of the worlds that the kilobytes are sent to.
 const SIZES: [usize; 2] = [1_000, 4_000];
-/// Number of things that the growing calls name.
-const GROWN: [usize; 2] = [4_000, 16_000];
+/// Numbers of things that the growing calls name: the largest number, and a quarter of it.
+fn grown(most: usize) -> [usize; 2] {
+    [most / 4, most]
+}
 
-fn check(folder: &Path) {
+fn check(most: usize, folder: &Path) {
     let count = COUNTS * Hostile::ALL.len() * SIZES.len();
-    let counts = counting::each_call("calls::counted", count + Growing::ALL.len() * GROWN.len(), &["measure"], folder);
+    let all = count + Growing::ALL.len() * grown(most).len();
+    let counts = counting::each_call("calls::counted", all, &["measure_all", &most.to_string()], folder);
     let (kilobytes, growing) = counts.split_at(count);
     let kilobytes = Counts::all(kilobytes);
     for (hostile, sizes) in Hostile::ALL.iter().zip(kilobytes.chunks(SIZES.len())) {
@@ -116,13 +119,13 @@ fn check(folder: &Path) {
         let commands = kilobyte((hostile.make)(SIZES[0]).1.into_iter().cycle()).len();
         println!("kilobyte {} {} {commands} {}", hostile.name, hostile.is_constant, sizes.join(" "));
     }
-    for (Growing { name, .. }, counts) in Growing::ALL.iter().zip(growing.chunks(GROWN.len())) {
+    for (Growing { name, .. }, counts) in Growing::ALL.iter().zip(growing.chunks(grown(most).len())) {
         println!("growing {name} {} {}", counts[0], counts[1]);
     }
 }
 
 /// Runs everything that [`check`] counts.
-fn measure_all() {
+fn measure_all(most: usize) {
     for hostile in Hostile::ALL {
         for size in SIZES {
             let (world, commands) = (hostile.make)(size);
@@ -130,7 +133,7 @@ fn measure_all() {
         }
     }
     for growing in Growing::ALL {
-        for count in GROWN {
+        for count in grown(most) {
             counted((growing.make)(count));
         }
     }
@@ -244,18 +247,18 @@ fn main() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("calls-{}", std::process::id()));
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
     match words[..] {
-        ["measure"] => measure_all(),
+        ["measure_all", most] => measure_all(most.parse().expect("a number of things")),
         ["measure", ref candidates @ ..] => {
             for text in candidates {
                 Candidate::of(text).expect("the digits of a candidate").measure();
             }
         }
-        ["check"] => check(&folder),
+        ["check", most] => check(most.parse().expect("a number of things"), &folder),
         ["search", seconds] => search(seconds.parse().expect("a number of seconds"), 1, &folder),
         ["search", seconds, seed] => {
             search(seconds.parse().expect("a number of seconds"), seed.parse().expect("a seed"), &folder);
         }
-        _ => println!("usage: check | search SECONDS [SEED]"),
+        _ => println!("usage: check THINGS | search SECONDS [SEED]"),
     }
     _ = std::fs::remove_dir_all(&folder);
 }

@@ -21,6 +21,8 @@ mod work;
 use scenes::Scene;
 use work::Busy;
 
+// Scenes have fewer bodies than threads share with the feature `parallel`: these are counts of one thread.
+
 /// Number of steps that a measurement counts, and of values for the arithmetic.
 const STEPS: usize = 4;
 const VALUES: usize = 1_000;
@@ -28,8 +30,8 @@ const VALUES: usize = 1_000;
 const INSTRUCTIONS: [&str; 1] = ["--cache-sim=no"];
 /// Indirect jumps and calls: what goes through a table of functions.
 const BRANCHES: [&str; 2] = ["--cache-sim=no", "--branch-sim=yes"];
-/// The caches of no machine in particular. The last one holds 2,000 bodies and not 20,000.
-const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=524288,16,64"];
+/// The caches of no machine in particular. The last one holds 2,000 bodies and not 4,000.
+const CACHES: [&str; 4] = ["--cache-sim=yes", "--I1=32768,8,64", "--D1=32768,8,64", "--LL=262144,16,64"];
 
 /// Parts of a step that are counted.
 #[inline(never)]
@@ -75,24 +77,27 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 }
 
 #[library_benchmark(config = stepping(&INSTRUCTIONS), setup = warm)]
+#[bench::nobody(scenes::free(0))]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
-#[bench::free_20k(scenes::free(20_000))]
-#[bench::free_20k_one_spring(scenes::one_spring(20_000))]
+#[bench::free_8k(scenes::free(8_000))]
+#[bench::free_8k_one_spring(scenes::one_spring(8_000))]
 #[bench::free_1k_zone_on_nobody(scenes::zone(1_000, 2))]
 #[bench::free_1k_zone(scenes::zone(1_000, 1))]
 #[bench::free_1k_ghosts(scenes::discs(1_000, true))]
 #[bench::free_1k_discs(scenes::discs(1_000, false))]
-#[bench::free_1k_beside_20k_static(scenes::beside_static(1_000, 20_000))]
+#[bench::free_1k_beside_6k_static(scenes::beside_static(1_000, 6_000))]
 #[bench::tiles_1k(scenes::over_tiles(100, 1_000))]
 #[bench::tiles_20k(scenes::over_tiles(100, 20_000))]
 #[bench::tiles_1k_twice_as_many_balls(scenes::over_tiles(200, 1_000))]
-#[bench::asleep_10k(scenes::beside_sleepers(0, 10_000))]
-#[bench::towers_asleep_10k(scenes::towers_asleep(0, 10_000))]
+#[bench::asleep_8k(scenes::beside_sleepers(0, 8_000))]
+#[bench::towers_asleep_5k(scenes::towers_asleep(0, 5_000))]
 #[bench::one_beside_towers_asleep_1k(scenes::towers_asleep(1, 1_000))]
-#[bench::one_beside_towers_asleep_10k(scenes::towers_asleep(1, 10_000))]
+#[bench::one_beside_towers_asleep_5k(scenes::towers_asleep(1, 5_000))]
 #[bench::two_beside_towers_asleep_1k(scenes::towers_asleep(2, 1_000))]
-#[bench::at_rest_10k(scenes::at_rest(10_000))]
+#[bench::pyramids_18(scenes::pyramids(18))]
+#[bench::pyramids_90(scenes::pyramids(90))]
+#[bench::at_rest_8k(scenes::at_rest(8_000))]
 #[bench::plain_1k(scenes::plain(1_000))]
 #[bench::kinematic_1k(scenes::kinematic(1_000))]
 #[bench::pushed_1k(scenes::pushed(1_000, 1_000))]
@@ -111,9 +116,9 @@ fn fx(scene: Scene<Fx>) -> Scene<Fx> {
 #[bench::plain_1k(touched(warm(scenes::plain(1_000))))]
 #[bench::pushed_before_1k(touched(scenes::pushed_before(1_000)))]
 #[bench::tower_woken_1k(scenes::tower_woken(1_000))]
-#[bench::tower_woken_10k(scenes::tower_woken(10_000))]
+#[bench::tower_woken_5k(scenes::tower_woken(5_000))]
 #[bench::edited_1k(scenes::edited_tiles(100, 1_000))]
-#[bench::edited_100k(scenes::edited_tiles(100, 100_000))]
+#[bench::edited_50k(scenes::edited_tiles(100, 50_000))]
 fn after(mut scene: Scene<Fx>) -> Scene<Fx> {
     one_step(&mut scene.world);
     scene
@@ -193,7 +198,8 @@ fn branches(scene: Scene<Fx>) -> Scene<Fx> {
 #[library_benchmark(config = stepping(&CACHES), setup = warm)]
 #[bench::free_1k(scenes::free(1_000))]
 #[bench::free_2k(scenes::free(2_000))]
-#[bench::free_20k(scenes::free(20_000))]
+#[bench::free_4k(scenes::free(4_000))]
+#[bench::free_8k(scenes::free(8_000))]
 fn caches(mut scene: Scene<Fx>) -> Scene<Fx> {
     let mut others = vec![0u8; 4 << 20];
     for _ in 0..STEPS {

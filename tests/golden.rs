@@ -114,7 +114,8 @@ fn wide_vectors_change_no_digest() {
         outcomes()
     };
     let without = run(VectorSet::Portable);
-    VectorSet::available().for_each(|set| assert_eq!(run(set), without, "{set:?}"));
+    let wide = VectorSet::available().filter(|&set| set != VectorSet::Portable);
+    wide.for_each(|set| assert_eq!(run(set), without, "{set:?}"));
     VectorSet::allow(VectorSet::Avx512);
 }
 
@@ -126,7 +127,8 @@ fn the_number_of_threads_changes_no_digest() {
         pool.install(outcomes)
     };
     let single = run(1);
-    for threads in [2, 3, 8] {
+    // The self-test of the program has a pool of 2 and one of 8.
+    for &threads in if crate::seeds::is_short() { &[3][..] } else { &[2, 3, 8] } {
         assert_eq!(run(threads), single, "{threads} threads");
     }
 }

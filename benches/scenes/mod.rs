@@ -214,6 +214,26 @@ pub(crate) fn towers_asleep(falling: usize, boxes: usize) -> Scene<Fx> {
     scene
 }
 
+/// Pyramids of ten rows of boxes that just touch, each on a floor of its own, after eight steps.
+pub(crate) fn pyramids(count: usize) -> Scene<Fx> {
+    const ROWS: i32 = 10;
+    let (shape, floor) = (Shape::rectangle(1, 1).expect("a box"), Shape::rectangle(11, 1).expect("a floor"));
+    let body = |def: BodyDef, shape: &Shape, x: Fx, y: Fx| {
+        BodyDef { position: vector(x, y), ..def }.with_collider(shape.clone())
+    };
+    let bodies = (0..count as i32).flat_map(|i| {
+        let middle = Fx::from(12 * i);
+        let boxes = (0..ROWS).flat_map(move |row| (0..ROWS - row).map(move |k| (row, 2 * k - (ROWS - row - 1))));
+        let along = |halves: i32| middle + Fx::from(halves) / 2;
+        let boxes =
+            boxes.map(|(row, halves)| body(BodyDef::dynamic(), &shape, along(halves), fx!(0.5) + Fx::from(row)));
+        std::iter::once(body(BodyDef::fixed(), &floor, middle, fx!(-0.5))).chain(boxes).collect::<Vec<_>>()
+    });
+    let mut scene = scene(WorldDef { gravity: vector(Fx::ZERO, fx!(-9.81)), ..calm() }, bodies);
+    (0..8).for_each(|_| scene.advance());
+    scene
+}
+
 /// Like [`towers_asleep`] with one box that falls, after a call that wakes a tower.
 pub(crate) fn tower_woken(boxes: usize) -> Scene<Fx> {
     let mut scene = towers_asleep(1, boxes);

@@ -8,6 +8,7 @@ use alloc::vec::Vec;
 
 use super::{chunks, commands, custom_forces, file, places, recording, reseal, values};
 use crate::body::BodyDef;
+use crate::cases::is_short;
 use crate::replay::file::{REPLAY, SNAPSHOT, TICKS, Tag};
 use crate::replay::{
     Divergence, Owner, PHYSICS_VERSION, RecordOptions, Recorder, Replay, ReplayError, Snapshot, TickPhase,
@@ -44,9 +45,9 @@ fn every_command_is_recorded_and_played_alike() {
 #[test]
 fn a_flipped_bit_in_any_value_is_named_with_both_values() {
     let whole = recording();
-    let mut count = 0;
+    let (mut count, step) = (0, if is_short() { 5 } else { 1 });
     for (number, (chunk, start)) in chunks(&whole).into_iter().enumerate() {
-        for (at, length, name, text) in values(&chunk) {
+        for (at, length, name, text) in values(&chunk).into_iter().step_by(step) {
             for bit in [0, 8 * length - 1] {
                 let mut changed = whole.clone();
                 changed[start + at + bit / 8] ^= 1 << (bit % 8);
@@ -70,7 +71,7 @@ fn a_flipped_bit_in_any_value_is_named_with_both_values() {
             }
         }
     }
-    assert!(count > 1_000, "{count}");
+    assert!(count * step > 1_000, "{count}");
 }
 
 #[test]

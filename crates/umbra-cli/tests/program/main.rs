@@ -3,6 +3,8 @@
 mod cli;
 mod outputs;
 mod replays;
+#[path = "../../../../tests/support/seeds.rs"]
+mod seeds;
 mod view;
 
 use std::path::Path;
