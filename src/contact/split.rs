@@ -28,7 +28,9 @@ use crate::limits::SPEED;
 use crate::math::TimeStep;
 use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
-use crate::solve::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions};
+use crate::solve::{
+    Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions, is_heavy, may_be_heavy,
+};
 #[cfg(feature = "timers")]
 use crate::timers::Timers;
 
@@ -49,15 +51,6 @@ const IS_HEAVY: usize = 1;
 const IS_DEEP: usize = 2;
 /// The number of sets of such bits. A superset is a larger number.
 const KINDS: usize = 4;
-
-/// A load is heavy if a body on top has more than this times the mass of the one that carries it.
-const HEAVY: i64 = 64;
-
-/// Returns true for a mass in kg that is a heavy load on another one.
-fn is_heavy(load: Fx, mass: Fx) -> bool {
-    // Masses are at most 2^56 ulps: a product is at most 2^62.
-    load.to_bits() > mass.to_bits() * HEAVY
-}
 
 /// Returns true for a contact with a deep overlap.
 fn is_deep(contact: &Contact) -> bool {
@@ -323,14 +316,4 @@ fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
     flight.start.linear.y = mean(flight.displacement.y, correction.displacement.y);
     flight.start.angular = mean(flight.rotation, correction.rotation);
     flight.end = flight.start;
-}
-
-/// Returns true if masses differ by so much that one may be a heavy load. In most worlds they do not.
-fn may_be_heavy(flights: &[Flight]) -> bool {
-    let (mut min_mass, mut max_mass) = (Fx::MAX, Fx::ZERO);
-    // Bodies without contacts count as well, if their masses are known: the loads are found later.
-    for mass in flights.iter().map(|flight| flight.mass).filter(|&mass| mass > Fx::ZERO) {
-        (min_mass, max_mass) = (min_mass.min(mass), max_mass.max(mass));
-    }
-    min_mass < max_mass && is_heavy(max_mass, min_mass)
 }

@@ -22,6 +22,7 @@
 //! - `joint`: joints, which are solved before the contacts.
 //! - `groups`: the contacts in groups of lanes; `group`: one group; `load`, `batch`, `matrix`: its values, rows, factors and
 //!   inverse matrices.
+//! - `heavy`: loads for which worlds take finer sub-steps.
 //! - `push`, `wedge`: limits of pushes, at one contact, and at bodies that several contacts push out.
 //! - `follow`: bodies that contacts are not to move.
 //! - `motion`: velocities and displacements through the sub-steps.
@@ -43,6 +44,7 @@ mod follow;
 mod graph;
 mod group;
 mod groups;
+mod heavy;
 mod impact;
 mod joint;
 mod limbs;
@@ -70,6 +72,7 @@ use self::follow::{follow, set_followers};
 use self::graph::graph_start;
 pub(crate) use self::graph::{Graph, PHASES};
 use self::groups::ContactGroups;
+pub(crate) use self::heavy::{is_heavy, may_be_heavy};
 use self::impact::{Impacts, SubStep};
 use self::joint::Joints;
 pub use self::joint::{Joint, JointKind};
