@@ -298,3 +298,38 @@ pub fn pendulum() -> Scene {
     s.joints.push(Joint::revolute(0, 1, 0.0, 0.0));
     s
 }
+
+/// Ten ropes of ten boxes that fall on a floor.
+pub fn ropes() -> Scene {
+    let mut s = Scene::with_contacts("ropes", 100);
+    s.floor(50.0);
+    for rope in 0..10 {
+        let (x, y) = ((rope % 5) as f64 * 1.2 - 2.4, 2.0 + 3.0 * (rope / 5) as f64);
+        for k in 0..10 {
+            let (x, y) = (x + 0.02 * k as f64, y + 0.22 * k as f64);
+            s.dynamic(x, y, rectangle(0.06, 0.12)).angle = on_grid(0.02);
+            let me = s.bodies.len() - 1;
+            if k > 0 {
+                s.joints.push(Joint::revolute(me - 1, me, on_grid(x), on_grid(y - 0.11)));
+            }
+        }
+    }
+    s
+}
+
+/// A bridge of `n` planks between two supports, and five discs that fall on it.
+pub fn bridge(n: usize, disc_density: f64) -> Scene {
+    let mut s = Scene::with_contacts("bridge", n);
+    let half = n as f64 / 2.0;
+    s.fixed(-half - 1.0, 0.0, rectangle(1.0, 0.125));
+    for i in 0..n {
+        s.dynamic(i as f64 + 0.5 - half, 0.0, rectangle(0.48, 0.125)).density = 20.0;
+        s.joints.push(Joint::revolute(i, i + 1, i as f64 - half, 0.0));
+    }
+    s.fixed(half + 1.0, 0.0, rectangle(1.0, 0.125));
+    s.joints.push(Joint::revolute(n, n + 1, half, 0.0));
+    for k in 0..5 {
+        s.dynamic(k as f64 * 1.5 - 3.0, 3.0, circle(0.5)).density = disc_density;
+    }
+    s
+}

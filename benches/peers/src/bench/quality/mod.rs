@@ -79,6 +79,21 @@ const CASES: &[Case] = &[
         keep: &[5.0, 20.0, 60.0],
         measure: joints_at_rest,
     },
+    Case { name: "ropes", scene: scene::ropes, seconds: [20.0, 5.0], keep: &[5.0, 20.0], measure: joints_at_rest },
+    Case {
+        name: "bridge",
+        scene: || scene::bridge(30, 20.0),
+        seconds: [30.0, 5.0],
+        keep: &[5.0, 30.0],
+        measure: joints_at_rest,
+    },
+    Case {
+        name: "bridge_160x",
+        scene: || scene::bridge(30, 1000.0),
+        seconds: [30.0, 5.0],
+        keep: &[5.0, 30.0],
+        measure: joints_at_rest,
+    },
     Case { name: "pendulum", scene: scene::pendulum, seconds: [1000.0, 100.0], keep: &[], measure: pendulum },
 ];
 
