@@ -5,16 +5,19 @@
 //! axes. Arms turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the step: frozen, a rod
 //! that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
 //!
-//! - *Solve pass*: the rows aim at the velocity that takes a part of the error away ([`SoftRow`]), and at the second-order term of the
-//!   motion: bodies move on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it
-//!   by h·ω²·r/2. *Relax pass*: they aim at zero. With both a pendulum keeps its energy.
+//! - *Solve pass*: the rows aim at the velocity that takes a part of the error away, and at the second-order term of the motion: bodies move
+//!   on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it by h·ω²·r/2.
+//!   *Relax pass*: they aim at zero.
 //! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the
 //!   sub-step before ([`Begin`](super::motion::Begin)), also the changes by joints; so a joint adds the difference between its impulse at
 //!   the present arms and its change in the sub-step before. A body with joints and contacts gets both right, and a body without joints
 //!   pays nothing.
-//! - *Softness*: a spring and damper, with the frequency f over the rate of sub-steps, [`SolverOptions`](super::SolverOptions): at rest a gap is
-//!   F·k·h²/(2π·f)² for a force F and the inverse mass k along the row. Where a body has several joints in a phase, each of them moves its
-//!   share, and the passes spread impulses more slowly: half the frequency and four times the damping ratio, or a net swings for ever.
+//! - *Trees*: joined bodies without a closed ring are solved at once, exactly (`tree`, in the order of `forest`). A joint gives way by 2^-11 of
+//!   its inverse mass and takes a tenth of its error away in a sub-step; a tree with contacts, rings or two supports in its island that
+//!   bears a load of more than 64 times a mass gives way by 2^-7, or its bodies would swing across the tension. Trees that touch nothing have
+//!   no relax pass.
+//! - *Loops*: all others are solved by three iterations of conjugate gradients a pass (`gradients`), as springs and dampers of the frequency and
+//!   damping ratio of [`SolverOptions`](super::SolverOptions).
 //! - *Paths*: joints hold points where the bodies really are, so they must know where a body without further impulses ends
 //!   ([`Path`](super::apply::Path)).
 //! - *Sums*: each block adds up its impulses with the arms that they had, exactly; `apply` hands them to the bodies once.
@@ -25,24 +28,26 @@
 //! - The velocity of a row is below (√2·2^28 + 2·√2·2^27) = 2^29.5, times 2^30; the error is within ±2^30 ([`ERROR`]), times a rate below
 //!   2^30. The second-order terms are at most 0.1·√2·2^27 a body and 0.1·2^29.5 for the rod, the offsets of free flights along the row at
 //!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
-//! - Elements of an inverse matrix are below 2^32: a sum of two products is below 2^95, times a share of at most 2^30 below 2^125.
 //! - Impulses are within ±2^50 ([`IMPULSE`]). A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
-//!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Times a mass of at most 2^44 this is below 2^127. Weighted sums
-//!   over 16 sub-steps are at most 136 times as much: below 2^90.
+//!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Lowered by 20 bits, times a mass of at most 2^44, this is below
+//!   2^107. Weighted sums over 16 sub-steps are at most 136 times as much: below 2^90.
 //! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
-mod phases;
+mod forest;
+mod gradients;
+mod passes;
 #[cfg(test)]
 mod tests;
+mod tree;
 mod turn;
 
 use self::turn::Side;
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::Rows;
-use super::number::{bits_of, clamped, fixed, shifted};
-use super::unit::{Clock, SoftRow};
+use super::number::{bits_of, clamped, fixed, lowered, shifted};
+use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
 use crate::kernel::simd::GAIN_BITS;
@@ -50,7 +55,7 @@ use crate::kernel::sqrt::direction;
 use crate::math::Vec2;
 use crate::scalar::FxFactor;
 
-pub(super) use self::phases::Joints;
+pub(super) use self::passes::Joints;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
 const MASS_BITS: i32 = 44;
@@ -62,6 +67,8 @@ const ERROR: i64 = 1 << 30;
 const IMPULSE: i64 = 1 << 50;
 /// The largest change of velocity in a sub-step, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
+/// Bits by which the products of impulses and axes are lowered, before those with masses.
+const LOWER: i32 = 20;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
 
@@ -119,17 +126,6 @@ fn length_of(x: i64, y: i64) -> i64 {
     if (x, y) == (0, 0) { 0 } else { direction(x, y).1 as i64 }
 }
 
-/// The velocities that a pass over joints aims at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum JointPass {
-    /// The impulses of the sub-step before, at the present arms.
-    WarmStart,
-    /// Soft joints take errors away.
-    Solve,
-    /// Rigid joints; errors stay as they are.
-    Relax,
-}
-
 /// A joint as the passes see it: through the sub-steps in place of a [`Joint`].
 #[derive(Clone, Debug)]
 pub(super) struct Block {
@@ -142,14 +138,13 @@ pub(super) struct Block {
     length: Option<i64>,
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
-    soft: SoftRow,
     /// The number of sub-steps, and of moves of the bodies so far.
     substeps: i32,
     moves: i32,
-    /// True if a body moves by shares.
-    is_split: bool,
     /// log2 of the unit of its impulses, N·s.
     pub(super) exponent: i32,
+    /// log2 of that unit over the unit of velocity, kg.
+    mass_exponent: i32,
     /// The number of bits of the largest mass factor of a row.
     mass_bits: i32,
     /// Axes of the rows, in 2^-30.
@@ -160,11 +155,6 @@ pub(super) struct Block {
     errors: [i64; 2],
     /// The distance of the anchors.
     distance: i64,
-    /// Elements 11, 12 and 22 of the inverse matrix of the rows, in 2^-`inverse_shift` of the impulse by 2^-30 of velocity.
-    inverse: [i64; 3],
-    inverse_shift: i32,
-    /// The share of an impulse that is rigid in the solve pass, in 2^-30; the rest of it gives way.
-    rigid: i64,
     /// Impulses of the sub-step, by row.
     pub(super) impulses: [i64; 2],
     /// The impulses applied in the sub-step, in 2^-30: along x and y, and the angular ones of both bodies.
@@ -176,7 +166,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Prepares a joint in the unit of its island; `None` if it can move neither body.
+    /// Prepares a joint that can move a body, in the unit of its island.
     fn new(
         index: usize,
         input: &StepInput<'_>,
@@ -184,73 +174,57 @@ impl Block {
         rows: [u32; 2],
         shares: [i64; 2],
         unit: i32,
-    ) -> Option<Self> {
-        let StepInput { clock, softness, flights, joints, .. } = *input;
+    ) -> Self {
+        let StepInput { clock, flights, joints, .. } = *input;
         let joint = &joints[index];
-        let scale = MASS_BITS - largest_exponent(bodies)?;
+        let scale = MASS_BITS - largest_exponent(bodies).unwrap_or(0);
         let sides = [0, 1].map(|k| {
             let flight = &flights[joint.bodies[k] as usize];
             Side::new(flight, rows[k], shares[k], joint.anchors[k], scale, unit, clock)
         });
-        let mass_bits = bits_of(sides[0].largest_mass() + sides[1].largest_mass());
-        if mass_bits == 0 {
-            return None;
-        }
+        // Locks may leave nothing that it moves.
+        let mass_bits = bits_of((sides[0].largest_mass() + sides[1].largest_mass()).max(1));
         let offset = joint.offset(flights).map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
         let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let (length, count) = match joint.kind {
             JointKind::Revolute => (None, 2),
             JointKind::Distance { length } => (Some(clock.length(length, unit).clamp(0, FAR) as i64), 1),
         };
-        let is_split = sides.iter().any(Side::is_split);
-        let exponent = scale - mass_bits - FINER + unit;
+        let mass_exponent = scale - mass_bits - FINER;
+        let exponent = mass_exponent + unit;
         let warm = |impulse: i64| {
             let bits = exponent.saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
             shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
         };
         let [first, second, _] = joint.impulses.values;
-        Some(Self {
+        Self {
             joint: index as u32,
             sides,
             count,
             length,
             base,
-            soft: softness.joint[usize::from(is_split)],
             substeps: clock.substeps as i32,
             moves: 0,
-            is_split,
             exponent,
+            mass_exponent,
             mass_bits,
             axes: [[1 << 30, 0], [0, 1 << 30]],
             crosses: [[0; 2]; 2],
             errors: [0; 2],
             distance: 0,
-            inverse: [0; 3],
-            inverse_shift: 0,
-            rigid: 0,
             impulses: [warm(first), if count == 2 { warm(second) } else { 0 }],
             change: [0; 4],
             applied: [0; 4],
             weighted: [0; 4],
-        })
+        }
     }
 
-    /// One pass. Returns the number of values that were cut off.
-    fn run(&mut self, pass: JointPass, rows: &mut Rows) -> u64 {
-        let cut = match pass {
-            JointPass::WarmStart => {
-                self.change = [0; 4];
-                self.push(self.impulses);
-                0
-            }
-            JointPass::Solve => self.solve(rows, true),
-            JointPass::Relax => self.solve(rows, false),
-        };
-        let cut = cut + self.give_gains(rows);
-        if pass == JointPass::Relax {
-            (0..4).for_each(|i| self.applied[i] += self.change[i]);
-        }
-        cut
+    /// Begins a sub-step with the impulses of the one before, at the present arms. Returns the number of values that were cut off.
+    #[inline(always)]
+    fn warm_start(&mut self, rows: &mut Rows) -> u64 {
+        self.change = [0; 4];
+        self.push(self.impulses);
+        self.give_gains(rows)
     }
 
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
@@ -260,37 +234,40 @@ impl Block {
         self.turn(rows)
     }
 
-    fn solve(&mut self, rows: &Rows, is_biased: bool) -> u64 {
+    /// The velocities of the rows, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the second-order term.
+    #[inline(always)]
+    fn residual(&self, rows: &Rows, rate: Option<i64>) -> [i64; 2] {
         let velocities = [0, 1].map(|k| rows.velocity(self.sides[k].row));
-        let mut errors = [0; 2];
-        for (row, error) in errors.iter_mut().enumerate().take(self.count) {
-            *error = self.velocity(row, velocities);
-            if is_biased {
-                let push = i64::from(self.soft.rate) * self.errors[row];
-                *error += push + self.second_order(row, velocities);
+        let mut residual = [0; 2];
+        for (row, sum) in residual.iter_mut().enumerate().take(self.count) {
+            *sum = self.velocity(row, velocities);
+            if let Some(rate) = rate {
+                *sum += rate * self.errors[row] + self.second_order(row, velocities);
             }
         }
-        let [e11, e12, e22] = self.inverse.map(i128::from);
-        let [v1, v2] = errors.map(i128::from);
-        let solution = [e11 * v1 + e12 * v2, e12 * v1 + e22 * v2];
+        residual
+    }
+
+    /// Changes the impulses of the rows. Returns the number of impulses that were cut off.
+    #[inline(always)]
+    fn change(&mut self, changes: [i128; 2]) -> u64 {
         let mut cut = 0;
-        let mut changes = [0; 2];
+        let mut applied = [0; 2];
         for row in 0..self.count {
             let before = self.impulses[row];
-            // Within 2^95, and 2^125 with the rigid share: the shift is as large as the inverse needs it.
-            let wanted = if is_biased {
-                let gives_way = i128::from((1 << 30) - self.rigid) * i128::from(before);
-                let push = shifted(i128::from(self.rigid) * solution[row], self.inverse_shift + 30);
-                i128::from(before) - push - shifted(gives_way, 30)
-            } else {
-                i128::from(before) - shifted(solution[row], self.inverse_shift)
-            };
+            let wanted = i128::from(before) + changes[row];
             let after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
             cut += u64::from(i128::from(after) != wanted);
-            (self.impulses[row], changes[row]) = (after, after - before);
+            (self.impulses[row], applied[row]) = (after, after - before);
         }
-        self.push(changes);
+        self.push(applied);
         cut
+    }
+
+    /// Ends a sub-step: adds up what it has applied.
+    #[inline(always)]
+    fn end(&mut self) {
+        (0..4).for_each(|i| self.applied[i] += self.change[i]);
     }
 
     /// Adds impulses of the rows to the change of the sub-step.
@@ -306,19 +283,20 @@ impl Block {
     /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
     /// Returns the number of changes that were cut off.
     fn give_gains(&mut self, rows: &mut Rows) -> u64 {
-        let bits = self.mass_bits + FINER + 30 - GAIN_BITS;
+        // Products with masses are below 2^107. What is lowered away is below 2^-18 of a unit of velocity, and exact in the end.
+        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
         let [x, y, turn_a, turn_b] = self.change;
+        let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
+        let turns = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
         let mut cut = 0;
-        for (side, turn, sign) in [(0, turn_a, -1), (1, turn_b, 1)] {
-            let side = &mut self.sides[side];
+        for (side, (turn, sign)) in self.sides.iter_mut().zip(turns.into_iter().zip([-1, 1])) {
             if !side.is_movable() {
                 continue;
             }
-            let limit = GAIN.min((1 << 61) / side.share);
             let gains = &mut rows.rows[side.row as usize].gain;
             for (k, impulse) in [x, y, turn].into_iter().enumerate() {
-                let wanted = shifted(i128::from(side.masses[k]) * impulse, bits);
-                let applied_gain = wanted.clamp(-i128::from(limit), i128::from(limit)) as i64;
+                let wanted = shifted(i128::from(side.masses[k]) * i128::from(impulse), bits);
+                let applied_gain = wanted.clamp(-side.gain_limit, side.gain_limit) as i64;
                 cut += u64::from(i128::from(applied_gain) != wanted);
                 gains[k] += sign * (applied_gain - side.applied_gain[k]);
                 side.applied_gain[k] = applied_gain;
@@ -346,7 +324,7 @@ impl Side {
         Self {
             row,
             masses: [mx, my, angular],
-            share,
+            gain_limit: GAIN.min((1 << 61) / share).into(),
             start,
             unit_start,
             arm: start,

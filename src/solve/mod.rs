@@ -22,7 +22,7 @@
 //! - `joint`: joints, which are solved before the contacts.
 //! - `groups`: the contacts in groups of lanes; `group`: one group; `load`, `batch`, `matrix`: its values, rows, factors and
 //!   inverse matrices.
-//! - `heavy`: loads for which worlds take finer sub-steps.
+//! - `heavy`: loads for which joints give way, and for which worlds take finer sub-steps.
 //! - `push`, `wedge`: limits of pushes, at one contact, and at bodies that several contacts push out.
 //! - `follow`: bodies that contacts are not to move.
 //! - `motion`: velocities and displacements through the sub-steps.
@@ -101,9 +101,9 @@ pub struct SolverOptions {
     pub frequency: Fx,
     /// Damping ratio of soft contacts.
     pub damping_ratio: Fx,
-    /// Frequency of joints over the rate of sub-steps; half of it where a body has several joints in a phase.
+    /// Frequency of joints in loops over the rate of sub-steps.
     pub joint_frequency: Fx,
-    /// Damping ratio of joints; four times it where a body has several joints in a phase.
+    /// Damping ratio of joints in loops. Joints in trees have a softness of their own.
     pub joint_damping_ratio: Fx,
     /// The largest velocity by which overlaps are pushed out, m/s.
     pub push_speed: Fx,
@@ -120,7 +120,7 @@ impl Default for SolverOptions {
             frequency: fx!(0.15625),
             damping_ratio: fx!(10),
             joint_frequency: fx!(0.25),
-            joint_damping_ratio: fx!(2),
+            joint_damping_ratio: fx!(12),
             push_speed: fx!(3),
             restitution_speed: fx!(1),
             relax_passes: 1,

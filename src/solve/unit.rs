@@ -6,7 +6,6 @@
 use super::SolverOptions;
 use super::group::SEPARATION;
 use super::number::{clamped, shifted};
-use crate::fx;
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::math::TimeStep;
@@ -155,7 +154,7 @@ pub(super) fn unit_for(speed: u64, substeps: u32) -> i32 {
 const PUSH: i128 = 1 << 25;
 
 /// The constants of one kind of contact or joint.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SoftRow {
     /// The velocity by which a unit of overlap is pushed out, in 2^-30: hω/(2ζ + hω).
     pub(super) rate: i32,
@@ -173,8 +172,8 @@ pub(crate) struct Softness {
     /// m/s
     push_speed: Fx,
     restitution_speed: Fx,
-    /// Joints: where neither body has another joint in the phase, and where one has.
-    pub(super) joint: [SoftRow; 2],
+    /// Joints in loops.
+    pub(super) joint: SoftRow,
 }
 
 /// 2π in 2^-30.
@@ -204,13 +203,7 @@ impl Softness {
             fixed: SoftRow::new(double, options.damping_ratio),
             push_speed: options.push_speed,
             restitution_speed: options.restitution_speed,
-            joint: [
-                SoftRow::new(options.joint_frequency, options.joint_damping_ratio),
-                SoftRow::new(
-                    Fx::from_bits(options.joint_frequency.to_bits() >> 1),
-                    options.joint_damping_ratio.saturating_mul(fx!(4)),
-                ),
-            ],
+            joint: SoftRow::new(options.joint_frequency, options.joint_damping_ratio),
         }
     }
 

@@ -2,6 +2,8 @@
 
 mod cases;
 mod exact;
+mod forest;
+mod quality;
 mod scene;
 mod twin;
 mod world;

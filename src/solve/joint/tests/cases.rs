@@ -20,12 +20,6 @@ fn bob() -> World {
     world
 }
 
-/// The largest speed of a point of a body.
-fn largest_speed(world: &World) -> f64 {
-    let speed = |body: &Body| body.velocity[0].hypot(body.velocity[1]) + body.spin.abs() * body.radius;
-    world.bodies.iter().map(speed).fold(0.0, f64::max)
-}
-
 /// The change of energy of a pendulum in some seconds, as a share of m·g·l, and the largest change on the way.
 fn energy_change(mut world: World, seconds: u32) -> (f64, f64) {
     let scale = world.bodies[1].mass * 10.0;
@@ -78,7 +72,7 @@ fn a_pendulum_has_the_period_of_its_closed_form() {
             body.inertia = 0.0;
         }
         let error = measured_period(world) / period(&body) - 1.0;
-        assert!(error.abs() < 1e-5, "{name}: {error}");
+        assert!(error.abs() < 2e-5, "{name}: {error}");
     }
 }
 
@@ -92,7 +86,7 @@ fn a_pendulum_keeps_its_energy() {
 
 #[test]
 fn a_pendulum_keeps_its_energy_for_a_thousand_seconds() {
-    for (world, max_end, max_change) in [(pendulum(), 0.005, 0.0125), (bob(), 0.0125, 0.02)] {
+    for (world, max_end, max_change) in [(pendulum(), 0.007, 0.0125), (bob(), 0.0125, 0.02)] {
         let (change, largest) = energy_change(world, 1000);
         assert!(change.abs() < max_end && largest < max_change, "{change} {largest}");
     }
@@ -126,7 +120,7 @@ fn a_box_on_a_joint_rests_on_the_floor() {
         world.run(20.0);
         let [x, y] = world.bodies[2].at;
         let angle = world.bodies[2].angle;
-        assert!(largest_speed(&world) < 1e-4, "{joint}: {}", largest_speed(&world));
+        assert!(world.largest_speed() < 1e-4, "{joint}: {}", world.largest_speed());
         let moved = x.abs().max((y - 0.5).abs()).max(angle.abs());
         assert!(moved < 1e-3, "{joint}: {x} {y} {angle}");
         assert!(world.worst_gap() < 1e-3, "{joint}: {}", world.worst_gap());
@@ -143,13 +137,13 @@ fn joints_carry_a_box_on_another_one() {
     world.pin(1, 2, [-0.5, 1.05]);
     world.pin(1, 2, [0.5, 1.05]);
     world.run(20.0);
-    assert!(largest_speed(&world) < 1e-4, "{}", largest_speed(&world));
+    assert!(world.largest_speed() < 1e-4, "{}", world.largest_speed());
     let sunk = 1.6 - world.bodies[2].at[1];
     assert!((0.0..5e-3).contains(&sunk) && world.worst_gap() < 1e-3, "{sunk} {}", world.worst_gap());
 }
 
 /// A chain of rods of 0.5 m, each 1.25 kg, that hangs straight down.
-fn chain(n: usize, tip: f64) -> World {
+pub(super) fn chain(n: usize, tip: f64) -> World {
     let mut bodies = vec![Body::fixed()];
     for i in 0..n {
         let mut link = Body::rectangle([0.0, -0.25 - 0.5 * i as f64], [0.0625, 0.25]);
@@ -162,25 +156,25 @@ fn chain(n: usize, tip: f64) -> World {
     world
 }
 
-/// At rest a joint gives way like a spring of its frequency: the gap is F·k·h²/(2π·f)² for a force F, the inverse masses k of both links
-/// together, and the frequency f over the rate 1/h of sub-steps.
+/// At rest a joint of a tree gives way by F·k·c·h²/r, for a force F, half the trace k of the inverse mass of both links at their ends, the
+/// compliance c, the sub-step h and the part r of an error that is taken away in it.
 fn gaps_at_rest(world: &World) -> Vec<f64> {
     let h = 1.0 / f64::from(super::world::RATE * world.options.substeps);
-    let turn = 2.0 * PI * super::world::double(world.options.joint_frequency);
     let mass = |i: usize| world.bodies[i].mass;
+    let mobility = |i: usize| 1.0 / mass(i) + 0.25 * 0.25 / world.bodies[i].inertia / 2.0;
     let gap = |i: usize| {
         let below: f64 = (i..world.bodies.len()).map(mass).sum();
-        let above = if i > 1 { 1.0 / mass(i - 1) } else { 0.0 };
-        10.0 * below * (above + 1.0 / mass(i)) * (h / turn).powi(2)
+        let above = if i > 1 { mobility(i - 1) } else { 0.0 };
+        10.0 * below * (above + mobility(i)) * h * h / 2048.0 / 0.1
     };
     (1..world.bodies.len()).map(gap).collect()
 }
 
 #[test]
-fn chains_stretch_as_their_frequency_says() {
+fn chains_stretch_as_their_compliance_says() {
     for (links, tip) in [(60, 1.0), (15, 100.0)] {
         let mut world = chain(links, tip);
-        world.run(60.0);
+        world.run(10.0);
         let (mut expected, mut fallen) = (0.0, 0.0);
         for (i, gap) in gaps_at_rest(&world).into_iter().enumerate() {
             let now = -0.25 - 0.5 * i as f64 - world.bodies[i + 1].at[1];
@@ -189,7 +183,7 @@ fn chains_stretch_as_their_frequency_says() {
             fallen = now;
         }
         assert!((fallen - expected).abs() < 0.001 * expected, "{links}, {tip}: {fallen} {expected}");
-        assert!(largest_speed(&world) < 1e-4, "{links}, {tip}: {}", largest_speed(&world));
+        assert!(world.largest_speed() < 1e-4, "{links}, {tip}: {}", world.largest_speed());
         // It hangs as straight as it did.
         assert!(world.bodies.iter().all(|body| body.at[0] == 0.0 && body.angle == 0.0));
         assert_eq!(world.cut, 0);
@@ -211,8 +205,8 @@ fn a_scene_without_joints_pays_nothing() {
     world.run(1.0);
 }
 
-/// A net of side × side discs, tied by rods and held at its top corners.
-fn net(side: usize) -> World {
+/// A net of side × side discs, tied by rods, or by pins half way, and held at its top corners.
+pub(super) fn net(side: usize, has_pins: bool) -> World {
     let half = (side as f64 - 1.0) / 2.0;
     let mass = PI * 0.04;
     let disc = Body { mass, inertia: mass * 0.02, radius: 0.2, ..Body::fixed() };
@@ -225,7 +219,14 @@ fn net(side: usize) -> World {
     }
     let mut world = World::new(&bodies, 10.0);
     for i in 0..side * side {
-        let mut tie = |to: usize| world.rod(to, i, [bodies[to].at, bodies[i].at]);
+        let mut tie = |to: usize| {
+            let [a, b] = [bodies[to].at, bodies[i].at];
+            if has_pins {
+                world.pin(to, i, [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0]);
+            } else {
+                world.rod(to, i, [a, b]);
+            }
+        };
         if i % side > 0 {
             tie(i - 1);
         }
@@ -239,9 +240,9 @@ fn net(side: usize) -> World {
 /// Joints share bodies here: with the stiffness of joints that do not, a net swings for ever.
 #[test]
 fn a_net_comes_to_rest() {
-    let mut world = net(10);
+    let mut world = net(10, false);
     world.run(30.0);
-    assert!(largest_speed(&world) < 1e-4, "{}", largest_speed(&world));
+    assert!(world.largest_speed() < 1e-4, "{}", world.largest_speed());
     let asymmetry = (0..100).map(|i: usize| {
         let (a, b) = (world.bodies[i].at, world.bodies[i / 10 * 10 + 9 - i % 10].at);
         (a[0] + b[0]).abs().max((a[1] - b[1]).abs())

@@ -118,13 +118,37 @@ impl Scene {
         }
     }
 
+    /// Gives the bodies masses and inertias from a millionth to a million times as large, locks some of them, and makes lengths from 2^-4
+    /// to 2^4 times as long.
+    pub(super) fn make_hard(&mut self, random: &mut Random) {
+        for flight in self.flights.iter_mut().filter(|flight| !flight.is_fixed()) {
+            let mut scaled = |factor: FxFactor| factor.times(inverse(2f64.powf(20.0 * signed(random))));
+            flight.inverse_inertia = scaled(flight.inverse_inertia);
+            flight.inverse_mass = flight.inverse_mass.map(|_| scaled(flight.inverse_mass.x));
+            flight.inverse_mass.y = flight.inverse_mass.x;
+            flight.mass = FxFactor::ONE.over(flight.inverse_mass.x).to_scalar().expect("a mass within the limits");
+            match index(random, 8) {
+                0 => flight.inverse_mass.x = FxFactor::ZERO,
+                1 => flight.inverse_mass.y = FxFactor::ZERO,
+                2 => flight.inverse_inertia = FxFactor::ZERO,
+                3 => flight.inverse_mass = Vec2::new(FxFactor::ZERO, FxFactor::ZERO),
+                _ => {}
+            }
+            flight.radius = fx(0.75 * 16f64.powf(signed(random)).max(1.0));
+        }
+    }
+
     /// The corrections, the impulses of joints, and the number of values that were cut off.
     pub(super) fn solve(&self) -> (Vec<Correction>, Vec<Impulses>, u64) {
+        self.solve_by(&mut Solver::default())
+    }
+
+    /// [`solve`](Self::solve) by a solver with a past.
+    pub(super) fn solve_by(&self, solver: &mut Solver) -> (Vec<Correction>, Vec<Impulses>, u64) {
         let mut corrections = Vec::new();
         let mut joints = self.joints.clone();
         let mut contacts = self.contacts.clone();
         let time_step = TimeStep::hz(RATE);
-        let mut solver = Solver::default();
         let counts =
             solver.solve(time_step, &self.options, &self.flights, &mut joints, &mut contacts, &mut corrections);
         (corrections, joints.iter().map(|joint| joint.impulses).collect(), counts.cut)

@@ -10,7 +10,7 @@ use crate::cases::run_seed;
 use crate::fx::Fx;
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::FxFactor;
-use crate::solve::graph::PHASES;
+use crate::solve::bodies::STILL;
 use crate::solve::{JointKind, Solver};
 
 fn pair(v: Vec2) -> [f64; 2] {
@@ -56,8 +56,8 @@ struct Joint {
     ends: [usize; 2],
     anchors: [[f64; 2]; 2],
     length: Option<f64>,
-    phase: usize,
-    shares: [f64; 2],
+    /// Half the trace of the inverse mass at the points of both bodies, at the start.
+    mobility: f64,
     impulses: Vec<f64>,
     /// Arms, axes and errors where the bodies are now.
     arms: [[f64; 2]; 2],
@@ -66,9 +66,16 @@ struct Joint {
     distance: f64,
 }
 
+/// Joints of bodies that they connect.
+struct Set {
+    joints: Vec<usize>,
+    is_tree: bool,
+}
+
 struct Twin {
     bodies: Vec<Body>,
     joints: Vec<Joint>,
+    sets: Vec<Set>,
     h: f64,
     n: usize,
     frequency: f64,
@@ -89,12 +96,52 @@ fn held(scene: &Scene) -> Vec<usize> {
     (0..scene.flights.len()).filter(|&body| is_held[body] && !scene.flights[body].is_fixed()).collect()
 }
 
+/// The sets of joints. A tree has one joint between two movable bodies less than bodies.
+fn sets(scene: &Scene) -> Vec<Set> {
+    let is_fixed = |body: u32| scene.flights[body as usize].is_fixed();
+    let mut label: Vec<usize> = (0..scene.flights.len()).collect();
+    for _ in &scene.flights {
+        for joint in scene.joints.iter().filter(|joint| !joint.bodies.iter().any(|&body| is_fixed(body))) {
+            let [a, b] = joint.bodies.map(|body| body as usize);
+            (label[a], label[b]) = (label[a].min(label[b]), label[a].min(label[b]));
+        }
+    }
+    let set = |set: usize| {
+        let is_member = |&&body: &&u32| !is_fixed(body) && label[body as usize] == set;
+        let joints = (0..scene.joints.len()).filter(|&i| scene.joints[i].bodies.iter().any(|body| is_member(&body)));
+        let joints: Vec<usize> = joints.collect();
+        let inner = joints.iter().filter(|&&i| scene.joints[i].bodies.iter().all(|body| is_member(&body))).count();
+        let members = (0..scene.flights.len() as u32).filter(|body| is_member(&body)).count();
+        Set { joints, is_tree: inner + 1 == members }
+    };
+    (0..scene.flights.len()).map(set).filter(|set| !set.joints.is_empty()).collect()
+}
+
+/// The solution of a system of linear equations, by Gauss with the largest pivots.
+fn solved(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
+    let n = right.len();
+    for i in 0..n {
+        let largest = |&a: &usize, &b: &usize| matrix[a][i].abs().total_cmp(&matrix[b][i].abs());
+        let pivot = (i..n).max_by(largest).expect("a row is left");
+        matrix.swap(i, pivot);
+        right.swap(i, pivot);
+        for row in i + 1..n {
+            let factor = matrix[row][i] / matrix[i][i];
+            (i..n).for_each(|k| matrix[row][k] -= factor * matrix[i][k]);
+            right[row] -= factor * right[i];
+        }
+    }
+    for i in (0..n).rev() {
+        let known: f64 = (i + 1..n).map(|k| matrix[i][k] * right[k]).sum();
+        right[i] = (right[i] - known) / matrix[i][i];
+    }
+    right
+}
+
 impl Twin {
     fn new(scene: &Scene) -> Self {
-        // The phases are the solver's, which have tests of their own.
         let mut solver = Solver::default();
         solver.prepare(TimeStep::hz(RATE), &scene.options, &scene.flights, &scene.joints, &[]);
-        let phase = |i: usize| solver.graph.phase(scene.joints[i].bodies);
         let bodies = scene.flights.iter().map(|flight| Body {
             mass: number(flight.inverse_mass.x),
             inertia: number(flight.inverse_inertia),
@@ -106,10 +153,9 @@ impl Twin {
         });
         let joint = |i: usize| {
             let joint = &scene.joints[i];
-            let in_phase = |&k: &usize| phase(k) == phase(i);
-            let sharing = |body: u32| {
-                let phase_joints = (0..scene.joints.len()).filter(in_phase);
-                phase_joints.filter(|&k| scene.joints[k].bodies.contains(&body)).count() as f64
+            let at = |side: usize| {
+                let (body, [x, y]) = (&scene.flights[joint.bodies[side] as usize], pair(joint.anchors[side]));
+                number(body.inverse_mass.x) + number(body.inverse_inertia) * (x * x + y * y) / 2.0
             };
             let (length, count) = match joint.kind {
                 JointKind::Revolute => (None, 2),
@@ -120,8 +166,7 @@ impl Twin {
                 ends: joint.bodies.map(|body| body as usize),
                 anchors: joint.anchors.map(pair),
                 length,
-                phase: phase(i),
-                shares: joint.bodies.map(sharing),
+                mobility: at(0) + at(1),
                 impulses: joint.impulses.values[..count].iter().map(|&value| value as f64 * unit).collect(),
                 arms: [[0.0; 2]; 2],
                 axes: vec![],
@@ -141,11 +186,21 @@ impl Twin {
         Self {
             bodies,
             joints: (0..scene.joints.len()).map(joint).collect(),
+            sets: sets(scene),
             h: 1.0 / (f64::from(RATE) * f64::from(scene.options.substeps)),
             n: scene.options.substeps as usize,
             frequency: double(scene.options.joint_frequency),
             damping: double(scene.options.joint_damping_ratio),
-            unit: 2f64.powi(solver.bodies.bodies.iter().map(|body| body.unit).max().unwrap_or_default()),
+            unit: 2f64.powi(
+                solver
+                    .bodies
+                    .bodies
+                    .iter()
+                    .filter(|body| body.row != STILL)
+                    .map(|body| body.unit)
+                    .max()
+                    .unwrap_or_default(),
+            ),
         }
     }
 
@@ -202,14 +257,20 @@ impl Twin {
         }
     }
 
-    /// The matrix element of two rows, with shares of both bodies.
-    fn element(&self, joint: &Joint, i: usize, j: usize, shares: [f64; 2]) -> f64 {
-        let side_element = |side: usize| {
-            let (body, arm) = (&self.bodies[joint.ends[side]], joint.arms[side]);
-            let turning = cross(arm, joint.axes[i]) * cross(arm, joint.axes[j]);
-            shares[side] * (body.mass * dot(joint.axes[i], joint.axes[j]) + body.inertia * turning)
-        };
-        side_element(0) + side_element(1)
+    /// The velocity of row i of a joint by an impulse along row j of another one.
+    fn element(&self, [a, i]: [usize; 2], [b, j]: [usize; 2]) -> f64 {
+        let (first, second) = (&self.joints[a], &self.joints[b]);
+        let mut sum = 0.0;
+        for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            if first.ends[k] != second.ends[l] {
+                continue;
+            }
+            let body = &self.bodies[first.ends[k]];
+            let turning = cross(first.arms[k], first.axes[i]) * cross(second.arms[l], second.axes[j]);
+            let velocity = body.mass * dot(first.axes[i], second.axes[j]) + body.inertia * turning;
+            sum += if k == l { velocity } else { -velocity };
+        }
+        sum
     }
 
     /// The bias of a row in the solve pass, m/s.
@@ -243,57 +304,103 @@ impl Twin {
         rate * joint.errors[row] / h + bend(1) - bend(0) - (shift(1) - shift(0)) + rod
     }
 
-    /// The changes of the impulses of a joint.
-    fn changes(&self, joint: &Joint, is_biased: bool) -> Vec<f64> {
-        let is_split = (0..2).any(|side| {
+    /// Rows of joints, by joint and number.
+    fn rows(&self, joints: &[usize]) -> Vec<[usize; 2]> {
+        joints.iter().flat_map(|&joint| (0..self.joints[joint].axes.len()).map(move |row| [joint, row])).collect()
+    }
+
+    /// The velocity along a row, m/s.
+    fn velocity(&self, [joint, row]: [usize; 2]) -> f64 {
+        let joint = &self.joints[joint];
+        let speed = |side: usize| {
             let body = &self.bodies[joint.ends[side]];
-            joint.shares[side] > 1.0 && body.mass + body.inertia > 0.0
-        });
-        let turn = TAU * self.frequency * if is_split { 0.5 } else { 1.0 };
-        let sum = 2.0 * self.damping * if is_split { 4.0 } else { 1.0 } + turn;
+            dot([body.now[0], body.now[1]], joint.axes[row]) + body.now[2] * cross(joint.arms[side], joint.axes[row])
+        };
+        speed(1) - speed(0)
+    }
+
+    /// The changes of impulses of a tree: (K + γ)·Δλ = −r.
+    fn tree_changes(&self, rows: &[[usize; 2]]) -> Vec<f64> {
+        let softness = |joint: usize| self.joints[joint].mobility / 2048.0;
+        let matrix =
+            |i: usize, k: usize| self.element(rows[i], rows[k]) + if i == k { softness(rows[i][0]) } else { 0.0 };
+        let matrix = (0..rows.len()).map(|i| (0..rows.len()).map(|k| matrix(i, k)).collect()).collect();
+        let residual = |&[joint, row]: &[usize; 2]| {
+            let soft = softness(joint) * self.joints[joint].impulses[row];
+            -(self.velocity([joint, row]) + self.bias(&self.joints[joint], row, 0.1) + soft)
+        };
+        solved(matrix, rows.iter().map(residual).collect())
+    }
+
+    /// The changes of impulses of a loop by three iterations of conjugate gradients.
+    fn loop_changes(&self, rows: &[[usize; 2]], is_biased: bool) -> Vec<f64> {
+        let turn = TAU * self.frequency;
+        let sum = 2.0 * self.damping + turn;
         let (rate, compliance) = (turn / sum, 1.0 / (turn * sum));
-        let count = joint.axes.len();
-        let trace = |shares| (0..count).map(|i| self.element(joint, i, i, shares)).sum::<f64>();
-        let (split, whole) = (trace(joint.shares), trace([1.0; 2]));
-        let rigid = split / (split + compliance * whole);
-        let velocity = |row: usize| {
-            let speed = |side: usize| {
-                let body = &self.bodies[joint.ends[side]];
-                dot([body.now[0], body.now[1]], joint.axes[row])
-                    + body.now[2] * cross(joint.arms[side], joint.axes[row])
+        let numbers = || 0..rows.len();
+        let own = |joint: usize| numbers().filter(move |&i| rows[i][0] == joint);
+        let trace = |joint: usize| own(joint).map(|i| self.element(rows[i], rows[i])).sum::<f64>();
+        let softness = |joint: usize| compliance * trace(joint) / own(joint).count() as f64;
+        let times = |p: &[f64]| -> Vec<f64> {
+            let whole = |i: usize| numbers().map(|k| self.element(rows[i], rows[k]) * p[k]).sum::<f64>();
+            numbers().map(|i| whole(i) + softness(rows[i][0]) * p[i]).collect()
+        };
+        let precondition = |r: &[f64]| -> Vec<f64> {
+            let solve = |i: usize| {
+                let joint: Vec<usize> = own(rows[i][0]).collect();
+                let extra = if joint.len() == 2 { trace(rows[i][0]) / f64::from(1 << 20) } else { 0.0 };
+                let element = |a: usize, b: usize| self.element(rows[a], rows[b]) + if a == b { extra } else { 0.0 };
+                let matrix = joint.iter().map(|&a| joint.iter().map(|&b| element(a, b)).collect()).collect();
+                let solution = solved(matrix, joint.iter().map(|&a| r[a]).collect());
+                solution[joint.iter().position(|&a| a == i).expect("a row of the joint")] / (1.0 + compliance)
             };
-            speed(1) - speed(0) + if is_biased { self.bias(joint, row, rate) } else { 0.0 }
+            numbers().map(solve).collect()
         };
-        let k = |i: usize, j: usize| self.element(joint, i, j, joint.shares);
-        let solution = if count == 1 {
-            vec![velocity(0) / k(0, 0)]
-        } else {
-            let more = split / f64::from(1 << 20);
-            let (k11, k12, k22) = (k(0, 0) + more, k(0, 1), k(1, 1) + more);
-            let (v1, v2, det) = (velocity(0), velocity(1), k11 * k22 - k12 * k12);
-            vec![(k22 * v1 - k12 * v2) / det, (k11 * v2 - k12 * v1) / det]
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let residual = |&[joint, row]: &[usize; 2]| {
+            let soft = softness(joint) * self.joints[joint].impulses[row];
+            let biased = if is_biased { self.bias(&self.joints[joint], row, rate) + soft } else { 0.0 };
+            -(self.velocity([joint, row]) + biased)
         };
-        solution
-            .into_iter()
-            .zip(&joint.impulses)
-            .map(|(push, impulse)| if is_biased { -rigid * push - (1.0 - rigid) * impulse } else { -push })
-            .collect()
+        let mut r: Vec<f64> = rows.iter().map(residual).collect();
+        let mut z = precondition(&r);
+        let (mut p, mut x) = (z.clone(), vec![0.0; rows.len()]);
+        for _ in 0..3 {
+            let (square, moved) = (product(&r, &z), times(&p));
+            if square == 0.0 {
+                break;
+            }
+            let step = square / product(&p, &moved);
+            for i in numbers() {
+                (x[i], r[i]) = (x[i] + step * p[i], r[i] - step * moved[i]);
+            }
+            z = precondition(&r);
+            let kept = product(&r, &z) / square;
+            p = numbers().map(|i| z[i] + kept * p[i]).collect();
+        }
+        x
     }
 
     fn pass(&mut self, is_biased: bool) {
-        for phase in 0..PHASES {
-            let mut gains = vec![[0.0; 3]; self.bodies.len()];
-            let is_in_phase = |joint: &&Joint| joint.phase == phase;
-            let changes: Vec<_> =
-                self.joints.iter().filter(is_in_phase).map(|joint| self.changes(joint, is_biased)).collect();
-            for (joint, changes) in self.joints.iter().filter(is_in_phase).zip(&changes) {
-                self.push(joint, changes, &mut gains);
-            }
-            for (joint, changes) in self.joints.iter_mut().filter(|joint| joint.phase == phase).zip(&changes) {
-                joint.impulses.iter_mut().zip(changes).for_each(|(impulse, change)| *impulse += change);
-            }
-            self.add(&gains);
+        let mut all = vec![];
+        for set in &self.sets {
+            let rows = self.rows(&set.joints);
+            let changes = match (set.is_tree, is_biased) {
+                (true, true) => self.tree_changes(&rows),
+                // Trees that touch nothing have no relax pass.
+                (true, false) => vec![0.0; rows.len()],
+                (false, _) => self.loop_changes(&rows, is_biased),
+            };
+            all.extend(rows.into_iter().zip(changes));
         }
+        let mut gains = vec![[0.0; 3]; self.bodies.len()];
+        for ([joint, row], change) in all {
+            let mut changes = vec![0.0; self.joints[joint].axes.len()];
+            changes[row] = change;
+            self.push(&self.joints[joint], &changes, &mut gains);
+            self.joints[joint].impulses[row] += change;
+        }
+        self.add(&gains);
     }
 
     fn run(&mut self) {
@@ -316,38 +423,45 @@ impl Twin {
     }
 }
 
-/// A velocity is rounded, by half a unit, in up to 72 passes, nine in each of eight sub-steps: together 36 units. Where joints
-/// contradict each other by metres the unit is coarser than 2^-22 m/s, as such errors are removed at a high speed. Masses are at most
-/// 4 kg.
+/// A velocity is rounded, by half a unit, in up to 24 passes, three in each of eight sub-steps, to which a matrix near a singular one adds
+/// 2^-12 of the largest velocity at most. Where joints contradict each other by metres, the solver cuts off velocities, and a twin that does
+/// not is no measure.
 #[test]
 fn a_step_of_joints_follows_a_twin_in_doubles() {
     const UNITS: f64 = 36.0;
     let mut random = Random::seeded(run_seed(7));
-    let mut largest = [0.0; 3];
+    let mut compared = 0;
     for i in 0..300 {
         let scene = Scene::random(&mut random, [8, i % 3], 4 + i % 7, 0);
         let mut twin = Twin::new(&scene);
         twin.run();
         let (corrections, impulses, cut) = scene.solve();
-        assert_eq!(cut, 0);
-        let mut record =
-            |k: usize, difference: f64, unit: f64| largest[k] = f64::max(largest[k], difference.abs() / unit);
+        if cut > 0 {
+            continue;
+        }
+        compared += 1;
+        let fastest = twin.bodies.iter().flat_map(|body| body.velocity).fold(0.0, |a, b| f64::max(a, b.abs()));
+        let bound = UNITS * twin.unit + fastest / 4096.0;
         for (correction, body) in corrections.iter().zip(&twin.bodies) {
             let velocity = [correction.velocity.x, correction.velocity.y, correction.angular_velocity].map(change);
             let moved = [correction.displacement.x, correction.displacement.y, correction.rotation].map(change);
-            for i in 0..3 {
-                record(0, velocity[i] - body.velocity[i], twin.unit);
-                record(1, moved[i] - body.moved[i] - body.offset[i], twin.unit / f64::from(RATE));
+            for k in 0..3 {
+                let (velocity, moved) = (velocity[k] - body.velocity[k], moved[k] - body.moved[k] - body.offset[k]);
+                assert!(
+                    velocity.abs() < bound && moved.abs() < bound / f64::from(RATE),
+                    "{i}: {velocity} {moved} {bound}"
+                );
             }
         }
         for (values, joint) in impulses.iter().zip(&twin.joints) {
             let unit = 2f64.powi(values.exponent);
             for (&value, impulse) in values.values.iter().zip(&joint.impulses) {
-                record(2, value as f64 * unit - impulse, 4.0 * twin.unit);
+                let difference = value as f64 * unit - impulse;
+                assert!(difference.abs() < 4.0 * bound, "{i}: {difference} {bound}");
             }
         }
     }
-    assert!(largest.iter().all(|&units| units < UNITS), "{largest:?}");
+    assert!(compared > 150, "{compared}");
 }
 
 /// A joint far from any other body changes nothing there, and a body without joints and contacts stays as it flies.

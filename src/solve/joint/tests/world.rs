@@ -1,5 +1,6 @@
 //! A small world in doubles around the solver: free flight, joints, boxes on a floor.
 
+use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use crate::fx::Fx;
@@ -49,8 +50,10 @@ pub(super) struct Body {
     /// kg·m²
     pub(super) inertia: f64,
     pub(super) radius: f64,
-    /// Half the sides of a box that the floor stops; zero for none.
+    /// Half the sides of a box that the floor and discs stop; zero for none.
     pub(super) half: [f64; 2],
+    /// The radius of a disc that boxes and discs stop; zero for none.
+    pub(super) disc: f64,
 }
 
 impl Body {
@@ -64,7 +67,14 @@ impl Body {
             inertia: 0.0,
             radius: 1.0,
             half: [0.0; 2],
+            disc: 0.0,
         }
+    }
+
+    /// A disc of a density in kg/m².
+    pub(super) fn disc(at: [f64; 2], disc: f64, density: f64) -> Self {
+        let mass = core::f64::consts::PI * disc * disc * density;
+        Self { at, mass, inertia: mass * disc * disc / 2.0, radius: disc, disc, ..Self::fixed() }
     }
 
     /// A box of a density of 1 kg/m².
@@ -98,6 +108,8 @@ pub(super) struct World {
     pub(super) options: SolverOptions,
     /// Impulses of boxes on the floor y = 0, by body.
     floor: Vec<Impulses>,
+    /// Impulses of discs, by pair of bodies.
+    discs: BTreeMap<[u32; 2], Impulses>,
     solver: Solver,
     pub(super) corrections: Vec<Correction>,
     pub(super) cut: u64,
@@ -177,7 +189,7 @@ impl World {
             let [px, py] = [body.at[0] + rx, body.at[1] + ry];
             Point { arms: [vec2([px - floor[0], -floor[1]]), vec2([rx, ry])], separation: fx(py) }
         });
-        (points[0].separation < fx(0.1)).then_some(Contact {
+        (points[0].separation < fx(0.3)).then_some(Contact {
             bodies: [0, index as u32],
             normal: [0, 1 << 30],
             count: 2,
@@ -191,11 +203,56 @@ impl World {
         })
     }
 
+    /// The contact of a body with a disc that comes after it or is the only one.
+    fn disc_contact(&self, a: usize, b: usize) -> Option<Contact> {
+        let (first, disc) = (&self.bodies[a], &self.bodies[b]);
+        let (offset, reach) = if first.disc > 0.0 {
+            ([0.0; 2], first.disc)
+        } else {
+            // The point of the box next to the disc.
+            let [x, y] = rotated(-first.angle, [disc.at[0] - first.at[0], disc.at[1] - first.at[1]]);
+            let [hx, hy] = first.half;
+            (rotated(first.angle, [x.clamp(-hx, hx), y.clamp(-hy, hy)]), 0.0)
+        };
+        let way = [0, 1].map(|i| disc.at[i] - first.at[i] - offset[i]);
+        let distance = way[0].hypot(way[1]);
+        let separation = distance - reach - disc.disc;
+        let normal = way.map(|c| c / distance);
+        let bodies = [a, b].map(|body| body as u32);
+        (separation < 0.3).then(|| Contact {
+            bodies,
+            normal: normal.map(|c| (c * f64::from(1 << 30)).round() as i32),
+            count: 1,
+            points: [Point {
+                arms: [vec2([0, 1].map(|i| offset[i] + reach * normal[i])), vec2(normal.map(|c| -c * disc.disc))],
+                separation: fx(separation),
+            }; 2],
+            friction: fx(0.6),
+            restitution: fx(0.0),
+            rolling_resistance: fx(0.0),
+            rolling_radius: fx(0.0),
+            surface_speed: fx(0.0),
+            impulses: self.discs.get(&bodies).copied().unwrap_or_default(),
+        })
+    }
+
+    /// The contacts of all discs.
+    fn disc_contacts(&self) -> Vec<Contact> {
+        let is_disc = |body: usize| self.bodies[body].disc > 0.0;
+        let discs = (0..self.bodies.len()).filter(|&body| is_disc(body));
+        let others = |disc: usize| {
+            (0..self.bodies.len()).filter(move |&i| if is_disc(i) { i < disc } else { self.bodies[i].half[0] > 0.0 })
+        };
+        discs.flat_map(|disc| others(disc).filter_map(move |other| self.disc_contact(other, disc))).collect()
+    }
+
     pub(super) fn step(&mut self) {
         let flights: Vec<Flight> = self.bodies.iter().map(|body| self.flight(body)).collect();
         let mut joints: Vec<Joint> = self.links.iter().map(|link| self.joint(link)).collect();
         let bodies = self.bodies.iter().enumerate();
         let mut contacts: Vec<Contact> = bodies.filter_map(|(i, body)| self.contact(i, body)).collect();
+        let on_floor = contacts.len();
+        contacts.extend(self.disc_contacts());
         let Self { solver, corrections, options, .. } = self;
         let time_step = TimeStep::hz(RATE);
         self.cut += solver.solve(time_step, options, &flights, &mut joints, &mut contacts, corrections).cut;
@@ -203,7 +260,8 @@ impl World {
             link.impulses = joint.impulses;
         }
         self.floor.fill(Impulses::default());
-        for contact in &contacts {
+        self.discs = contacts[on_floor..].iter().map(|contact| (contact.bodies, contact.impulses)).collect();
+        for contact in &contacts[..on_floor] {
             self.floor[contact.bodies[1] as usize] = contact.impulses;
         }
         for ((body, flight), correction) in self.bodies.iter_mut().zip(&flights).zip(&self.corrections) {
@@ -236,6 +294,12 @@ impl World {
             ((b[0] - a[0]).hypot(b[1] - a[1]) - link.length.unwrap_or(0.0)).abs()
         };
         self.links.iter().map(gap).fold(0.0, f64::max)
+    }
+
+    /// The largest speed of a point of a body.
+    pub(super) fn largest_speed(&self) -> f64 {
+        let speed = |body: &Body| body.velocity[0].hypot(body.velocity[1]) + body.spin.abs() * body.radius;
+        self.bodies.iter().map(speed).fold(0.0, f64::max)
     }
 
     pub(super) fn energy(&self) -> f64 {

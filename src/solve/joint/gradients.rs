@@ -1,0 +1,321 @@
+//! Loops of joined bodies, solved by conjugate gradients: three iterations a pass.
+//!
+//! The impulses Δλ of all joints of a loop are wanted for which (K + γ)·Δλ = −r, with the matrix K of the velocities of rows by impulses,
+//! the compliance γ and the residual r of the rows. K is never made: it is a product with the bodies in between. Each joint alone has the
+//! inverse of its own matrix, P = K_j⁻¹/(1 + c): with it the iterations are preconditioned. Sums over a loop are exact, so that any order
+//! of joints gives the same bits.
+//!
+//! With one iteration a net swings for ever, with two it rests four times as late as with three.
+//!
+//! # Ranges
+//! Velocities of rows are in 2^-[`FRACTION`] units, within 2^36; velocities of bodies in 2^-[`MOVED`] units, by one joint within 2^40, so
+//! that sums of 2^22 joints fit in 64 bits. Impulses are in 2^-[`FINER_STILL`] of the unit of the block: directions within 2^51, so that
+//! their products with axes are below 2^82.5 and with masses, once lowered by [`LOWER`] bits, below 2^107; solutions within 2^58. Products
+//! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
+//! quotients of sums have 30 bits after the point and are below 2^10.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::forest::Forest;
+use super::tree::{FRACTION, RESIDUAL};
+use super::{Block, FINER, LOWER};
+use crate::slots::NONE;
+use crate::solve::matrix::{Inverse, Matrix};
+use crate::solve::motion::Rows;
+use crate::solve::number::{lowered, shifted, shifted_word};
+use crate::solve::unit::SoftRow;
+
+/// Iterations of a pass.
+const ITERATIONS: usize = 3;
+/// Fraction bits of velocities of bodies.
+const MOVED: i32 = 12;
+/// Fraction bits of impulses, in units of the block.
+const FINER_STILL: i32 = 8;
+/// The largest direction and solution.
+const DIRECTION: i128 = 1 << 51;
+const SOLUTION: i128 = 1 << 58;
+/// The largest velocity of a body by a joint, and by all of them.
+const FAST: i128 = 1 << 40;
+const FASTEST: i64 = 1 << 42;
+
+/// A joint of a loop.
+#[derive(Clone, Debug, Default)]
+struct LoopJoint {
+    /// The bodies of its sides, as numbers among the bodies of loops; [`NONE`] for a body that cannot be moved.
+    bodies: [u32; 2],
+    /// Elements 11, 12 and 22 of P, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity.
+    inverse: [i64; 3],
+    inverse_shift: i32,
+    /// γ, as a factor of mass of the block.
+    compliance: i64,
+    /// log2 of the coarsest unit of impulses of the loop, over that of the joint.
+    coarser: i32,
+    /// r, P r, the direction, and the sum of directions: the changes of impulses.
+    residual: [i64; 2],
+    own: [i64; 2],
+    direction: [i64; 2],
+    solution: [i64; 2],
+    /// The velocity of the rows by the direction.
+    velocity: [i64; 2],
+}
+
+/// All loops of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Loops {
+    joints: Vec<LoopJoint>,
+    /// The velocities of bodies by directions.
+    moved: Vec<[i64; 3]>,
+    loops: Vec<Loop>,
+    /// The number of a body by its row.
+    body_of: Vec<u32>,
+    /// The block of the first joint.
+    first: usize,
+}
+
+/// The joints and bodies of a loop.
+#[derive(Clone, Debug)]
+struct Loop {
+    joints: Range<usize>,
+    bodies: Range<usize>,
+}
+
+/// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
+fn quotient(a: i128, b: i128) -> i64 {
+    let bits = 128 - a.max(b).leading_zeros() as i32;
+    let down = (bits - 90).max(0);
+    (((a >> down) << 30) / (b >> down).max(1)).min(1 << 40) as i64
+}
+
+/// v · by/2^30.
+#[inline(always)]
+fn multiple(v: i64, by: i64) -> i128 {
+    lowered(i128::from(v) * i128::from(by), 30)
+}
+
+fn within(value: i128, limit: i128) -> i64 {
+    value.clamp(-limit, limit) as i64
+}
+
+impl Loops {
+    #[cfg(test)]
+    pub(super) fn capacity(&self) -> usize {
+        self.joints.capacity() + self.moved.capacity() + self.loops.capacity() + self.body_of.capacity()
+    }
+
+    /// Prepares the loops of a step.
+    pub(super) fn set(&mut self, forest: &Forest, blocks: &[Block], rows: &Rows, soft: &SoftRow) {
+        let Self { joints, moved, loops, body_of, first } = self;
+        joints.clear();
+        moved.clear();
+        loops.clear();
+        let Some(range) = forest.loops.first() else { return };
+        *first = range.start;
+        body_of.clear();
+        body_of.resize(rows.len() as usize, NONE);
+        for range in &forest.loops {
+            let (first_joint, first_body) = (joints.len(), moved.len());
+            let coarsest = blocks[range.clone()].iter().map(|block| block.exponent).max().unwrap_or_default();
+            for block in &blocks[range.clone()] {
+                let mut joint = LoopJoint { coarser: coarsest - block.exponent, ..LoopJoint::default() };
+                for (body, side) in joint.bodies.iter_mut().zip(&block.sides) {
+                    let number = &mut body_of[side.row as usize];
+                    if side.is_movable() && *number == NONE {
+                        *number = moved.len() as u32;
+                        moved.push([0; 3]);
+                    }
+                    *body = if side.is_movable() { *number } else { NONE };
+                }
+                joints.push(joint);
+            }
+            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len() });
+        }
+        self.factor(blocks, soft);
+    }
+
+    /// Finds the matrices of single joints where the bodies are.
+    pub(super) fn factor(&mut self, blocks: &[Block], soft: &SoftRow) {
+        for (joint, block) in self.joints.iter_mut().zip(&blocks[self.first..]) {
+            joint.invert(block, soft.compliance);
+        }
+    }
+
+    /// Changes the impulses of the joints of loops by a pass. Returns the number of impulses that were cut off.
+    pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, soft: &SoftRow, is_biased: bool) -> u64 {
+        let Self { joints, moved, loops, first, .. } = self;
+        let mut cut = 0;
+        for Loop { joints: range, bodies } in loops.iter() {
+            let blocks = &mut blocks[*first..][range.clone()];
+            let joints = &mut joints[range.clone()];
+            let bodies = bodies.clone();
+            for (joint, block) in joints.iter_mut().zip(&*blocks) {
+                joint.begin(block, rows, soft, is_biased);
+            }
+            iterate(joints, blocks, moved, bodies);
+            for (joint, block) in joints.iter().zip(blocks) {
+                let [first, second] = joint.solution;
+                let changes = [lowered(first.into(), FINER_STILL), lowered(second.into(), FINER_STILL)];
+                cut += block.change(changes) + block.give_gains(rows);
+            }
+        }
+        cut
+    }
+}
+
+/// The iterations over a loop.
+fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
+    let mut square: i128 = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
+    for _ in 0..ITERATIONS {
+        if square <= 0 {
+            return;
+        }
+        moved[bodies.clone()].fill([0; 3]);
+        for (joint, block) in joints.iter().zip(blocks) {
+            joint.move_bodies(block, moved);
+        }
+        for (joint, block) in joints.iter_mut().zip(blocks) {
+            joint.set_velocity(block, moved);
+        }
+        let along: i128 = joints.iter().map(|joint| joint.product(joint.velocity, joint.direction)).sum();
+        if along <= 0 {
+            return;
+        }
+        let step = quotient(square, along);
+        for joint in joints.iter_mut() {
+            joint.advance(step);
+        }
+        let next = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
+        let kept = quotient(i128::max(next, 0), square);
+        square = next;
+        for joint in joints.iter_mut() {
+            joint.turn(kept);
+        }
+    }
+}
+
+impl Block {
+    /// The velocity along row `i` by an impulse along row `j`, for one body.
+    fn element(&self, side: usize, i: usize, j: usize) -> i128 {
+        let [mx, my, angular] = self.sides[side].masses;
+        let ([ix, iy], [jx, jy]) = (self.axes[i], self.axes[j]);
+        // Products of axes are below 2^60, of crosses below 2^61.
+        let turning = self.crosses[i][side] * self.crosses[j][side];
+        let product = |mass: i64, factor: i64| i128::from(mass) * i128::from(factor);
+        lowered(product(mx, ix * jx) + product(my, iy * jy) + product(angular, turning), 60)
+    }
+}
+
+impl LoopJoint {
+    /// Sets P and γ.
+    fn invert(&mut self, block: &Block, compliance: i32) {
+        let element = |i: usize, j: usize| block.element(0, i, j) + block.element(1, i, j);
+        let has_two_rows = block.count == 2;
+        let k11 = element(0, 0);
+        let (k12, k22) = if has_two_rows { (element(0, 1), element(1, 1)) } else { (0, k11) };
+        self.compliance = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
+        // Bodies that move along one axis only make the matrix singular.
+        let extra = if has_two_rows { (k11 + k22) >> 20 } else { 0 };
+        let (k11, k22) = (k11 + extra, k22 + extra);
+        // Down to 58 bits.
+        let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
+        let [k11, k12, k22] = [k11, k12, k22].map(|k| shifted(k, down) as i64);
+        // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
+        let inverse = Inverse::of(Matrix { k11, k12: k12.abs(), k22 });
+        let rigid = (1_i64 << 60) / ((1 << 30) + i64::from(compliance));
+        let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid) as i64);
+        self.inverse = [e11, if k12 < 0 { -e12 } else { e12 }, e22];
+        self.inverse_shift = inverse.exponent + down - block.mass_bits - FINER + FRACTION - FINER_STILL;
+    }
+
+    /// Begins a pass with the residual of the rows.
+    fn begin(&mut self, block: &Block, rows: &Rows, soft: &SoftRow, is_biased: bool) {
+        let residual = block.residual(rows, if is_biased { Some(soft.rate.into()) } else { None });
+        for (row, part) in residual.into_iter().enumerate() {
+            let mut sum = i128::from(shifted_word(part, 30 - FRACTION));
+            if is_biased {
+                let soft = i128::from(self.compliance) * i128::from(block.impulses[row]);
+                sum += shifted(soft, block.mass_bits + FINER - FRACTION);
+            }
+            self.residual[row] = -within(sum, RESIDUAL);
+        }
+        self.solution = [0; 2];
+        self.precondition();
+        self.direction = self.own;
+    }
+
+    /// P r
+    fn precondition(&mut self) {
+        let [e11, e12, e22] = self.inverse.map(i128::from);
+        let [x, y] = self.residual.map(i128::from);
+        let own = [e11 * x + e12 * y, e12 * x + e22 * y];
+        self.own = own.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+    }
+
+    /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
+    fn product(&self, velocity: [i64; 2], impulse: [i64; 2]) -> i128 {
+        let product = |row: usize| i128::from(velocity[row]) * i128::from(impulse[row]);
+        (product(0) + product(1)) >> self.coarser.min(127)
+    }
+
+    /// Adds what the direction does to the bodies.
+    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
+        let mut sums = [0; 4];
+        for row in 0..block.count {
+            let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+            for (sum, factor) in sums.iter_mut().zip([ux, uy, ka, kb]) {
+                *sum += i128::from(self.direction[row]) * i128::from(factor);
+            }
+        }
+        let [x, y, turn_a, turn_b] = sums;
+        let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
+        let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
+        let bits = block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED;
+        for (side, turn, sign) in [(0, turn_a, -1), (1, turn_b, 1)] {
+            let Some(moved) = moved.get_mut(self.bodies[side] as usize) else { continue };
+            for ((sum, &mass), impulse) in moved.iter_mut().zip(&block.sides[side].masses).zip([x, y, turn]) {
+                *sum += sign * within(lowered(i128::from(mass) * i128::from(impulse), bits), FAST);
+            }
+        }
+    }
+
+    /// The velocities of the rows by all directions.
+    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]]) {
+        let mut ends = [[0; 3]; 2];
+        for (end, &body) in ends.iter_mut().zip(&self.bodies) {
+            if let Some(moved) = moved.get(body as usize) {
+                for (part, &sum) in end.iter_mut().zip(moved) {
+                    *part = sum.clamp(-FASTEST, FASTEST);
+                }
+            }
+        }
+        let [a, b] = ends;
+        let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
+        for row in 0..block.count {
+            let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+            let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
+            let gives = i128::from(self.compliance) * i128::from(self.direction[row]);
+            let sum =
+                lowered(sum, 30 + MOVED - FRACTION) + shifted(gives, block.mass_bits + FINER + FINER_STILL - FRACTION);
+            self.velocity[row] = within(sum, RESIDUAL);
+        }
+    }
+
+    /// Goes a step along the direction.
+    fn advance(&mut self, step: i64) {
+        for row in 0..2 {
+            let solution = i128::from(self.solution[row]) + multiple(self.direction[row], step);
+            self.solution[row] = within(solution, SOLUTION);
+            let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
+            self.residual[row] = within(residual, RESIDUAL);
+        }
+        self.precondition();
+    }
+
+    /// Turns to the next direction.
+    fn turn(&mut self, kept: i64) {
+        for row in 0..2 {
+            let direction = i128::from(self.own[row]) + multiple(self.direction[row], kept);
+            self.direction[row] = within(direction, DIRECTION);
+        }
+    }
+}

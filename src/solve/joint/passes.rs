@@ -1,0 +1,241 @@
+//! Joints through a step, before the contacts.
+//!
+//! Reads: joints, contacts, [`BodyRows`]. Writes: gains of bodies; in the end impulses of joints, totals and paths of bodies.
+
+use alloc::vec::Vec;
+
+use super::forest::Forest;
+use super::gradients::Loops;
+use super::tree::Trees;
+use super::{Block, Joint};
+use crate::fx::Fx;
+use crate::kernel::simd::Lanes;
+use crate::solve::apply::{Path, Total};
+use crate::solve::bodies::{BodyRows, STILL};
+use crate::solve::graph::Graph;
+use crate::solve::heavy::{is_heavy, may_be_heavy};
+use crate::solve::limbs::shifted_within;
+use crate::solve::motion::{DISPLACEMENT, Rows};
+use crate::solve::number::clamped;
+use crate::solve::unit::SoftRow;
+use crate::solve::{Flight, Impulses, StepInput};
+
+/// All joints of the solver.
+#[derive(Clone, Debug, Default)]
+pub(in crate::solve) struct Joints {
+    forest: Forest,
+    pub(in crate::solve) blocks: Vec<Block>,
+    trees: Trees,
+    loops: Loops,
+    /// The softness of loops.
+    soft: SoftRow,
+    /// The number of joints by body.
+    counts: Vec<u32>,
+    /// The rows of bodies that joints can move.
+    touched: Vec<u32>,
+    /// True for islands that a fixed body holds.
+    held: Vec<bool>,
+    loads: Loads,
+}
+
+/// Which islands bear heavy loads among other constraints.
+#[derive(Clone, Debug, Default)]
+struct Loads {
+    /// The largest mass on top of each body, kg.
+    above: Vec<Fx>,
+    /// By island.
+    is_heavy: Vec<bool>,
+    /// Joints to bodies that cannot be moved, by island; contacts and loops count as two.
+    supports: Vec<u32>,
+}
+
+impl Loads {
+    /// Finds the islands with contacts, loops or two supports in which a body bears a heavy load: there the tension of joints meets other
+    /// constraints that do not give way, and joints must.
+    fn find(&mut self, input: &StepInput<'_>, forest: &Forest, graph: &Graph) {
+        let Self { above, is_heavy: heavy, supports } = self;
+        let StepInput { flights, joints, contacts, .. } = *input;
+        heavy.clear();
+        if !may_be_heavy(flights) {
+            return;
+        }
+        let islands = graph.islands();
+        supports.clear();
+        supports.resize(islands, 0);
+        let mut add = |ends: [u32; 2], count: u32| {
+            if let Some(island) = graph.mover(ends).and_then(|body| graph.island_of(body)) {
+                supports[island as usize] += count;
+            }
+        };
+        for joint in joints.iter().filter(|joint| joint.bodies.iter().any(|&body| flights[body as usize].is_fixed())) {
+            add(joint.bodies, 1);
+        }
+        contacts.iter().for_each(|contact| add(contact.bodies, 2));
+        for range in &forest.loops {
+            add(joints[forest.order[range.start] as usize].bodies, 2);
+        }
+        heavy.resize(islands, false);
+        graph.largest_above(|body| flights[body as usize].mass, above);
+        for ((body, flight), &load) in (0..).zip(flights).zip(&*above) {
+            if let Some(island) = graph.island_of(body).filter(|_| is_heavy(load, flight.mass)) {
+                heavy[island as usize] = supports[island as usize] >= 2;
+            }
+        }
+    }
+
+    fn is_heavy(&self, island: Option<u32>) -> bool {
+        island.and_then(|island| self.is_heavy.get(island as usize).copied()).unwrap_or(false)
+    }
+}
+
+impl Joints {
+    #[cfg(test)]
+    pub(in crate::solve) fn capacity(&self) -> usize {
+        let Self { forest, blocks, trees, loops, counts, touched, held, .. } = self;
+        let parts = [forest.capacity(), blocks.capacity(), trees.capacity(), loops.capacity()];
+        parts.iter().sum::<usize>() + counts.capacity() + touched.capacity() + held.capacity()
+    }
+
+    /// Prepares the joints.
+    pub(in crate::solve) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
+        let Self { forest, blocks, trees, loops, soft, counts, touched, loads, .. } = self;
+        let StepInput { softness, flights, joints, .. } = *input;
+        forest.update(flights, joints);
+        blocks.clear();
+        touched.clear();
+        if joints.is_empty() {
+            return;
+        }
+        *soft = softness.joint;
+        counts.clear();
+        counts.resize(flights.len(), 0);
+        for body in joints.iter().flat_map(|joint| joint.bodies) {
+            let count = &mut counts[body as usize];
+            let row = bodies.row_of[body as usize];
+            *count += 1;
+            if *count == 1 && row != STILL {
+                touched.push(row);
+            }
+        }
+        for &index in &forest.order {
+            let joint = &joints[index as usize];
+            let Some(mover) = graph.mover(joint.bodies) else { continue };
+            let unit = bodies.bodies[mover as usize].unit;
+            let rows = joint.bodies.map(|body| bodies.row(input, body, unit));
+            let ends = joint.bodies.map(|body| &bodies.bodies[body as usize]);
+            let shares = joint.bodies.map(|body| counts[body as usize].into());
+            blocks.push(Block::new(index as usize, input, ends, rows, shares, unit));
+        }
+        // An error that is cut off now is so after the first move, and counted there.
+        blocks.iter_mut().for_each(|block| {
+            block.turn(&bodies.rows);
+        });
+        loads.find(input, forest, graph);
+        trees.set(input, forest, blocks, bodies, |body| loads.is_heavy(graph.island_of(body)));
+        loops.set(forest, blocks, &bodies.rows, soft);
+    }
+
+    /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
+    pub(in crate::solve) fn set_paths(
+        &mut self,
+        input: &StepInput<'_>,
+        graph: &Graph,
+        bodies: &BodyRows,
+        paths: &mut Vec<Path>,
+    ) {
+        let Self { blocks, held, .. } = self;
+        let StepInput { clock, flights, joints, contacts, .. } = *input;
+        paths.clear();
+        if joints.is_empty() {
+            return;
+        }
+        held.clear();
+        held.resize(graph.islands(), false);
+        let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
+        for ends in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
+            let mover = graph.mover(ends).and_then(|body| graph.island_of(body));
+            if let (Some(island), true) = (mover, ends.iter().any(|&body| flights[body as usize].is_fixed())) {
+                held[island as usize] = true;
+            }
+        }
+        paths.resize(flights.len(), Path::Contacts);
+        for body in joints.iter().flat_map(|joint| joint.bodies) {
+            let island = graph.island_of(body);
+            let is_held = island.is_some_and(|island| held[island as usize]);
+            paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
+        }
+        for block in blocks {
+            let ends = joints[block.joint as usize].bodies;
+            let Some(mover) = graph.mover(ends) else { continue };
+            let unit = bodies.bodies[mover as usize].unit;
+            for (side, body) in block.sides.iter_mut().zip(ends) {
+                let flight = &flights[body as usize];
+                if paths[body as usize] == Path::Flight {
+                    let [x, y, turn] = flight.offsets(clock);
+                    let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
+                    side.shift = [shift(x, unit), shift(y, unit), shift(turn, unit - flight.length())];
+                }
+            }
+        }
+    }
+
+    /// The passes of a sub-step before the contacts are solved. Returns the number of values that were cut off.
+    #[inline(always)]
+    pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
+        if self.blocks.is_empty() {
+            return 0;
+        }
+        let mut cut = 0;
+        for block in &mut self.blocks {
+            cut += block.warm_start(rows);
+        }
+        cut += rows.apply_gains(lanes, &self.touched);
+        cut + self.pass(rows, lanes, true)
+    }
+
+    /// The pass after the move of a sub-step, before the contacts are relaxed.
+    #[inline(always)]
+    pub(in crate::solve) fn relax<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
+        if self.blocks.is_empty() {
+            return 0;
+        }
+        let mut cut = 0;
+        for block in &mut self.blocks {
+            cut += block.advance(rows);
+        }
+        self.trees.factor(&self.blocks);
+        self.loops.factor(&self.blocks, &self.soft);
+        cut += self.pass(rows, lanes, false);
+        self.blocks.iter_mut().for_each(Block::end);
+        cut
+    }
+
+    /// Solves trees and loops.
+    #[inline(always)]
+    fn pass<L: Lanes>(&mut self, rows: &mut Rows, lanes: L, is_biased: bool) -> u64 {
+        let Self { blocks, trees, loops, soft, touched, .. } = self;
+        let cut = trees.solve(blocks, rows, is_biased) + loops.solve(blocks, rows, soft, is_biased);
+        cut + rows.apply_gains(lanes, touched)
+    }
+
+    /// Writes the impulses of joints, and adds the impulses of this step to the totals of bodies.
+    pub(in crate::solve) fn apply(&self, flights: &[Flight], joints: &mut [Joint], totals: &mut [Total]) {
+        for joint in joints.iter_mut() {
+            joint.impulses = Impulses::default();
+        }
+        for block in &self.blocks {
+            let joint = &mut joints[block.joint as usize];
+            let [first, second] = block.impulses;
+            joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
+            // From 2^(exponent − 30) to 2^-64 N·s.
+            let bits = -64 + 30 - block.exponent;
+            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
+                let [x, y] = [x, y].map(|value| shifted_within(value, bits));
+                for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
+                    let turn = shifted_within(turn, bits - flights[body as usize].length());
+                    totals[body as usize].add(is_weighted, [x, y, turn].map(|value| sign * value));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Trees of joined bodies, solved directly: from the leaves to the centre and back.
+//!
+//! Velocities of points change by impulses, and impulses follow from velocities: a linear system, which is solved by elimination (block
+//! LDLᵀ) along the tree. A body is seen from the point of the joint to its parent: there it has a mass matrix E, with all that hangs on it,
+//! and the joint makes the spring S = (E⁻¹ + γ)⁻¹ of it with the compliance γ. With q for a point turned left by a quarter, from the
+//! centre of mass; A, b and c for the mass of the body and its springs, their moments and their moment of inertia; f and τ for impulses and
+//! their moment:
+//!
+//! ```text
+//! b' = b − A q      c' = c − q·(b + b')      t = b'/c'      E = A − b' tᵀ          the rotation is eliminated
+//! S = (E + γ det(E) 1)/(1 + γ tr(E) + γ² det(E))
+//! parent:  A += S    b += S q    c += q·S q
+//! down:    τ' = τ − q·f    g = f − t τ'    h = g + S(r − γ g)    parent:  f += h    τ += q·h
+//! up:      Δλ = S(Δp − r + γ g) − g    Δp' = Δp − r − γ Δλ    Δω = τ'/c' − t·Δp'    Δv = Δp' − Δω q
+//! ```
+//!
+//! Here r is the residual of the rows, of the node against its parent, Δp and Δp' are the changes of velocity at both points of the joint.
+//! At the centre Δp' = E⁻¹ g. A *support* is a node that does not move: E⁻¹ = 0. A joint at the centre is two, with half of the residual and
+//! of the compliance each, to a point between them without a mass. For a *rod* along n, E is turned to n and eliminated across it: what
+//! is left is the same with numbers in place of matrices.
+//!
+//! The solve only steers: bodies move by the exact impulses of the blocks, and what it misses is in the next residual. So a body may count
+//! as lighter than it is, never as heavier: a push that is too small is made up for in the next passes, one that is too large grows.
+//!
+//! # Ranges
+//! Each body has a unit of mass of its own, a power of two, in which its mass is below 2^[`MASS`], less by the bits of the number of its
+//! children. A body counts as at most 2^[`HEAVIER`] times as heavy as its parent; an axis that is locked as 2^[`LOCKED`] times as heavy. The
+//! moment of inertia over the square of the length is within 2^10 and 2^46: radii of gyration count as 2^-13 of the length at least. A
+//! joint is in the unit of the lighter one of its bodies.
+//! - γ is in 2^-[`SOFT`], at most 2^54. It is at least 2^-11 of the inverse mass of either body, so that a spring is below 2^(11 + MASS), also
+//!   with all others of its parent: A, b and c are below 2^49, E in the unit of the joint below 2^61.
+//! - E − and so c', and E across a rod − is not smaller than the mass of the body alone. By that, |t| is below 2^20. Numbers that rounding
+//!   leads beyond that are cut off.
+//! - γE is in 2^-[`PART`], below 2^61, its determinant below 2^122; so is γ det(E) in 2^-PART.
+//! - Velocities are in 2^-[`FRACTION`] units, residuals within 2^36, changes within 2^44. Impulses are in 2^16 of a unit of mass by a unit of
+//!   velocity, within 2^61; their sums have 128 bits. Products are below 2^(61 + 62).
+//!
+//! Every shift of what changes its sign in a mirror rounds to nearest, halves away from zero; formulas are symmetric in x and y.
+
+mod node;
+mod symmetric;
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use self::node::Node;
+use super::Block;
+use super::forest::Forest;
+use crate::slots::NONE;
+use crate::solve::StepInput;
+use crate::solve::bodies::BodyRows;
+use crate::solve::motion::Rows;
+use crate::solve::number::shifted;
+
+/// The bits of a mass in the unit of the body.
+const MASS: i32 = 36;
+/// A body counts as at most 2^HEAVIER times as heavy as its parent.
+const HEAVIER: i32 = 12;
+/// An axis that is locked counts as 2^LOCKED times as heavy.
+const LOCKED: i32 = 10;
+/// The range of moments of inertia.
+const INERTIA: [i64; 2] = [1 << 10, 1 << 46];
+/// Fraction bits of t.
+const RATIO: i32 = 40;
+/// Fraction bits of γ.
+const SOFT: i32 = 90;
+/// Fraction bits of γE.
+const PART: i32 = 36;
+/// Fraction bits of velocities.
+pub(super) const FRACTION: i32 = 8;
+/// Fraction bits of arms and axes.
+const UNIT: i32 = 30;
+/// log2 of the unit of impulses over units of mass and velocity.
+const COARSER: i32 = 16;
+/// From products of masses and velocities to impulses.
+const TO_IMPULSE: i32 = COARSER + FRACTION;
+/// The largest residual, change of a velocity, and impulse.
+pub(super) const RESIDUAL: i128 = 1 << 36;
+const SPEED: i128 = 1 << 44;
+const IMPULSE: i128 = 1 << 60;
+/// The velocity that takes errors away, over the error, in 2^-30: a tenth in a sub-step. Contacts give way more slowly: at three tenths
+/// ropes on a floor shake.
+const RATE: i64 = 107_374_182;
+
+/// The compliance of a joint over its inverse mass, as minus log2; and in trees among other constraints, under heavy loads.
+const COMPLIANCE: i32 = 11;
+const LOADED_COMPLIANCE: i32 = 7;
+
+/// All trees of a step.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Trees {
+    /// Beside the places of the forest.
+    nodes: Vec<Node>,
+    trees: Vec<Tree>,
+}
+
+/// A tree of a step.
+#[derive(Clone, Debug)]
+struct Tree {
+    nodes: Range<usize>,
+    /// True if one of its bodies is in a contact.
+    touches: bool,
+}
+
+impl Trees {
+    #[cfg(test)]
+    pub(super) fn capacity(&self) -> usize {
+        self.nodes.capacity() + self.trees.capacity()
+    }
+
+    /// Prepares the trees of a step. `is_loaded` tells the trees among other constraints under heavy loads, by one of their bodies.
+    pub(super) fn set(
+        &mut self,
+        input: &StepInput<'_>,
+        forest: &Forest,
+        blocks: &[Block],
+        bodies: &BodyRows,
+        is_loaded: impl Fn(u32) -> bool,
+    ) {
+        let Self { nodes, trees } = self;
+        nodes.clear();
+        trees.clear();
+        let length = |body: u32| bodies.bodies[body as usize].length;
+        nodes.extend(forest.places.iter().map(|place| Node::new(place, input.flights, length)));
+        for range in &forest.trees {
+            let is_loaded =
+                forest.places[range.clone()].iter().any(|place| place.body != NONE && is_loaded(place.body));
+            trees.push(Tree { nodes: range.clone(), touches: false });
+            set_units(nodes, range.start, range.end - 1);
+            let bits = if is_loaded { LOADED_COMPLIANCE } else { COMPLIANCE };
+            set_joints(nodes, range.start, range.end - 1, blocks, bits);
+        }
+        for tree in input.contacts.iter().flat_map(|contact| contact.bodies).filter_map(|body| forest.tree_of(body)) {
+            trees[tree].touches = true;
+        }
+        self.factor(blocks);
+    }
+
+    /// Finds the matrices where the bodies are.
+    #[inline(always)]
+    pub(super) fn factor(&mut self, blocks: &[Block]) {
+        for node in &mut self.nodes {
+            node.begin(blocks);
+        }
+        for index in 0..self.nodes.len() {
+            let (before, after) = self.nodes.split_at_mut(index + 1);
+            let node = &mut before[index];
+            node.factor();
+            if node.parent != NONE {
+                node.join(&mut after[node.parent as usize - index - 1]);
+            }
+        }
+    }
+
+    /// Changes the impulses of the joints of trees by a pass. The relax pass is for trees that touch other bodies: an exact solution leaves
+    /// it nothing to do, and with it a rod that spins on a pin would gain 5 % of its energy in 100 s. Returns the number of impulses that were cut off.
+    #[inline(always)]
+    pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, is_biased: bool) -> u64 {
+        let Self { nodes, trees } = self;
+        let mut cut = 0;
+        for tree in trees.iter().filter(|tree| is_biased || tree.touches) {
+            let begin = tree.nodes.start;
+            let nodes = &mut nodes[tree.nodes.clone()];
+            for node in nodes.iter_mut() {
+                node.begin_pass(blocks, rows, is_biased);
+            }
+            for index in 0..nodes.len() - 1 {
+                let (before, after) = nodes.split_at_mut(index + 1);
+                let node = &mut before[index];
+                let impulse = node.pass_down();
+                after[node.parent as usize - begin - index - 1].take(impulse, node.joint_unit, node.parent_point);
+            }
+            let centre = nodes.len() - 1;
+            nodes[centre].pass_down();
+            nodes[centre].turn_back();
+            for index in (0..centre).rev() {
+                let (before, after) = nodes.split_at_mut(index + 1);
+                let parent = &after[before[index].parent as usize - begin - index - 1];
+                before[index].pass_up(parent.velocity, parent.spin);
+            }
+            cut += push(nodes, blocks, rows);
+        }
+        cut
+    }
+}
+
+/// Units from the centre, the node `centre`, to the leaves.
+fn set_units(nodes: &mut [Node], begin: usize, centre: usize) {
+    if !nodes[centre].is_body {
+        // The two nodes before it are its children.
+        let unit = nodes[centre - 1].unit.min(nodes[centre - 2].unit);
+        nodes[centre].unit = unit;
+        for node in &mut nodes[centre - 2..centre] {
+            node.is_half = true;
+        }
+    }
+    for index in (begin..centre).rev() {
+        let unit = nodes[nodes[index].parent as usize].unit;
+        nodes[index].unit = nodes[index].unit.min(unit + HEAVIER);
+    }
+}
+
+/// What follows from the masses at both ends of joints.
+fn set_joints(nodes: &mut [Node], begin: usize, centre: usize, blocks: &[Block], bits: i32) {
+    for index in begin..centre {
+        // Both children of the middle of a joint are at its ends.
+        let other = if nodes[index].is_half { 2 * centre - 3 - index } else { nodes[index].parent as usize };
+        let (low, high) = nodes.split_at_mut(index.max(other));
+        let (first, second) = (&mut low[index.min(other)], &mut high[0]);
+        let (node, other) = if index < other { (first, second) } else { (second, first) };
+        node.set_joint(other, &blocks[node.block as usize], bits);
+    }
+}
+
+/// Adds the changes of impulses to the joints.
+#[inline(always)]
+fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
+    let mut cut = 0;
+    for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
+        let mut push = [i128::from(node.push[0]), i128::from(node.push[1])];
+        let mut bits = node.push_shift;
+        if node.is_half {
+            let other = &nodes[index + 1];
+            if !other.is_half {
+                // The second one, which is done.
+                continue;
+            }
+            // The mean of what both halves of the joint have.
+            push = [push[0] - i128::from(other.push[0]), push[1] - i128::from(other.push[1])];
+            bits += 1;
+        }
+        let sign = if node.side == 0 { -1 } else { 1 };
+        let block = &mut blocks[node.block as usize];
+        cut += block.change([sign * shifted(push[0], bits), sign * shifted(push[1], bits)]) + block.give_gains(rows);
+    }
+    cut
+}

@@ -1,0 +1,319 @@
+//! Nodes of trees: matrices and pushes on the way to the centre and back.
+
+use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, scaled, to_impulse, turned, within};
+use super::{
+    COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
+};
+use crate::math::Vec2;
+use crate::scalar::FxFactor;
+use crate::slots::NONE;
+use crate::solve::Flight;
+use crate::solve::joint::Block;
+use crate::solve::joint::forest::Place;
+use crate::solve::motion::Rows;
+use crate::solve::number::{bits_of, exponent, fixed, lowered, shifted, shifted_word};
+
+/// A node with the joint to its parent.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Node {
+    /// [`NONE`] for the centre.
+    pub(super) parent: u32,
+    pub(super) block: u32,
+    /// The side of the joint on which it is.
+    pub(super) side: usize,
+    pub(super) is_body: bool,
+    pub(super) is_rod: bool,
+    /// True if the parent is the middle of the joint.
+    pub(super) is_half: bool,
+    /// log2 of the units of mass of the node and of the joint, kg.
+    pub(super) unit: i32,
+    pub(super) joint_unit: i32,
+    /// Along x and y, and the lighter one of them as if no axis were locked.
+    pub(super) mass: [i64; 2],
+    pub(super) lightest: i64,
+    /// Zero for a body that cannot turn, too.
+    pub(super) inertia: i64,
+    /// γ
+    pub(super) compliance: i64,
+    /// From a product of the compliance and an impulse of the block to a velocity, as log2; and from an impulse to one of the block.
+    pub(super) give_shift: i32,
+    pub(super) push_shift: i32,
+    /// A, b, c.
+    pub(super) a: Symmetric,
+    pub(super) b: [i64; 2],
+    pub(super) c: i64,
+    /// The point of the joint, turned, from the node and from its parent.
+    pub(super) point: [i64; 2],
+    pub(super) parent_point: [i64; 2],
+    /// The axis of a rod.
+    pub(super) axis: [i64; 2],
+    /// t and 1/c'.
+    pub(super) t: [i64; 2],
+    pub(super) turn: Reciprocal,
+    /// S; of a rod with its elements as multiples of one number, which stands beside it.
+    pub(super) spring: Symmetric,
+    pub(super) rod_spring: i64,
+    /// Of a rod: E along and across over E across, and one over E across.
+    pub(super) slant: i64,
+    pub(super) across: Reciprocal,
+    /// E at the centre.
+    pub(super) e: Symmetric,
+    /// f and τ.
+    pub(super) f: [i128; 2],
+    pub(super) torque: i128,
+    /// τ', g and r; of a rod g along it, and across it beside g.
+    pub(super) tau: i64,
+    pub(super) g: [i64; 2],
+    pub(super) residual: [i64; 2],
+    /// Δλ
+    pub(super) push: [i64; 2],
+    /// Δv and Δω.
+    pub(super) velocity: [i64; 2],
+    pub(super) spin: i64,
+}
+
+impl Node {
+    /// A node in the unit of its own mass. Other nodes than bodies have no mass.
+    pub(super) fn new(place: &Place, flights: &[Flight], length: impl Fn(u32) -> i32) -> Self {
+        let mut node = Self {
+            parent: place.parent,
+            block: place.block,
+            side: place.side,
+            is_body: place.body != NONE,
+            ..Self::default()
+        };
+        if node.is_body {
+            let flight = &flights[place.body as usize];
+            let Flight { inverse_mass, inverse_inertia, .. } = flight;
+            let Vec2 { x, y } = *inverse_mass;
+            // An axis that is locked has the mass of the other one.
+            let free = if x.is_zero() { y } else { x };
+            let mass_x = if free.is_zero() { FxFactor::from_scalar(flight.mass) } else { FxFactor::ONE.over(free) };
+            let mass_y = if y == x || y.is_zero() { mass_x } else { FxFactor::ONE.over(y) };
+            node.unit = exponent(mass_x).max(exponent(mass_y)) - MASS + bits_of(place.children.into());
+            let masses = [mass_x, mass_y].map(|mass| fixed(mass, -node.unit).max(1));
+            node.lightest = masses[0].min(masses[1]);
+            node.mass =
+                [(0, x), (1, y)].map(|(axis, inverse)| masses[axis] << if inverse.is_zero() { LOCKED } else { 0 });
+            if !inverse_inertia.is_zero() {
+                let inertia = FxFactor::ONE.over(*inverse_inertia);
+                let up = -node.unit - 2 * length(place.body);
+                let [least, most] = INERTIA;
+                let is_large = exponent(inertia) + up > bits_of(most);
+                node.inertia = if is_large { most } else { fixed(inertia, up).clamp(least, most) };
+            }
+        }
+        node
+    }
+
+    /// Half the sum of the inverse mass of the node at a point along x and along y, in 2^-[`SOFT`]: 1/m + q²/2c; below 2^91.
+    fn mobility(&self, [x, y]: [i64; 2]) -> i128 {
+        let linear = Reciprocal::new(self.lightest).times(1 << 60, SOFT - 60);
+        if self.inertia == 0 {
+            return linear;
+        }
+        // Below 2^61.
+        let square = (product(x, x) + product(y, y)) as i64;
+        linear + Reciprocal::new(self.inertia).times(square, SOFT - 2 * UNIT - 1)
+    }
+
+    /// Sets what follows from the masses of the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
+    /// body at the other end, and units.
+    pub(super) fn set_joint(&mut self, other: &Self, block: &Block, bits: i32) {
+        self.joint_unit = if self.is_body { self.unit.min(other.unit) } else { other.unit };
+        let mut inverse = shifted(other.mobility(block.sides[1 - self.side].unit_arm), other.unit - self.joint_unit);
+        if self.is_body {
+            inverse += shifted(self.mobility(block.sides[self.side].unit_arm), self.unit - self.joint_unit);
+        }
+        let bits = if self.is_half { bits + 1 } else { bits };
+        self.compliance = within(shifted(inverse, bits), 1 << (SOFT - MASS)).max(1);
+        self.is_rod = block.length.is_some();
+        self.give_shift = SOFT + self.joint_unit - block.mass_exponent - FRACTION;
+        self.push_shift = block.mass_exponent - self.joint_unit - COARSER;
+    }
+
+    /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
+    #[inline(always)]
+    pub(super) fn begin(&mut self, blocks: &[Block]) {
+        self.a = Symmetric { xx: self.mass[0], xy: 0, yy: self.mass[1] };
+        (self.b, self.c) = ([0; 2], self.inertia);
+        if self.parent != NONE {
+            let block = &blocks[self.block as usize];
+            self.point = turned(block.sides[self.side].unit_arm);
+            self.parent_point = if self.is_half { [0; 2] } else { turned(block.sides[1 - self.side].unit_arm) };
+            self.axis = block.axes[0];
+        }
+    }
+
+    /// Eliminates the rotation, and finds the spring that the parent sees.
+    #[inline(always)]
+    pub(super) fn factor(&mut self) {
+        if !self.is_body && self.parent != NONE {
+            let spring = Reciprocal::new(self.compliance).times(1 << 60, SOFT - 60) as i64;
+            (self.spring, self.rod_spring) = (Symmetric::isotropic(spring), spring);
+            return;
+        }
+        let mut e = self.a;
+        (self.t, self.turn) = ([0; 2], Reciprocal::new(0));
+        if self.inertia != 0 {
+            let [x, y] = self.a.lowered_times(self.point, UNIT);
+            let b = [self.b[0] - x, self.b[1] - y];
+            let c = self.c - lowered(dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]), UNIT) as i64;
+            self.turn = Reciprocal::new(c);
+            let t = [0, 1].map(|i| within(self.turn.times(b[i], RATIO), IMPULSE));
+            self.t = t;
+            e.xx -= lowered(product(b[0], t[0]), RATIO) as i64;
+            e.xy -= lowered(product(b[0], t[1]) + product(b[1], t[0]), RATIO + 1) as i64;
+            e.yy -= lowered(product(b[1], t[1]), RATIO) as i64;
+        }
+        if self.parent == NONE {
+            self.e = e;
+            return;
+        }
+        let e = e.shifted(self.joint_unit - self.unit);
+        if self.is_rod {
+            self.factor_rod(&e);
+        } else {
+            self.spring = e.softened(self.compliance);
+        }
+    }
+
+    /// Eliminates the motion across a rod.
+    fn factor_rod(&mut self, e: &Symmetric) {
+        let (along, across) = (self.axis, turned(self.axis));
+        let (e_along, e_across) = (e.lowered_times(along, UNIT), e.lowered_times(across, UNIT));
+        let mixed = lowered(dot(along, e_across) + dot(across, e_along), UNIT + 1) as i64;
+        self.across = Reciprocal::new(lowered(dot(across, e_across), UNIT) as i64);
+        self.slant = within(self.across.times(mixed, RATIO), IMPULSE);
+        let left = (lowered(dot(along, e_along), UNIT) - lowered(product(mixed, self.slant), RATIO)).max(0) as i64;
+        let sum = (1 << PART) + lowered(product(left, self.compliance), SOFT - PART);
+        self.rod_spring = Reciprocal::of_double(sum).times(left, PART) as i64;
+    }
+
+    /// Adds the spring to the parent.
+    #[inline(always)]
+    pub(super) fn join(&self, parent: &mut Self) {
+        let spring = match (self.is_rod, self.is_half) {
+            (false, _) => self.spring,
+            // Pushes are along the rod: across it any spring will do.
+            (true, true) => Symmetric::isotropic(self.rod_spring),
+            (true, false) => {
+                let [x, y] = scaled(self.axis, self.rod_spring, UNIT);
+                let [nx, ny] = self.axis;
+                let element = |product: i128, bits: i32| lowered(product, bits) as i64;
+                Symmetric {
+                    xx: element(product(x, nx), UNIT),
+                    xy: element(product(x, ny) + product(y, nx), UNIT + 1),
+                    yy: element(product(y, ny), UNIT),
+                }
+            }
+        };
+        let spring = spring.shifted(parent.unit - self.joint_unit);
+        let moment = spring.lowered_times(self.parent_point, UNIT);
+        parent.a = parent.a.plus(spring);
+        parent.b = [parent.b[0] + moment[0], parent.b[1] + moment[1]];
+        parent.c += lowered(dot(self.parent_point, moment), UNIT) as i64;
+    }
+
+    /// Begins a pass: the residual of the node against its parent.
+    #[inline(always)]
+    pub(super) fn begin_pass(&mut self, blocks: &[Block], rows: &Rows, is_biased: bool) {
+        (self.f, self.torque) = ([0; 2], 0);
+        if self.parent == NONE {
+            return;
+        }
+        let block = &blocks[self.block as usize];
+        let residual = block.residual(rows, if is_biased { Some(RATE) } else { None });
+        let bits = UNIT - FRACTION + i32::from(self.is_half);
+        for (row, part) in residual.into_iter().enumerate() {
+            let mut sum = i128::from(shifted_word(part, bits));
+            if is_biased {
+                sum += shifted(product(self.compliance, block.impulses[row]), self.give_shift);
+            }
+            let sum = within(sum, RESIDUAL);
+            self.residual[row] = if self.side == 0 { -sum } else { sum };
+        }
+    }
+
+    /// The velocity by which the joint gives way to an impulse.
+    #[inline(always)]
+    fn give(&self, impulse: i64) -> i64 {
+        lowered(product(self.compliance, impulse), SOFT - TO_IMPULSE) as i64
+    }
+
+    /// On the way to the centre: the impulses that are left at the joint, which go to the parent.
+    #[inline(always)]
+    pub(super) fn pass_down(&mut self) -> [i64; 2] {
+        let mut g = [0; 2];
+        if self.is_body || self.parent == NONE {
+            let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
+            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT), IMPULSE);
+            let left = [0, 1].map(|i| i128::from(f[i]) - lowered(product(self.t[i], self.tau), RATIO));
+            let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
+            // At most 2^12 times as large.
+            g = left.map(|left| within(within(left, IMPULSE).into(), IMPULSE >> up) << up);
+        }
+        if !self.is_rod || self.parent == NONE {
+            self.g = g;
+            let arg = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
+            let push = self.spring.push(arg);
+            return [g[0] + push[0], g[1] + push[1]];
+        }
+        let across = lowered(dot(turned(self.axis), g), UNIT) as i64;
+        let along = lowered(dot(self.axis, g), UNIT) - lowered(product(self.slant, across), RATIO);
+        let along = within(along, IMPULSE);
+        self.g = [along, across];
+        let push = to_impulse(product(self.rod_spring, self.residual[0] - self.give(along)));
+        scaled(self.axis, within(i128::from(along) + i128::from(push), IMPULSE), UNIT)
+    }
+
+    /// Adds the impulses of a child at its joint.
+    #[inline(always)]
+    pub(super) fn take(&mut self, impulse: [i64; 2], joint_unit: i32, point: [i64; 2]) {
+        let [x, y] = impulse.map(|part| shifted_word(part, self.unit - joint_unit));
+        (self.f[0], self.f[1]) = (self.f[0] + i128::from(x), self.f[1] + i128::from(y));
+        self.torque += lowered(dot(point, [x, y]), UNIT);
+    }
+
+    /// On the way back: the change of the impulse of the joint, and of the velocity of the node, by the velocity of the parent.
+    #[inline(always)]
+    pub(super) fn pass_up(&mut self, parent_velocity: [i64; 2], parent_spin: i64) {
+        let at = moved(parent_velocity, parent_spin, self.parent_point);
+        if self.is_rod {
+            let (along, across) = (self.axis, turned(self.axis));
+            let [g, g_across] = self.g;
+            let difference = lowered(dot(along, at), UNIT) as i64 - self.residual[0];
+            self.push = [to_impulse(product(self.rod_spring, difference + self.give(g))) - g, 0];
+            if self.is_body {
+                let v = within((difference - self.give(self.push[0])).into(), SPEED);
+                let w = self.across.times(g_across, TO_IMPULSE) - lowered(product(self.slant, v), RATIO);
+                let ([x, y], [wx, wy]) = (scaled(along, v, UNIT), scaled(across, within(w, SPEED), UNIT));
+                self.finish([x + wx, y + wy]);
+            }
+        } else {
+            let difference = [at[0] - self.residual[0], at[1] - self.residual[1]];
+            let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
+            let push = self.spring.push(arg);
+            self.push = [push[0] - self.g[0], push[1] - self.g[1]];
+            if self.is_body {
+                self.finish([difference[0] - self.give(self.push[0]), difference[1] - self.give(self.push[1])]);
+            }
+        }
+    }
+
+    /// The velocities of the centre.
+    #[inline(always)]
+    pub(super) fn turn_back(&mut self) {
+        let velocity = self.e.velocity_by(self.g);
+        self.finish(velocity);
+    }
+
+    /// The velocities of a node by the velocity of its point.
+    #[inline(always)]
+    fn finish(&mut self, velocity: [i64; 2]) {
+        let velocity = velocity.map(|part| within(part.into(), SPEED));
+        let spin = self.turn.times(self.tau, TO_IMPULSE) - lowered(dot(self.t, velocity), RATIO);
+        self.spin = within(spin, SPEED);
+        self.velocity = moved(velocity, -self.spin, self.point).map(|part| within(part.into(), SPEED));
+    }
+}

@@ -1,0 +1,188 @@
+//! Symmetric matrices of two rows, and reciprocals. Their ranges are those of [`tree`](super).
+
+use super::{IMPULSE, PART, SOFT, SPEED, TO_IMPULSE, UNIT};
+use crate::solve::number::{lowered, shifted, shifted_word};
+
+/// A symmetric matrix.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Symmetric {
+    pub(super) xx: i64,
+    pub(super) xy: i64,
+    pub(super) yy: i64,
+}
+
+/// The exact product of numbers.
+#[inline(always)]
+pub(super) fn product(a: i64, b: i64) -> i128 {
+    i128::from(a) * i128::from(b)
+}
+
+/// The exact scalar product.
+#[inline(always)]
+pub(super) fn dot(a: [i64; 2], b: [i64; 2]) -> i128 {
+    product(a[0], b[0]) + product(a[1], b[1])
+}
+
+/// Both products of a vector and a number, over 2^bits.
+#[inline(always)]
+pub(super) fn scaled(v: [i64; 2], by: i64, bits: i32) -> [i64; 2] {
+    [lowered(product(v[0], by), bits) as i64, lowered(product(v[1], by), bits) as i64]
+}
+
+/// A product of masses and velocities as an impulse.
+#[inline(always)]
+pub(super) fn to_impulse(product: i128) -> i64 {
+    within(lowered(product, TO_IMPULSE), IMPULSE)
+}
+
+#[inline(always)]
+pub(super) fn within(value: i128, limit: i128) -> i64 {
+    value.clamp(-limit, limit) as i64
+}
+
+/// A vector turned left by a quarter.
+#[inline(always)]
+pub(super) fn turned([x, y]: [i64; 2]) -> [i64; 2] {
+    [-y, x]
+}
+
+/// The sum of a vector and a multiple of another one, in 2^-[`UNIT`].
+#[inline(always)]
+pub(super) fn moved(v: [i64; 2], by: i64, along: [i64; 2]) -> [i64; 2] {
+    let [x, y] = scaled(along, by, UNIT);
+    [v[0] + x, v[1] + y]
+}
+
+/// A quotient's denominator as a factor: 1/value = mantissa · 2^-shift, with 61 or 62 bits. *Error* 2^-60. Zero for a value that is not
+/// positive.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Reciprocal {
+    mantissa: i64,
+    shift: i32,
+}
+
+impl Reciprocal {
+    #[inline(always)]
+    pub(super) fn new(value: i64) -> Self {
+        if value <= 0 {
+            return Self { mantissa: 0, shift: 62 };
+        }
+        // The top 63 bits, from 2^62 on.
+        let zeros = value.leading_zeros() as i32 - 1;
+        let top = (value as u64) << zeros;
+        // 2^94/top with 31 bits, and a step of Newton's method: r(2 − top·r).
+        let first = (1_u64 << 63) / (top >> 31);
+        let square = (u128::from(top) * u128::from(first)) >> 32;
+        let less = (1_u64 << 63).wrapping_sub(square as u64);
+        Self { mantissa: ((u128::from(first) * u128::from(less)) >> 32) as i64, shift: 124 - zeros }
+    }
+
+    /// Of the top bits of a double word.
+    #[inline(always)]
+    pub(super) fn of_double(value: i128) -> Self {
+        let down = (bits_of_double(value) - 62).max(0);
+        let Self { mantissa, shift } = Self::new((value >> down) as i64);
+        Self { mantissa, shift: shift + down }
+    }
+
+    /// value/denominator · 2^up. *Domain* |value| < 2^63, and 1 ≤ shift − up ≤ 126.
+    #[inline(always)]
+    pub(super) fn times(self, value: i64, up: i32) -> i128 {
+        lowered(product(value, self.mantissa), self.shift - up)
+    }
+
+    /// [`times`](Self::times) of a double word, within ±limit.
+    #[inline(always)]
+    pub(super) fn times_double(self, value: i128, up: i32, limit: i128) -> i64 {
+        let down = (bits_of_double(value) - 62).max(0);
+        let bits = self.shift - up - down;
+        let top = shifted(value, down) as i64;
+        match bits {
+            1..=126 => lowered(product(top, self.mantissa), bits).clamp(-limit, limit) as i64,
+            127.. => 0,
+            // A product of at least 2^61, if it is not zero.
+            _ => (top.signum() as i128 * limit) as i64,
+        }
+    }
+}
+
+/// The number of bits of the magnitude.
+#[inline(always)]
+pub(super) fn bits_of_double(value: i128) -> i32 {
+    128 - value.unsigned_abs().leading_zeros() as i32
+}
+
+impl Symmetric {
+    #[inline(always)]
+    pub(super) fn isotropic(value: i64) -> Self {
+        Self { xx: value, xy: 0, yy: value }
+    }
+
+    #[inline(always)]
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self { xx: self.xx + other.xx, xy: self.xy + other.xy, yy: self.yy + other.yy }
+    }
+
+    /// The exact product with a vector.
+    #[inline(always)]
+    pub(super) fn times(&self, v: [i64; 2]) -> [i128; 2] {
+        [product(self.xx, v[0]) + product(self.xy, v[1]), product(self.xy, v[0]) + product(self.yy, v[1])]
+    }
+
+    /// The product with a vector in 2^-bits.
+    #[inline(always)]
+    pub(super) fn lowered_times(&self, v: [i64; 2], bits: i32) -> [i64; 2] {
+        let [x, y] = self.times(v);
+        [lowered(x, bits) as i64, lowered(y, bits) as i64]
+    }
+
+    /// The impulse of a spring by a velocity.
+    #[inline(always)]
+    pub(super) fn push(&self, v: [i64; 2]) -> [i64; 2] {
+        let [x, y] = self.times(v);
+        [to_impulse(x), to_impulse(y)]
+    }
+
+    /// The element-wise shift by bits, down.
+    #[inline(always)]
+    pub(super) fn shifted(self, bits: i32) -> Self {
+        if bits == 0 {
+            return self;
+        }
+        Self { xx: shifted_word(self.xx, bits), xy: shifted_word(self.xy, bits), yy: shifted_word(self.yy, bits) }
+    }
+
+    /// The determinant.
+    #[inline(always)]
+    pub(super) fn determinant(&self) -> i128 {
+        product(self.xx, self.yy) - product(self.xy, self.xy)
+    }
+
+    /// The velocity of a mass by an impulse. Zero for a matrix that has no inverse.
+    pub(super) fn velocity_by(&self, [x, y]: [i64; 2]) -> [i64; 2] {
+        let reciprocal = Reciprocal::of_double(self.determinant());
+        let by_x = product(self.yy, x) - product(self.xy, y);
+        let by_y = product(self.xx, y) - product(self.xy, x);
+        [reciprocal.times_double(by_x, TO_IMPULSE, SPEED), reciprocal.times_double(by_y, TO_IMPULSE, SPEED)]
+    }
+
+    /// S = (E⁻¹ + γ)⁻¹
+    #[inline(always)]
+    pub(super) fn softened(&self, compliance: i64) -> Self {
+        let part = |value: i64| lowered(product(value, compliance), SOFT - PART) as i64;
+        let g = Self { xx: part(self.xx), xy: part(self.xy), yy: part(self.yy) };
+        // In 2^-2·PART.
+        let sum = (1 << (2 * PART)) + ((i128::from(g.xx) + i128::from(g.yy)) << PART) + g.determinant();
+        // γ det(E) in 2^-PART, from the determinant: rounded alike after a quarter turn.
+        let more = ((product(g.xx, self.yy) + product(g.yy, self.xx)) >> 1) - product(g.xy, self.xy);
+        let numerators =
+            [(i128::from(self.xx) << PART) + more, i128::from(self.xy) << PART, (i128::from(self.yy) << PART) + more];
+        let reciprocal = Reciprocal::of_double(sum);
+        let down = (bits_of_double(numerators[0].max(numerators[2])) - 62).max(0);
+        let element = |numerator: i128| {
+            let top = if down == 0 { numerator } else { lowered(numerator, down) };
+            reciprocal.times(top as i64, PART + down) as i64
+        };
+        Self { xx: element(numerators[0]), xy: element(numerators[1]), yy: element(numerators[2]) }
+    }
+}
