@@ -93,6 +93,7 @@ fn multiple(v: i64, by: i64) -> i128 {
     lowered(i128::from(v) * i128::from(by), 30)
 }
 
+#[inline(always)]
 fn within(value: i128, limit: i128) -> i64 {
     value.clamp(-limit, limit) as i64
 }
@@ -141,6 +142,7 @@ impl Loops {
     }
 
     /// Changes the impulses of the joints of loops by a pass. Returns the number of impulses that were cut off.
+    #[inline(always)]
     pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, soft: &SoftRow, is_biased: bool) -> u64 {
         let Self { joints, moved, loops, first, .. } = self;
         let mut cut = 0;
@@ -163,9 +165,10 @@ impl Loops {
 }
 
 /// The iterations over a loop.
+#[inline(always)]
 fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
     let mut square: i128 = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
-    for _ in 0..ITERATIONS {
+    for iteration in 1..=ITERATIONS {
         if square <= 0 {
             return;
         }
@@ -183,6 +186,12 @@ fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], b
         let step = quotient(square, along);
         for joint in joints.iter_mut() {
             joint.advance(step);
+        }
+        if iteration == ITERATIONS {
+            return;
+        }
+        for joint in joints.iter_mut() {
+            joint.lower_residual(step);
         }
         let next = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
         let kept = quotient(i128::max(next, 0), square);
@@ -228,6 +237,7 @@ impl LoopJoint {
     }
 
     /// Begins a pass with the residual of the rows.
+    #[inline(always)]
     fn begin(&mut self, block: &Block, rows: &Rows, soft: &SoftRow, is_biased: bool) {
         let residual = block.residual(rows, if is_biased { Some(soft.rate.into()) } else { None });
         for (row, part) in residual.into_iter().enumerate() {
@@ -244,6 +254,7 @@ impl LoopJoint {
     }
 
     /// P r
+    #[inline(always)]
     fn precondition(&mut self) {
         let [e11, e12, e22] = self.inverse.map(i128::from);
         let [x, y] = self.residual.map(i128::from);
@@ -252,12 +263,14 @@ impl LoopJoint {
     }
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
+    #[inline(always)]
     fn product(&self, velocity: [i64; 2], impulse: [i64; 2]) -> i128 {
         let product = |row: usize| i128::from(velocity[row]) * i128::from(impulse[row]);
         (product(0) + product(1)) >> self.coarser.min(127)
     }
 
     /// Adds what the direction does to the bodies.
+    #[inline(always)]
     fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let mut sums = [0; 4];
         for row in 0..block.count {
@@ -279,6 +292,7 @@ impl LoopJoint {
     }
 
     /// The velocities of the rows by all directions.
+    #[inline(always)]
     fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]]) {
         let mut ends = [[0; 3]; 2];
         for (end, &body) in ends.iter_mut().zip(&self.bodies) {
@@ -301,10 +315,18 @@ impl LoopJoint {
     }
 
     /// Goes a step along the direction.
+    #[inline(always)]
     fn advance(&mut self, step: i64) {
         for row in 0..2 {
             let solution = i128::from(self.solution[row]) + multiple(self.direction[row], step);
             self.solution[row] = within(solution, SOLUTION);
+        }
+    }
+
+    /// What a step leaves of the residual.
+    #[inline(always)]
+    fn lower_residual(&mut self, step: i64) {
+        for row in 0..2 {
             let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
             self.residual[row] = within(residual, RESIDUAL);
         }
@@ -312,6 +334,7 @@ impl LoopJoint {
     }
 
     /// Turns to the next direction.
+    #[inline(always)]
     fn turn(&mut self, kept: i64) {
         for row in 0..2 {
             let direction = i128::from(self.own[row]) + multiple(self.direction[row], kept);
