@@ -135,7 +135,7 @@ fn round_polygon(random: &mut Random, count: u64, radius: Fx) -> Vec<Vec2> {
         let step = u64::MAX / count;
         let angle = i * step + if is_regular { 0 } else { random.below(step / 2) };
         let (sin, cos) = sin_cos_turn(angle);
-        let part = |unit: i64| Fx::from_bits((i128::from(radius.to_bits()) * i128::from(unit) >> 62) as i64);
+        let part = |unit: i64| Fx::from_bits(((i128::from(radius.to_bits()) * i128::from(unit)) >> 62) as i64);
         Vec2::new(part(cos), part(sin))
     };
     (0..count).map(&mut corner).collect()
