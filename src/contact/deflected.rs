@@ -9,8 +9,8 @@
 //! are: they stop at the bodies that they meet, and have the impact in the next step. (Bodies of a pile, whose contacts the solver has,
 //! would stop at each other for ever.)
 //!
-//! An island is solved again as a whole, and in a crowd some body meets another one in each step: what bodies of large islands meet on new
-//! ways has no contact before the next step. They overlap by at most the rest of their ways then, as all bodies do where contacts are
+//! An island is solved again as a whole, and in a crowd some body meets another one in each step: bodies of large islands have no contacts with
+//! bodies that they meet on new ways before the next step. They overlap by at most the rest of their ways then, as all bodies do where contacts are
 //! looked for once a step.
 
 use alloc::vec::Vec;

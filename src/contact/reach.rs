@@ -20,7 +20,7 @@ fn turned(flight: &Flight, radius: Fx) -> i64 {
 /// The largest distance, in ulps, of two outlines that touch without closing a distance: an ulp is for the rounding of ways.
 pub(super) const CLOSE: i64 = MARGIN.to_bits() + 1;
 
-/// The motion of an outline over a step, in ulps: the displacement of its body, and a bound of what the rotation adds.
+/// The motion of an outline over a step, in ulps: the displacement of its body, and a bound of the way that the rotation adds.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reach {
     pub(super) displacement: [i64; 2],

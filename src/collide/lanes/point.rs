@@ -1,4 +1,4 @@
-//! Points of manifolds, and those at the ends of the overlap of two edges.
+//! Points of manifolds, and points at the ends of the overlap of two edges.
 
 use super::LaneManifolds;
 use super::facing::Facing;

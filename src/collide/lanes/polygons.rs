@@ -123,7 +123,7 @@ struct Side<L: Lanes> {
     /// True where one corner is farthest out, and where that is the end of the edge.
     is_corner: L::Mask,
     is_end: L::Mask,
-    /// How far out the core reaches.
+    /// The height of the corner that is farthest out.
     height: L::Wide,
     undecided: L::Mask,
 }
@@ -161,7 +161,7 @@ fn find_side<L: Lanes, const N: usize>(
     w: Vector<L>,
     unit: &Unit<L>,
 ) -> Side<L> {
-    let (zero, one) = (lanes.all(0), lanes.all(1));
+    let (zero, single) = (lanes.all(0), lanes.all(1));
     let mut heights = [zero; N];
     let mut height = dot(lanes, w, units[0]);
     heights[0] = height;
@@ -178,12 +178,12 @@ fn find_side<L: Lanes, const N: usize>(
         let is_in = lanes.unless(lanes.greater(polygon.count, number), lanes.greater(least, corner_height));
         first = lanes.select(is_in, lanes.smaller(first, number), first);
         last = lanes.select(is_in, number, last);
-        members = lanes.add(members, lanes.select(is_in, one, zero));
+        members = lanes.add(members, lanes.select(is_in, single, zero));
     }
-    let end = lanes.sub(polygon.count, one);
-    let is_corner = lanes.equal(members, one);
+    let end = lanes.sub(polygon.count, single);
+    let is_corner = lanes.equal(members, single);
     let is_wrapped = lanes.both(lanes.equal(first, zero), lanes.equal(last, end));
-    let are_neighbours = lanes.either(lanes.equal(last, lanes.add(first, one)), is_wrapped);
+    let are_neighbours = lanes.either(lanes.equal(last, lanes.add(first, single)), is_wrapped);
     let are_two = lanes.both(lanes.equal(members, lanes.all(2)), are_neighbours);
     // Beside a corner alone, the edge whose normal is nearer.
     let (mut normal, mut normal_before) = (polygon.normals[0], polygon.normals[N - 1]);
@@ -193,21 +193,21 @@ fn find_side<L: Lanes, const N: usize>(
         normal_before = select(lanes, is_here, polygon.normals[i - 1], normal_before);
     }
     let turn = lanes.add(cross(lanes, w, normal), cross(lanes, w, normal_before));
-    let before = lanes.select(lanes.equal(first, zero), end, lanes.sub(first, one));
+    let before = lanes.select(lanes.equal(first, zero), end, lanes.sub(first, single));
     let edge_of_corner = lanes.select(lanes.greater(turn, zero), before, first);
     let edge = lanes.select(is_corner, edge_of_corner, lanes.select(is_wrapped, last, first));
     // A segment has its ends in order of place.
     let across = [lanes.sub(zero, w[1]), w[0]];
     let is_segment = lanes.equal(polygon.count, lanes.all(2));
     let is_reversed = lanes.greater(dot(lanes, across, units[0]), dot(lanes, across, units[1]));
-    let edge = lanes.select(is_segment, lanes.select(is_reversed, one, zero), edge);
+    let edge = lanes.select(is_segment, lanes.select(is_reversed, single, zero), edge);
     let mut corners = [polygon.corners[0], polygon.corners[1]];
     for i in 1..N {
         let is_here = lanes.equal(edge, lanes.all(i as i64));
         corners[0] = select(lanes, is_here, polygon.corners[i], corners[0]);
         corners[1] = select(lanes, is_here, polygon.corners[(i + 1) & (N - 1)], corners[1]);
     }
-    let next = lanes.select(lanes.equal(edge, end), zero, lanes.add(edge, one));
+    let next = lanes.select(lanes.equal(edge, end), zero, lanes.add(edge, single));
     let numbers = [edge, next];
     let is_level = lanes.unless(lanes.both(is_corner, lanes.equal(turn, zero)), is_segment);
     let places =

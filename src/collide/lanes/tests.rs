@@ -188,8 +188,8 @@ impl Group {
             let forms = [Form::new(random, kind, 0, sizes[0]), Form::new(random, kind, 1, sizes[1])];
             let position = random.below(1 << 40) as i64;
             let motion = [motion(random), motion(random)];
-            let [[ax, ay, turned_a, ..], [bx, by, turned_b, ..]] = motion;
-            margins[lane] = Margin::new(Fx::from_bits(MARGIN + turned_a + turned_b), [bx - ax, by - ay]);
+            let [[a_x, a_y, turned_a, ..], [b_x, b_y, turned_b, ..]] = motion;
+            margins[lane] = Margin::new(Fx::from_bits(MARGIN + turned_a + turned_b), [b_x - a_x, b_y - a_y]);
             let mut place = |side: usize, mirror: i64| {
                 let outline = forms[side].outline(mirror);
                 let [x, y] = if side == 0 { [0; 2] } else { offset };

@@ -1,11 +1,11 @@
-//! Which sets of joined bodies are trees, and the order in which a tree is solved.
+//! Sets of joined bodies: whether they are trees, and the order in which a tree is solved.
 //!
 //! A set of bodies that joints connect is a tree if it has one joint less than bodies; joints to bodies that cannot be moved do not count.
 //! Bodies with at most one joint left are taken off, all at once, round by round, until one body is left or two that are joined: so the
 //! *centre* of a tree, a body or a joint, and all sums on the way there follow from the graph alone, in whatever order bodies and joints
 //! stand. All other sets are *loops*.
 //!
-//! Reads: the bodies of joints. Writes: [`Forest`], anew when joints or the bodies that they can move are not those of the step before.
+//! Reads: the bodies of joints. Writes: [`Forest`], anew when joints or the bodies that they can move have changed since the step before.
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -48,7 +48,7 @@ pub(super) struct Forest {
     work: Work,
 }
 
-/// What is needed while the sets are found.
+/// Memory for finding the sets.
 #[derive(Clone, Debug, Default)]
 struct Work {
     graph: Graph,
@@ -128,7 +128,7 @@ impl Forest {
         self.links.capacity() + self.order.capacity() + self.places.capacity()
     }
 
-    /// Finds the trees and loops of joints, if they are not those of the step before.
+    /// Finds the trees and loops of joints, if they have changed since the step before.
     pub(super) fn update(&mut self, flights: &[Flight], joints: &[Joint]) {
         let movable = |body: u32| if flights[body as usize].is_fixed() { NONE } else { body };
         let links = joints.iter().map(|joint| joint.bodies.map(movable));

@@ -49,11 +49,11 @@ struct LoopJoint {
     inverse_shift: i32,
     /// γ, as a factor of mass of the block.
     compliance: i64,
-    /// log2 of the coarsest unit of impulses of the loop, over that of the joint.
+    /// log2 of the coarsest unit of impulses of the loop over the unit of the joint.
     coarser: i32,
     /// r, P r, the direction, and the sum of directions: the changes of impulses.
     residual: [i64; 2],
-    own: [i64; 2],
+    preconditioned: [i64; 2],
     direction: [i64; 2],
     solution: [i64; 2],
     /// The velocity of the rows by the direction.
@@ -87,10 +87,10 @@ fn quotient(a: i128, b: i128) -> i64 {
     (((a >> down) << 30) / (b >> down).max(1)).min(1 << 40) as i64
 }
 
-/// v · by/2^30.
+/// v · factor/2^30.
 #[inline(always)]
-fn multiple(v: i64, by: i64) -> i128 {
-    lowered(i128::from(v) * i128::from(by), 30)
+fn multiple(v: i64, factor: i64) -> i128 {
+    lowered(i128::from(v) * i128::from(factor), 30)
 }
 
 #[inline(always)]
@@ -167,7 +167,7 @@ impl Loops {
 /// The iterations over a loop.
 #[inline(always)]
 fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
-    let mut square: i128 = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
+    let mut square: i128 = joints.iter().map(|joint| joint.product(joint.residual, joint.preconditioned)).sum();
     for iteration in 1..=ITERATIONS {
         if square <= 0 {
             return;
@@ -193,7 +193,7 @@ fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], b
         for joint in joints.iter_mut() {
             joint.lower_residual(step);
         }
-        let next = joints.iter().map(|joint| joint.product(joint.residual, joint.own)).sum();
+        let next = joints.iter().map(|joint| joint.product(joint.residual, joint.preconditioned)).sum();
         let kept = quotient(i128::max(next, 0), square);
         square = next;
         for joint in joints.iter_mut() {
@@ -250,7 +250,7 @@ impl LoopJoint {
         }
         self.solution = [0; 2];
         self.precondition();
-        self.direction = self.own;
+        self.direction = self.preconditioned;
     }
 
     /// P r
@@ -258,8 +258,8 @@ impl LoopJoint {
     fn precondition(&mut self) {
         let [e11, e12, e22] = self.inverse.map(i128::from);
         let [x, y] = self.residual.map(i128::from);
-        let own = [e11 * x + e12 * y, e12 * x + e22 * y];
-        self.own = own.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+        let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
+        self.preconditioned = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
     }
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
@@ -269,7 +269,7 @@ impl LoopJoint {
         (product(0) + product(1)) >> self.coarser.min(127)
     }
 
-    /// Adds what the direction does to the bodies.
+    /// Adds the effect of the direction on the bodies.
     #[inline(always)]
     fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let mut sums = [0; 4];
@@ -323,7 +323,7 @@ impl LoopJoint {
         }
     }
 
-    /// What a step leaves of the residual.
+    /// Takes the part of a step off the residual.
     #[inline(always)]
     fn lower_residual(&mut self, step: i64) {
         for row in 0..2 {
@@ -337,7 +337,7 @@ impl LoopJoint {
     #[inline(always)]
     fn turn(&mut self, kept: i64) {
         for row in 0..2 {
-            let direction = i128::from(self.own[row]) + multiple(self.direction[row], kept);
+            let direction = i128::from(self.preconditioned[row]) + multiple(self.direction[row], kept);
             self.direction[row] = within(direction, DIRECTION);
         }
     }

@@ -38,7 +38,7 @@ pub(in crate::solve) struct Joints {
     loads: Loads,
 }
 
-/// Which islands bear heavy loads among other constraints.
+/// True for islands that bear heavy loads among other constraints.
 #[derive(Clone, Debug, Default)]
 struct Loads {
     /// The largest mass on top of each body, kg.

@@ -16,10 +16,10 @@
 //!
 //! Here r is the residual of the rows, of the node against its parent, Δp and Δp' are the changes of velocity at both points of the joint.
 //! At the centre Δp' = E⁻¹ g. A *support* is a node that does not move: E⁻¹ = 0. A joint at the centre is two, with half of the residual and
-//! of the compliance each, to a point between them without a mass. For a *rod* along n, E is turned to n and eliminated across it: what
-//! is left is the same with numbers in place of matrices.
+//! of the compliance each, to a point between them without a mass. For a *rod* along n, E is turned to n and eliminated across it: the
+//! rest is the same with numbers in place of matrices.
 //!
-//! The solve only steers: bodies move by the exact impulses of the blocks, and what it misses is in the next residual. So a body may count
+//! The solve only steers: bodies move by the exact impulses of the blocks, and its error is in the next residual. So a body may count
 //! as lighter than it is, never as heavier: a push that is too small is made up for in the next passes, one that is too large grows.
 //!
 //! # Ranges
@@ -35,7 +35,7 @@
 //! - Velocities are in 2^-[`FRACTION`] units, residuals within 2^36, changes within 2^44. Impulses are in 2^16 of a unit of mass by a unit of
 //!   velocity, within 2^61; their sums have 128 bits. Products are below 2^(61 + 62).
 //!
-//! Every shift of what changes its sign in a mirror rounds to nearest, halves away from zero; formulas are symmetric in x and y.
+//! Every shift of a value that changes its sign in a mirror rounds to nearest, halves away from zero; formulas are symmetric in x and y.
 
 mod node;
 mod symmetric;
@@ -200,15 +200,15 @@ fn set_units(nodes: &mut [Node], begin: usize, centre: usize) {
     }
 }
 
-/// What follows from the masses at both ends of joints.
+/// Sets the values that follow from the masses at both ends of joints.
 fn set_joints(nodes: &mut [Node], begin: usize, centre: usize, blocks: &[Block], bits: i32) {
     for index in begin..centre {
         // Both children of the middle of a joint are at its ends.
-        let other = if nodes[index].is_half { 2 * centre - 3 - index } else { nodes[index].parent as usize };
-        let (low, high) = nodes.split_at_mut(index.max(other));
-        let (first, second) = (&mut low[index.min(other)], &mut high[0]);
-        let (node, other) = if index < other { (first, second) } else { (second, first) };
-        node.set_joint(other, &blocks[node.block as usize], bits);
+        let opposite = if nodes[index].is_half { 2 * centre - 3 - index } else { nodes[index].parent as usize };
+        let (low, high) = nodes.split_at_mut(index.max(opposite));
+        let (first, second) = (&mut low[index.min(opposite)], &mut high[0]);
+        let (node, opposite_node) = if index < opposite { (first, second) } else { (second, first) };
+        node.set_joint(opposite_node, &blocks[node.block as usize], bits);
     }
 }
 
@@ -220,13 +220,13 @@ fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
         let mut push = [i128::from(node.push[0]), i128::from(node.push[1])];
         let mut bits = node.push_shift;
         if node.is_half {
-            let other = &nodes[index + 1];
-            if !other.is_half {
+            let second = &nodes[index + 1];
+            if !second.is_half {
                 // The second one, which is done.
                 continue;
             }
-            // The mean of what both halves of the joint have.
-            push = [push[0] - i128::from(other.push[0]), push[1] - i128::from(other.push[1])];
+            // The mean of both halves of the joint.
+            push = [push[0] - i128::from(second.push[0]), push[1] - i128::from(second.push[1])];
             bits += 1;
         }
         let sign = if node.side == 0 { -1 } else { 1 };

@@ -11,18 +11,18 @@ use crate::solve::joint::forest::Forest;
 /// The distance in joints from a body to the farthest body that joints connect it with, and the number of these bodies.
 fn reach(scene: &Scene, from: u32) -> (usize, usize) {
     let is_fixed = |body: u32| scene.flights[body as usize].is_fixed();
-    let mut seen = Vec::from([from]);
+    let mut visited = Vec::from([from]);
     let mut begin = 0;
     for distance in 0.. {
-        let end = seen.len();
+        let end = visited.len();
         for i in begin..end {
-            let body = seen[i];
+            let body = visited[i];
             for joint in scene.joints.iter().filter(|joint| joint.bodies.contains(&body)) {
-                let next = joint.bodies.into_iter().find(|&body| !is_fixed(body) && !seen.contains(&body));
-                seen.extend(next);
+                let next = joint.bodies.into_iter().find(|&body| !is_fixed(body) && !visited.contains(&body));
+                visited.extend(next);
             }
         }
-        if seen.len() == end {
+        if visited.len() == end {
             return (distance, end);
         }
         begin = end;

@@ -10,7 +10,7 @@ use super::world::{Body, World};
 /// All bodies rest below this speed, m/s.
 const REST: f64 = 0.05;
 
-/// What is seen of a world.
+/// The outcome of a run.
 #[derive(Debug)]
 struct Seen {
     /// The largest gap on the way, m.
@@ -23,29 +23,29 @@ struct Seen {
 
 fn run(world: &mut World, seconds: f64) -> Seen {
     let steps = (seconds * f64::from(super::world::RATE)).round() as usize;
-    let mut seen = Seen { gap: 0.0, rest: 0, speed: 0.0 };
+    let mut outcome = Seen { gap: 0.0, rest: 0, speed: 0.0 };
     for step in 1..=steps {
         world.step();
-        seen.gap = seen.gap.max(world.worst_gap());
-        seen.speed = world.largest_speed();
-        if seen.speed >= REST {
-            seen.rest = step + 1;
+        outcome.gap = outcome.gap.max(world.worst_gap());
+        outcome.speed = world.largest_speed();
+        if outcome.speed >= REST {
+            outcome.rest = step + 1;
         }
     }
-    seen
+    outcome
 }
 
-/// How far the last link of a chain is below its place.
+/// The distance by which the last link of a chain is below its place.
 fn stretch(world: &World) -> f64 {
     let links = world.bodies.len() - 1;
     -0.25 - 0.5 * (links as f64 - 1.0) - world.bodies[links].at[1]
 }
 
 fn check(world: &mut World, seconds: f64, gap: f64, rest: usize) -> Seen {
-    let seen = run(world, seconds);
-    assert!(seen.gap < gap && seen.rest <= rest, "{seen:?}, at most {gap}, {rest}");
+    let outcome = run(world, seconds);
+    assert!(outcome.gap < gap && outcome.rest <= rest, "{outcome:?}, at most {gap}, {rest}");
     assert_eq!(world.cut, 0);
-    seen
+    outcome
 }
 
 #[test]
@@ -126,8 +126,8 @@ fn a_bridge_bears_discs() {
 fn a_bridge_bears_discs_160_times_as_heavy_as_its_planks() {
     let mut world = bridge(30, 1000.0);
     world.options.substeps = 16;
-    let seen = check(&mut world, 30.0, 0.05, 1801);
-    assert!(seen.speed < 0.5, "{seen:?}");
+    let outcome = check(&mut world, 30.0, 0.05, 1801);
+    assert!(outcome.speed < 0.5, "{outcome:?}");
 }
 
 /// Ropes of ten boxes that fall on the floor, side by side, at 6 m/s: impacts stop single boxes.

@@ -338,9 +338,9 @@ impl Twin {
         let sum = 2.0 * self.damping + turn;
         let (rate, compliance) = (turn / sum, 1.0 / (turn * sum));
         let numbers = || 0..rows.len();
-        let own = |joint: usize| numbers().filter(move |&i| rows[i][0] == joint);
-        let trace = |joint: usize| own(joint).map(|i| self.element(rows[i], rows[i])).sum::<f64>();
-        let softness = |joint: usize| compliance * trace(joint) / own(joint).count() as f64;
+        let rows_of = |joint: usize| numbers().filter(move |&i| rows[i][0] == joint);
+        let trace = |joint: usize| rows_of(joint).map(|i| self.element(rows[i], rows[i])).sum::<f64>();
+        let softness = |joint: usize| compliance * trace(joint) / rows_of(joint).count() as f64;
         let times = |p: &[f64]| -> Vec<f64> {
             let whole = |i: usize| numbers().map(|k| self.element(rows[i], rows[k]) * p[k]).sum::<f64>();
             numbers().map(|i| whole(i) + softness(rows[i][0]) * p[i]).collect()

@@ -243,7 +243,7 @@ impl World {
         let others = |disc: usize| {
             (0..self.bodies.len()).filter(move |&i| if is_disc(i) { i < disc } else { self.bodies[i].half[0] > 0.0 })
         };
-        discs.flat_map(|disc| others(disc).filter_map(move |other| self.disc_contact(other, disc))).collect()
+        discs.flat_map(|disc| others(disc).filter_map(move |lower| self.disc_contact(lower, disc))).collect()
     }
 
     pub(super) fn step(&mut self) {

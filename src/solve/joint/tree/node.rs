@@ -53,7 +53,7 @@ pub(super) struct Node {
     /// S; of a rod with its elements as multiples of one number, which stands beside it.
     pub(super) spring: Symmetric,
     pub(super) rod_spring: i64,
-    /// Of a rod: E along and across over E across, and one over E across.
+    /// For a rod: E along and across over E across, and one over E across.
     pub(super) slant: i64,
     pub(super) across: Reciprocal,
     /// E at the centre.
@@ -98,9 +98,9 @@ impl Node {
             if !inverse_inertia.is_zero() {
                 let inertia = FxFactor::ONE.over(*inverse_inertia);
                 let up = -node.unit - 2 * length(place.body);
-                let [least, most] = INERTIA;
-                let is_large = exponent(inertia) + up > bits_of(most);
-                node.inertia = if is_large { most } else { fixed(inertia, up).clamp(least, most) };
+                let [smallest, largest] = INERTIA;
+                let is_large = exponent(inertia) + up > bits_of(largest);
+                node.inertia = if is_large { largest } else { fixed(inertia, up).clamp(smallest, largest) };
             }
         }
         node
@@ -117,11 +117,12 @@ impl Node {
         linear + Reciprocal::new(self.inertia).times(square, SOFT - 2 * UNIT - 1)
     }
 
-    /// Sets what follows from the masses of the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
+    /// Sets the values that follow from the masses at the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
     /// body at the other end, and units.
-    pub(super) fn set_joint(&mut self, other: &Self, block: &Block, bits: i32) {
-        self.joint_unit = if self.is_body { self.unit.min(other.unit) } else { other.unit };
-        let mut inverse = shifted(other.mobility(block.sides[1 - self.side].unit_arm), other.unit - self.joint_unit);
+    pub(super) fn set_joint(&mut self, opposite: &Self, block: &Block, bits: i32) {
+        self.joint_unit = if self.is_body { self.unit.min(opposite.unit) } else { opposite.unit };
+        let mut inverse =
+            shifted(opposite.mobility(block.sides[1 - self.side].unit_arm), opposite.unit - self.joint_unit);
         if self.is_body {
             inverse += shifted(self.mobility(block.sides[self.side].unit_arm), self.unit - self.joint_unit);
         }

@@ -1,4 +1,4 @@
-//! Symmetric matrices of two rows, and reciprocals. Their ranges are those of [`tree`](super).
+//! Symmetric matrices of two rows, and reciprocals. [`tree`](super) has their ranges.
 
 use super::{IMPULSE, PART, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::solve::number::{lowered, shifted, shifted_word};
@@ -25,8 +25,8 @@ pub(super) fn dot(a: [i64; 2], b: [i64; 2]) -> i128 {
 
 /// Both products of a vector and a number, over 2^bits.
 #[inline(always)]
-pub(super) fn scaled(v: [i64; 2], by: i64, bits: i32) -> [i64; 2] {
-    [lowered(product(v[0], by), bits) as i64, lowered(product(v[1], by), bits) as i64]
+pub(super) fn scaled(v: [i64; 2], factor: i64, bits: i32) -> [i64; 2] {
+    [lowered(product(v[0], factor), bits) as i64, lowered(product(v[1], factor), bits) as i64]
 }
 
 /// A product of masses and velocities as an impulse.
@@ -48,8 +48,8 @@ pub(super) fn turned([x, y]: [i64; 2]) -> [i64; 2] {
 
 /// The sum of a vector and a multiple of another one, in 2^-[`UNIT`].
 #[inline(always)]
-pub(super) fn moved(v: [i64; 2], by: i64, along: [i64; 2]) -> [i64; 2] {
-    let [x, y] = scaled(along, by, UNIT);
+pub(super) fn moved(v: [i64; 2], factor: i64, along: [i64; 2]) -> [i64; 2] {
+    let [x, y] = scaled(along, factor, UNIT);
     [v[0] + x, v[1] + y]
 }
 
@@ -77,7 +77,7 @@ impl Reciprocal {
         Self { mantissa: ((u128::from(first) * u128::from(less)) >> 32) as i64, shift: 124 - zeros }
     }
 
-    /// Of the top bits of a double word.
+    /// The reciprocal of the top bits of a double word.
     #[inline(always)]
     pub(super) fn of_double(value: i128) -> Self {
         let down = (bits_of_double(value) - 62).max(0);
@@ -119,8 +119,8 @@ impl Symmetric {
     }
 
     #[inline(always)]
-    pub(super) fn plus(self, other: Self) -> Self {
-        Self { xx: self.xx + other.xx, xy: self.xy + other.xy, yy: self.yy + other.yy }
+    pub(super) fn plus(self, matrix: Self) -> Self {
+        Self { xx: self.xx + matrix.xx, xy: self.xy + matrix.xy, yy: self.yy + matrix.yy }
     }
 
     /// The exact product with a vector.
