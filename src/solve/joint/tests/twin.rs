@@ -347,7 +347,7 @@ impl Twin {
         };
         let precondition = |r: &[f64]| -> Vec<f64> {
             let solve = |i: usize| {
-                let joint: Vec<usize> = own(rows[i][0]).collect();
+                let joint: Vec<usize> = rows_of(rows[i][0]).collect();
                 let extra = if joint.len() == 2 { trace(rows[i][0]) / f64::from(1 << 20) } else { 0.0 };
                 let element = |a: usize, b: usize| self.element(rows[a], rows[b]) + if a == b { extra } else { 0.0 };
                 let matrix = joint.iter().map(|&a| joint.iter().map(|&b| element(a, b)).collect()).collect();
