@@ -15,11 +15,12 @@ use crate::collider::ColliderDef;
 use crate::error::Error;
 use crate::force::{AppliedForce, ForceField};
 use crate::fx::Fx;
+use crate::joint::JointDef;
 use crate::math::Vec2;
 use crate::replay::{Difference, HashTree};
 use crate::scalar::Scalar;
 use crate::shape::{Geometry, Part, Shape};
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 #[cfg(feature = "float")]
 use crate::solve::FloatSolver;
 use crate::solve::{ContactSolver, Solver};
@@ -166,6 +167,12 @@ compiled! {
     }
     fn remove_field(world: &mut World<S>, id: FieldId) -> Result<(), Error> {
         world.remove_field_inner(id)
+    }
+    fn add_joint(world: &mut World<S>, def: JointDef<S>) -> Result<JointId, Error> {
+        world.add_joint_inner(def)
+    }
+    fn remove_joint(world: &mut World<S>, joint: JointId) -> Result<(), Error> {
+        world.remove_joint_inner(joint)
     }
     fn replace(inputs: &mut Inputs<S>, player: u32, commands: &mut dyn Iterator<Item = Command<S>>) -> bool {
         inputs.replace_inner(player, commands)

@@ -3,7 +3,7 @@
 //! A [`World`] holds bodies, colliders and force fields and steps them tick by tick. Its state is I32F32 fixed point ([`Fx`]), with
 //! finer fractions that carry the remainders of each step, so that lockstep, rollback and replays agree to the bit.
 //!
-//! Bodies touch each other with their [colliders](ColliderDef). Springs are the only joints so far.
+//! Bodies touch each other with their [colliders](ColliderDef); [joints](JointDef) and springs hold them together.
 //!
 //! ```
 //! use umbra_physics::{BodyDef, Shape, TimeStep, World, WorldDef, fx, vec2};
@@ -23,7 +23,7 @@
 //! Units are m, kg, s and rad. One ulp is 2^-32 of them, and error bounds are given in ulps.
 //!
 //! The [guide] begins with the first tasks of some kinds of [games](guide::games), and has chapters on [numbers](guide::numbers),
-//! [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions), [queries](guide::queries),
+//! [accuracy](guide::accuracy), [bodies](guide::bodies), [collisions](guide::collisions), [joints](guide::joints), [queries](guide::queries),
 //! [characters](guide::character), [determinism](guide::determinism) of your own code, [lockstep](guide::lockstep),
 //! [rollback](guide::rollback), [replays](guide::replays), [frames](guide::frames) and drawing, [engines](guide::engines), [other
 //! languages](guide::languages), and on [coming from Box2D or Rapier](guide::migration).
@@ -110,6 +110,7 @@ mod fx;
 pub mod guide;
 mod integrate;
 mod island;
+mod joint;
 mod kernel;
 pub mod limits;
 mod math;
@@ -143,6 +144,7 @@ pub use force::{
 };
 pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
+pub use joint::{Distance, JointDef, JointKind, Revolute};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use query::ShapeHit;
 pub use replay::{
@@ -151,14 +153,15 @@ pub use replay::{
 };
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
-pub use slots::{BodyId, ColliderId, FieldId};
+pub use slots::{BodyId, ColliderId, FieldId, JointId};
+pub use step::JointBroke;
 pub use symmetry::Symmetry;
 #[cfg(feature = "timers")]
 pub use timers::{StepCounts, StepTimes, Timers};
 pub use world::{
     ApplyOptions, BodyIter, BodyRef, CastHit, ClosestPoint, Command, CommandMap, CommandSource, ConfirmedTick, Created,
-    Event, EventStatus, Explosion, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, Preview, Queries,
-    QueryFilter, Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
+    Event, EventStatus, Explosion, ForceOrImpulse, Frame, Input, InputResult, Inputs, InputsIter, JointRef, Preview,
+    Queries, QueryFilter, Rollback, RollbackReport, StepReport, Stepper, TickEvent, Trace, World, WorldDef, step_all,
 };
 
 /// The names that most programs need: `use umbra_physics::prelude::*`.

@@ -39,7 +39,7 @@
 //! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
 //! assert_eq!((limits::COLLIDERS, limits::FRICTION, limits::SURFACE_SPEED), (1 << 24, power(5), power(10)));
 //! assert_eq!((limits::EXCLUDED_PAIRS, limits::MATERIAL_PAIRS, limits::TICK), (1 << 16, 1 << 12, 1 << 63));
-//! assert_eq!(limits::QUERY, power(20));
+//! assert_eq!((limits::QUERY, limits::JOINT_LENGTH, limits::JOINTS), (power(20), power(20), 1 << 24));
 //! ```
 
 use crate::error::Error;
@@ -104,6 +104,10 @@ pub const FIELDS: usize = 1 << 24;
 /// The most colliders a world has, slots whose handles are used up included, and the most outlines that they have beyond the first one
 /// of each.
 pub const COLLIDERS: usize = 1 << 24;
+/// The most joints a world has, slots whose handles are used up included: handles are 32-bit.
+pub const JOINTS: usize = 1 << 24;
+/// The largest distance that a joint keeps: 2^20 m.
+pub const JOINT_LENGTH: Fx = power(20);
 /// The most pairs of bodies that are excluded from contacts: 65,536.
 pub const EXCLUDED_PAIRS: usize = 1 << 16;
 /// The most pairs of materials of a world that have coefficients of their own.

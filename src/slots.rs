@@ -78,6 +78,12 @@ handle!(
     "collider"
 );
 
+handle!(
+    /// A handle to a joint. It is valid until the joint or one of its bodies is removed, and never names another joint afterwards.
+    JointId,
+    "joint"
+);
+
 /// A slot. A slot without an occupant takes as little memory as in a file, however many there are.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slot {

@@ -2,9 +2,9 @@
 
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Created, Damping, End, Error, Exclusion, Explosion, FieldId, FieldKind, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, FxWide, Integrator, Locks, Mass, MaterialPair, Random, Shape, SpringConstants, TimeStep, Turn, Vec2,
-    World, WorldDef, fx, vec2,
+    Created, Damping, Distance, End, Error, Exclusion, Explosion, FieldId, FieldKind, ForceField, ForceOrImpulse,
+    Frame, Fx, FxFactor, FxWide, Integrator, JointDef, JointId, JointKind, Locks, Mass, MaterialPair, Random, Shape,
+    SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -523,6 +523,11 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::RemoveCollider(collider) => nothing(world.remove_collider(collider)),
         Command::SetContactSettings(contacts) => nothing(world.set_contact_settings(contacts)),
         Command::SetMaterialPair { first, second, pair } => nothing(world.set_material_pair(first, second, pair)),
+        Command::AddJoint(def) => world.add_joint(def).map(Created::Joint),
+        Command::RemoveJoint(joint) => nothing(world.remove_joint(joint)),
+        Command::SetJointKind { joint, kind } => nothing(world.set_joint_kind(joint, kind)),
+        Command::SetJointBreak { joint, force } => nothing(world.set_joint_break(joint, force)),
+        Command::EnableJoint { joint, enabled } => nothing(world.enable_joint(joint, enabled)),
         command => panic!("{command:?} has no case here"),
     }
 }
@@ -532,6 +537,9 @@ fn a_command_does_what_the_method_of_its_name_does() {
     let mut world = world(WorldDef::default());
     let body = ball(&mut world);
     let gone = BodyId::from_parts(77, 0);
+    let joint = JointId::from_parts(0, 0);
+    let ends = [End::World(Vec2::ZERO), End::Body(Attachment::centre(body))];
+    let pin = JointDef::new(ends, JointKind::default());
     let id = world.add_field(FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind: Vec2::ZERO }).unwrap();
     let far = world
         .add_body(BodyDef { position: vec2(fx!(1073741824), 0), velocity: vec2(1, 0), ..BodyDef::dynamic() })
@@ -625,6 +633,14 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetLocks { body, locks: Locks::NONE },
         Command::SetKind { body, kind: BodyKind::Kinematic },
         Command::MoveTo { body, position: force, angle: fx!(1) },
+        Command::SetKind { body, kind: BodyKind::Dynamic },
+        Command::AddJoint(pin),
+        Command::AddJoint(JointDef { break_force: Some(fx!(-1)), ..pin }),
+        Command::SetJointKind { joint, kind: JointKind::Distance(Distance::rod(fx!(3))) },
+        Command::SetJointBreak { joint, force: Some(fx!(9)) },
+        Command::EnableJoint { joint, enabled: false },
+        Command::RemoveJoint(joint),
+        Command::RemoveJoint(joint),
         Command::RemoveBody(body),
         Command::RemoveBody(gone),
     ];

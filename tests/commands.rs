@@ -102,6 +102,7 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
                     assert_eq!(matches!(created, Created::Body(_)), matches!(command, Command::AddBody(_)));
                     assert_eq!(matches!(created, Created::ForceField(_)), matches!(command, Command::AddField(_)));
                     assert_eq!(matches!(created, Created::Collider(_)), matches!(command, Command::AddCollider { .. }));
+                    assert_eq!(matches!(created, Created::Joint(_)), matches!(command, Command::AddJoint(_)));
                     accepted.insert(name(&command));
                     world = copy;
                 }
@@ -115,8 +116,8 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
     // Any generator is fair, so are small blobs, and forces can always be taken back.
     accepted.retain(|name| !["SetRandom", "SetBlob", "ClearForces"].contains(&&name[..]));
     assert_eq!(refused, accepted);
-    let all = "DynamicChain NoSuchCollider DampingHasNoInverse Disabled ElapsedTime CustomForce Locked NoSuchBody NoSuchField NotDisabled \
-               NotDynamic NotKinematic NotMovable NotQuarantined OutOfRange Quarantined SameBody TimeStep";
+    let all = "DynamicChain NoSuchCollider DampingHasNoInverse Disabled ElapsedTime CustomForce Locked NoSuchBody NoSuchField NoSuchJoint \
+               NotDisabled NotDynamic NotKinematic NotMovable NotQuarantined NothingToMove OutOfRange Quarantined SameBody TimeStep";
     assert_eq!(errors, all.split_whitespace().map(str::to_owned).collect());
 }
 

@@ -10,16 +10,16 @@ use cases::cases;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, MASS_MAX,
-    MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED,
-    SURFACE_SPEED,
+    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_LENGTH,
+    MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN,
+    SPEED, SURFACE_SPEED,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
-    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, End, Error, Exclusion,
-    Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator, FxFactor,
-    Integrator, Locks, Mass, MaterialPair, Part, Quantity, QueryFilter, Region, Shape, SpringConstants, TimeStep, Vec2,
-    World, WorldDef, fx, vec2,
+    Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, Distance, End, Error,
+    Exclusion, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
+    FxFactor, Integrator, JointDef, JointKind, Locks, Mass, MaterialPair, Part, Quantity, QueryFilter, Region, Shape,
+    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -105,6 +105,13 @@ fn each_bound_of_a_vector_is_accepted_and_one_ulp_past_it_refused() {
     try_vector(SPEED, Quantity::Velocity, |velocity, body, _| Command::SetVelocity { body, velocity });
     try_vector(SPEED, Quantity::Velocity, |velocity, _, _| body(|def| def.velocity = velocity));
     try_vector(GRAVITY, Quantity::Gravity, |gravity, _, _| Command::SetGravity(gravity));
+    let pin = |ends| Command::AddJoint(JointDef::new(ends, JointKind::default()));
+    try_vector(POSITION, Quantity::Position, |point, body, _| {
+        pin([End::World(point), End::Body(Attachment::centre(body))])
+    });
+    try_vector(SIZE_MAX, Quantity::JointPoint, |point, body, _| {
+        pin([End::Body(Attachment { body, point }), End::World(Vec2::ZERO)])
+    });
     let set = |id, law: FieldKind| Command::SetField { id, field: law.into() };
     try_vector(SPEED, Quantity::Velocity, |wind, _, id| {
         set(id, FieldKind::Drag { linear: fx!(1), quadratic: fx!(1), wind })
@@ -202,6 +209,14 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         body(|def| def.angular_damping = Some(Damping::kept_per_second(kept)))
     });
     let none = Fx::ZERO;
+    let rod = |body, length| {
+        let ends = [End::World(Vec2::ZERO), End::Body(Attachment::centre(body))];
+        JointDef::new(ends, JointKind::Distance(Distance::rod(length)))
+    };
+    try_scalar([SIZE_MIN, JOINT_LENGTH], Quantity::JointLength, |length, body, _| Command::AddJoint(rod(body, length)));
+    try_scalar([none, Fx::MAX], Quantity::BreakForce, |force, body, _| {
+        Command::AddJoint(JointDef { break_force: Some(force), ..rod(body, fx!(1)) })
+    });
     try_scalar([none, POSITION], Quantity::RestLength, |rest, body, id| {
         set(id, spring(body, End::World(Vec2::ZERO), rest, fx!(1), fx!(1)))
     });

@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 2] = [(106, "Error::NoShape"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 154] = [
+const GIVEN: [(u16, &str); 162] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -59,6 +59,10 @@ const GIVEN: [(u16, &str); 154] = [
     (143, "Irreversible::Moved"),
     (144, "Irreversible::End"),
     (145, "Irreversible::Contact"),
+    (146, "Irreversible::Joint"),
+    (147, "Error::NoSuchJoint"),
+    (148, "Error::NothingToMove"),
+    (149, "Error::FloatJoint"),
     (151, "Quantity::Position"),
     (152, "Quantity::Angle"),
     (153, "Quantity::Velocity"),
@@ -105,6 +109,9 @@ const GIVEN: [(u16, &str); 154] = [
     (195, "Quantity::ExplosionRadius"),
     (196, "Quantity::ExplosionImpulse"),
     (197, "Quantity::FluidBox"),
+    (198, "Quantity::JointPoint"),
+    (199, "Quantity::JointLength"),
+    (200, "Quantity::BreakForce"),
     (201, "Cause::Position"),
     (202, "Cause::Velocity"),
     (203, "Cause::AngularVelocity"),
@@ -150,6 +157,7 @@ const GIVEN: [(u16, &str); 154] = [
     (522, "ExportError::CustomForce"),
     (523, "ExportError::Mu"),
     (524, "ExportError::Many"),
+    (525, "ExportError::Joint"),
     (601, "Problem::Refused"),
     (602, "Problem::DidNotHappen"),
     (603, "Problem::Differs"),

@@ -142,6 +142,30 @@ fn hash_of(state: &Value) -> u64 {
     hashed.extend(state["sensor_overlaps"].bytes());
     hashed.extend(state["ended_pairs"].bytes());
     hashed.extend(state["custom_forces"].bytes());
+    let slots = state["joints"].list();
+    if !slots.is_empty() {
+        hashed.extend((slots.len() as u32).to_le_bytes());
+        for slot in slots {
+            hashed.extend(slot["generation"].bytes());
+            let joint = slot["present"].option();
+            hashed.push(u8::from(joint.is_some()));
+            hashed.extend(joint.into_iter().flat_map(|joint| xxh3_64(joint["def"].bytes()).to_le_bytes()));
+        }
+        hashed.extend(state["free_joints"].bytes());
+        for joint in slots.iter().filter_map(|slot| slot["present"].option()) {
+            let (joint_state, impulses) = (&joint["state"], &joint["state"]["impulses"]);
+            hashed.extend(joint_state["exponent"].bytes());
+            hashed.extend(joint_state["broken"].bytes());
+            if impulses.case() == "Revolute" {
+                hashed.extend(impulses["x"].bytes());
+                hashed.extend(impulses["y"].bytes());
+            } else {
+                hashed.extend(impulses["along"].bytes());
+                hashed.extend([0; 8]);
+            }
+        }
+        hashed.extend(state["pulled_at_tick"].bytes());
+    }
     xxh3_64(&hashed)
 }
 
@@ -412,7 +436,7 @@ fn the_tables_read_a_snapshot() {
     assert!(bodies.iter().any(|body| body["max_speed"].option().is_some()));
     let target = bodies.iter().find_map(|body| body["kinematic_target"].option()).expect("one is on its way");
     assert!(target["goal"].option().is_some() && target["arrived"].natural() == 1);
-    let free = ["free_slots", "free_fields", "free_colliders"];
+    let free = ["free_slots", "free_fields", "free_colliders", "free_joints"];
     assert!(free.iter().all(|list| !state[list].list().is_empty()));
     assert!(state["colliders"].list().iter().filter(|slot| slot["present"].option().is_some()).count() > 3);
 }

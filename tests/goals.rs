@@ -425,8 +425,9 @@ fn forged_targets_are_refused() {
     world.move_to(body, vec2(2, 2), fx!(0.25)).expect("near enough");
     let bytes = world.snapshot().to_bytes();
     // The only body: its kinematic target ends where its slot does, before the free slots, fields, their free slots, ages, the tick
-    // of a contact, contacts, one-way and excluded pairs, overlaps, ended pairs, the woken ones, hash and seal.
-    let end = bytes.len() - 16 - 8 - 10 * 4;
+    // of a contact, contacts, one-way and excluded pairs, overlaps, ended pairs, joints, their free slots, the tick of a pull, the
+    // woken ones, hash and seal.
+    let end = bytes.len() - 16 - 2 * 8 - 12 * 4;
     let arrived = end - 1;
     assert_eq!((bytes[arrived], bytes[arrived - 25], bytes[arrived - 26]), (0, 1, 1));
     let read = |change: &[(usize, u8)]| {

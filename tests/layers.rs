@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 mod cycles;
 
 /// Modules on one level do not name each other.
-const LEVELS: [&[&str]; 21] = [
+const LEVELS: [&[&str]; 22] = [
     &["codes", "kernel", "slots", "timers"],
     &["fx"],
     &["error"],
@@ -24,6 +24,7 @@ const LEVELS: [&[&str]; 21] = [
     &["body"],
     &["collide", "force", "integrate"],
     &["solve"],
+    &["joint"],
     &["contact"],
     &["island"],
     &["step"],

@@ -148,10 +148,23 @@ impl Watched {
 
     fn execute(&mut self, command: &Command) {
         let owner = command.collider().and_then(|collider| self.world.collider_body(collider).ok());
+        let joint = command.joint().and_then(|joint| self.world.joint(joint).ok()).map(|joint| joint.bodies());
+        let joined = match command {
+            Command::RemoveBody(body) => {
+                let joints = self.world.joints_of(*body).into_iter().flatten();
+                joints.flat_map(|joint| joint.bodies()).collect()
+            }
+            _ => joint.map_or(Vec::new(), Vec::from),
+        };
         let Ok(created) = self.world.execute(command) else { return };
         let (Command::SetPosition { body, .. } | Command::SetAngle { body, .. } | Command::SetKind { body, .. }) =
             command
         else {
+            self.touched.extend(joined.into_iter().flatten());
+            if let Created::Joint(joint) = created {
+                let bodies = self.world.joint(joint).expect("it was made").bodies();
+                self.touched.extend(bodies.into_iter().flatten());
+            }
             if let Command::ExcludePair { a, b, .. } | Command::AllowPair { a, b } = command {
                 self.touched.extend([*a, *b]);
             }

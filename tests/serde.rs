@@ -21,11 +21,11 @@ use serde_json::Value;
 use umbra_physics::scalar::FxSum;
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
-    ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Elapsed, End,
-    Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
-    FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, Locks, Mass, Material, MathError,
-    MixRule, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage, StageKind, TimeStep,
-    Turn, Vec2, World, WorldDef, fx, vec2,
+    ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Distance, Elapsed,
+    End, Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
+    FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks, Mass,
+    Material, MathError, MixRule, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage,
+    StageKind, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -127,6 +127,9 @@ fn quantities() -> Vec<Quantity> {
         Friction,
         Restitution,
         FluidBox,
+        JointPoint,
+        JointLength,
+        BreakForce,
         Substeps,
         ContactSpeed,
         Pairs,
@@ -176,6 +179,9 @@ fn errors() -> Vec<Error> {
         Error::ChangedBetweenTicks { tick: 4 },
         Error::SteppedInTick { tick: u64::MAX },
         Error::NoSuchCollider { collider: ColliderId::from_parts(3, u32::MAX) },
+        Error::NoSuchJoint { joint: JointId::from_parts(3, u32::MAX) },
+        Error::NothingToMove,
+        Error::FloatJoint,
         Error::DynamicChain,
         Error::ChainCrosses { segments: [0, 65_535] },
     ]
@@ -304,9 +310,12 @@ fn every_variant_of_every_enum_comes_back() {
         Irreversible::Moved,
         Irreversible::End,
         Irreversible::Contact,
+        Irreversible::Joint,
     ]);
     let collider = Created::Collider(ColliderId::from_parts(2, 1));
-    every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field), collider]);
+    let joint = Created::Joint(JointId::from_parts(2, 1));
+    every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field), collider, joint]);
+    every_variant::<JointKind>([JointKind::default(), JointKind::Distance(Distance::default())]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);
     every_variant(shapes());

@@ -829,7 +829,9 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    assert_eq!(cases, Command::NUMBERS.iter().copied().collect());
+    // All but the commands of joints, which are not in the C interface.
+    let expected = Command::NUMBERS.iter().copied().filter(|number| !(43..=47).contains(number));
+    assert_eq!(cases, expected.collect());
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();

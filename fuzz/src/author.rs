@@ -7,7 +7,7 @@ use arbitrary::{Arbitrary, Result, Unstructured};
 use umbra_oracles::{Choices, Generator, Taste};
 use umbra_physics::{
     BodyId, BodyState, ColliderId, Command, Created, CustomForce, CustomForceError, Dependence, FieldId, ForceTorque,
-    Scalar, Vec2, World, WorldDef, fx,
+    JointId, Scalar, Vec2, World, WorldDef, fx,
 };
 
 /// The bytes of an input. After its end all choices are zero.
@@ -44,6 +44,7 @@ pub struct Author<'a> {
     bodies: Vec<BodyId>,
     fields: Vec<FieldId>,
     colliders: Vec<ColliderId>,
+    joints: Vec<JointId>,
 }
 
 /// Values at limits and beyond them, as many as commands of a dozen numbers bear.
@@ -62,6 +63,7 @@ impl<'a> Author<'a> {
             bodies: Vec::new(),
             fields: Vec::new(),
             colliders: Vec::new(),
+            joints: Vec::new(),
         }
     }
 
@@ -70,7 +72,8 @@ impl<'a> Author<'a> {
     }
 
     pub fn generator(&mut self) -> Generator<'_, Bytes<'a>> {
-        Generator::new(&mut self.input, self.taste, &self.bodies, &self.fields).with_colliders(&self.colliders)
+        let generator = Generator::new(&mut self.input, self.taste, &self.bodies, &self.fields);
+        generator.with_colliders(&self.colliders).with_joints(&self.joints)
     }
 
     /// A command of any kind.
@@ -91,6 +94,7 @@ impl<'a> Author<'a> {
                 self.colliders.extend(world.colliders_of(body).into_iter().flatten());
             }
             Created::Collider(collider) => self.colliders.push(collider),
+            Created::Joint(joint) => self.joints.push(joint),
             Created::ForceField(field) => self.fields.push(field),
             _ => {}
         }

@@ -8,7 +8,7 @@ use super::encode::{Encoder, Part, Write, count, field};
 use crate::fx::Fx;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, FxSum, FxWide, Number, Turn};
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
 impl<N: Number> Write for N {
     #[inline]
@@ -35,7 +35,7 @@ macro_rules! codec_integers {
     )* };
 }
 
-codec_integers!(u8 u16 u32 u64 u128 i32 i64);
+codec_integers!(u8 u16 u32 u64 u128 i8 i32 i64);
 
 impl Read for Fx {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
@@ -116,6 +116,22 @@ impl<T: Read> Read for Option<T> {
     }
 }
 
+impl<T: Write> Write for [T; 2] {
+    fn write(&self, out: &mut impl Encoder) {
+        for (index, value) in (0..).zip(self) {
+            out.enter(Part::Entry(index));
+            value.write(out);
+            out.leave();
+        }
+    }
+}
+
+impl<T: Read> Read for [T; 2] {
+    fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok([T::read(reader)?, T::read(reader)?])
+    }
+}
+
 impl<T: Write> Write for Vec2<T> {
     fn write(&self, out: &mut impl Encoder) {
         field(out, "x", &self.x);
@@ -147,7 +163,7 @@ macro_rules! codec_handles {
     )* };
 }
 
-codec_handles!(BodyId FieldId ColliderId);
+codec_handles!(BodyId FieldId ColliderId JointId);
 
 impl Write for TimeStep {
     fn write(&self, out: &mut impl Encoder) {

@@ -20,7 +20,7 @@ use super::flights::{FlightKind, Flights};
 use super::{Correction, Scene};
 use crate::math::Vec2;
 use crate::scalar::FxAccumulator;
-use crate::solve::Contact;
+use crate::solve::{Contact, Joint};
 
 /// Bodies of which impulses change the way by less than this, 1 mm, are not deflected: they overlap by no more in the next step.
 const DEFLECTION: i64 = 1 << 22;
@@ -35,6 +35,7 @@ pub(super) fn list_deflected(
     scene: &Scene<'_>,
     corrections: &[Correction],
     flights: &Flights,
+    joints: &[Joint],
     contacts: &[Contact],
     again: &mut Again,
     deflected: &mut Vec<u32>,
@@ -57,7 +58,7 @@ pub(super) fn list_deflected(
         }
     }
     if !deflected.is_empty() {
-        again.count_bodies(flights, contacts);
+        again.count_bodies(flights, joints, contacts);
         deflected.retain(|&flight| !again.is_in_large_island(flight));
     }
 }

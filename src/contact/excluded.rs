@@ -102,10 +102,11 @@ pub(super) struct Exclusions {
 }
 
 impl Exclusions {
-    /// Returns true if two bodies are an excluded pair in this step.
-    pub(super) fn has(&self, bodies: [BodyId; 2]) -> bool {
+    /// Returns true if two bodies are an excluded pair in this step, or a joint keeps them apart.
+    pub(super) fn has(&self, scene: &Scene<'_>, bodies: [BodyId; 2]) -> bool {
         let pair = sorted(bodies[0], bodies[1]);
-        !self.pairs.is_empty() && self.pairs.binary_search_by_key(&pair, |pair| pair.bodies).is_ok()
+        scene.joints.keeps_apart(pair)
+            || !self.pairs.is_empty() && self.pairs.binary_search_by_key(&pair, |pair| pair.bodies).is_ok()
     }
 
     /// Leaves out the pairs of excluded bodies, and lists the pairs of bodies that stay excluded.

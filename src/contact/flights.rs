@@ -106,12 +106,13 @@ impl Flights {
         self.followers.clear();
         self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
         self.length = length(scene.time_step);
+        let any_joints = !scene.joints.is_empty();
         for start in scene.starts {
-            self.push_moving(scene, start);
+            self.push_moving(scene, start, any_joints);
         }
     }
 
-    fn push_moving(&mut self, scene: &Scene<'_>, start: &Start) {
+    fn push_moving(&mut self, scene: &Scene<'_>, start: &Start, any_joints: bool) {
         let slot = scene.bodies.id(start.dense).slot;
         let mut shows_angle = false;
         let mut reach = 0;
@@ -125,6 +126,9 @@ impl Flights {
             }
             radius = collider.radius.max(radius);
             width = collider.width.to_bits().min(width);
+        }
+        if any_joints {
+            radius = scene.joints.reach(slot).max(radius);
         }
         let radius = if radius == Fx::ZERO { Fx::ONE } else { radius };
         self.flights.push(Flight { radius, ..scene.bodies.flight(start, scene.time_step) });
@@ -147,6 +151,17 @@ impl Flights {
         let kind = if is_asleep { FlightKind::Asleep } else { FlightKind::Static };
         let way = Way::default();
         self.place(Place { slot, pose, way, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
+    }
+
+    /// Adds a flight for a point that stays where it is: the end of a joint on the world, or on a body that does not move. Returns its number.
+    pub(super) fn push_fixed_point(&mut self, point: Vec2) -> u32 {
+        let way = Way::default();
+        let pose = pose(point.map(FxAccumulator::from_scalar), Turn::default());
+        let kind = FlightKind::Static;
+        self.flights.push(resting(point));
+        let (reach, width) = (0, 0);
+        self.places.push(Place { slot: NONE, pose, way, kind, dominance: 0, reach, width, is_complete: true });
+        self.flights.len() as u32 - 1
     }
 
     fn place(&mut self, place: Place) -> u32 {

@@ -9,7 +9,7 @@ use super::coefficients::Coefficients;
 use super::flights::Flights;
 use super::moment::take_back;
 use super::narrow::Meeting;
-use super::{ContactRecord, Correction, Scene};
+use super::{ContactRecord, Scene};
 use crate::collide::{Manifold, ManifoldPoint, SurfacePoint};
 use crate::collider::{ColliderSet, OutlineId};
 use crate::fx::Fx;
@@ -165,18 +165,10 @@ impl ContactList {
         core::mem::swap(&mut self.touched, &mut self.start_touched);
     }
 
-    /// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
-    pub(super) fn mark_pushing(&self, flights: &Flights, corrections: &mut Vec<Correction>) {
-        for contact in self.solver_contacts.iter().filter(|contact| contact.impulses.values != [0; 3]) {
-            for body in contact.bodies {
-                if let Some(correction) = corrections.get_mut(flights.leader(body) as usize) {
-                    correction.is_pushed = true;
-                }
-            }
-        }
-        if !corrections.iter().any(|correction| correction.is_pushed) {
-            corrections.clear();
-        }
+    /// The bodies of the contacts with impulses.
+    pub(super) fn pushing(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let pushing = self.solver_contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
+        pushing.map(|contact| contact.bodies)
     }
 
     /// The records of the contacts with impulses, and of contacts that touched and have events.

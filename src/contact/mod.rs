@@ -4,14 +4,15 @@
 //!
 //! | function | from | to |
 //! |---|---|---|
-//! | `Flights::begin` | columns, `Start` | a [`Flight`](crate::solve::Flight) for each moving body with colliders |
+//! | `Flights::begin` | columns, `Start` | a [`Flight`](crate::solve::Flight) for each moving body with colliders or joints |
 //! | `Resting::update` | changes of bodies and colliders | trees of colliders at rest |
 //! | `Pairs::find` | flights, trees | pairs of outline numbers, sorted |
 //! | `Rules::filter` | pairs, answers of the step before | pairs that may touch (`excluded`, `one_way`) |
 //! | `Actors` | pairs in chunks | boxes in lanes, and the manifolds of pairs of boxes |
 //! | `Narrow::meet` | a pair | `Meeting`: a manifold, and the ways of both bodies to its [`moment`] |
 //! | `ContactList::push` | a meeting, the record of the step before | a contact of the solver (`surfaces`, `approach`, `seams`) |
-//! | `Solvers::solve` | flights, contacts | impulses and a correction for each flight, islands apart (`split`) |
+//! | `JointList::set` | flights, joints | the joints of the solver |
+//! | `Solvers::solve` | flights, joints, contacts | impulses and a correction for each flight, islands apart (`split`) |
 //! | `list_deflected`, `Again::solve` | corrections | contacts on the new ways, solved again with their islands |
 //! | `ContactList::records` | impulses | [`ContactRecord`]s, the state that the next step starts from (`set`, `asleep`) |
 //! | `Sweeps::end_fast_paths` | columns after the corrections | `Stop`s: the ends of fast paths |
@@ -35,6 +36,7 @@ mod deflected;
 mod events;
 mod excluded;
 mod flights;
+mod joints;
 mod list;
 mod moment;
 mod narrow;
@@ -62,6 +64,7 @@ use crate::body::{Activity, Bodies};
 use crate::collide::broad::PairLimits;
 use crate::collider::{ColliderSet, ContactSettings};
 use crate::fx::Fx;
+use crate::joint::Joined;
 use crate::limits::PARTS;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, FxAccumulator, Scalar, Turn};
@@ -232,7 +235,9 @@ pub(crate) struct Scene<'a> {
     pub(crate) colliders: &'a ColliderSet,
     /// The contacts of the step before.
     pub(crate) contacts: &'a ContactSet,
-    /// The moving bodies with colliders that meet others, without bodies at fault.
+    /// The joints, with the impulses of the step before.
+    pub(crate) joints: Joined<'a>,
+    /// The moving bodies with colliders that meet others or with joints, without bodies at fault.
     pub(crate) starts: &'a [Start],
     /// True if a static body or its colliders may have changed since the last step.
     pub(crate) may_have_moved_statics: bool,

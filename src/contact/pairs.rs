@@ -101,7 +101,9 @@ impl Pairs {
                 // The tree still has the colliders of bodies that woke since it was made.
                 let sleeping_body = body(sleeper.collider).filter(|&body| sleeps(scene, body));
                 let bodies = body(mover.collider).zip(sleeping_body);
-                if bodies.is_some_and(|(a, b)| scene.contacts.find_excluded(sorted(a, b)).is_err()) {
+                let may_touch =
+                    |pair: [u32; 2]| scene.contacts.find_excluded(pair).is_err() && !scene.joints.keeps_apart(pair);
+                if bodies.is_some_and(|(a, b)| may_touch(sorted(a, b))) {
                     pairs.push([mover.collider.min(sleeper.collider), mover.collider.max(sleeper.collider)]);
                 }
                 true

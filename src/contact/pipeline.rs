@@ -17,6 +17,7 @@ use super::again::Again;
 use super::deflected::list_deflected;
 use super::events::{find_touches, list_hits, read_totals};
 use super::flights::{FlightKind, Flights};
+use super::joints::JointList;
 use super::list::ContactList;
 use super::narrow::Narrow;
 use super::pairs::Pairs;
@@ -43,6 +44,7 @@ pub(crate) struct Pipeline {
     pairs: Pairs,
     rules: Rules,
     narrow: Narrow,
+    joints: JointList,
     contacts: ContactList,
     again: Again,
     sweeps: Sweeps,
@@ -115,7 +117,7 @@ impl Pipeline {
         pairs.put_back(list);
     }
 
-    /// Solves the contacts, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
+    /// Solves the joints and contacts, and writes the change of each body of `scene.starts` to `corrections`; none if there was no
     /// impulse.
     pub(crate) fn solve<C: ContactSolver>(
         &mut self,
@@ -123,23 +125,29 @@ impl Pipeline {
         scene: &Scene<'_>,
         corrections: &mut Vec<Correction>,
     ) {
-        let Self { flights, contacts, .. } = self;
+        let Self { flights, joints, contacts, .. } = self;
+        joints.set(scene, flights);
         contacts.totals.clear();
         contacts.touched.clear();
-        if contacts.is_empty() {
+        if joints.is_empty() && contacts.is_empty() {
             corrections.clear();
             return;
         }
         counted!(self, contacts, contacts.len());
         counted!(self, points, contacts.solver_contacts.iter().map(|contact| contact.count).sum::<usize>());
-        let (options, solver_contacts) = (scene.settings.into(), &mut contacts.solver_contacts);
-        timed!(self, setup, solvers.solve(scene.time_step, &options, flights.all(), solver_contacts, corrections));
+        let (options, time_step) = (scene.settings.into(), scene.time_step);
+        let (solver_joints, solver_contacts) = (&mut joints.solver_joints, &mut contacts.solver_contacts);
+        timed!(
+            self,
+            setup,
+            solvers.solve(time_step, &options, flights.all(), solver_joints, solver_contacts, corrections)
+        );
         #[cfg(feature = "timers")]
         self.timers.add_solver(solvers.take_timers());
         // Moving bodies have the first flights.
         corrections.truncate(scene.starts.len());
         timed!(self, events, self.read_events(solvers, scene, None));
-        timed!(self, apply, self.contacts.mark_pushing(&self.flights, corrections));
+        timed!(self, apply, mark_pushing(&self.joints, &self.contacts, &self.flights, corrections));
     }
 
     /// Adds the contacts that deflected bodies meet on the paths of these corrections, and to `touched` the sleeping bodies. Returns true if
@@ -150,13 +158,15 @@ impl Pipeline {
         corrections: &[Correction],
         touched: &mut Vec<BodyId>,
     ) -> bool {
-        let Self { flights, resting, pairs, rules, narrow, contacts, again, sweeps, .. } = self;
+        let Self { flights, resting, pairs, rules, narrow, joints, contacts, again, sweeps, .. } = self;
         #[cfg(feature = "selftest")]
         if narrow.is_discrete {
             return false;
         }
         let known = contacts.len();
-        list_deflected(scene, corrections, flights, &contacts.solver_contacts, again, &mut sweeps.deflected);
+        let solver_joints = &joints.solver_joints;
+        let solver_contacts = &contacts.solver_contacts;
+        list_deflected(scene, corrections, flights, solver_joints, solver_contacts, again, &mut sweeps.deflected);
         if !sweeps.deflected.is_empty() {
             let paths = Paths { scene, corrections, is_corrected: false };
             sweeps.fast.clone_from(&sweeps.deflected);
@@ -201,24 +211,29 @@ impl Pipeline {
         corrections: &mut Vec<Correction>,
     ) {
         let mut again = core::mem::take(&mut self.again);
-        let part = timed!(self, again, again.solve(solvers, scene, &self.flights, &mut self.contacts, corrections));
+        let Self { flights, joints, contacts, .. } = self;
+        let part = timed!(self, again, again.solve(solvers, scene, flights, joints, contacts, corrections));
         #[cfg(feature = "timers")]
         self.timers.add_again(solvers.take_timers());
         timed!(self, events, self.read_events(solvers, scene, Some(part)));
-        timed!(self, apply, self.contacts.mark_pushing(&self.flights, corrections));
+        timed!(self, apply, mark_pushing(&self.joints, &self.contacts, &self.flights, corrections));
         self.again = again;
     }
 
     /// Lists the bodies that are deflected still after all rounds: they are swept as bullets are.
     pub(crate) fn find_deflected(&mut self, scene: &Scene<'_>, corrections: &[Correction]) {
-        let Self { flights, contacts, again, sweeps, .. } = self;
-        list_deflected(scene, corrections, flights, &contacts.solver_contacts, again, &mut sweeps.deflected);
+        let Self { flights, joints, contacts, again, sweeps, .. } = self;
+        let (joints, contacts) = (&joints.solver_joints, &contacts.solver_contacts);
+        list_deflected(scene, corrections, flights, joints, contacts, again, &mut sweeps.deflected);
     }
 
-    /// Reads the impulses and impacts of events from the solvers, if a collider has events. The solvers have solved all contacts, or the
-    /// contacts of this part.
+    /// Reads the impulses of joints that may break, and the impulses and impacts of events from the solvers, if a collider has events. The
+    /// solvers have solved all joints and contacts, or the joints and contacts of this part.
     fn read_events<C: ContactSolver>(&mut self, solvers: &Solvers<C>, scene: &Scene<'_>, part: Option<&Part>) {
-        let Self { flights, resting, narrow, contacts, .. } = self;
+        let Self { flights, resting, narrow, joints, contacts, .. } = self;
+        if scene.joints.may_any_break() {
+            joints.read_totals(solvers, part);
+        }
         if scene.colliders.any_contact_events() || scene.colliders.any_hit_events() {
             read_totals(contacts, solvers, part);
             find_touches(contacts, scene, flights, resting, narrow);
@@ -231,6 +246,16 @@ impl Pipeline {
         contacts.records.clear();
         contacts.records.extend(self.contacts.records());
         self.rules.list(contacts);
+    }
+
+    /// The joints that were solved, with their impulses.
+    pub(crate) fn joints(&self) -> &JointList {
+        &self.joints
+    }
+
+    /// Returns true if there are no contacts in the step.
+    pub(crate) fn has_no_contacts(&self) -> bool {
+        self.contacts.is_empty()
     }
 
     /// Exchanges the impulses of all contacts with the impulses that they start from.
@@ -301,6 +326,22 @@ impl Pipeline {
         if self.resting.copy_from(&source.resting) {
             self.narrow.forget_tiles();
         }
+    }
+}
+
+/// Takes note of bodies that push others, which are not at rest even if nothing moves them. There are no corrections without impulses.
+fn mark_pushing(joints: &JointList, contacts: &ContactList, flights: &Flights, corrections: &mut Vec<Correction>) {
+    let mut mark = |bodies: [u32; 2]| {
+        for body in bodies {
+            if let Some(correction) = corrections.get_mut(flights.leader(body) as usize) {
+                correction.is_pushed = true;
+            }
+        }
+    };
+    contacts.pushing().for_each(&mut mark);
+    joints.pulling().for_each(mark);
+    if !corrections.iter().any(|correction| correction.is_pushed) {
+        corrections.clear();
     }
 }
 

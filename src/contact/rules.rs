@@ -1,4 +1,4 @@
-//! The rules by which outlines whose boxes overlap do not touch: excluded pairs of bodies, and one-way colliders.
+//! The rules by which outlines whose boxes overlap do not touch: excluded and joined pairs of bodies, and one-way colliders.
 //!
 //! Reads: pairs, the answers and the excluded pairs of the step before. Writes: the pairs that may touch, the answers of this step.
 
@@ -19,7 +19,8 @@ pub(super) struct Rules {
 }
 
 impl Rules {
-    /// Leaves out the pairs that do not touch, and finds which pairs of bodies stay excluded and which bodies pass one-way colliders.
+    /// Leaves out the pairs that do not touch: of excluded bodies, of bodies that joints keep apart, and of bodies that pass. Finds which pairs of bodies
+    /// stay excluded and which bodies pass one-way colliders.
     pub(super) fn filter(
         &mut self,
         scene: &Scene<'_>,
@@ -29,6 +30,7 @@ impl Rules {
         changed_resting: &ChangedResting,
         pairs: &mut Vec<[u32; 2]>,
     ) {
+        leave_out_joined(scene, resting, pairs);
         self.exclusions.leave_out_excluded(scene, flights, resting, narrow, pairs);
         self.one_way.leave_out_passing(scene, flights, resting, narrow, changed_resting, pairs);
     }
@@ -40,7 +42,7 @@ impl Rules {
         let [Some(a), Some(b)] = outlines.map(|outline| scene.colliders.at(outline.slot)) else { return false };
         a.body != b.body
             && a.def.filter.agrees(b.def.filter)
-            && !self.exclusions.has([a.body, b.body])
+            && !self.exclusions.has(scene, [a.body, b.body])
             && (a.side.is_none() || self.one_way.holds(outlines[0], b.body.slot))
             && (b.side.is_none() || self.one_way.holds(outlines[1], a.body.slot))
     }
@@ -50,4 +52,17 @@ impl Rules {
         contacts.passes.clone_from(&self.one_way.answers);
         contacts.excluded.clone_from(&self.exclusions.pairs);
     }
+}
+
+/// Leaves out the pairs of bodies that joints keep apart.
+fn leave_out_joined(scene: &Scene<'_>, resting: &Resting, pairs: &mut Vec<[u32; 2]>) {
+    if !scene.joints.keeps_any_apart() {
+        return;
+    }
+    let body =
+        |number: u32| scene.colliders.at(resting.numbers.outline(number).slot).map(|collider| collider.body.slot);
+    pairs.retain(|pair| match pair.map(body) {
+        [Some(a), Some(b)] => !scene.joints.keeps_apart([a, b]),
+        _ => true,
+    });
 }

@@ -5,7 +5,7 @@
 //! 1/60 s four boxes collapse under a fifth that is 1,000 times as heavy. The way is proportional to the square of the sub-step, so such an
 //! island takes [`FINE_SUBSTEPS`].
 //!
-//! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts, from the bodies that
+//! Whether it does follows from masses and levels alone: a body lies on another one if it is farther, in contacts and joints, from the bodies that
 //! cannot be moved. (By the impulses of the step before, islands would change from one to the other and never rest: finer sub-steps push
 //! out the overlaps that make the impulses large.) Records of contacts have the impulses over a sub-step of the settings, whatever sub-steps their
 //! island takes.
@@ -29,7 +29,7 @@ use crate::math::TimeStep;
 use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
 use crate::solve::{
-    Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, SolverOptions, is_heavy, may_be_heavy,
+    Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Joint, SolverOptions, is_heavy, may_be_heavy,
 };
 #[cfg(feature = "timers")]
 use crate::timers::Timers;
@@ -64,12 +64,15 @@ fn kind_options(kind: usize, options: &SolverOptions) -> SolverOptions {
     SolverOptions { substeps, relax_passes, ..*options }
 }
 
-/// Contacts of whole islands, and their flights.
+/// Joints and contacts of whole islands, and their flights.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     pub(super) flights: Vec<Flight>,
     /// The numbers of the flights among all.
     pub(super) flight_numbers: Vec<u32>,
+    pub(super) joints: Vec<Joint>,
+    /// The numbers of the joints among all.
+    pub(super) joint_numbers: Vec<u32>,
     pub(super) contacts: Vec<Contact>,
     /// The numbers of the contacts among all.
     pub(super) contact_numbers: Vec<u32>,
@@ -79,28 +82,49 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Copies contacts, and the flights that they join. Leaders keep their numbers among all flights.
-    pub(super) fn take(&mut self, flights: &[Flight], contacts: &[Contact], is_taken: impl Fn(&Contact) -> bool) {
-        let Self { place, .. } = self;
-        place.clear();
-        place.resize(flights.len(), NONE);
+    /// Copies the joints and contacts of bodies for which `is_taken` returns true, and the flights that they join. Leaders keep their numbers
+    /// among all flights.
+    pub(super) fn take(
+        &mut self,
+        flights: &[Flight],
+        joints: &[Joint],
+        contacts: &[Contact],
+        is_taken: impl Fn([u32; 2]) -> bool,
+    ) {
+        self.place.clear();
+        self.place.resize(flights.len(), NONE);
         self.flights.clear();
         self.flight_numbers.clear();
+        self.joints.clear();
+        self.joint_numbers.clear();
         self.contacts.clear();
         self.contact_numbers.clear();
-        for (number, contact) in (0..).zip(contacts).filter(|(_, contact)| is_taken(contact)) {
-            let bodies = contact.bodies.map(|body| {
-                let number = &mut place[body as usize];
-                if *number == NONE {
-                    *number = self.flights.len() as u32;
-                    self.flights.push(flights[body as usize]);
-                    self.flight_numbers.push(body);
-                }
-                *number
-            });
+        for (number, joint) in (0..).zip(joints).filter(|(_, joint)| is_taken(joint.bodies)) {
+            let bodies = joint.bodies.map(|body| self.take_flight(flights, body));
+            self.joints.push(Joint { bodies, ..*joint });
+            self.joint_numbers.push(number);
+        }
+        for (number, contact) in (0..).zip(contacts).filter(|(_, contact)| is_taken(contact.bodies)) {
+            let bodies = contact.bodies.map(|body| self.take_flight(flights, body));
             self.contacts.push(Contact { bodies, ..*contact });
             self.contact_numbers.push(number);
         }
+    }
+
+    /// Copies a flight, if it is not there yet, and returns its number in the part.
+    fn take_flight(&mut self, flights: &[Flight], body: u32) -> u32 {
+        let number = &mut self.place[body as usize];
+        if *number == NONE {
+            *number = self.flights.len() as u32;
+            self.flights.push(flights[body as usize]);
+            self.flight_numbers.push(body);
+        }
+        *number
+    }
+
+    /// Returns true if it has neither joints nor contacts.
+    fn is_empty(&self) -> bool {
+        self.joints.is_empty() && self.contacts.is_empty()
     }
 
     /// The number in the part of a flight, by its number among all.
@@ -109,7 +133,7 @@ impl Part {
     }
 }
 
-/// The contacts of a step, split by the kinds of their islands, and a solver for each part.
+/// The joints and contacts of a step, split by the kinds of their islands, and a solver for each part.
 #[derive(Debug, Default)]
 pub(crate) struct Solvers<C> {
     graph: Graph,
@@ -126,38 +150,47 @@ pub(crate) struct Solvers<C> {
 }
 
 impl<C: ContactSolver> Solvers<C> {
-    /// Solves contacts, each island with the options of its kind: writes impulses to the contacts and the corrections of all flights.
+    /// Solves joints and contacts, each island with the options of its kind: writes their impulses and the corrections of all flights.
     pub(super) fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
-        self.is_split = self.find_special(options, flights, contacts);
+        self.is_split = self.find_special(options, flights, joints, contacts);
         if !self.is_split {
-            self.solvers[0].solve(time_step, options, flights, contacts, corrections);
+            self.solvers[0].solve(time_step, options, flights, joints, contacts, corrections);
             return;
         }
         corrections.clear();
         corrections.resize(flights.len(), Correction::default());
         for kind in 0..KINDS {
-            self.take(kind, time_step, flights, contacts, corrections);
+            self.take(kind, time_step, flights, joints, contacts, corrections);
             let part = &mut self.parts[kind];
-            if part.contacts.is_empty() {
+            if part.is_empty() {
                 continue;
             }
             let part_options = kind_options(kind, options);
             let [part_substeps, substeps] = [part_options.substeps, options.substeps].map(u64::from);
+            for joint in &mut part.joints {
+                joint.impulses = joint.impulses.rescaled(substeps, part_substeps);
+            }
             for contact in &mut part.contacts {
                 contact.impulses = contact.impulses.rescaled(substeps, part_substeps);
             }
+            let Part { flights: part_flights, joints: part_joints, contacts: part_contacts, .. } = part;
+            let part_corrections = &mut part.corrections;
             let solver = &mut self.solvers[kind];
-            solver.solve(time_step, &part_options, &part.flights, &mut part.contacts, &mut part.corrections);
+            solver.solve(time_step, &part_options, part_flights, part_joints, part_contacts, part_corrections);
             // Fixed bodies, which may be in several parts, have none.
             for (&number, correction) in part.flight_numbers.iter().zip(&part.corrections) {
                 corrections[number as usize] = *correction;
+            }
+            for (&number, joint) in part.joint_numbers.iter().zip(&part.joints) {
+                joints[number as usize].impulses = joint.impulses.rescaled(part_substeps, substeps);
             }
             for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
                 contacts[number as usize].impulses = contact.impulses.rescaled(part_substeps, substeps);
@@ -181,6 +214,16 @@ impl<C: ContactSolver> Solvers<C> {
         })
     }
 
+    /// The number of each joint that was solved, and its impulses along x and y over the step on the second body, in 2^-32 N·s.
+    pub(super) fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+        self.solved_parts().flat_map(move |part| {
+            let number = move |joint: u32| {
+                if self.is_split { self.parts[part].joint_numbers[joint as usize] } else { joint }
+            };
+            self.solvers[part].joint_totals().map(move |(joint, total)| (number(joint), total))
+        })
+    }
+
     /// The impacts in the step of these contacts, which must be the solved contacts.
     pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
         self.solved_parts().flat_map(move |part| {
@@ -190,9 +233,9 @@ impl<C: ContactSolver> Solvers<C> {
         })
     }
 
-    /// The parts with contacts of the last step.
+    /// The parts with joints or contacts of the last step.
     fn solved_parts(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..KINDS).filter(|&part| if self.is_split { !self.parts[part].contacts.is_empty() } else { part == 0 })
+        (0..KINDS).filter(|&part| if self.is_split { !self.parts[part].is_empty() } else { part == 0 })
     }
 
     /// The number among all of a contact of a part.
@@ -201,13 +244,19 @@ impl<C: ContactSolver> Solvers<C> {
     }
 
     /// Finds the kinds of the islands. Returns true if one is special.
-    fn find_special(&mut self, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) -> bool {
+    fn find_special(
+        &mut self,
+        options: &SolverOptions,
+        flights: &[Flight],
+        joints: &[Joint],
+        contacts: &[Contact],
+    ) -> bool {
         let may_be_heavy = options.substeps < FINE_SUBSTEPS && may_be_heavy(flights);
         let any_deep = contacts.iter().any(is_deep);
         if !may_be_heavy && !any_deep {
             return false;
         }
-        let links = contacts.iter().map(|contact| contact.bodies);
+        let links = bodies_of(joints, contacts);
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
         if may_be_heavy || flights.iter().any(|flight| flight.leader.is_some()) {
             // Islands that no fixed body holds carry nothing: they get no levels.
@@ -272,19 +321,20 @@ impl<C: ContactSolver> Solvers<C> {
         }
     }
 
-    /// Copies the contacts of the islands of a kind, and the flights that they join, with the corrections of the parts before.
+    /// Copies the joints and contacts of the islands of a kind, and the flights that they join, with the corrections of the parts before.
     fn take(
         &mut self,
         kind: usize,
         time_step: TimeStep,
         flights: &[Flight],
+        joints: &[Joint],
         contacts: &[Contact],
         corrections: &[Correction],
     ) {
         let Self { graph, kinds, parts, .. } = self;
         let part = &mut parts[kind];
-        part.take(flights, contacts, |contact| {
-            let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
+        part.take(flights, joints, contacts, |bodies| {
+            let island = graph.mover(bodies).and_then(|body| graph.island_of(body));
             island.map_or(0, |island| kinds[island as usize]) == kind
         });
         for index in 0..part.flights.len() {
@@ -297,6 +347,14 @@ impl<C: ContactSolver> Solvers<C> {
             part.flights[index].leader = place;
         }
     }
+}
+
+/// The bodies of joints and contacts.
+pub(super) fn bodies_of<'a>(
+    joints: &'a [Joint],
+    contacts: &'a [Contact],
+) -> impl Iterator<Item = [u32; 2]> + Clone + use<'a> {
+    joints.iter().map(|joint| joint.bodies).chain(contacts.iter().map(|contact| contact.bodies))
 }
 
 /// Gives a flight the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,

@@ -1,4 +1,4 @@
-//! Drawing a world: outlines, force fields, velocities and contacts, to whatever can draw.
+//! Drawing a world: outlines, force fields, joints, velocities and contacts, to whatever can draw.
 
 use super::outline::{draw_geometry, round};
 use super::pose::{Placed, Pose};
@@ -7,8 +7,8 @@ use crate::contact::Contact;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
-use crate::slots::{BodyId, ColliderId, FieldId};
-use crate::world::{BodyRef, World};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
+use crate::world::{BodyRef, JointRef, World};
 
 /// Class of a body for drawing: kind and activity in one, to choose a colour by.
 ///
@@ -74,6 +74,8 @@ pub enum Role {
     Zone(FieldId),
     /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
     Buoyancy(FieldId),
+    /// The two ends of a joint, and the line between them.
+    Joint(JointId),
     /// A point of the contact of these two colliders.
     Contact([ColliderId; 2]),
     /// An arrow from a point of their contact along its normal, from the first collider to the second one.
@@ -155,6 +157,8 @@ pub struct DrawOptions {
     pub bodies: bool,
     /// Force fields that are somewhere: springs, attractors, thrusts, zones.
     pub fields: bool,
+    /// The ends of joints that steps keep, and the lines between them.
+    pub joints: bool,
     /// Velocities, as the distance that each body moves in this many seconds.
     pub velocities: Option<f64>,
     /// The points of [contacts](World::contacts).
@@ -170,11 +174,12 @@ pub struct DrawOptions {
 }
 
 impl Default for DrawOptions {
-    /// Bodies and fields.
+    /// Bodies, fields and joints.
     fn default() -> Self {
         Self {
             bodies: true,
             fields: true,
+            joints: true,
             velocities: None,
             contacts: false,
             contact_normals: None,
@@ -193,8 +198,8 @@ impl<S: Scalar + ToF64> World<S> {
     /// Draws the world with its bodies at these poses: those of the tick ([`Pose::of`]), or of an
     /// [`Interpolation`](super::Interpolation).
     ///
-    /// First the fields in the order in which they were added, then the bodies in the order of their slots, then the
-    /// velocities in that order, then the contacts by the slots of their colliders. The state of the world is only read.
+    /// First the fields in the order in which they were added, then the bodies in the order of their slots, then the joints in the order of
+    /// their keys, then the velocities in the order of the bodies, then the contacts by the slots of their colliders. The state of the world is only read.
     ///
     /// Contacts are computed here, and only if an option asks for them. Their points go with the poses: each is drawn in the
     /// middle of where its two bodies carry it. The directions of their arrows are those of the tick.
@@ -243,6 +248,11 @@ impl<S: Scalar + ToF64> World<S> {
         if options.bodies {
             for body in self.bodies() {
                 self.draw_body(&body, pose(&body), draw);
+            }
+        }
+        if options.joints {
+            for joint in self.joints().filter(JointRef::is_active) {
+                self.draw_joint(&joint, &pose, draw);
             }
         }
         if let Some(seconds) = options.velocities {
@@ -315,6 +325,35 @@ impl<S: Scalar + ToF64> World<S> {
         }
     }
 
+    /// The place of the body of an attachment, and the point.
+    fn attached(&self, at: &Attachment<S>, pose: &impl Fn(&BodyRef<'_, S>) -> Pose) -> Option<(Placed, [f64; 2])> {
+        let placed = Placed::at(pose(&self.body(at.body).ok()?));
+        Some((placed, placed.point(at.point.to_f64())))
+    }
+
+    /// The point of an end.
+    fn end(&self, end: &End<S>, pose: &impl Fn(&BodyRef<'_, S>) -> Pose) -> Option<[f64; 2]> {
+        match end {
+            End::World(point) => Some(point.to_f64()),
+            End::Body(at) => self.attached(at, pose).map(|(_, point)| point),
+        }
+    }
+
+    fn draw_joint(
+        &self,
+        joint: &JointRef<'_, S>,
+        pose: &impl Fn(&BodyRef<'_, S>) -> Pose,
+        draw: &mut (impl DebugDraw + ?Sized),
+    ) {
+        let role = Role::Joint(joint.id());
+        let [first, second] = &joint.def().ends;
+        if let (Some(from), Some(to)) = (self.end(first, pose), self.end(second, pose)) {
+            draw.segment([from, to], role);
+            draw.point(from, role);
+            draw.point(to, role);
+        }
+    }
+
     fn draw_field(
         &self,
         id: FieldId,
@@ -322,14 +361,8 @@ impl<S: Scalar + ToF64> World<S> {
         pose: &impl Fn(&BodyRef<'_, S>) -> Pose,
         draw: &mut (impl DebugDraw + ?Sized),
     ) {
-        let attached = |at: &Attachment<S>| {
-            let placed = Placed::at(pose(&self.body(at.body).ok()?));
-            Some((placed, placed.point(at.point.to_f64())))
-        };
-        let end = |end: &End<S>| match end {
-            End::World(point) => Some(point.to_f64()),
-            End::Body(at) => attached(at).map(|(_, point)| point),
-        };
+        let attached = |at: &Attachment<S>| self.attached(at, pose);
+        let end = |end: &End<S>| self.end(end, pose);
         match &field.kind {
             FieldKind::Spring { near, far, .. } => {
                 if let (Some((_, start)), Some(end)) = (attached(near), end(far)) {

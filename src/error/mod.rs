@@ -6,7 +6,7 @@ mod quantity;
 use core::fmt;
 
 use crate::codes::codes;
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
 pub use fault::{Cause, Fault};
 pub use quantity::{Dimension, Quantity};
@@ -64,7 +64,7 @@ pub enum Error {
     },
     /// `Yoshida4` runs its middle sub-step backwards, which is impossible with a damping that leaves nothing of a velocity.
     DampingHasNoInverse,
-    /// One body is named twice, where two are needed: at both ends of a spring, in a pair to exclude.
+    /// One body is named twice, where two are needed: at both ends of a spring or joint, in a pair to exclude.
     SameBody {
         /// The body.
         body: BodyId,
@@ -74,8 +74,8 @@ pub enum Error {
         /// The id.
         id: u64,
     },
-    /// The world already has the maximum number of bodies, colliders, outlines of colliders or force fields, 2^24 each, of excluded
-    /// pairs, 2^16, or of pairs of materials, 2^12.
+    /// The world already has the maximum number of bodies, colliders, outlines of colliders, force fields or joints, 2^24 each, of
+    /// excluded pairs, 2^16, or of pairs of materials, 2^12.
     Full,
     /// The elapsed time no longer fits in a ratio of 128-bit integers: too many different time steps or speeds were used.
     ElapsedTime,
@@ -154,6 +154,15 @@ pub enum Error {
         /// The segments, each by the number of the point that it begins at.
         segments: [usize; 2],
     },
+    /// The handle names no joint: it or one of its bodies was removed, or it was never in this world.
+    NoSuchJoint {
+        /// The handle.
+        joint: JointId,
+    },
+    /// Neither end of the joint is on a dynamic body.
+    NothingToMove,
+    /// Worlds of floats have no joints: only the solver in integers knows them.
+    FloatJoint,
 }
 
 /// Reason why a step cannot be undone.
@@ -216,6 +225,8 @@ pub enum Irreversible {
     /// Colliders pushed each other in the last step or in the one before, or another case of contacts was met that
     /// [`World::step_back`](crate::World::step_back) lists: the state of contacts before is not known.
     Contact,
+    /// A joint had an impulse in the last step or in the one before, or broke: what it had before is not known.
+    Joint,
 }
 
 codes!(Irreversible {
@@ -234,6 +245,7 @@ codes!(Irreversible {
     Moved = 143,
     End = 144,
     Contact = 145,
+    Joint = 146,
 });
 
 impl core::error::Error for Irreversible {
@@ -265,6 +277,7 @@ impl fmt::Display for Irreversible {
             Self::Contact => f.write_str(
                 "in the last two steps colliders pushed each other, or a sensor, a one-way collider or an excluded pair changed",
             ),
+            Self::Joint => f.write_str("in the last two steps a joint pulled or broke"),
         }
     }
 }
@@ -288,7 +301,7 @@ impl fmt::Display for Error {
             Self::SameBody { body } => write!(f, "{body} is named twice: two different bodies are needed"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {
-                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders or force fields (16,777,216 each), of excluded pairs (65,536), or of pairs of materials (4,096)")
+                f.write_str("the world already has the maximum number of bodies, colliders, outlines of colliders, force fields or joints (16,777,216 each), of excluded pairs (65,536), or of pairs of materials (4,096)")
             },
             Self::Inconsistent => f.write_str("the parts of the snapshot contradict each other"),
             Self::ElapsedTime => f.write_str(
@@ -323,6 +336,11 @@ impl fmt::Display for Error {
             Self::ChainCrosses { segments: [a, b] } => {
                 write!(f, "segments {a} and {b} of the chain cross or touch: a chain may not meet itself")
             },
+            Self::NoSuchJoint { joint } => write!(f, "no such joint: {joint}"),
+            Self::NothingToMove => {
+                f.write_str("neither end of the joint is on a dynamic body: a joint needs a body that it can move")
+            }
+            Self::FloatJoint => f.write_str("a world of floats has no joints: only worlds of `Fx` do"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
@@ -359,6 +377,9 @@ codes!(Error {
     NoSuchCollider = 128,
     DynamicChain = 129,
     ChainCrosses = 130,
+    NoSuchJoint = 147,
+    NothingToMove = 148,
+    FloatJoint = 149,
 });
 
 impl core::error::Error for Error {

@@ -111,6 +111,12 @@ pub enum Quantity {
     ExplosionImpulse,
     /// The corners of the box of a fluid.
     FluidBox,
+    /// The point of a body that a joint is at.
+    JointPoint,
+    /// The distance that a joint keeps.
+    JointLength,
+    /// The force at which a joint breaks.
+    BreakForce,
 }
 
 /// A size of a shape.
@@ -209,6 +215,9 @@ impl Quantity {
             Self::ExplosionRadius => "a radius or a falloff of an explosion from 0 to 2^12 m",
             Self::ExplosionImpulse => "an impulse of an explosion within ±2^16 N·s/m",
             Self::FluidBox => "a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one",
+            Self::JointPoint => "a point of a joint within ±2^12 m of its body's centre of mass, a component",
+            Self::JointLength => "a distance of a joint from 2^-7 to 2^20 m",
+            Self::BreakForce => "a force of at least zero at which a joint breaks",
         }
     }
 }
@@ -260,6 +269,9 @@ codes!(Quantity {
     ExplosionRadius = 195,
     ExplosionImpulse = 196,
     FluidBox = 197,
+    JointPoint = 198,
+    JointLength = 199,
+    BreakForce = 200,
 });
 
 impl core::error::Error for Quantity {}

@@ -301,6 +301,14 @@ impl<S: Scalar> End<S> {
             Self::Body(attachment) => Some(attachment.body),
         }
     }
+
+    /// The same place with another body; `None` where `map` gives none.
+    pub(crate) fn map_body(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        Some(match self {
+            Self::World(point) => Self::World(*point),
+            Self::Body(attachment) => Self::Body(Attachment { body: map(attachment.body)?, ..*attachment }),
+        })
+    }
 }
 
 impl<S: Scalar> ForceField<S> {
@@ -417,16 +425,12 @@ impl<S: Scalar> ForceField<S> {
     #[must_use]
     pub fn map_bodies(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
         let attachment = |a: &Attachment<S>| Some(Attachment { body: map(a.body)?, ..*a });
-        let end = |e: &End<S>| match e {
-            End::World(point) => Some(End::World(*point)),
-            End::Body(a) => Some(End::Body(attachment(a)?)),
-        };
         let kind = match self.kind {
             FieldKind::Attractor { centre, mu, softening } => {
-                FieldKind::Attractor { centre: end(&centre)?, mu, softening }
+                FieldKind::Attractor { centre: centre.map_body(&map)?, mu, softening }
             }
             FieldKind::Spring { near, far, spring } => {
-                FieldKind::Spring { near: attachment(&near)?, far: end(&far)?, spring }
+                FieldKind::Spring { near: attachment(&near)?, far: far.map_body(&map)?, spring }
             }
             FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(&at)?, force },
             kind @ (FieldKind::Drag { .. }

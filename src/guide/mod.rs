@@ -10,6 +10,7 @@
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
 //! | [`collisions`] | colliders, materials, filters, sensors, events, stacks, fast bodies, explosions, fluids, and a table of cases |
+//! | [`joints`] | hinges and rods, chains, sleeping, breaking, and a table of cases |
 //! | [`queries`] | rays, shape casts, overlaps, closest points, and in which order they are found |
 //! | [`character`] | characters that walk, climb, ride and push |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |
@@ -37,6 +38,8 @@ pub mod engines {}
 pub mod frames {}
 #[doc = include_str!("games.md")]
 pub mod games {}
+#[doc = include_str!("joints.md")]
+pub mod joints {}
 #[doc = include_str!("languages.md")]
 pub mod languages {}
 #[doc = include_str!("lockstep.md")]

@@ -1,6 +1,6 @@
-//! Islands: the bodies that springs and contacts join, over any number of them. An island falls asleep and wakes as a whole.
+//! Islands: the bodies that springs, joints and contacts join, over any number of them. An island falls asleep and wakes as a whole.
 //!
-//! Static bodies and bodies that take no part join nothing; a kinematic body joins nothing by contacts. No step keeps islands: each query
+//! Static bodies and bodies that take no part join nothing; a kinematic body joins nothing by contacts and joints. No step keeps islands: each query
 //! searches from the bodies that it is asked for, breadth first, and looks at nothing else. A step asks for bodies that have rested for long
 //! enough, a call for bodies that it wakes.
 
@@ -10,6 +10,7 @@ use crate::body::{Activity, Bodies, BodyKind, Sparse};
 use crate::collider::ColliderSet;
 use crate::contact::ContactSet;
 use crate::force::{FieldKind, FieldSet, ForceField};
+use crate::joint::Joined;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
@@ -74,25 +75,31 @@ pub(crate) fn is_candidate(ticks_at_rest: u32, ticks: u32) -> bool {
     ticks_at_rest >= ticks && ticks_at_rest % ticks == 0
 }
 
+/// The force fields, joints and contacts of a step, which join its bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct SleepJoins<'a, S: Scalar> {
+    pub(crate) fields: &'a FieldSet<S>,
+    pub(crate) joints: Joined<'a>,
+    pub(crate) touching: &'a Touching,
+}
+
 /// Lists the bodies of the islands that have been at rest for `ticks` steps and of which a candidate is a part, in the order
 /// of their handles. The candidates are indices of moving bodies.
 pub(crate) fn find_sleepers<S: Scalar>(
     bodies: &Bodies<S>,
-    fields: &FieldSet<S>,
+    joins: SleepJoins<'_, S>,
     ticks: u32,
     candidates: &[usize],
-    touching: &Touching,
     workspace: &mut Workspace,
     fell_asleep: &mut Vec<BodyId>,
 ) {
     let rest = &bodies.columns.motion.ticks_at_rest;
     // Something may have moved a candidate since it was found.
     for &candidate in candidates.iter().filter(|&&i| is_candidate(rest[i], ticks)) {
-        if candidate < bodies.free_count() && !touching.contains(bodies.id(candidate).slot) {
+        let slot = bodies.id(candidate).slot;
+        if candidate < bodies.free_count() && !joins.touching.contains(slot) && !joins.joints.has(slot) {
             fell_asleep.push(bodies.id(candidate));
-        } else if workspace.visited.get(candidate).is_none()
-            && rests(bodies, fields, touching, ticks, candidate, workspace)
-        {
+        } else if workspace.visited.get(candidate).is_none() && rests(bodies, joins, ticks, candidate, workspace) {
             fell_asleep.extend(workspace.members.iter().map(|&i| bodies.id(i)));
         }
     }
@@ -104,8 +111,7 @@ pub(crate) fn find_sleepers<S: Scalar>(
 /// Returns true if the island of a body is at rest; then the workspace has its members. The search ends where one is not at rest.
 fn rests<S: Scalar>(
     bodies: &Bodies<S>,
-    fields: &FieldSet<S>,
-    touching: &Touching,
+    SleepJoins { fields, joints, touching }: SleepJoins<'_, S>,
     ticks: u32,
     candidate: usize,
     workspace: &mut Workspace,
@@ -126,12 +132,18 @@ fn rests<S: Scalar>(
         let spring_neighbours = joined_by_springs(fields, member_id).filter_map(|joined| bodies.find(joined).ok());
         let touched_bodies = || touching.touched_by(member_id.slot).filter_map(|slot| bodies.index_in(slot));
         let is_kinematic = |i: &usize| bodies.info(*i).kind == BodyKind::Kinematic;
+        // The joints of a kinematic body, which springs may have led to, join nothing.
+        let joined_bodies = || {
+            let partners = joints.partners(member_id.slot).filter(|_| !is_kinematic(&member));
+            partners.filter_map(|slot| bodies.index_in(slot)).filter(|&i| i < bodies.moving())
+        };
+        let neighbours = || touched_bodies().chain(joined_bodies());
         // A kinematic body joins nothing, and keeps bodies on it awake while it moves.
-        if touched_bodies().any(|i| is_kinematic(&i) && rest[i] == 0) {
+        if neighbours().any(|i| is_kinematic(&i) && rest[i] == 0) {
             return false;
         }
-        let contact_neighbours = touched_bodies().filter(|i| !is_kinematic(i));
-        for i in spring_neighbours.chain(contact_neighbours).filter(|&i| i < bodies.moving()) {
+        let other_neighbours = neighbours().filter(|i| !is_kinematic(i));
+        for i in spring_neighbours.chain(other_neighbours).filter(|&i| i < bodies.moving()) {
             match visited.get(i) {
                 Some(&(_, from)) if from == candidate => {}
                 // It was visited in a search that ended: in an island that is at rest all bodies were.
@@ -147,12 +159,13 @@ fn rests<S: Scalar>(
     true
 }
 
-/// The force fields, colliders and contacts of a world, which join its bodies.
+/// The force fields, colliders, contacts and joints of a world, which join its bodies.
 #[derive(Clone, Copy)]
 pub(crate) struct Joins<'a, S: Scalar> {
     pub(crate) fields: &'a FieldSet<S>,
     pub(crate) colliders: &'a ColliderSet<S>,
     pub(crate) contacts: &'a ContactSet,
+    pub(crate) joints: Joined<'a>,
 }
 
 impl<'a, S: Scalar> Joins<'a, S> {
@@ -176,20 +189,30 @@ pub(crate) fn wake<S: Scalar>(
     reached: impl IntoIterator<Item = BodyId>,
     woken: &mut Vec<BodyId>,
 ) {
-    let mut wake_one = |body: BodyId, woken: &mut Vec<BodyId>| {
-        if let Ok(dense) = bodies.find(body) {
-            if bodies.activity(dense) == Activity::Asleep {
-                bodies.set_activity(dense, Activity::Awake);
-                woken.push(body);
-            }
-        }
-    };
     let mut next = woken.len();
-    reached.into_iter().for_each(|body| wake_one(body, woken));
+    reached.into_iter().for_each(|body| wake_one(bodies, body, woken));
     // An island sleeps as a whole: around a body that was awake nobody sleeps.
     while let Some(&body) = woken.get(next) {
-        joined_by_springs(joins.fields, body).chain(joins.by_contacts(body)).for_each(|joined| wake_one(joined, woken));
+        let joined = joined_by_springs(joins.fields, body).chain(joins.by_contacts(body));
+        joined.for_each(|joined| wake_one(bodies, joined, woken));
+        for slot in joins.joints.partners(body.slot) {
+            let is_dynamic = |i: &usize| bodies.info(*i).kind == BodyKind::Dynamic;
+            let Ok(member) = bodies.find(body) else { continue };
+            // A kinematic body joins nothing by joints.
+            if let Some(partner) = bodies.index_in(slot).filter(|i| is_dynamic(i) && is_dynamic(&member)) {
+                wake_one(bodies, bodies.id(partner), woken);
+            }
+        }
         next += 1;
+    }
+}
+
+fn wake_one<S: Scalar>(bodies: &mut Bodies<S>, body: BodyId, woken: &mut Vec<BodyId>) {
+    if let Ok(dense) = bodies.find(body) {
+        if bodies.activity(dense) == Activity::Asleep {
+            bodies.set_activity(dense, Activity::Awake);
+            woken.push(body);
+        }
     }
 }
 

@@ -1,9 +1,9 @@
-//! The solver of contacts as the step takes it.
+//! The solver of contacts and joints as the step takes it.
 
 use alloc::vec::Vec;
 use core::fmt::Debug;
 
-use super::{Contact, Correction, Flight, SolverOptions};
+use super::{Contact, Correction, Flight, Joint, SolverOptions};
 use crate::fx::Fx;
 use crate::math::TimeStep;
 #[cfg(feature = "timers")]
@@ -22,14 +22,18 @@ pub struct ContactImpact {
     pub speeds: [Fx; 2],
 }
 
-/// A solver of contacts: in integers, or in floats.
+/// A solver of contacts and joints: in integers, or in floats.
 pub trait ContactSolver: Debug + Default + Send + Sync {
-    /// Solves a step: writes impulses to contacts and the corrections of bodies to `corrections`, one for each flight.
+    /// False for a solver that leaves joints alone.
+    const SOLVES_JOINTS: bool;
+
+    /// Solves a step: writes impulses to joints and contacts and the corrections of bodies to `corrections`, one for each flight.
     fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     );
@@ -40,6 +44,9 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_;
+
+    /// The number of each joint that was solved, and its impulses along x and y over the step on the second body, in 2^-32 N·s.
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_;
 
     /// The impacts in the step of these contacts, which are the contacts that were solved.
     fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a;

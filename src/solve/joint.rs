@@ -264,7 +264,7 @@ impl Block {
         cut
     }
 
-    /// Ends a sub-step: adds up what it has applied.
+    /// Ends a sub-step: adds up its impulses.
     #[inline(always)]
     fn end(&mut self) {
         (0..4).for_each(|i| self.applied[i] += self.change[i]);
@@ -283,7 +283,7 @@ impl Block {
     /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
     /// Returns the number of changes that were cut off.
     fn give_gains(&mut self, rows: &mut Rows) -> u64 {
-        // Products with masses are below 2^107. What is lowered away is below 2^-18 of a unit of velocity, and exact in the end.
+        // Products with masses are below 2^107. The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
         let [x, y, turn_a, turn_b] = self.change;
         let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];

@@ -56,7 +56,7 @@ impl Inverse {
 /// The matrix of the normal rows of contacts, in lanes.
 ///
 /// A matrix K is divided by powers of two, K' = D·K·D with D = diag(2^-a, 2^-b), such that elements 11 and 22, the softness included, have
-/// 28 to 30 bits: so determinants are exact in 62 bits, and neither row loses what the other one is larger by.
+/// 28 to 30 bits: so determinants are exact in 62 bits, and neither row loses bits to a larger one.
 struct Rows<L: Lanes> {
     /// Elements 11, 22 and 12 of the rigid matrix.
     k11: L::Wide,
@@ -89,7 +89,7 @@ pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group)
     }
 }
 
-/// Writes the compliance of contacts. Returns what softness adds to both diagonal elements.
+/// Writes the compliance of contacts. Returns the parts of both diagonal elements by softness.
 #[inline(always)]
 fn soften<L: Lanes, const UP: bool>(lanes: L, batch: &Batch, group: &mut Group, at: usize) -> [L::Wide; 2] {
     let [k11, k12, k22] = &batch.whole;
@@ -204,7 +204,7 @@ impl<L: Lanes> Rows<L> {
     #[inline(always)]
     fn write_ratios(&self, lanes: L, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
-        // From the unit of element 12 to that of element 11, as log2.
+        // From the unit of element 12 to the unit of element 11, as log2.
         let step = lanes.floored::<1>(lanes.sub(unit_2, unit_1));
         let (mut ratios_12, mut ratios_21) = ([lanes.splat(0); 2], [lanes.splat(0); 2]);
         for soft in 0..2 {

@@ -459,15 +459,18 @@ impl Job for SubSteps<'_> {
 }
 
 impl ContactSolver for Solver {
+    const SOLVES_JOINTS: bool = true;
+
     fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
-        self.solve(time_step, options, flights, &mut [], contacts, corrections);
+        self.solve(time_step, options, flights, joints, contacts, corrections);
     }
 
     #[cfg(feature = "timers")]
@@ -480,6 +483,10 @@ impl ContactSolver for Solver {
 
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
         self.groups.totals()
+    }
+
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+        self.joints.totals()
     }
 
     fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {

@@ -1,22 +1,24 @@
-//! Contacts: pairs, manifolds, impulses, and their changes of the free flight.
+//! Contacts and joints: pairs, manifolds, impulses, and their changes of the free flight.
 //!
-//! Reads: colliders, the motion at the start and at the end of the free flight, masses, the impulses of the step before. Writes:
+//! Reads: colliders, joints, the motion at the start and at the end of the free flight, masses, the impulses of the step before. Writes:
 //! impulses; positions, angles, velocities and ticks at rest of bodies that impulses push; faults; the activities of sleeping
-//! bodies that are touched.
+//! bodies that are touched; which joints are broken.
 //!
 //! A body without impulses keeps the bits of its free flight. One with impulses is not at rest: the solver holds it to within half a unit
 //! of its velocities, and not to the bit.
 
+mod breaking;
 mod memory;
 mod stops;
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
+pub use breaking::JointBroke;
 pub(super) use memory::ContactMemory;
 use memory::Followed;
 
-use super::sleep::{has_stayed, is_slow};
+use super::sleep::{has_stayed, is_slow, radius};
 use super::{Constants, Findings, Step, bounds, show};
 use crate::body::{Bodies, BodyKind, Change};
 use crate::collider::{ColliderSet, ContactSettings};
@@ -24,15 +26,25 @@ use crate::contact::{Changed, ContactSet, ROUNDS, Scene, Start, is_asleep, list_
 use crate::error::Cause;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, is_candidate};
+use crate::joint::{Joined, JointSet, JointStates};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator, Angle as _, FxAccumulator, Scalar};
 use crate::timers::{counted, timed};
 
-/// The colliders and the contacts of a world.
+/// The colliders, the contacts and the joints of a world.
 pub(crate) struct Contacts<'a, S: Scalar> {
     pub(crate) colliders: &'a ColliderSet<S>,
     pub(crate) contacts: &'a mut ContactSet,
+    pub(crate) joints: &'a JointSet<S>,
+    pub(crate) joint_states: &'a mut JointStates,
     pub(crate) settings: &'a ContactSettings<S>,
+}
+
+impl<S: Scalar> Contacts<'_, S> {
+    /// The joints as they are now.
+    pub(super) fn joined(&self) -> Joined<'_> {
+        self.joints.joined(self.joint_states)
+    }
 }
 
 /// Lists the bodies of faults.
@@ -52,6 +64,7 @@ fn scene<'a, S: Scalar>(
     bodies: &'a Bodies<S>,
     colliders: &'a ColliderSet<S>,
     contacts: &'a ContactSet,
+    joints: Joined<'a>,
     starts: &'a [Start],
     settings: &'a ContactSettings,
     time_step: TimeStep,
@@ -61,6 +74,7 @@ fn scene<'a, S: Scalar>(
         bodies,
         colliders,
         contacts,
+        joints,
         starts,
         may_have_moved_statics: false,
         changed: Some(Changed::NONE),
@@ -79,15 +93,17 @@ enum Blocked {
 }
 
 impl<S: Scalar> Step<'_, S> {
-    /// Lists the moving bodies with colliders that meet others.
+    /// Lists the moving bodies with colliders that meet others, or with joints.
     pub(super) fn survey_contacts(&mut self) {
         let Self { bodies, contacts, workspace, .. } = self;
-        if workspace.contacts.is_some() || contacts.colliders.any_meeting() || contacts.contacts.any_until_apart() {
-            workspace.contacts.get_or_insert_default().survey(bodies, contacts.colliders);
+        let Contacts { colliders, joints, .. } = contacts;
+        let may_touch = colliders.any_meeting() || contacts.contacts.any_until_apart() || joints.len() > 0;
+        if workspace.contacts.is_some() || may_touch {
+            workspace.contacts.get_or_insert_default().survey(bodies, contacts);
         }
     }
 
-    /// Returns true if nothing can touch anything.
+    /// Returns true if nothing can touch anything, and no joint moves anything.
     pub(super) fn are_contacts_idle(&self) -> bool {
         let Contacts { colliders, contacts, .. } = &self.contacts;
         self.workspace.contacts.as_ref().is_none_or(|memory| memory.is_idle(self.bodies, colliders, contacts))
@@ -110,6 +126,7 @@ impl<S: Scalar> Step<'_, S> {
         timed!(self.workspace, apply, self.correct(&memory, constants));
         timed!(self.workspace, sweeps, self.end_paths(&mut memory, &settings, constants));
         timed!(self.workspace, sweeps, self.follow_paths(&mut memory, &settings));
+        self.break_joints(&memory);
         counted!(self.workspace, stops, memory.stops.len());
         self.show(StageKind::Push);
         #[cfg(feature = "timers")]
@@ -159,7 +176,7 @@ impl<S: Scalar> Step<'_, S> {
     /// Writes the contacts of the step, with their impulses, to the state, and hits to the report.
     fn list_contacts(&mut self, memory: &mut ContactMemory<S>, settings: &ContactSettings) {
         let ContactMemory { pipeline, starts, fixed_starts, corrections, touching_before, .. } = memory;
-        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let Contacts { colliders, contacts, joints, joint_states, .. } = &mut self.contacts;
         if colliders.any_contact_events() {
             list_pairs(&contacts.records, colliders.fixed(), touching_before);
         }
@@ -168,26 +185,29 @@ impl<S: Scalar> Step<'_, S> {
         if self.probe.is_some() {
             pipeline.swap_starts();
             pipeline.list(contacts);
-            show(&mut self.probe, StageKind::Detect, self.bodies, contacts);
+            show(&mut self.probe, StageKind::Detect, self.bodies, contacts, joint_states);
             pipeline.swap_starts();
         }
         pipeline.list(contacts);
         if colliders.any_hit_events() {
             let starts = Start::all_fixed(starts, fixed_starts);
-            let scene = scene(self.bodies, colliders, contacts, starts, settings, self.settings.time_step);
+            let joined = joints.joined(joint_states);
+            let scene = scene(self.bodies, colliders, contacts, joined, starts, settings, self.settings.time_step);
             pipeline.list_hits(&scene, &mut self.workspace.report.hits);
         }
         let has_passes = had_passes || !contacts.passes.is_empty() || contacts.excluded.len() < excluded;
+        let are_any_pushed = !corrections.is_empty();
         // Contacts that touched without an impulse are state that the step before does not have.
-        if has_passes || !corrections.is_empty() || !contacts.records.is_empty() {
+        if has_passes || are_any_pushed && !pipeline.has_no_contacts() || !contacts.records.is_empty() {
             contacts.pushed_at = self.settings.tick;
         }
+        pipeline.joints().store(joint_states, are_any_pushed.then_some(self.settings.tick));
     }
 
     /// The scene of the bodies after contacts were detected.
     fn unchanged<'a>(&'a self, starts: &'a [Start], settings: &'a ContactSettings) -> Scene<'a> {
         let Contacts { colliders, contacts, .. } = &self.contacts;
-        scene(self.bodies, colliders, contacts, starts, settings, self.settings.time_step)
+        scene(self.bodies, colliders, contacts, self.contacts.joined(), starts, settings, self.settings.time_step)
     }
 
     /// Takes bodies with too many pairs back to the start, at fault.
@@ -234,10 +254,15 @@ impl<S: Scalar> Step<'_, S> {
         let first_woken = self.bodies.moving();
         let touched = memory.detected.touched.iter().copied();
         let woke = &mut self.workspace.report.woke;
-        let Contacts { colliders, contacts, .. } = &mut self.contacts;
-        island::wake(self.bodies, Joins { fields: self.forces.fields, colliders, contacts }, touched, woke);
+        let Contacts { colliders, contacts, .. } = &self.contacts;
+        let joints = self.contacts.joined();
+        let joins = Joins { fields: self.forces.fields, colliders, contacts, joints };
+        island::wake(self.bodies, joins, touched, woke);
         let indices = first_woken..self.bodies.moving();
-        let may_touch = |dense: &usize| colliders.any_meeting_of_slot(self.bodies.columns.slot[*dense]);
+        let may_touch = |dense: &usize| {
+            let slot = self.bodies.columns.slot[*dense];
+            colliders.any_meeting_of_slot(slot) || joints.has(slot)
+        };
         memory.starts.extend(indices.clone().filter(may_touch).map(|dense| Start::of(self.bodies, dense)));
         indices
     }
@@ -302,11 +327,21 @@ impl<S: Scalar> Step<'_, S> {
             if leaves_range(bodies, i, &mut self.workspace.findings) {
                 start.restore(bodies);
             } else if bodies.info(i).kind == BodyKind::Dynamic {
-                let is_slow = is_slow(self.bodies, self.contacts.colliders, constants.sleep_speed, i);
+                let is_slow = is_slow(self.bodies, self.radius(i), constants.sleep_speed, i);
                 self.count_rest(start, is_slow, constants);
             }
             self.note_pushed(i);
         }
+    }
+
+    /// The largest distance of a point of a body's colliders, or of one of its joints, from its centre of mass.
+    #[inline]
+    fn radius(&self, i: usize) -> S {
+        let Contacts { colliders, joints, .. } = &self.contacts;
+        let slot = self.bodies.columns.slot[i];
+        let has_joints = joints.len() > 0;
+        let reach = if has_joints { S::from_fx(self.contacts.joined().reach(slot)) } else { S::ZERO };
+        radius(self.bodies, colliders, reach, i)
     }
 
     /// Counts a step of a body that contacts moved or stopped: it is at rest while it is slow and stays where it is, and nothing else is
@@ -318,7 +353,7 @@ impl<S: Scalar> Step<'_, S> {
         let rests = constants.sleep_after.is_some()
             && is_slow
             && is_left_alone
-            && has_stayed(self.bodies, self.contacts.colliders, speed, constants.plan.rate, start);
+            && has_stayed(self.bodies, self.radius(i), speed, constants.plan.rate, start);
         let ticks_at_rest = &mut self.bodies.columns.motion.ticks_at_rest[i];
         *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
         if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {

@@ -7,7 +7,7 @@ use core::ops::Range;
 
 use super::applied::part_in;
 use super::bounds::check_bounds_and_rest;
-use super::sleep::is_slow;
+use super::sleep::{is_slow, radius};
 use super::{Constants, Forces, Probe, Workspace as StepWorkspace, damp, drift, fields, kick};
 use crate::body::{BLOCK, Block, Bodies, BodyKind, Motion};
 use crate::force::{Dependence, End, FieldKind, Scene, Targets, floats};
@@ -169,7 +169,10 @@ fn finish<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>
     if pass.kinds.fluid && constants.sleep_after.is_some() {
         let bodies = &*pass.bodies;
         let mut fluids = fields.fluids(pass.forces);
-        let is_slow = |i: &usize| is_slow(bodies, pass.forces.colliders, constants.sleep_speed, *i);
+        let is_slow = |i: &usize| {
+            let radius = radius(bodies, pass.forces.colliders, S::ZERO, *i);
+            is_slow(bodies, radius, constants.sleep_speed, *i)
+        };
         let slow = pass.indices.clone().filter(is_slow).filter(|&i| floats(&mut fluids, bodies, i));
         floating.extend(slow.map(|i| (i, bodies.columns.motion.ticks_at_rest[i])));
     }

@@ -10,9 +10,9 @@ use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 impl<S: Scalar> Step<'_, S> {
-    /// Drops the contacts of bodies that were quarantined in the step: if one is released, its contacts start anew.
+    /// Drops the contacts and the impulses of joints of bodies that were quarantined in the step: if one is released, they start anew.
     pub(super) fn drop_contacts_of_quarantined(&mut self) {
-        let Contacts { colliders, contacts, .. } = &mut self.contacts;
+        let Contacts { colliders, contacts, joints, joint_states, .. } = &mut self.contacts;
         let report = &mut self.workspace.report;
         if report.faults.is_empty() {
             return;
@@ -23,12 +23,15 @@ impl<S: Scalar> Step<'_, S> {
             let colliders = record.pair().map(|outline| colliders.at(outline.slot));
             !colliders.into_iter().flatten().any(|collider| is_at_fault(collider.body))
         });
+        for fault in faults {
+            joint_states.relax(joints.of(fault.body.slot));
+        }
         report.hits.retain(|hit| !hit.pair.bodies.into_iter().any(is_at_fault));
     }
 
     /// Reports events, and keeps the overlaps of sensors.
     pub(super) fn report_events(&mut self) {
-        let Contacts { colliders, contacts, settings } = &mut self.contacts;
+        let Contacts { colliders, contacts, settings, .. } = &mut self.contacts;
         let any_contacts = colliders.any_contact_events();
         let any_overlaps = colliders.any_sensors() || !contacts.overlaps.is_empty();
         if !any_contacts && !any_overlaps && contacts.ended.is_empty() {

@@ -10,7 +10,7 @@
 //! - `free`: the pass of free bodies, a block at a time through all stages.
 //! - `coupled`: the pass of coupled bodies, stage by stage: `damp`, `kick`, `drift`, `fields`.
 //! - `bounds`: the allowed range, and ticks at rest.
-//! - `contacts`: contacts are found and solved, after the free flight of all bodies.
+//! - `contacts`: contacts and joints are found and solved, after the free flight of all bodies.
 //! - `quarantine`: bodies outside the allowed range, or with another fault, are excluded.
 //! - `sleep`: islands at rest fall asleep.
 //! - `events`: contacts that began and ended, hits, and colliders that entered and left sensors.
@@ -33,6 +33,7 @@ mod workspace;
 
 pub(crate) use bounds::find_out_of_bounds;
 pub(crate) use contacts::Contacts;
+pub use contacts::JointBroke;
 pub(crate) use workspace::{Report, Workspace};
 
 use alloc::vec::Vec;
@@ -45,6 +46,7 @@ use crate::contact::ContactSet;
 use crate::error::{Cause, Fault};
 use crate::force::{Applied, CustomForces, FieldSet};
 use crate::integrate::{AFTER_FLIGHT, Integrator, Plan, Schedule, Stage, StageKind};
+use crate::joint::JointStates;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::timers::timed;
@@ -88,8 +90,8 @@ pub(crate) struct Settings<'a, S: Scalar> {
     pub(crate) sleep_after: Option<u32>,
 }
 
-/// The function that is called after each stage of a step. Its contacts are `None` while they are still the contacts before the step.
-pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>, Option<&ContactSet>) + 'a;
+/// The function that is called after each stage of a step. Its contacts and joints are `None` while they are still as before the step.
+pub(crate) type Probe<'a, S> = dyn FnMut(&Stage, &Bodies<S>, Option<(&ContactSet, &JointStates)>) + 'a;
 
 /// The free bodies that a thread takes at least, so that handing them over is worth it: some tens of microseconds. Threads share
 /// twice as many or more.
@@ -133,10 +135,16 @@ impl<S: Scalar> Constants<'_, S> {
 }
 
 /// Shows a probe the world after a stage that follows the free flight.
-fn show<S: Scalar>(probe: &mut Option<&mut Probe<'_, S>>, kind: StageKind, bodies: &Bodies<S>, contacts: &ContactSet) {
+fn show<S: Scalar>(
+    probe: &mut Option<&mut Probe<'_, S>>,
+    kind: StageKind,
+    bodies: &Bodies<S>,
+    contacts: &ContactSet,
+    joints: &JointStates,
+) {
     let stage = AFTER_FLIGHT.iter().find(|stage| stage.kind == kind);
     if let Some((probe, stage)) = probe.as_mut().zip(stage) {
-        probe(stage, bodies, Some(contacts));
+        probe(stage, bodies, Some((contacts, joints)));
     }
 }
 
@@ -210,7 +218,7 @@ impl<S: Scalar> Step<'_, S> {
 
     /// Shows the probe the world after a stage that follows the free flight.
     fn show(&mut self, kind: StageKind) {
-        show(&mut self.probe, kind, self.bodies, self.contacts.contacts);
+        show(&mut self.probe, kind, self.bodies, self.contacts.contacts, self.contacts.joint_states);
     }
 
     /// Undoes a tick by an [inverse](Integrator::inverse_schedule) schedule. Forces that were applied over it stay applied.

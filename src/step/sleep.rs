@@ -1,10 +1,10 @@
 //! Sleep: islands of bodies that have been at rest for a number of steps.
 //!
-//! Reads: ticks at rest, springs, contacts, attractors that moving bodies carry. Writes: the report, ticks at rest, velocities, contacts.
+//! Reads: ticks at rest, springs, contacts, joints, attractors that moving bodies carry. Writes: the report, ticks at rest, velocities, contacts.
 //!
-//! A body without contacts is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
+//! A body without contacts and joints is at rest if the next step would leave it as it is: its public velocities are zero, the step changed nothing
 //! below them either, no force was applied, and no body that might still move acts on it. Skipping it changes nothing. One that contacts
-//! push, or that floats, is at rest while it is slow, by its velocity and by the way that it moves; when it falls asleep, it stops.
+//! or joints push, or that floats, is at rest while it is slow, by its velocity and by the way that it moves; when it falls asleep, it stops.
 //!
 //! Manifolds without an impulse join islands too, so that two piles that nearly touch do not wake each other in turns.
 
@@ -14,7 +14,7 @@ use crate::body::Bodies;
 use crate::collider::ColliderSet;
 use crate::contact::Start;
 use crate::force::{End, FieldKind, FieldSet};
-use crate::island;
+use crate::island::{self, SleepJoins};
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide};
 use crate::slots::BodyId;
@@ -40,7 +40,8 @@ pub(super) fn find<S: Scalar>(
         memory.list_touching(bodies, contacts, touching);
     }
     let fell_asleep = &mut report.fell_asleep;
-    island::find_sleepers(bodies, fields, ticks, &findings.candidates, touching, islands, fell_asleep);
+    let joins = SleepJoins { fields, joints: contacts.joined(), touching };
+    island::find_sleepers(bodies, joins, ticks, &findings.candidates, islands, fell_asleep);
     for &body in &*fell_asleep {
         stop(bodies, body);
     }
@@ -74,16 +75,16 @@ fn keep_awake_around_moving_attractors<S: Scalar>(bodies: &mut Bodies<S>, fields
     }
 }
 
-/// Returns true if no point of a body's colliders is faster than this.
-pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, speed: S, i: usize) -> bool {
-    is_within(velocity(bodies, i), radius(bodies, colliders, i), speed)
+/// Returns true if no point of a body within this radius is faster than this.
+pub(super) fn is_slow<S: Scalar>(bodies: &Bodies<S>, radius: S, speed: S, i: usize) -> bool {
+    is_within(velocity(bodies, i), radius, speed)
 }
 
-/// Returns true if no point of a body's colliders was faster than this on its way from the start of the step, at this number of steps
+/// Returns true if no point of a body within this radius was faster than this on its way from the start of the step, at this number of steps
 /// a second: a body that is pushed out of another one moves without a velocity.
 pub(super) fn has_stayed<S: Scalar>(
     bodies: &Bodies<S>,
-    colliders: &ColliderSet<S>,
+    radius: S,
     speed: S,
     rate: S::Factor,
     start: &Start<S>,
@@ -96,7 +97,7 @@ pub(super) fn has_stayed<S: Scalar>(
     let turned = start.angle.way_to(motion.angle[i]).times(rate).and_then(S::Wide::to_scalar);
     let [Some(x), Some(y)] = way else { return false };
     let Some(turned) = turned else { return false };
-    is_within([x.value(), y.value(), turned], radius(bodies, colliders, i), speed)
+    is_within([x.value(), y.value(), turned], radius, speed)
 }
 
 /// The velocity of a body along x and y and around its centre of mass.
@@ -105,10 +106,10 @@ fn velocity<S: Scalar>(bodies: &Bodies<S>, i: usize) -> [S; 3] {
     [motion.velocity.x[i], motion.velocity.y[i], motion.angular_velocity[i]].map(|component| component.value())
 }
 
-/// The largest distance of a point of a body's colliders from its centre of mass.
-fn radius<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, i: usize) -> S {
+/// The largest distance of a point of a body's colliders from its centre of mass, and at least the distance of a joint's point.
+pub(super) fn radius<S: Scalar>(bodies: &Bodies<S>, colliders: &ColliderSet<S>, reach: S, i: usize) -> S {
     let radii = colliders.solid_of_slot(bodies.columns.slot[i]).map(|collider| collider.radius);
-    radii.fold(S::ZERO, |max, radius| if radius > max { radius } else { max })
+    radii.fold(reach, |max, radius| if radius > max { radius } else { max })
 }
 
 /// Returns true if no point within a radius is faster than `speed`, for a velocity along x and y and around the centre. With a speed of 0

@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{AppliedAcceleration, contacts, coupled, damp, fields, free, kick, targets};
+use super::{AppliedAcceleration, JointBroke, contacts, coupled, damp, fields, free, kick, targets};
 use crate::body::{Bodies, ChangeCursor};
 use crate::collide::broad::Statics;
 use crate::collider::ColliderSet;
@@ -82,6 +82,7 @@ pub(crate) struct Report<S> {
     pub(crate) sensors_left: Vec<ColliderPair>,
     pub(crate) sensors_entered: Vec<ColliderPair>,
     pub(crate) sensors_crossed: Vec<ColliderPair>,
+    pub(crate) joints_broke: Vec<JointBroke<S>>,
     pub(crate) drag_outside: u32,
 }
 
@@ -95,6 +96,7 @@ clone_by_field!([S: Clone] Report<S> {
     sensors_left,
     sensors_entered,
     sensors_crossed,
+    joints_broke,
     drag_outside,
 });
 
@@ -109,6 +111,7 @@ impl<S> Report<S> {
         self.sensors_left.clear();
         self.sensors_entered.clear();
         self.sensors_crossed.clear();
+        self.joints_broke.clear();
         self.drag_outside = 0;
     }
 }

@@ -6,6 +6,7 @@ use super::{FAR, Image, Symmetry};
 use crate::collider::{ColliderMass, ColliderSet, OutlineId};
 use crate::contact::{ContactRecord, OneWayAnswer};
 use crate::fx::Fx;
+use crate::joint::JointKind;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, FxAccumulator, FxSum, Number as _};
 use crate::shape::{Geometry, Outline, Shape};
@@ -27,6 +28,7 @@ impl Symmetry {
         for (id, field) in world.fields.iter() {
             fields.replace(id, self.field(field)?).ok()?;
         }
+        self.take_joints(&mut image, world)?;
         image.applied.clear();
         for row in world.applied.rows() {
             let force = self.signed(row.force, |sum| Some(opposite(sum)))?;
@@ -40,6 +42,26 @@ impl Symmetry {
         }
         image.bodies.changes_mut().note_all();
         Some(image)
+    }
+
+    /// Makes of joints and their impulses their images.
+    fn take_joints(&self, image: &mut World, world: &World) -> Option<()> {
+        if world.joints.len() == 0 {
+            return Some(());
+        }
+        let joints = Arc::make_mut(&mut image.joints);
+        for index in world.joints.indices() {
+            let def = Image(self).joint_def(*world.joints.def(index)).ok()?;
+            joints.replace(index, def);
+            let state = &mut image.joint_states.list[index];
+            // The impulse of a distance joint is along the line between its ends.
+            if let JointKind::Revolute(_) = def.kind {
+                let [x, y] = state.impulses;
+                let Vec2 { x, y } = self.signed(Vec2::new(x, y), i64::checked_neg)?;
+                state.impulses = [x, y];
+            }
+        }
+        Some(())
     }
 
     /// Makes of colliders and contacts their images. A quarter turn leaves them as they are: the axes of bodies turn along.

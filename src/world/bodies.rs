@@ -52,7 +52,8 @@ impl<S: Scalar> World<S> {
         Ok(body)
     }
 
-    /// Removes a body, its colliders and the force fields attached to it, and wakes the bodies at their other ends.
+    /// Removes a body, its colliders, and the force fields and joints attached to it, and wakes the bodies at their other ends. The next step
+    /// reports the joints ([`joints_removed`](crate::StepReport::joints_removed)).
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
@@ -68,12 +69,16 @@ impl<S: Scalar> World<S> {
             self.take_field(field)?;
         }
         self.take_colliders(body)?;
+        let joints = self.joints.of_body(body.slot);
+        for &joint in &joints {
+            self.take_joint(joint)?;
+        }
         self.contacts.forget_body(body);
         let dense = self.bodies.find(body)?;
         self.applied.forget(body);
         self.targets.forget(body);
         Arc::make_mut(&mut self.factor_table).release(self.bodies.columns.factors[dense]);
-        self.change_log.removed(body);
+        self.change_log.removed(body, &joints);
         self.bodies.remove(body)
     }
 
@@ -195,7 +200,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped.
+    /// Sets the kind of a body. A body that becomes static stops. Forces applied to it since the last step are dropped. Its joints stay; a
+    /// joint without a dynamic body does nothing.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`]; if it becomes dynamic,
@@ -224,6 +230,9 @@ impl<S: Scalar> World<S> {
             *last = Default::default();
         }
         self.set_factors(dense, |key| key.dynamic = kind == BodyKind::Dynamic);
+        if kind != BodyKind::Dynamic {
+            self.relax_joints(body);
+        }
         self.change_log.placed(body);
         self.mark_if_still(body);
         Ok(())

@@ -12,7 +12,7 @@ use crate::body::{Bodies, Sparse};
 use crate::error::Fault;
 use crate::limits;
 use crate::scalar::Scalar;
-use crate::slots::BodyId;
+use crate::slots::{BodyId, JointId};
 
 /// Changes by calls, in the order of the calls. The lists `added` and `placed` may name bodies that were removed since.
 #[derive(Debug, Default)]
@@ -21,16 +21,20 @@ pub(crate) struct BodyChanges {
     pub(crate) added: Vec<BodyId>,
     pub(crate) placed: Vec<BodyId>,
     pub(crate) woken: Vec<BodyId>,
+    /// Joints that were removed with a body of `removed`.
+    pub(crate) removed_joints: Vec<JointId>,
 }
 
 impl BodyChanges {
+    /// Joints are removed with a body that is listed.
     fn is_empty(&self) -> bool {
         self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty() && self.woken.is_empty()
     }
 
     fn clear(&mut self) {
-        let Self { removed, added, placed, woken } = self;
+        let Self { removed, added, placed, woken, removed_joints } = self;
         [removed, added, placed, woken].into_iter().for_each(Vec::clear);
+        removed_joints.clear();
     }
 
     /// Drops the entries of bodies that were removed.
@@ -45,6 +49,7 @@ impl BodyChanges {
         self.added.clone_from(&source.added);
         self.placed.clone_from(&source.placed);
         self.woken.clone_from(&source.woken);
+        self.removed_joints.clone_from(&source.removed_joints);
     }
 }
 
@@ -158,10 +163,12 @@ impl ChangeLog {
         *at(&mut self.marks, body.slot) = ADDED;
     }
 
-    pub(super) fn removed(&mut self, body: BodyId) {
+    /// Logs a body that was removed with its joints.
+    pub(super) fn removed(&mut self, body: BodyId, joints: &[JointId]) {
         let mark = mem::take(at(&mut self.marks, body.slot));
         if mark & ADDED == 0 {
             self.pending.removed.push(body);
+            self.pending.removed_joints.extend_from_slice(joints);
             self.has_entries = true;
         }
     }
@@ -289,6 +296,7 @@ impl ChangeLog {
             }
         }
         earlier.removed.append(&mut pending.removed);
+        earlier.removed_joints.append(&mut pending.removed_joints);
         earlier.added.append(&mut pending.added);
         earlier.placed.append(&mut pending.placed);
         earlier.woken.append(&mut pending.woken);

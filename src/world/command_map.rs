@@ -10,10 +10,11 @@ use crate::contact::Exclusion;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
+use crate::joint::{Distance, JointDef, JointKind};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
 use alloc::vec::Vec;
 
@@ -76,6 +77,11 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     /// A handle of a collider.
     fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Self::Error> {
         Ok(collider)
+    }
+
+    /// A handle of a joint.
+    fn joint(&mut self, joint: JointId) -> Result<JointId, Self::Error> {
+        Ok(joint)
     }
 
     /// A velocity, force, impulse or acceleration in the world's axes.
@@ -310,6 +316,35 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
         Ok(ForceField { kind, force_groups: self.force_groups(field.force_groups)? })
     }
 
+    /// A joint.
+    fn joint_def(&mut self, def: JointDef<S>) -> Result<JointDef<T>, Self::Error> {
+        let mut angle = |end: &End<S>, angle: S| match end {
+            End::World(_) => self.angle(angle),
+            End::Body(_) => self.pseudoscalar(angle),
+        };
+        let angles = [angle(&def.ends[0], def.angles[0])?, angle(&def.ends[1], def.angles[1])?];
+        let [first, second] = def.ends;
+        Ok(JointDef {
+            ends: [self.end(first)?, self.end(second)?],
+            angles,
+            kind: self.joint_kind(def.kind)?,
+            collide_connected: def.collide_connected,
+            enabled: def.enabled,
+            break_force: self.optional_scalar(def.break_force)?,
+            events: def.events,
+            key: def.key,
+            user_data: def.user_data,
+        })
+    }
+
+    /// The kind of a joint.
+    fn joint_kind(&mut self, kind: JointKind<S>) -> Result<JointKind<T>, Self::Error> {
+        Ok(match kind {
+            JointKind::Revolute(revolute) => JointKind::Revolute(revolute),
+            JointKind::Distance(Distance { length }) => JointKind::Distance(Distance::rod(self.scalar(length)?)),
+        })
+    }
+
     /// A force or impulse, whose vectors are in this frame.
     fn force_or_impulse(
         &mut self,
@@ -353,6 +388,11 @@ pub trait CommandSource {
     fn body(&mut self) -> BodyId;
     fn field(&mut self) -> FieldId;
     fn collider(&mut self) -> ColliderId;
+    fn joint(&mut self) -> JointId;
+    fn joint_def(&mut self) -> JointDef;
+    fn joint_kind(&mut self) -> JointKind;
+    fn break_force(&mut self) -> Option<Fx>;
+    fn enabled(&mut self) -> bool;
     fn collider_def(&mut self) -> ColliderDef;
     fn contact_settings(&mut self) -> ContactSettings;
     fn exclusion(&mut self) -> Exclusion;

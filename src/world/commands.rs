@@ -12,9 +12,10 @@ use crate::error::Error;
 use crate::force::ForceField;
 use crate::fx::Fx;
 use crate::integrate::Integrator;
+use crate::joint::{JointDef, JointKind};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
 /// Makes [`Command`] and all that follows from its variants.
 ///
@@ -123,6 +124,19 @@ macro_rules! commands {
                 None
             }
 
+            /// The joint that it is about: of `RemoveJoint` and of the commands that change one.
+            #[must_use]
+            #[allow(unused_variables, reason = "most fields are no handles")]
+            pub const fn joint(&self) -> Option<JointId> {
+                match self {
+                    $(Self::$variant $({ $($field),* })? $(($entry))? => {
+                        $($(handle!(joint: $role($field));)*)?
+                        $(handle!(joint: $entry_role($entry));)?
+                    })*
+                }
+                None
+            }
+
             /// The command with each value replaced by its counterpart, by the role that the value has.
             ///
             /// # Errors
@@ -212,6 +226,9 @@ macro_rules! handle {
         return Some(*$id)
     };
     (collider: collider($id:ident)) => {
+        return Some(*$id)
+    };
+    (joint: joint($id:ident)) => {
         return Some(*$id)
     };
     ($asked:ident: $role:ident($value:ident)) => {};
@@ -382,6 +399,26 @@ commands! { world:
     42 => Explode(explosion: Explosion<S> as explosion(explosion)),
         check world.blast(explosion),
         execute world.explode(explosion);
+    /// Calls [`World::add_joint`].
+    43 => AddJoint(def: JointDef<S> as joint_def(joint_def)),
+        check world.check_new_joint(def),
+        execute world.add_joint(*def);
+    /// Calls [`World::remove_joint`].
+    44 => RemoveJoint(joint: JointId as joint(joint)),
+        check world.joints.find(*joint),
+        execute world.remove_joint(*joint);
+    /// Calls [`World::set_joint_kind`].
+    45 => SetJointKind { joint: JointId as joint(joint), kind: JointKind<S> as joint_kind(joint_kind) },
+        check world.check_joint_kind(*joint, kind),
+        execute world.set_joint_kind(*joint, *kind);
+    /// Calls [`World::set_joint_break`].
+    46 => SetJointBreak { joint: JointId as joint(joint), force: Option<S> as optional_scalar(break_force) },
+        check world.check_joint_break(*joint, *force),
+        execute world.set_joint_break(*joint, *force);
+    /// Calls [`World::enable_joint`].
+    47 => EnableJoint { joint: JointId as joint(joint), enabled: bool as plain(enabled) },
+        check world.joints.find(*joint),
+        execute world.enable_joint(*joint, *enabled);
     /// Calls [`World::move_to`].
     32 => MoveTo { body: BodyId as body(body), position: Vec2<S> as point(position), angle: S as angle(angle) },
         check world.check_move(*body, *position, *angle),
@@ -405,6 +442,8 @@ pub enum Created {
     ForceField(FieldId),
     /// A collider.
     Collider(ColliderId),
+    /// A joint.
+    Joint(JointId),
 }
 
 impl From<()> for Created {
@@ -428,6 +467,12 @@ impl From<FieldId> for Created {
 impl From<ColliderId> for Created {
     fn from(collider: ColliderId) -> Self {
         Self::Collider(collider)
+    }
+}
+
+impl From<JointId> for Created {
+    fn from(joint: JointId) -> Self {
+        Self::Joint(joint)
     }
 }
 

@@ -1,22 +1,95 @@
-//! Events: the changes of bodies and of contacts that a step reports.
+//! The report of a step and its events: the changes of bodies, of contacts and of joints.
 
 use alloc::vec::{self, Vec};
 use core::fmt;
 
-use super::StepReport;
+#[cfg(doc)]
+use super::World;
 use crate::contact::{ColliderPair, ContactHit};
 use crate::error::Fault;
+use crate::force::AppliedForce;
 use crate::fx::Fx;
 use crate::scalar::Scalar;
-use crate::slots::BodyId;
+use crate::slots::{BodyId, JointId};
+use crate::step::JointBroke;
 
-/// A change of a body over a tick, or an event of two colliders.
+/// The report of a step. It borrows from the world: copy values that you need longer. `for event in world.step()` has the
+/// [events](Self::events) in a list of their own, so that the world can change meanwhile.
+///
+/// ```
+/// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// let brick = world.add_body(BodyDef::dynamic())?;
+/// let mut slept = Vec::new();
+/// for _ in 0..31 {
+///     let StepReport { tick, faults, fell_asleep, .. } = world.step();
+///     assert!(faults.is_empty());
+///     slept.extend(fell_asleep.iter().map(|&body| (tick, body)));
+/// }
+/// assert_eq!(slept, [(30, brick)]); // half a second at rest
+/// world.set_velocity(brick, vec2(1, 0))?;
+/// world.step();
+/// assert_eq!(world.last_report().woke, [brick]);
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize),
+    serde(bound(serialize = "S: serde::Serialize, S::Sum: serde::Serialize"))
+)]
+pub struct StepReport<'a, S: Scalar = Fx> {
+    /// The tick the world is at now.
+    pub tick: u64,
+    /// Bodies that were quarantined, in the order of their handles.
+    pub faults: &'a [Fault],
+    /// Bodies that fell asleep, in the order of their handles.
+    pub fell_asleep: &'a [BodyId],
+    /// Bodies woken by calls since the previous step, in the order of the calls; then the bodies that were woken in the step, because a
+    /// moving body touched them or one of their island, in the order of their handles.
+    pub woke: &'a [BodyId],
+    /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
+    pub removed: &'a [BodyId],
+    /// Bodies added by calls since the previous step, in the order of the calls, without those that were removed again.
+    pub added: &'a [BodyId],
+    /// Bodies of the previous step that calls since then placed elsewhere, turned, or gave another kind, in the order of the
+    /// first such call to each.
+    pub placed: &'a [BodyId],
+    /// Contacts that ended in the step or by a call before it, of colliders with [`contact_events`](crate::ColliderDef::contact_events),
+    /// sorted by the keys of bodies and colliders.
+    pub contacts_ended: &'a [ColliderPair],
+    /// Contacts that began in the step, of colliders with [`contact_events`](crate::ColliderDef::contact_events), sorted likewise.
+    pub contacts_began: &'a [ColliderPair],
+    /// Hits of colliders with [`hit_events`](crate::ColliderDef::hit_events), sorted likewise, then by parts.
+    pub hits: &'a [ContactHit<S>],
+    /// Sensors and the colliders that left them in the step or by a call before it, sorted likewise.
+    pub sensors_left: &'a [ColliderPair],
+    /// Sensors and the colliders that entered them in the step, sorted likewise.
+    pub sensors_entered: &'a [ColliderPair],
+    /// Sensors and the colliders that entered and left them within the step, sorted likewise: both lists before have them, too.
+    pub sensors_crossed: &'a [ColliderPair],
+    /// Joints with [`events`](crate::JointDef::events) that broke in the step, sorted by their keys, then by their handles.
+    pub joints_broke: &'a [JointBroke<S>],
+    /// Joints that calls since the previous step removed together with a body in [`removed`](Self::removed), in the order of the calls.
+    pub joints_removed: &'a [JointId],
+    /// Forces and torques applied to bodies over the tick, in the order of their handles: [`World::step_back`] needs them.
+    pub applied: &'a [AppliedForce<S>],
+    /// The number of bodies under `Yoshida4` whose drag is too stiff for its backward sub-step, so that the drag acted around the whole
+    /// step instead.
+    pub drag_outside: u32,
+}
+
+/// A change of a body over a tick, or an event of two colliders or of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "snake_case"))]
 pub enum Event<S = Fx> {
     /// A call removed the body.
     Removed(BodyId),
+    /// A call removed the joint together with one of its bodies.
+    JointRemoved(JointId),
     /// A call added the body.
     Added(BodyId),
     /// A call placed the body elsewhere, turned it, or changed its kind: it did not get there by moving.
@@ -39,12 +112,15 @@ pub enum Event<S = Fx> {
     SensorLeft(ColliderPair),
     /// A collider overlaps a sensor that it did not overlap after the step before, or crossed it within the step.
     SensorEntered(ColliderPair),
+    /// A joint with [`events`](crate::JointDef::events) broke in the step.
+    JointBroke(JointBroke<S>),
 }
 
 impl<S: fmt::Display> fmt::Display for Event<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Removed(body) => write!(f, "{body} was removed"),
+            Self::JointRemoved(joint) => write!(f, "{joint} was removed"),
             Self::Added(body) => write!(f, "{body} was added"),
             Self::Placed(body) => write!(f, "{body} was placed"),
             Self::Woke(body) => write!(f, "{body} woke"),
@@ -57,6 +133,7 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
             }
             Self::SensorLeft(ColliderPair { colliders: [a, b], .. }) => write!(f, "{b} left sensor {a}"),
             Self::SensorEntered(ColliderPair { colliders: [a, b], .. }) => write!(f, "{b} entered sensor {a}"),
+            Self::JointBroke(JointBroke { joint, .. }) => write!(f, "{joint} broke"),
         }
     }
 }
@@ -64,7 +141,7 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
 impl<'a, S: Scalar> StepReport<'a, S> {
     /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
     /// of the calls (`Woke` then has the bodies that were touched in the step); changes of bodies by the step, each kind in the order of
-    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders. What crossed a sensor within the
+    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders, and joints, sorted by their keys. What crossed a sensor within the
     /// step leaves it after all entries.
     ///
     /// A body that was both added and removed since the step before has no event, and a body that was added has no `Placed` event: an
@@ -96,9 +173,11 @@ impl<'a, S: Scalar> StepReport<'a, S> {
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn events(self) -> impl Iterator<Item = Event<S>> + use<'a, S> {
-        let Self { removed, added, placed, woke, faults, fell_asleep, .. } = self;
+        let Self { removed, joints_removed, added, placed, woke, faults, fell_asleep, joints_broke, .. } = self;
         let Self { contacts_ended, contacts_began, hits, sensors_left, sensors_entered, sensors_crossed, .. } = self;
-        let by_calls = removed.iter().copied().map(Event::Removed).chain(added.iter().copied().map(Event::Added));
+        let by_calls = removed.iter().copied().map(Event::Removed);
+        let by_calls = by_calls.chain(joints_removed.iter().copied().map(Event::JointRemoved));
+        let by_calls = by_calls.chain(added.iter().copied().map(Event::Added));
         let by_calls = by_calls.chain(placed.iter().copied().map(Event::Placed));
         let by_calls = by_calls.chain(woke.iter().copied().map(Event::Woke));
         let by_step = faults.iter().copied().map(Event::Quarantined);
@@ -111,7 +190,8 @@ impl<'a, S: Scalar> StepReport<'a, S> {
         let of_sensors = sensors_left.iter().copied().filter(was_there).map(Event::SensorLeft);
         let of_sensors = of_sensors.chain(sensors_entered.iter().copied().map(Event::SensorEntered));
         let of_sensors = of_sensors.chain(sensors_crossed.iter().copied().map(Event::SensorLeft));
-        by_calls.chain(by_step).chain(of_contacts).chain(of_sensors)
+        let of_joints = joints_broke.iter().copied().map(Event::JointBroke);
+        by_calls.chain(by_step).chain(of_contacts).chain(of_sensors).chain(of_joints)
     }
 }
 

@@ -40,21 +40,26 @@ impl<S: Scalar> World<S> {
         self.touch(b, Change::VELOCITY)?;
         self.journal.note(|| Command::ExcludePair { a, b, exclusion });
         let pair = ExcludedPair { bodies: sorted(a, b), exclusion };
-        let contacts = &mut self.contacts;
         match place {
-            Ok(index) => contacts.excluded[index] = pair,
-            Err(index) => contacts.excluded.insert(index, pair),
+            Ok(index) => self.contacts.excluded[index] = pair,
+            Err(index) => self.contacts.excluded.insert(index, pair),
         }
+        self.end_contacts_between(pair.bodies);
+        Ok(())
+    }
+
+    /// Drops the impulses of contacts between two bodies, which were woken, by their slots, the lower one first.
+    pub(super) fn end_contacts_between(&mut self, bodies: [u32; 2]) {
         let colliders = self.colliders.fixed();
         let is_one = |slots: [u32; 2]| match slots.map(|slot| colliders.at(slot).map(|collider| collider.body)) {
-            [Some(first), Some(second)] => sorted(first, second) == pair.bodies,
+            [Some(first), Some(second)] => sorted(first, second) == bodies,
             _ => true,
         };
+        let contacts = &mut self.contacts;
         if colliders.any_contact_events() {
             contacts.keep_ends_of(&self.bodies, colliders, is_one);
         }
         contacts.records.retain(|record| !is_one(record.pair().map(|outline| outline.slot)));
-        Ok(())
     }
 
     /// Allows contacts between two bodies again, and wakes both, also if they were not excluded.

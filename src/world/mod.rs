@@ -16,6 +16,8 @@ mod fields;
 mod forces;
 mod game;
 mod inputs;
+mod joint_ref;
+mod joints;
 mod journal;
 mod preview;
 mod queries;
@@ -34,15 +36,15 @@ use alloc::vec::Vec;
 use crate::body::{Bodies, Damping, FactorTable, KinematicTargets, WorldFactors};
 use crate::codec::codec_struct;
 use crate::collider::{ColliderSet, ContactSettings};
-use crate::contact::{ColliderPair, ContactHit, ContactSet};
-use crate::error::{Error, Fault, Quantity};
-use crate::force::{Applied, AppliedForce, CustomForces, FieldSet};
+use crate::contact::ContactSet;
+use crate::error::{Error, Quantity};
+use crate::force::{Applied, CustomForces, FieldSet};
 use crate::fx::Fx;
 use crate::integrate::{Integrator, Plan};
+use crate::joint::{JointSet, JointStates};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
-use crate::slots::BodyId;
 use crate::step::{Contacts, Forces, Probe, Settings, Step, Workspace};
 use crate::timers::timed;
 
@@ -50,10 +52,11 @@ pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
 pub use command_map::{CommandMap, CommandSource};
 pub use commands::{Command, Created};
-pub use events::Event;
+pub use events::{Event, StepReport};
 pub use explosion::Explosion;
 pub use forces::{ApplyOptions, ForceOrImpulse, Frame};
 pub use inputs::{Input, InputResult, Inputs, InputsIter};
+pub use joint_ref::JointRef;
 pub(crate) use journal::Journal;
 pub use preview::Preview;
 pub(crate) use queries::Neighbour;
@@ -174,16 +177,16 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | `add_body`, `add_collider`, `set_collider` | the corners and parts of the shapes |
 /// | `set_collider`, `remove_collider` | all contacts and overlaps of sensors |
 /// | [`explode`](Self::explode) | the bodies that are not static, and the colliders of those in reach |
-/// | `remove_body` | the fields attached to the body, its colliders, and all contacts and overlaps of sensors |
-/// | `exclude_pair`, `contacts_of` | all contacts |
+/// | `remove_body` | the fields and joints attached to the body, its colliders, and all contacts and overlaps of sensors |
+/// | `exclude_pair`, `contacts_of`, and the calls that change a joint without `collide_connected` | all contacts |
 /// | [`queries`](Self::queries) | the colliders, as it says there |
-/// | a call that wakes | the bodies it wakes and the fields attached to them |
-/// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields attached to the body |
+/// | a call that wakes | the bodies it wakes and the fields and joints attached to them |
+/// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields and joints attached to the body |
 /// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards no body of these groups sleeps |
 /// | `set_sleep_after`, once between two steps | all bodies |
-/// | the first change after a copy was made | all bodies or all fields, whichever it changes: copies share them until then |
-/// | `step`, `step_back` | the bodies that move, and for each the fields that act on it; `step` also the pairs of colliders near each other |
-/// | calls that read the whole world: `bodies`, `fields`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
+/// | the first change after a copy was made | all bodies, all fields or all joints, whichever it changes: copies share them until then |
+/// | `step`, `step_back` | the bodies that move, and for each the fields that act on it; `step` also their joints, and the pairs of colliders near each other |
+/// | calls that read the whole world: `bodies`, `fields`, `joints`, `bodies_with_key`, energies, hashes, copies, differences, drawing | the world |
 /// | [`preview`](Self::preview) | all fields, and the bodies that its body depends on |
 ///
 /// Some calls leave work to the next step, which does it once for all of them. After a change of the time step, the integrator,
@@ -201,6 +204,9 @@ pub struct World<S: Scalar = Fx> {
     pub(crate) fields: Arc<FieldSet<S>>,
     pub(crate) colliders: Arc<ColliderSet<S>>,
     pub(crate) contacts: ContactSet,
+    /// Shared as well.
+    pub(crate) joints: Arc<JointSet<S>>,
+    pub(crate) joint_states: JointStates,
     pub(crate) custom_forces: Arc<CustomForces<S>>,
     pub(crate) applied: Applied<S>,
     pub(crate) targets: KinematicTargets<S>,
@@ -222,6 +228,8 @@ clone_by_field!((clone_world, clone_world_from) World {
     fields,
     colliders,
     contacts,
+    joints,
+    joint_states,
     custom_forces,
     applied,
     targets,
@@ -233,70 +241,6 @@ clone_by_field!((clone_world, clone_world_from) World {
     change_log,
     journal,
 });
-
-/// The report of a step. It borrows from the world: copy values that you need longer. `for event in world.step()` has the
-/// [events](Self::events) in a list of their own, so that the world can change meanwhile.
-///
-/// ```
-/// use umbra_physics::{BodyDef, StepReport, World, WorldDef, vec2};
-///
-/// let mut world = World::new(WorldDef::default())?;
-/// let brick = world.add_body(BodyDef::dynamic())?;
-/// let mut slept = Vec::new();
-/// for _ in 0..31 {
-///     let StepReport { tick, faults, fell_asleep, .. } = world.step();
-///     assert!(faults.is_empty());
-///     slept.extend(fell_asleep.iter().map(|&body| (tick, body)));
-/// }
-/// assert_eq!(slept, [(30, brick)]); // half a second at rest
-/// world.set_velocity(brick, vec2(1, 0))?;
-/// world.step();
-/// assert_eq!(world.last_report().woke, [brick]);
-/// # Ok::<(), umbra_physics::Error>(())
-/// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
-#[non_exhaustive]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize),
-    serde(bound(serialize = "S: serde::Serialize, S::Sum: serde::Serialize"))
-)]
-pub struct StepReport<'a, S: Scalar = Fx> {
-    /// The tick the world is at now.
-    pub tick: u64,
-    /// Bodies that were quarantined, in the order of their handles.
-    pub faults: &'a [Fault],
-    /// Bodies that fell asleep, in the order of their handles.
-    pub fell_asleep: &'a [BodyId],
-    /// Bodies woken by calls since the previous step, in the order of the calls; then the bodies that were woken in the step, because a
-    /// moving body touched them or one of their island, in the order of their handles.
-    pub woke: &'a [BodyId],
-    /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
-    pub removed: &'a [BodyId],
-    /// Bodies added by calls since the previous step, in the order of the calls, without those that were removed again.
-    pub added: &'a [BodyId],
-    /// Bodies of the previous step that calls since then placed elsewhere, turned, or gave another kind, in the order of the
-    /// first such call to each.
-    pub placed: &'a [BodyId],
-    /// Contacts that ended in the step or by a call before it, of colliders with [`contact_events`](crate::ColliderDef::contact_events),
-    /// sorted by the keys of bodies and colliders.
-    pub contacts_ended: &'a [ColliderPair],
-    /// Contacts that began in the step, of colliders with [`contact_events`](crate::ColliderDef::contact_events), sorted likewise.
-    pub contacts_began: &'a [ColliderPair],
-    /// Hits of colliders with [`hit_events`](crate::ColliderDef::hit_events), sorted likewise, then by parts.
-    pub hits: &'a [ContactHit<S>],
-    /// Sensors and the colliders that left them in the step or by a call before it, sorted likewise.
-    pub sensors_left: &'a [ColliderPair],
-    /// Sensors and the colliders that entered them in the step, sorted likewise.
-    pub sensors_entered: &'a [ColliderPair],
-    /// Sensors and the colliders that entered and left them within the step, sorted likewise: both lists before have them, too.
-    pub sensors_crossed: &'a [ColliderPair],
-    /// Forces and torques applied to bodies over the tick, in the order of their handles: [`World::step_back`] needs them.
-    pub applied: &'a [AppliedForce<S>],
-    /// The number of bodies under `Yoshida4` whose drag is too stiff for its backward sub-step, so that the drag acted around the whole
-    /// step instead.
-    pub drag_outside: u32,
-}
 
 impl World {
     /// An empty world.
@@ -344,6 +288,8 @@ impl<S: Scalar> World<S> {
             fields: Arc::default(),
             colliders: Arc::default(),
             contacts: ContactSet::default(),
+            joints: Arc::default(),
+            joint_states: JointStates::default(),
             custom_forces: Arc::default(),
             applied: Applied::default(),
             targets: KinematicTargets::default(),
@@ -410,6 +356,8 @@ impl<S: Scalar> World<S> {
             contacts: Contacts {
                 colliders: &self.colliders,
                 contacts: &mut self.contacts,
+                joints: &self.joints,
+                joint_states: &mut self.joint_states,
                 settings: &self.def.contacts,
             },
             settings: Settings {
@@ -446,6 +394,8 @@ impl<S: Scalar> World<S> {
             sensors_left: &self.workspace.report.sensors_left,
             sensors_entered: &self.workspace.report.sensors_entered,
             sensors_crossed: &self.workspace.report.sensors_crossed,
+            joints_broke: &self.workspace.report.joints_broke,
+            joints_removed: &self.change_log.reported.removed_joints,
             applied: self.applied.done(),
             drag_outside: self.workspace.report.drag_outside,
         }

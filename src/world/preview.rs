@@ -16,7 +16,7 @@ use crate::slots::BodyId;
 /// A small world with one body and everything that its future depends on.
 ///
 /// Bodies that force fields do not connect to a body never change a bit of it. So a preview takes exactly the path that the
-/// world itself would take without further inputs, as long as the body touches nothing, at the cost of a few bodies.
+/// world itself would take without further inputs, as long as the body touches nothing and has no joint, at the cost of a few bodies.
 #[derive(Clone, Debug)]
 pub struct Preview<S: Scalar = Fx> {
     world: World<S>,
@@ -59,8 +59,8 @@ impl<S: Scalar> World<S> {
     /// Previews the future of one body without a copy of the world, for example for an aim line.
     ///
     /// The preview has the body, all bodies that springs connect to it directly or indirectly, bodies that carry an attractor
-    /// which acts on one of these, and the fields that act on them. It has no colliders: it shows the free flight, without the lift of
-    /// fluids, through whatever stands in the way. To look ahead with contacts, step a clone of the world.
+    /// which acts on one of these, and the fields that act on them. It has no colliders and no joints: it shows the free flight,
+    /// without the lift of fluids, through whatever stands in the way. To look ahead with contacts and joints, step a clone of the world.
     ///
     /// *Cost* in proportion to the fields of the world and to those bodies.
     ///

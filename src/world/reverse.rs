@@ -4,8 +4,8 @@
 //! Accumulators add without rounding and every other rounding is odd, so that the same shear with the opposite sign restores the exact
 //! bits. [`Integrator::inverse`](crate::Integrator::inverse) lists the stages in reverse; a step back runs that list with negated spans.
 //!
-//! Damping, drag, forces that depend on velocity, speed limits, reached targets, sleep counters, quarantine and contacts lose information and
-//! have no inverse: the call checks for them first. A step with impulses has none, nor has the step after it, as contacts start from the
+//! Damping, drag, forces that depend on velocity, speed limits, reached targets, sleep counters, quarantine, contacts and joints lose information and
+//! have no inverse: the call checks for them first. A step with impulses has none, nor has the step after it, as contacts and joints start from the
 //! impulses of the step before. Only at the end is it known whether a body would leave the allowed range on the way back; the step
 //! back is then itself undone and refused.
 
@@ -27,8 +27,8 @@ impl<S: Scalar> World<S> {
     /// A step can be undone with an integrator that has an [inverse](crate::Integrator::inverse), with forces that are constant
     /// or depend on the position alone, without damping, caps of speeds, and sleep, and if no body was moved to a target in the
     /// step or stopped there. It is refused also if in that step or the one before colliders pushed each other, a body was near a
-    /// one-way collider, a path ended early, an exclusion ended, a collider entered or left a sensor, or something was reported as
-    /// ended by a call. The cost is that of a step. The report of the step is lost.
+    /// one-way collider, a path ended early, an exclusion ended, a collider entered or left a sensor, a joint pulled or broke, or something was
+    /// reported as ended by a call. The cost is that of a step. The report of the step is lost.
     ///
     /// Undo calls between two steps yourself, the last one first, before you undo the step before them: forces with
     /// [`clear_forces`](Self::clear_forces), an impulse with its opposite, gravity, mass, field or integrator with the value
@@ -112,6 +112,9 @@ impl<S: Scalar> World<S> {
         let contacts = &self.contacts;
         if contacts.pushed_at != 0 && contacts.pushed_at + 1 >= self.tick || !contacts.is_empty() {
             return Err(Irreversible::Contact);
+        }
+        if self.joint_states.pulled_at != 0 && self.joint_states.pulled_at + 1 >= self.tick {
+            return Err(Irreversible::Joint);
         }
         if !self.applied.rows().is_empty() {
             return Err(Irreversible::Pending);

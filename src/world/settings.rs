@@ -124,22 +124,25 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn redefine_inner(&mut self, def: WorldDef<S>) {
         if def != self.def {
-            self.rescale_contacts(&def);
+            self.rescale_impulses(&def);
             self.def = def;
             Arc::make_mut(&mut self.factor_table).change_all();
         }
         self.wake_all();
     }
 
-    /// Scales the impulses of contacts, which are those of a sub-step, to the length that sub-steps get: forces stay the same.
-    fn rescale_contacts(&mut self, def: &WorldDef<S>) {
+    /// Scales the impulses of contacts and joints, which are those of a sub-step, to the length that sub-steps get: forces stay the same.
+    fn rescale_impulses(&mut self, def: &WorldDef<S>) {
         let ((num, den), (old_num, old_den)) = (def.time_step.seconds(), self.def.time_step.seconds());
         if (num, den) != (old_num, old_den) {
-            self.contacts.rescale(u64::from(num) * u64::from(old_den), u64::from(den) * u64::from(old_num));
+            let (num, den) = (u64::from(num) * u64::from(old_den), u64::from(den) * u64::from(old_num));
+            self.contacts.rescale(num, den);
+            self.joint_states.rescale(num, den);
         }
         let (substeps, old_substeps) = (def.contacts.substeps, self.def.contacts.substeps);
         if substeps != old_substeps {
             self.contacts.rescale(old_substeps.into(), substeps.into());
+            self.joint_states.rescale(old_substeps.into(), substeps.into());
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::body::{Activity, Bodies};
 use crate::contact::ContactSet;
 use crate::fx::Fx;
 use crate::integrate::{Stage, StageKind};
+use crate::joint::JointStates;
 use crate::scalar::Scalar;
 use crate::step::find_out_of_bounds;
 
@@ -68,13 +69,15 @@ impl<S: Scalar> World<S> {
         self.update();
         let before = self.clone();
         let mut stages = Vec::with_capacity(self.def.integrator.stages().len());
-        let mut probe = |stage: &Stage, bodies: &Bodies<S>, contacts: Option<&ContactSet>| {
+        let mut probe = |stage: &Stage, bodies: &Bodies<S>, contacts: Option<(&ContactSet, &JointStates)>| {
             let mut world = before.clone();
             world.bodies.clone_from(bodies);
-            if let Some(contacts) = contacts {
+            if let Some((contacts, joint_states)) = contacts {
                 world.contacts.clone_from(contacts);
+                world.joint_states.clone_from(joint_states);
                 // The worlds of the stages are at the tick before.
                 world.contacts.pushed_at = world.contacts.pushed_at.min(world.tick);
+                world.joint_states.pulled_at = world.joint_states.pulled_at.min(world.tick);
             }
             if stage.kind == StageKind::Clear {
                 world.applied.finish();

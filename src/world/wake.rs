@@ -12,7 +12,7 @@ use crate::scalar::Scalar;
 use crate::slots::BodyId;
 
 impl<S: Scalar> World<S> {
-    /// Wakes a body, and those that springs and contacts join it to.
+    /// Wakes a body, and those that springs, joints and contacts join it to.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::Quarantined`]; [`Error::Disabled`].
@@ -47,8 +47,8 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Takes a body out of the simulation as it is: no step moves it, it touches nothing, fields attached to it are inert, and forces
-    /// applied to it in this tick are dropped. Wakes the bodies that contacts, springs and its attractors joined it to. It keeps its
+    /// Takes a body out of the simulation as it is: no step moves it, it touches nothing, fields and joints attached to it are inert, and
+    /// forces applied to it in this tick are dropped. Wakes the bodies that contacts, springs, joints and its attractors joined it to. It keeps its
     /// velocity until it is [enabled](Self::enable), and can be changed meanwhile.
     ///
     /// # Errors
@@ -75,6 +75,7 @@ impl<S: Scalar> World<S> {
         self.mark_if_still(body);
         self.applied.forget(body);
         self.targets.recall(body);
+        self.relax_joints(body);
         self.change_log.taken_out(body);
         Ok(())
     }
@@ -119,7 +120,7 @@ impl<S: Scalar> World<S> {
         }
     }
 
-    /// Wakes a body and all that a field reaches from it, over any number of springs.
+    /// Wakes a body and all that a field or joint reaches from it, over any number of springs and joints.
     pub(super) fn wake_joined(&mut self, body: BodyId) {
         S::wake_joined(self, body);
     }
@@ -131,8 +132,11 @@ impl<S: Scalar> World<S> {
         }
         let mut reached = Vec::from([body]);
         let Self { fields, colliders, contacts, .. } = self;
+        let joints = self.joints.joined(&self.joint_states);
         // Also where no impulse is left: the contact may end by this call, and a step looks only at those of awake bodies.
-        reached.extend(Joins { fields, colliders, contacts }.touching(body).map(|(body, _)| body));
+        reached.extend(Joins { fields, colliders, contacts, joints }.touching(body).map(|(body, _)| body));
+        let partners = joints.partners(body.slot).filter_map(|slot| self.bodies.index_in(slot));
+        reached.extend(partners.map(|dense| self.bodies.id(dense)));
         let mut force_groups = 0;
         for (_, field) in fields.attached_to(body) {
             if matches!(field.kind, FieldKind::Attractor { .. }) {
@@ -172,8 +176,9 @@ impl<S: Scalar> World<S> {
     /// Wakes bodies and the islands that they are in. Adds those that slept to `woken`.
     fn wake_islands(&mut self, reached: impl IntoIterator<Item = BodyId>, woken: &mut Vec<BodyId>) {
         let Self { bodies, fields, colliders, contacts, .. } = self;
+        let joints = self.joints.joined(&self.joint_states);
         let before = woken.len();
-        island::wake(bodies, Joins { fields, colliders, contacts }, reached, woken);
+        island::wake(bodies, Joins { fields, colliders, contacts, joints }, reached, woken);
         if woken.len() > before {
             contacts.wake(|slot| is_asleep(bodies, colliders, slot));
         }

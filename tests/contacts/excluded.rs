@@ -280,9 +280,9 @@ fn forged_pairs_are_refused() {
     world.step();
     world.exclude_pair(ids[0], ids[1], Exclusion::Always).expect("a pair");
     let bytes = world.snapshot().to_bytes();
-    // At the end: one answer of 11 bytes after its count, one pair of 9 after its count, no overlap, no pair that ended, no body that woke,
-    // the hash, the seal.
-    let pair = bytes.len() - 16 - 3 * 4 - 9;
+    // At the end: one answer of 11 bytes after its count, one pair of 9 after its count, no overlap, no pair that ended, no joint and no free
+    // slot of one, the tick of the last pull, no body that woke, the hash, the seal.
+    let pair = bytes.len() - 16 - 8 - 5 * 4 - 9;
     let answer = pair - 4 - 11;
     assert_eq!((bytes[answer - 4], bytes[pair - 4]), (1, 1));
     for (at, value) in [

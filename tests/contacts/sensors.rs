@@ -304,8 +304,9 @@ fn a_sensor_over_sleeping_bodies_wakes_nobody_and_queries_do_not_see_it() {
 fn forged_overlaps_are_refused() {
     let (world, ..) = goal();
     let bytes = world.snapshot().to_bytes();
-    // At the end: one overlap of 8 bytes after its count, no pair that ended, no body that woke, the hash, the seal.
-    let overlap = bytes.len() - 16 - 2 * 4 - 8;
+    // At the end: one overlap of 8 bytes after its count, no pair that ended, no joint and no free slot of one, the tick of the last pull,
+    // no body that woke, the hash, the seal.
+    let overlap = bytes.len() - 16 - 8 - 4 * 4 - 8;
     assert_eq!(bytes[overlap - 4..overlap + 8], [1, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0]);
     for (at, value) in [
         (overlap, 1),     // no sensor

@@ -11,7 +11,7 @@ use proptest::strategy::Union;
 use umbra_oracles::{Generator, Script, rename};
 use umbra_physics::{
     Attachment, BodyDef, BodyId, ColliderId, Command, CommandSource as _, Created, End, FieldId, FieldKind, ForceField,
-    Fx, Random, Vec2, World, WorldDef,
+    Fx, JointId, Random, Vec2, World, WorldDef,
 };
 
 /// A run in which a handle's slot is the number of a body or field: of all that were made so far, counted round.
@@ -30,6 +30,7 @@ pub(crate) struct Cast {
     pub(crate) bodies: Vec<BodyId>,
     pub(crate) fields: Vec<FieldId>,
     pub(crate) colliders: Vec<ColliderId>,
+    pub(crate) joints: Vec<JointId>,
 }
 
 impl Cast {
@@ -49,6 +50,11 @@ impl Cast {
         self.colliders.get(place).copied().unwrap_or(ColliderId::from_parts(u32::MAX, 0))
     }
 
+    fn joint(&self, number: JointId) -> JointId {
+        let place = number.parts().0 as usize % self.joints.len().max(1);
+        self.joints.get(place).copied().unwrap_or(JointId::from_parts(u32::MAX, 0))
+    }
+
     /// Returns the field, or one whose spring leads to the next body rather than back to its own.
     fn between_two(&self, field: ForceField) -> ForceField {
         match field.kind {
@@ -64,7 +70,14 @@ impl Cast {
 
     /// The command with handles of the world in place of numbers.
     pub(crate) fn command(&self, command: &Command) -> Command {
-        match rename(command, |number| self.body(number), |number| self.field(number), |number| self.collider(number)) {
+        let renamed = rename(
+            command,
+            |number| self.body(number),
+            |number| self.field(number),
+            |number| self.collider(number),
+            |number| self.joint(number),
+        );
+        match renamed {
             Command::AddField(field) => Command::AddField(self.between_two(field)),
             Command::SetField { id, field } => Command::SetField { id, field: self.between_two(field) },
             command => command,
@@ -79,6 +92,7 @@ impl Cast {
             }
             Created::ForceField(field) => self.fields.push(field),
             Created::Collider(collider) => self.colliders.push(collider),
+            Created::Joint(joint) => self.joints.push(joint),
             _ => {}
         }
     }
@@ -174,10 +188,12 @@ impl Taste {
         let bodies: Vec<BodyId> = (0..12).map(|number| BodyId::from_parts(number, 0)).collect();
         let fields: Vec<FieldId> = (0..8).map(|number| FieldId::from_parts(number, 0)).collect();
         let colliders: Vec<ColliderId> = (0..8).map(|number| ColliderId::from_parts(number, 0)).collect();
+        let joints: Vec<JointId> = (0..8).map(|number| JointId::from_parts(number, 0)).collect();
         let seeds = any::<u64>().no_shrink();
         let value = move |seed| {
             let mut random = Random::seeded(seed);
-            make(&mut Generator::new(&mut random, self.values(), &bodies, &fields).with_colliders(&colliders))
+            let generator = Generator::new(&mut random, self.values(), &bodies, &fields);
+            make(&mut generator.with_colliders(&colliders).with_joints(&joints))
         };
         seeds.prop_map(value).boxed()
     }

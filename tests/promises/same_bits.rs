@@ -2,7 +2,7 @@
 //! builds have the corpus (`selftest`).
 
 use umbra_oracles::{Oracle, Script};
-use umbra_physics::Fx;
+use umbra_physics::{Command, Fx};
 use umbra_scene::Scene;
 
 use crate::promises::check::{Verdict, check, judge};
@@ -19,6 +19,10 @@ fn hashes(script: &Script) -> Result<Vec<u64>, String> {
 }
 
 fn is_the_same_as_a_scene(script: &Script) -> Verdict {
+    let mut script = script.clone();
+    // No scene has joints so far.
+    script.commands.retain(|(_, command)| !matches!(command, Command::AddJoint(_)));
+    let script = &script;
     let scene = Scene::from_commands(script.world, &script.commands, script.ticks);
     let text = scene.map_err(|why| why.to_string())?.to_json();
     let scene = Scene::parse(&text).map_err(|error| format!("{error}\n{text}"))?;

@@ -127,12 +127,20 @@ impl Reflected {
         self.of_commands.command(command).ok_or(Ended::Over)
     }
 
-    /// Image of an event. Hits alone have places and directions.
+    /// Image of an event. Hits and breaks alone have places and directions.
     fn image_of(&self, event: Event) -> Option<Event> {
-        let Event::ContactHit(mut hit) = event else { return Some(event) };
-        hit.normal = self.symmetry.vector(hit.normal)?;
-        hit.point = self.symmetry.point(hit.point)?;
-        Some(Event::ContactHit(hit))
+        Some(match event {
+            Event::ContactHit(mut hit) => {
+                hit.normal = self.symmetry.vector(hit.normal)?;
+                hit.point = self.symmetry.point(hit.point)?;
+                Event::ContactHit(hit)
+            }
+            Event::JointBroke(mut broke) => {
+                broke.force = self.symmetry.vector(broke.force)?;
+                Event::JointBroke(broke)
+            }
+            event => event,
+        })
     }
 
     fn is_image(&self, what: &str, world: &World, counterpart: &World) -> Result<(), Ended> {

@@ -320,5 +320,5 @@ fn the_guide_has_its_chapters_and_all_say_so() {
             chapters += 1;
         }
     }
-    assert_eq!(chapters, 15);
+    assert_eq!(chapters, 16);
 }

@@ -1,7 +1,7 @@
 //! Random commands for a world, with handles that the world has, and now and then values that it refuses.
 
 use umbra_oracles::{Choices, Generator, Taste};
-use umbra_physics::{BodyDef, BodyId, ColliderId, Command, CommandSource as _, FieldId, ForceField, World};
+use umbra_physics::{BodyDef, BodyId, ColliderId, Command, CommandSource as _, FieldId, ForceField, JointId, World};
 
 use super::random::SplitMix;
 
@@ -49,7 +49,9 @@ impl Author {
         let wild = if self.unfair == 0 { 0 } else { 256u64.div_ceil(self.unfair) as u8 };
         let taste = Taste { near: wild / 4, wild, custom_forces: 3, ..Taste::FAIR };
         let colliders: Vec<ColliderId> = world.into_iter().flat_map(World::colliders).map(|(id, _)| id).collect();
-        make(&mut Generator::new(&mut self.random, taste, &bodies, &fields).with_colliders(&colliders))
+        let joints: Vec<JointId> = world.into_iter().flat_map(World::joints).map(|joint| joint.id()).collect();
+        let generator = Generator::new(&mut self.random, taste, &bodies, &fields);
+        make(&mut generator.with_colliders(&colliders).with_joints(&joints))
     }
 
     pub(crate) fn body(&mut self) -> BodyDef {

@@ -9,10 +9,10 @@ use std::{vec, vec::Vec};
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
-    CustomForce, CustomForceError, Damping, Dependence, End, Exclusion, Explosion, FieldId, FieldKind, Filter,
-    ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region, Shape, SpringConstants, TimeStep,
-    World, WorldDef, fx, vec2,
+    CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
+    Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, JointDef, JointId,
+    JointKind, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region,
+    Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -119,6 +119,20 @@ fn fields() -> Vec<ForceField> {
 /// The slot of the collider of the box on the ground.
 const ON_THE_GROUND: u32 = 7;
 
+/// A joint of the body in slot 4 with the world.
+fn pin() -> JointDef {
+    let on_body = Attachment { body: BodyId::from_parts(4, 0), point: vec2(fx!(0.5), fx!(0.25)) };
+    let ends = [End::World(vec2(fx!(0.75), 3)), End::Body(on_body)];
+    JointDef { angles: [fx!(0.5), fx!(-0.25)], key: 3, user_data: 4, ..JointDef::new(ends, JointKind::default()) }
+}
+
+/// A rod between the bodies in slots 5 and 6.
+fn rod() -> JointDef {
+    let [first, second] = [5, 6].map(|slot| End::Body(Attachment::centre(BodyId::from_parts(slot, 0))));
+    let kind = JointKind::Distance(Distance::rod(fx!(1.5)));
+    JointDef { collide_connected: true, events: true, ..JointDef::new([first, second], kind) }
+}
+
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
 pub(crate) fn commands() -> Vec<Command> {
     let body = BodyId::from_parts(1, 0);
@@ -137,6 +151,7 @@ pub(crate) fn commands() -> Vec<Command> {
     commands.extend(fields().into_iter().map(Command::AddField));
     commands.extend(colliders().into_iter().map(|def| Command::AddCollider { body, def }));
     let collider = ColliderId::from_parts(ON_THE_GROUND, 0);
+    let joint = JointId::from_parts(1, 0);
     commands.extend(colliders().into_iter().step_by(11).map(|def| Command::SetCollider { collider, def }));
     let damped = BodyDef {
         linear_damping: Some(Damping::kept_per_second(fx!(0.5))),
@@ -218,6 +233,14 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaterialPair { first: 9, second: 7, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: None },
+        Command::AddJoint(pin()),
+        Command::AddJoint(JointDef { break_force: Some(fx!(2000)), ..rod() }),
+        Command::SetJointKind { joint, kind: pin().kind },
+        Command::SetJointKind { joint, kind: rod().kind },
+        Command::SetJointBreak { joint, force: Some(fx!(0.5)) },
+        Command::SetJointBreak { joint, force: None },
+        Command::EnableJoint { joint, enabled: false },
+        Command::RemoveJoint(joint),
         Command::RemoveCollider(collider),
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
@@ -254,6 +277,10 @@ pub(crate) fn world() -> World {
     }
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
+    for joint in [pin(), rod(), pin()] {
+        world.add_joint(joint).expect("a joint");
+    }
+    world.remove_joint(JointId::from_parts(2, 0)).expect("it is there");
     world.set_blob(b"some bytes of the game's").expect("few");
     world.add_body(BodyDef { gravity_scale: Fx::ZERO, force_groups: 0, ..BodyDef::dynamic() }).expect("a body");
     // One on its way, one that is disabled, one that is locked.

@@ -2,9 +2,9 @@
 
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
-    Damping, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    Integrator, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants,
-    TimeStep, Vec2,
+    Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
+    FxFactor, Integrator, JointDef, JointId, JointKind, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part,
+    Random, Region, Shape, SpringConstants, TimeStep, Vec2,
 };
 
 use super::layouts::Value;
@@ -241,6 +241,32 @@ pub(crate) fn collider_def(value: &Value) -> ColliderDef {
     }
 }
 
+fn joint(value: &Value) -> JointId {
+    JointId::from_parts(value["slot"].natural() as u32, value["generation"].natural() as u32)
+}
+
+fn joint_kind(value: &Value) -> JointKind {
+    match value.case() {
+        "Revolute" => JointKind::default(),
+        "Distance" => JointKind::Distance(Distance::rod(number(&value["length"]))),
+        name => panic!("kind of joint {name}"),
+    }
+}
+
+fn joint_def(value: &Value) -> JointDef {
+    JointDef {
+        ends: [end(&value["first_end"]), end(&value["second_end"])],
+        angles: [number(&value["first_angle"]), number(&value["second_angle"])],
+        kind: joint_kind(&value["kind"]),
+        collide_connected: value["collide_connected"].natural() == 1,
+        enabled: value["enabled"].natural() == 1,
+        break_force: value["break_force"].option().map(number),
+        events: value["events"].natural() == 1,
+        key: value["key"].natural(),
+        user_data: value["user_data"].natural(),
+    }
+}
+
 fn exclusion(value: &Value) -> Exclusion {
     match value.case() {
         "Always" => Exclusion::Always,
@@ -369,6 +395,15 @@ pub(crate) fn command(value: &Value) -> Command {
             second: value["second"].natural() as u32,
             pair: value["pair"].option().map(material_pair),
         },
+        "AddJoint" => Command::AddJoint(joint_def(&value["def"])),
+        "RemoveJoint" => Command::RemoveJoint(joint(&value["joint"])),
+        "SetJointKind" => Command::SetJointKind { joint: joint(&value["joint"]), kind: joint_kind(&value["kind"]) },
+        "SetJointBreak" => {
+            Command::SetJointBreak { joint: joint(&value["joint"]), force: value["force"].option().map(number) }
+        }
+        "EnableJoint" => {
+            Command::EnableJoint { joint: joint(&value["joint"]), enabled: value["enabled"].natural() == 1 }
+        }
         name => panic!("command {name}"),
     }
 }

@@ -13,7 +13,7 @@ use umbra_scene::Scene;
 use crate::seeds::is_short;
 use crate::untrusted::everything::{commands, custom_forces, places, recording, world};
 use crate::untrusted::memory::{ANY, bounded};
-use crate::untrusted::seals::{begin, chunk, chunks, reseal};
+use crate::untrusted::seals::{DUMP_FORMAT, begin, chunk, chunks, reseal};
 
 /// Hands on the bytes with one place changed, and puts them back: bits, bytes, and as a length or a count of 32 or 64 bits
 /// none, one more, and far too many.
@@ -153,7 +153,7 @@ fn every_input_of_a_tick() {
 type Chunks = Vec<([u8; 4], Vec<u8>)>;
 
 fn file(magic: &[u8; 8], chunks: &Chunks) -> Vec<u8> {
-    let mut file = begin(magic, if magic == b"UMBRADMP" { 3 } else { 2 });
+    let mut file = begin(magic);
     chunks.iter().for_each(|(tag, contents)| chunk(&mut file, tag, contents));
     file
 }
@@ -263,8 +263,8 @@ fn dumps() {
     }
     // Of times to come.
     let mut format = whole.clone();
-    format[8] = 4;
-    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: 4, known: 3 }));
+    format[8] = DUMP_FORMAT as u8 + 1;
+    assert_eq!(read(&format).err(), Some(ReplayError::Format { found: DUMP_FORMAT + 1, known: DUMP_FORMAT }));
     let mut version = parts;
     version[0].1 = (PHYSICS_VERSION + 1).to_le_bytes().to_vec();
     assert_eq!(

@@ -4,7 +4,7 @@
 use allocation_counter::measure;
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, ColliderId, Command, Dump, FieldId, FieldKind, ForceField, Fx, Input, Inputs,
-    Integrator, Part, RecordOptions, Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
+    Integrator, JointDef, JointId, Part, RecordOptions, Recorder, Replay, Shape, Snapshot, World, WorldDef, fx, vec2,
 };
 use umbra_scene::{Scene, SceneErrors};
 
@@ -43,6 +43,12 @@ fn held(what: &str, world: &World) {
     bounded(what, &file, |file| assert!(Replay::from_bytes(file, &custom_forces()).is_err()));
 }
 
+/// Pins a body to the world.
+fn pin(world: &mut World, body: BodyId) -> JointId {
+    let pin = JointDef::at(world, None, body, vec2(0, 0)).expect("a point of the body");
+    world.add_joint(pin).expect("a joint")
+}
+
 fn parts(count: i32, angle: Fx) -> Vec<Part> {
     let disc = Shape::circle(fx!(0.5)).expect("a shape");
     (0..count).map(|x| Part { shape: disc.clone(), position: vec2(x, 0), angle, density: fx!(1) }).collect()
@@ -57,6 +63,12 @@ fn worlds_of_what_takes_little_in_a_file() {
     let bodies: Vec<_> = (0..times(5_000)).map(|_| emptied.add_body(BodyDef::dynamic()).expect("a body")).collect();
     let fields: Vec<_> = (0..times(5_000)).map(|_| emptied.add_field(drag).expect("a field")).collect();
     held("bodies alike, fields", &emptied);
+    let joints: Vec<_> = bodies.iter().map(|&body| pin(&mut emptied, body)).collect();
+    held("joints", &emptied);
+    for joint in joints {
+        emptied.remove_joint(joint).expect("it is there");
+    }
+    held("free joints", &emptied);
     for field in fields {
         emptied.remove_field(field).expect("it is there");
     }
@@ -154,7 +166,7 @@ fn played(what: &str, file: &[u8]) {
     bounded(what, file, |file| assert_eq!(read(file).first_difference(&second), None));
     for (tag, contents) in seals::chunks(file) {
         if tag == *b"TICK" && contents[8..12] == [1, 0, 0, 0] {
-            let mut dump = seals::begin(b"UMBRADMP", 3);
+            let mut dump = seals::begin(b"UMBRADMP");
             chunk(&mut dump, b"PHYS", &umbra_physics::PHYSICS_VERSION.to_le_bytes());
             chunk(&mut dump, &tag, &contents);
             bounded(what, &dump, |file| assert!(Dump::from_bytes(file, &[]).is_err(), "it has no moments"));
@@ -186,7 +198,7 @@ fn replays_of_what_takes_little_in_a_file() {
     let file = recorder.finish(&world);
     played("the shortest ticks", &file);
     // A chunk for each of them, and all in one chunk: refused for that, and at no greater price.
-    let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP", 2));
+    let [mut alone, mut together] = [(); 2].map(|()| seals::begin(b"UMBRAREP"));
     let (mut ticks, mut tick) = (Vec::new(), 0u64);
     for (tag, contents) in seals::chunks(&file) {
         if tag == *b"TICK" {
@@ -242,6 +254,7 @@ fn names_of_one_letter_and_a_world_of_nobody() {
         recorder.labels_mut().set_body(BodyId::from_parts(slot, 0), "x");
         recorder.labels_mut().set_field(FieldId::from_parts(slot, 0), "x");
         recorder.labels_mut().set_collider(ColliderId::from_parts(slot, 0), "x");
+        recorder.labels_mut().set_joint(JointId::from_parts(slot, 0), "x");
     }
     let file = recorder.finish(&start);
     let replay = bounded("names", &file, |file| Replay::from_bytes(file, &[])).expect("it is whole");
@@ -265,7 +278,7 @@ fn dumps_in_which_nothing_happens() {
 /// A dump each moment of which has a world of its own, as no step makes them.
 fn parted(what: &str, world: &World) {
     let dump = Dump::of_tick(world, &[], &Inputs::new(), world);
-    let mut file = seals::begin(b"UMBRADMP", 3);
+    let mut file = seals::begin(b"UMBRADMP");
     for (number, (tag, contents)) in seals::chunks(&dump.to_bytes()).into_iter().enumerate() {
         if tag != *b"PHAS" {
             chunk(&mut file, &tag, &contents);
@@ -309,6 +322,8 @@ fn dumps_of_worlds_that_are_all_different() {
     let lift = world.add_body(BodyDef::kinematic()).expect("a body");
     world.move_to(lift, vec2(1, 1), fx!(0)).expect("it is kinematic");
     parted("a dump of one with a goal", &world);
+    pin(&mut world, pushed);
+    parted("a dump of one with a joint", &world);
 }
 
 /// 4 GiB, or more than there can be, announced in a hundred bytes.
@@ -327,12 +342,12 @@ fn announced_lengths_do_not_make_room() {
         for (tag, least) in [(b"SNAP", 16), (b"HEAD", 16), (b"TICK", 16), (b"DONE", 0)] {
             let mut word = [&tag[..], &claimed_bytes].concat();
             word.extend(word.clone().iter().map(|byte| !byte));
-            let mut file = seals::begin(b"UMBRAREP", 2);
+            let mut file = seals::begin(b"UMBRAREP");
             file.extend(word);
             file.resize(file.len() + least, 0);
             assert!(bounded("a chunk", &file, |file| Replay::from_bytes(file, &[]).is_err()));
         }
-        for tag in 0..=28 {
+        for &tag in Command::<Fx>::NUMBERS {
             for before in 0..40 {
                 let command = [&[tag][..], &vec![0; before], &claimed_bytes, &[0; 50]].concat();
                 _ = bounded("a command", &command, |file| Command::<Fx>::from_bytes(file).map(drop));

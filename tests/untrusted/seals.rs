@@ -5,8 +5,13 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::untrusted::everything::custom_forces;
 
+/// The formats of replays and of dumps.
+const REPLAY_FORMAT: u32 = 3;
+pub(crate) const DUMP_FORMAT: u32 = 4;
+
 /// Start of a file of a kind.
-pub(crate) fn begin(magic: &[u8; 8], format: u32) -> Vec<u8> {
+pub(crate) fn begin(magic: &[u8; 8]) -> Vec<u8> {
+    let format = if magic == b"UMBRADMP" { DUMP_FORMAT } else { REPLAY_FORMAT };
     [&magic[..], &format.to_le_bytes()].concat()
 }
 

@@ -5,8 +5,8 @@ mod values;
 use umbra_physics::scalar::Factor;
 use umbra_physics::{
     Attachment, BodyId, ColliderDef, ColliderId, Command, CommandSource as _, ContactSettings, Damping, End, FieldId,
-    FieldKind, Filter, Fx, FxFactor, Material, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants, TimeStep,
-    Vec2, WorldDef, fx, limits,
+    FieldKind, Filter, Fx, FxFactor, JointId, Material, MixRule, OneWay, Part, Random, Region, Shape, SpringConstants,
+    TimeStep, Vec2, WorldDef, fx, limits,
 };
 use values::ANGLE;
 
@@ -78,8 +78,8 @@ impl Taste {
 }
 
 /// Kinds of commands that come more often than others, by their numbers: bodies added (0), forces and impulses (2), fields
-/// added (17), kinematic bodies moved (32), colliders added (33).
-const OFTEN: [u8; 11] = [0, 0, 0, 2, 2, 2, 17, 17, 32, 32, 33];
+/// added (17), kinematic bodies moved (32), colliders added (33), joints added (43).
+const OFTEN: [u8; 13] = [0, 0, 0, 2, 2, 2, 17, 17, 32, 32, 33, 43, 43];
 
 /// Makes random commands, bodies and fields of a [`Taste`] from [`Choices`].
 ///
@@ -120,12 +120,13 @@ pub struct Generator<'a, C: ?Sized> {
     bodies: &'a [BodyId],
     fields: &'a [FieldId],
     colliders: &'a [ColliderId],
+    joints: &'a [JointId],
 }
 
 impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     /// A generator whose commands name these bodies and fields.
     pub fn new(choices: &'a mut C, taste: Taste, bodies: &'a [BodyId], fields: &'a [FieldId]) -> Self {
-        Self { choices, taste, bodies, fields, colliders: &[] }
+        Self { choices, taste, bodies, fields, colliders: &[], joints: &[] }
     }
 
     /// The generator with these colliders for commands to name.
@@ -141,6 +142,21 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
     #[must_use]
     pub fn with_colliders(self, colliders: &'a [ColliderId]) -> Self {
         Self { colliders, ..self }
+    }
+
+    /// The generator with these joints for commands to name.
+    ///
+    /// ```
+    /// use umbra_oracles::{Generator, Taste};
+    /// use umbra_physics::{Command, JointId, Random};
+    ///
+    /// let (mut random, known) = (Random::seeded(1), [JointId::from_parts(4, 2)]);
+    /// let mut generator = Generator::new(&mut random, Taste::FAIR, &[], &[]).with_joints(&known);
+    /// assert_eq!(generator.of_kind(44), Some(Command::RemoveJoint(known[0])));
+    /// ```
+    #[must_use]
+    pub fn with_joints(self, joints: &'a [JointId]) -> Self {
+        Self { joints, ..self }
     }
 
     /// Makes a command of any kind.

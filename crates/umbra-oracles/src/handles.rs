@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 use std::convert::Infallible;
 
-use umbra_physics::{BodyId, ColliderId, Command, CommandMap, Created, FieldId, Fx, FxFactor, Shape, World};
+use umbra_physics::{BodyId, ColliderId, Command, CommandMap, Created, FieldId, Fx, FxFactor, JointId, Shape, World};
 
-/// A map from the bodies, force fields and colliders of one run to those of another.
+/// A map from the bodies, force fields, colliders and joints of one run to those of another.
 ///
 /// A handle says how often its slot was taken before, so that none ever names two bodies, and a body that is gone still has
 /// its counterpart, gone as well.
 ///
 /// ```
 /// use umbra_oracles::Handles;
-/// use umbra_physics::{BodyId, ColliderId, Command, FieldId};
+/// use umbra_physics::{BodyId, ColliderId, Command, FieldId, JointId};
 ///
 /// // No body of the one run has a counterpart in the other yet: what they are called there is nobody.
 /// let handles = Handles::default();
@@ -20,6 +20,7 @@ use umbra_physics::{BodyId, ColliderId, Command, CommandMap, Created, FieldId, F
 /// assert_ne!(handles.body(body), body);
 /// assert_ne!(handles.field(FieldId::from_parts(0, 0)), FieldId::from_parts(0, 0));
 /// assert_ne!(handles.collider(ColliderId::from_parts(0, 0)), ColliderId::from_parts(0, 0));
+/// assert_ne!(handles.joint(JointId::from_parts(0, 0)), JointId::from_parts(0, 0));
 /// assert_eq!(handles.command(&Command::Wake(body)), Command::Wake(handles.body(body)));
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -27,6 +28,7 @@ pub struct Handles {
     bodies: BTreeMap<BodyId, BodyId>,
     fields: BTreeMap<FieldId, FieldId>,
     colliders: BTreeMap<ColliderId, ColliderId>,
+    joints: BTreeMap<JointId, JointId>,
 }
 
 /// Slots from here on are never taken: a world has room for 2^24 of each.
@@ -54,10 +56,23 @@ impl Handles {
         self.colliders.get(&collider).copied().unwrap_or_else(|| nothing(collider.parts()))
     }
 
+    /// The counterpart of a joint; of one that has none a handle that names no joint there, ever.
+    #[must_use]
+    pub fn joint(&self, joint: JointId) -> JointId {
+        let nothing = |(slot, generation)| JointId::from_parts(slot | NOBODY, generation);
+        self.joints.get(&joint).copied().unwrap_or_else(|| nothing(joint.parts()))
+    }
+
     /// The command with these counterparts in place of what it names.
     #[must_use]
     pub fn command(&self, command: &Command) -> Command {
-        rename(command, |body| self.body(body), |field| self.field(field), |collider| self.collider(collider))
+        rename(
+            command,
+            |body| self.body(body),
+            |field| self.field(field),
+            |collider| self.collider(collider),
+            |joint| self.joint(joint),
+        )
     }
 
     pub(super) fn knows(&self, body: BodyId) -> bool {
@@ -72,12 +87,17 @@ impl Handles {
         self.colliders.contains_key(&collider)
     }
 
+    pub(super) fn knows_joint(&self, joint: JointId) -> bool {
+        self.joints.contains_key(&joint)
+    }
+
     /// Notes that what was made in one run is the counterpart of what was made in the other.
     pub(super) fn pair(&mut self, first: Created, second: Created) {
         match (first, second) {
             (Created::Body(body), Created::Body(twin)) => _ = self.bodies.insert(body, twin),
             (Created::ForceField(field), Created::ForceField(twin)) => _ = self.fields.insert(field, twin),
             (Created::Collider(collider), Created::Collider(twin)) => _ = self.colliders.insert(collider, twin),
+            (Created::Joint(joint), Created::Joint(twin)) => _ = self.joints.insert(joint, twin),
             _ => {}
         }
     }
@@ -98,7 +118,7 @@ pub(super) fn all_made(world: &World, created: Created) -> Vec<Created> {
 /// use umbra_physics::{BodyId, Command};
 ///
 /// let [old, new] = [0, 7].map(|slot| BodyId::from_parts(slot, 0));
-/// assert_eq!(rename(&Command::Wake(old), |_| new, |field| field, |collider| collider), Command::Wake(new));
+/// assert_eq!(rename(&Command::Wake(old), |_| new, |field| field, |collider| collider, |joint| joint), Command::Wake(new));
 /// ```
 #[must_use]
 pub fn rename(
@@ -106,23 +126,26 @@ pub fn rename(
     body: impl FnMut(BodyId) -> BodyId,
     field: impl FnMut(FieldId) -> FieldId,
     collider: impl FnMut(ColliderId) -> ColliderId,
+    joint: impl FnMut(JointId) -> JointId,
 ) -> Command {
-    let Ok(renamed) = command.clone().map(&mut Rename { body, field, collider });
+    let Ok(renamed) = command.clone().map(&mut Rename { body, field, collider, joint });
     renamed
 }
 
 /// Replaces handles.
-struct Rename<B, F, C> {
+struct Rename<B, F, C, J> {
     body: B,
     field: F,
     collider: C,
+    joint: J,
 }
 
-impl<B, F, C> CommandMap<Fx> for Rename<B, F, C>
+impl<B, F, C, J> CommandMap<Fx> for Rename<B, F, C, J>
 where
     B: FnMut(BodyId) -> BodyId,
     F: FnMut(FieldId) -> FieldId,
     C: FnMut(ColliderId) -> ColliderId,
+    J: FnMut(JointId) -> JointId,
 {
     type Error = Infallible;
 
@@ -148,5 +171,9 @@ where
 
     fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Infallible> {
         Ok((self.collider)(collider))
+    }
+
+    fn joint(&mut self, joint: JointId) -> Result<JointId, Infallible> {
+        Ok((self.joint)(joint))
     }
 }

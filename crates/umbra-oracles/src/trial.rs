@@ -272,6 +272,7 @@ impl<'a, S: Subject> Trial<'a, S> {
         bodies.into_iter().for_each(|body| handles.pair(Created::Body(body), Created::Body(body)));
         run.world.fields().for_each(|(field, _)| handles.pair(Created::ForceField(field), Created::ForceField(field)));
         run.world.colliders().for_each(|(id, _)| handles.pair(Created::Collider(id), Created::Collider(id)));
+        run.world.joints().for_each(|joint| handles.pair(Created::Joint(joint.id()), Created::Joint(joint.id())));
         let Some(mut bystanders) = enter(&mut twin.world) else {
             return inapplicable("the world has no room for bystanders");
         };
@@ -298,6 +299,9 @@ impl<'a, S: Subject> Trial<'a, S> {
             }
             if run.world.colliders().any(|(collider, _)| !handles.knows_collider(collider)) {
                 return inapplicable("a collider was added past the driver");
+            }
+            if run.world.joints().any(|joint| !handles.knows_joint(joint.id())) {
+                return inapplicable("a joint was added past the driver");
             }
             if run.world.def().contacts.max_pairs < super::bystanders::PAIRS {
                 return inapplicable("the world has no room for pairs of bystanders");

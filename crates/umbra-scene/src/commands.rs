@@ -128,6 +128,7 @@ impl Writer {
                 let Some(&body) = self.bodies.get(body) else { return Ok(()) };
                 SceneAction::AddCollider(self.add_collider(body, def.clone(), collider))
             }
+            (Command::AddJoint(_), _) => return Err(ExportError::Joint { command: index }),
             (command, _) => {
                 if let Command::SetField { field, .. } = command {
                     check_mu(index, field)?;

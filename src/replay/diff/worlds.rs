@@ -8,7 +8,7 @@ use crate::codec::{self, Encoder, FieldIndex, FieldValue, Part, Write};
 use crate::collider::Collider;
 use crate::replay::snapshot::{Owner, State};
 use crate::scalar::Scalar;
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 use crate::world::{BodyRef, World};
 
 impl<S: Scalar> World<S> {
@@ -80,6 +80,7 @@ impl<S: Scalar> World<S> {
         let (owner, path) = with.owner_of(path);
         let key = match owner {
             Owner::Body(body) => with.body(body).map_or(0, |body| body.key()),
+            Owner::Joint(joint) => with.joint(joint).map_or(0, |joint| joint.key()),
             _ => 0,
         };
         Difference { key, ..difference(self.tick(), owner, path, left, right) }
@@ -102,6 +103,10 @@ impl<S: Scalar> World<S> {
                 (Owner::ForceField(FieldId::from_parts(slot, generation)), &path[2..])
             }
             [Part::Name("colliders"), Part::Entry(slot), ..] => (Owner::Collider(self.collider_in(slot)), &path[2..]),
+            [Part::Name("joints"), Part::Entry(slot), ..] => {
+                let generation = self.joints.generation(slot).unwrap_or_default();
+                (Owner::Joint(JointId::from_parts(slot, generation)), &path[2..])
+            }
             [Part::Name("contacts"), Part::Entry(index), ..] => {
                 let pair = self.contacts.iter().nth(index as usize).map(|record| record.pair()).unwrap_or_default();
                 let [first, second] = pair.map(|outline| self.collider_in(outline.slot));

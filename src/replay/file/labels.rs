@@ -1,4 +1,4 @@
-//! Names of bodies, force fields and colliders, for people who read a replay.
+//! Names of bodies, force fields, colliders and joints, for people who read a replay.
 
 use alloc::collections::BTreeMap;
 use alloc::format;
@@ -8,10 +8,10 @@ use alloc::vec::Vec;
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, Write};
 use crate::replay::diff::Difference;
 use crate::replay::snapshot::Owner;
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 use crate::world::World;
 
-/// Names of the bodies, force fields and colliders of a recorded run. They are kept in the replay for people to read and change no
+/// Names of the bodies, force fields, colliders and joints of a recorded run. They are kept in the replay for people to read and change no
 /// result: neither the motion nor a hash depends on them. Differences of replays, `umbra diff`, `umbra verify` and `umbra view` use them.
 ///
 /// A name has 1 to 256 bytes and no control characters. Two bodies may have the same one.
@@ -35,6 +35,7 @@ pub struct Labels {
     bodies: BTreeMap<BodyId, String>,
     fields: BTreeMap<FieldId, String>,
     colliders: BTreeMap<ColliderId, String>,
+    joints: BTreeMap<JointId, String>,
 }
 
 /// The fewest bytes of an entry: a handle, the length of a name, and a letter.
@@ -47,7 +48,7 @@ impl Labels {
     /// Makes a list without names.
     #[must_use]
     pub const fn new() -> Self {
-        Self { bodies: BTreeMap::new(), fields: BTreeMap::new(), colliders: BTreeMap::new() }
+        Self { bodies: BTreeMap::new(), fields: BTreeMap::new(), colliders: BTreeMap::new(), joints: BTreeMap::new() }
     }
 
     /// Gives a body a name, in place of one that it had. Control characters are left out, and a name that would be longer than
@@ -79,6 +80,11 @@ impl Labels {
         set(&mut self.colliders, collider, name);
     }
 
+    /// Gives a joint a name, as [`set_body`](Self::set_body) does for a body.
+    pub fn set_joint(&mut self, joint: JointId, name: &str) {
+        set(&mut self.joints, joint, name);
+    }
+
     /// The name of a body.
     #[must_use]
     pub fn body(&self, body: BodyId) -> Option<&str> {
@@ -97,11 +103,17 @@ impl Labels {
         self.colliders.get(&collider).map(String::as_str)
     }
 
+    /// The name of a joint.
+    #[must_use]
+    pub fn joint(&self, joint: JointId) -> Option<&str> {
+        self.joints.get(&joint).map(String::as_str)
+    }
+
     /// The name of the owner of a value. A contact has the names of its two colliders if one of them has a name: `lid and
     /// collider 3`. The world has none.
     ///
     /// ```
-    /// use umbra_physics::{ColliderId, Labels, Owner};
+    /// use umbra_physics::{ColliderId, JointId, Labels, Owner};
     ///
     /// let (mut labels, [lid, floor]) = (Labels::new(), [0, 3].map(|slot| ColliderId::from_parts(slot, 0)));
     /// labels.set_collider(lid, "lid");
@@ -109,6 +121,9 @@ impl Labels {
     /// assert_eq!(labels.owner(Owner::Collider(lid)).as_deref(), Some("lid"));
     /// assert_eq!(labels.owner(Owner::Contact(lid, floor)).as_deref(), Some("lid and collider 3"));
     /// assert_eq!(labels.owner(Owner::Collider(floor)), None);
+    /// let hinge = JointId::from_parts(0, 0);
+    /// labels.set_joint(hinge, "hinge");
+    /// assert_eq!((labels.joint(hinge), labels.owner(Owner::Joint(hinge)).as_deref()), (Some("hinge"), Some("hinge")));
     /// ```
     #[must_use]
     pub fn owner(&self, owner: Owner) -> Option<String> {
@@ -117,6 +132,7 @@ impl Labels {
             Owner::Body(body) => self.body(body),
             Owner::ForceField(field) => self.field(field),
             Owner::Collider(collider) => self.collider(collider),
+            Owner::Joint(joint) => self.joint(joint),
             Owner::Contact(first, second) => {
                 let [a, b] = [first, second].map(|collider| self.collider(collider));
                 a.or(b)?;
@@ -131,7 +147,8 @@ impl Labels {
     /// Says whether nothing has a name.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.bodies.is_empty() && self.fields.is_empty() && self.colliders.is_empty()
+        let Self { bodies, fields, colliders, joints } = self;
+        bodies.is_empty() && fields.is_empty() && colliders.is_empty() && joints.is_empty()
     }
 
     /// Adds to a difference the name of its owner, and the key that the owner has in this world.
@@ -139,6 +156,7 @@ impl Labels {
         let key = match difference.owner {
             Owner::Body(body) => world.body(body).map_or(0, |body| body.key()),
             Owner::Collider(collider) => world.collider(collider).map_or(0, |collider| collider.key),
+            Owner::Joint(joint) => world.joint(joint).map_or(0, |joint| joint.key()),
             Owner::World | Owner::ForceField(_) | Owner::Contact(..) => 0,
         };
         let key = if difference.key == 0 { key } else { difference.key };
@@ -166,6 +184,7 @@ impl Write for Labels {
         write_names(out, "bodies", &self.bodies);
         write_names(out, "fields", &self.fields);
         write_names(out, "colliders", &self.colliders);
+        write_names(out, "joints", &self.joints);
     }
 }
 
@@ -187,7 +206,12 @@ fn write_names<H: Write>(out: &mut impl Encoder, part: &'static str, names: &BTr
 impl Read for Labels {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let malformed = reader.malformed("one name at least");
-        let labels = Self { bodies: read_names(reader)?, fields: read_names(reader)?, colliders: read_names(reader)? };
+        let labels = Self {
+            bodies: read_names(reader)?,
+            fields: read_names(reader)?,
+            colliders: read_names(reader)?,
+            joints: read_names(reader)?,
+        };
         // Without names there is no chunk: each file has one form.
         if labels.is_empty() { Err(malformed) } else { Ok(labels) }
     }

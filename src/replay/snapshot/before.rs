@@ -17,6 +17,7 @@ use crate::collider::ColliderSet;
 use crate::contact::ContactSet;
 use crate::force::FieldSet;
 use crate::fx::Fx;
+use crate::joint::{JointDef, JointSet, JointStates};
 use crate::math::Elapsed;
 use crate::slots::BodyId;
 use crate::world::{Command, World, WorldDef};
@@ -36,6 +37,8 @@ pub(in crate::replay) struct BeforeCalls {
     fields: Option<Arc<FieldSet<Fx>>>,
     /// The colliders and their contacts, if calls may have changed any.
     colliders: Option<(Arc<ColliderSet<Fx>>, ContactSet)>,
+    /// The joints, if calls may have changed any.
+    joints: Option<(Arc<JointSet<Fx>>, JointStates)>,
     woken: Vec<BodyId>,
 }
 
@@ -50,6 +53,7 @@ impl BeforeCalls {
             free: None,
             fields: None,
             colliders: None,
+            joints: None,
             woken: world.change_log.woken(),
         };
         restless.iter().for_each(|body| before.keep_slot(world, body.slot));
@@ -81,11 +85,15 @@ impl BeforeCalls {
                 world.bodies.free().last().into_iter().for_each(|&slot| self.keep_slot(world, slot));
                 self.keep_free(world);
             }
-            Command::RemoveBody(_) => {
-                // The fields that are attached to the body go with it.
+            Command::RemoveBody(body) => {
+                // The fields and joints that are attached to the body go with it.
                 self.keep_free(world);
                 self.keep_fields(world);
                 self.keep_colliders(world);
+                for joint in world.joints_of(*body).into_iter().flatten() {
+                    self.keep_ends(world, joint.def());
+                }
+                self.keep_joints(world);
             }
             Command::AddCollider { .. } => self.keep_colliders(world),
             Command::SetCollider { collider, .. } | Command::RemoveCollider(collider) => {
@@ -93,8 +101,24 @@ impl BeforeCalls {
                 body.into_iter().for_each(|body| self.keep_slot(world, body.slot));
                 self.keep_colliders(world);
             }
-            Command::SetTimeStep(_) | Command::SetContactSettings(_) | Command::SetMaterialPair { .. } => {
+            Command::SetMaterialPair { .. } => self.keep_colliders(world),
+            Command::SetTimeStep(_) | Command::SetContactSettings(_) => {
                 self.keep_colliders(world);
+                self.keep_joints(world);
+            }
+            Command::SetKind { .. } | Command::Disable(_) => self.keep_joints(world),
+            Command::AddJoint(def) => {
+                self.keep_ends(world, def);
+                self.keep_colliders(world);
+                self.keep_joints(world);
+            }
+            Command::RemoveJoint(joint)
+            | Command::SetJointKind { joint, .. }
+            | Command::SetJointBreak { joint, .. }
+            | Command::EnableJoint { joint, .. } => {
+                world.joint(*joint).into_iter().for_each(|joint| self.keep_ends(world, joint.def()));
+                self.keep_colliders(world);
+                self.keep_joints(world);
             }
             Command::ExcludePair { b, .. } | Command::AllowPair { b, .. } => {
                 self.keep_slot(world, b.slot);
@@ -119,6 +143,15 @@ impl BeforeCalls {
         if slot < self.slots && !self.replaced.contains_key(&slot) {
             self.replaced.extend(SavedSlot::of(world, slot).map(|saved| (slot, saved)));
         }
+    }
+
+    /// Keeps the bodies of a joint, whose ticks at rest are counted anew.
+    fn keep_ends(&mut self, world: &World, def: &JointDef) {
+        def.bodies().into_iter().flatten().for_each(|body| self.keep_slot(world, body.slot));
+    }
+
+    fn keep_joints(&mut self, world: &World) {
+        self.joints.get_or_insert_with(|| (world.joints.clone(), world.joint_states.clone()));
     }
 
     fn keep_free(&mut self, world: &World) {
@@ -159,6 +192,8 @@ impl BeforeCalls {
             fields: self.fields.as_deref().unwrap_or(now.fields),
             colliders: self.colliders.as_ref().map_or(now.colliders, |(colliders, _)| colliders),
             contacts: self.colliders.as_ref().map_or(now.contacts, |(_, contacts)| contacts),
+            joints: self.joints.as_ref().map_or(now.joints, |(joints, _)| joints),
+            joint_states: self.joints.as_ref().map_or(now.joint_states, |(_, states)| states),
             woken: self.woken.clone(),
             ..now
         };

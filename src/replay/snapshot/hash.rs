@@ -10,7 +10,7 @@ use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
 /// The physics version: it is increased whenever the results of a step or of a hash change.
-pub const PHYSICS_VERSION: u32 = 22;
+pub const PHYSICS_VERSION: u32 = 23;
 
 impl<S: Scalar> World<S> {
     /// A hash of the whole state that the future depends on, handles included: for peers that made the same calls. Equal
@@ -38,6 +38,7 @@ impl<S: Scalar> World<S> {
         self.contacts.write(&mut sink);
         codec::count(&mut sink, self.custom_forces.len());
         self.hash_custom_forces(&mut sink);
+        self.joints.write(&self.joint_states, &mut sink);
         sink.finish()
     }
 
@@ -93,7 +94,38 @@ impl<S: Scalar> World<S> {
         self.hash_custom_forces(&mut sink);
         self.colliders.write_material_pairs(&mut sink);
         self.hash_contacts(&mut sink);
+        self.hash_joints(&mut sink);
         sink.finish()
+    }
+
+    /// Hashes the joints by the keys of their bodies and their own, in no order, if there are any.
+    fn hash_joints(&self, sink: &mut StateHasher) {
+        if self.joints.len() == 0 && self.joint_states.pulled_at == 0 {
+            return;
+        }
+        let key = |body: Option<BodyId>| {
+            let dense = body.and_then(|body| self.bodies.find(body).ok());
+            dense.map(|dense| self.bodies.info(dense).key)
+        };
+        let without_handle = |_| Some(BodyId::from_parts(0, 0));
+        let digest = |index: usize| {
+            let def = self.joints.def(index);
+            let mut sink = StateHasher::new();
+            def.map_bodies(without_handle).write(&mut sink);
+            self.joint_states.list[index].write(def.kind.for_solver(), &mut sink);
+            let [first, second] = def.bodies().map(key);
+            (first, second, def.key, sink.finish())
+        };
+        let mut digests: Vec<_> = self.joints.indices().map(digest).collect();
+        digests.sort_unstable();
+        self.joint_states.pulled_at.write(sink);
+        codec::count(sink, digests.len());
+        for (first, second, key, digest) in digests {
+            first.write(sink);
+            second.write(sink);
+            key.write(sink);
+            digest.write(sink);
+        }
     }
 
     /// Hashes the contacts by the keys of the colliders, without their number.

@@ -2,7 +2,7 @@
 
 use core::fmt;
 
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 use crate::world::Command;
 
 /// The part of a world that a value belongs to.
@@ -20,6 +20,8 @@ pub enum Owner {
     Collider(ColliderId),
     /// A contact of two colliders.
     Contact(ColliderId, ColliderId),
+    /// A joint.
+    Joint(JointId),
 }
 
 impl fmt::Display for Owner {
@@ -29,15 +31,17 @@ impl fmt::Display for Owner {
             Self::Body(body) => body.fmt(f),
             Self::ForceField(field) => field.fmt(f),
             Self::Collider(collider) => collider.fmt(f),
+            Self::Joint(joint) => joint.fmt(f),
             Self::Contact(first, second) => write!(f, "the contact of {first} and {second}"),
         }
     }
 }
 
 impl Owner {
-    /// The body, field or collider that a command names, or else the world.
+    /// The body, field, collider or joint that a command names, or else the world.
     pub(in crate::replay) fn of_command(command: &Command) -> Self {
-        let collider = command.collider().map_or(Self::World, Self::Collider);
+        let joint = command.joint().map_or(Self::World, Self::Joint);
+        let collider = command.collider().map_or(joint, Self::Collider);
         let field = command.field().map_or(collider, Self::ForceField);
         command.body().map_or(field, Self::Body)
     }

@@ -16,9 +16,10 @@ use crate::error::Error;
 use crate::force::{CustomForce, CustomForces, FieldSet, ForceField};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
+use crate::joint::{JointDef, JointSet, JointState, JointStates};
 use crate::limits;
 use crate::math::{Elapsed, Random};
-use crate::slots::{BodyId, ColliderId, FieldId};
+use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 use crate::world::{ChangeLog, World, WorldDef};
 
 /// Reads a snapshot; bytes after it are left to the caller.
@@ -94,6 +95,7 @@ pub(super) fn read_state(
     }
     world.fields = Arc::new(read_fields(reader, &world)?);
     world.contacts = read_contacts(reader, &world)?;
+    read_joints(reader, &mut world)?;
     let woken = read_woken(reader)?;
     woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
     world.change_log.set_woken(woken);
@@ -202,6 +204,32 @@ fn read_contacts(reader: &mut Reader<'_>, world: &World) -> Result<ContactSet, S
     (contacts.passes, contacts.excluded, contacts.pushed_at) = (passes, excluded, pushed_at);
     (contacts.overlaps, contacts.ended) = (overlaps, ended);
     Ok(contacts)
+}
+
+/// Reads the joints of a world that has its bodies.
+fn read_joints(reader: &mut Reader<'_>, world: &mut World) -> Result<(), SnapshotError> {
+    let mut joints = JointSet::default();
+    let mut states = JointStates::default();
+    for slot in 0..reader.count(5)? {
+        let generation = u32::read(reader)?;
+        let owner = Owner::Joint(JointId::from_parts(slot as u32, generation));
+        let invalid = |error| SnapshotError::Invalid { owner, error };
+        let joint = if bool::read(reader)? {
+            let def = JointDef::read(reader)?;
+            def.check_values(&world.bodies).map_err(invalid)?;
+            Some((def, JointState::read(def.kind.for_solver(), reader)?))
+        } else {
+            None
+        };
+        joints.rebuild(generation, joint, &mut states).map_err(invalid)?;
+    }
+    joints.set_free(read_list(reader, 4, u32::read)?)?;
+    states.pulled_at = u64::read(reader)?;
+    if states.pulled_at > world.tick {
+        return Err(Error::Inconsistent.into());
+    }
+    (world.joints, world.joint_states) = (Arc::new(joints), states);
+    Ok(())
 }
 
 /// Reads the bodies that calls woke, in the order of the calls.

@@ -11,6 +11,7 @@ use crate::collider::ColliderSet;
 use crate::contact::ContactSet;
 use crate::force::FieldSet;
 use crate::fx::Fx;
+use crate::joint::{JointSet, JointStates};
 use crate::math::{Elapsed, Vec2};
 use crate::scalar::{FxSum, Scalar};
 use crate::slots::BodyId;
@@ -19,7 +20,7 @@ use crate::world::{World, WorldDef};
 /// The first bytes of a snapshot.
 pub(super) const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the four bytes after the magic. It is increased whenever the layout changes.
-pub(super) const FORMAT: u32 = 5;
+pub(super) const FORMAT: u32 = 6;
 
 /// A world as the bytes of a snapshot.
 pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);
@@ -130,6 +131,8 @@ pub(super) struct StateView<'a, S: Scalar> {
     pub(super) fields: &'a FieldSet<S>,
     pub(super) colliders: &'a ColliderSet<S>,
     pub(super) contacts: &'a ContactSet,
+    pub(super) joints: &'a JointSet<S>,
+    pub(super) joint_states: &'a JointStates,
     pub(super) woken: Vec<BodyId>,
 }
 
@@ -145,6 +148,8 @@ impl<'a, S: Scalar> StateView<'a, S> {
             fields: &world.fields,
             colliders: &world.colliders,
             contacts: &world.contacts,
+            joints: &world.joints,
+            joint_states: &world.joint_states,
             woken: world.change_log.woken(),
         }
     }
@@ -179,6 +184,24 @@ impl<'a, S: Scalar> StateView<'a, S> {
             entry(out, slot, |out| {
                 codec::field(out, "generation", &generation);
                 codec::field(out, "field", &field.copied());
+            });
+        }
+    }
+
+    fn write_joints(&self, out: &mut impl Encoder) {
+        codec::count(out, self.joints.slots().len());
+        for (slot, (generation, index)) in (0..).zip(self.joints.slots()) {
+            entry(out, slot, |out| {
+                codec::field(out, "generation", &generation);
+                codec::field(out, "present", &index.is_some());
+                if let Some(index) = index {
+                    let def = self.joints.def(index);
+                    def.write(out);
+                    let state = &self.joint_states.list[index];
+                    out.enter(Part::Name("state"));
+                    state.write(def.kind.for_solver(), out);
+                    out.leave();
+                }
             });
         }
     }
@@ -220,6 +243,9 @@ impl<S: Scalar> Write for StateView<'_, S> {
         part(out, "excluded_pairs", |out| codec::list(out, self.contacts.excluded.iter()));
         part(out, "sensor_overlaps", |out| codec::list(out, self.contacts.overlaps.iter()));
         part(out, "ended_pairs", |out| codec::list(out, self.contacts.ended.iter()));
+        part(out, "joints", |out| self.write_joints(out));
+        part(out, "free_joints", |out| codec::list(out, self.joints.free().iter()));
+        codec::field(out, "pulled_at_tick", &self.joint_states.pulled_at);
         part(out, "woken", |out| codec::list(out, self.woken.iter()));
     }
 }

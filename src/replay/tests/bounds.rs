@@ -11,6 +11,7 @@ use crate::error::{Error, Irreversible, Quantity};
 use crate::force::{FieldKind, FieldSet, ForceField};
 use crate::fx::{Fx, fx};
 use crate::integrate::Integrator;
+use crate::joint::{JointSet, JointStates};
 use crate::limits;
 use crate::math::{Elapsed, Random, TimeStep, vec2};
 use crate::replay::{Dump, RecordOptions, Recorder, Replay, ReplayLimits, Snapshot, SnapshotError, VerifyError};
@@ -212,6 +213,16 @@ fn a_world_with_as_many_slots_as_can_be_is_full() {
     // As many outlines beyond the first ones as there may be colliders.
     let room = [limits::COLLIDERS, limits::COLLIDERS + 1].map(|more| colliders.check_room(1, more));
     assert_eq!(room, [Ok(()), Err(Error::Full)]);
+    let (mut joints, mut states) = (JointSet::<Fx>::default(), JointStates::default());
+    for _ in 0..limits::JOINTS {
+        assert_eq!(joints.check_room(), Ok(()));
+        assert_eq!(joints.rebuild(u32::MAX, None, &mut states), Ok(()));
+    }
+    assert_eq!(
+        (joints.check_room(), joints.rebuild(u32::MAX, None, &mut states)),
+        (Err(Error::Full), Err(Error::Full))
+    );
+    assert_eq!((joints.set_free(vec![3]), joints.check_room()), (Ok(()), Ok(())));
     assert_eq!((bodies.check_room(), fields.check_room()), (Err(Error::Full), Err(Error::Full)));
     assert_eq!(bodies.rebuild(u32::MAX, None, &mut factor_table), Err(Error::Full));
     assert_eq!(fields.rebuild(u32::MAX, None), Err(Error::Full));

@@ -125,15 +125,15 @@ fn a_changed_name_is_named_with_both() {
             count += 1;
         }
     }
-    // Three lists with their numbers, and two entries of a handle, a length and a name.
-    assert_eq!(count, 8 * (4 + 4 + 4 + 2 * (8 + 4) + "leftright".len()));
+    // Four lists with their numbers, and two entries of a handle, a length and a name.
+    assert_eq!(count, 8 * (4 * 4 + 2 * (8 + 4) + "leftright".len()));
 }
 
 #[test]
 fn names_have_one_encoding() {
     let entry =
         |slot: u32, name: &[u8]| [&slot.to_le_bytes()[..], &[0; 4], &(name.len() as u32).to_le_bytes(), name].concat();
-    let names = |bodies: &[Vec<u8>]| [&(bodies.len() as u32).to_le_bytes()[..], &bodies.concat(), &[0; 8]].concat();
+    let names = |bodies: &[Vec<u8>]| [&(bodies.len() as u32).to_le_bytes()[..], &bodies.concat(), &[0; 12]].concat();
     assert_eq!(expected(&names(&[])), "one name at least");
     for order in [[1, 0], [1, 1]] {
         let bodies = order.map(|slot| entry(slot, b"a"));

@@ -20,7 +20,7 @@ use self::bounce::Bounces;
 use self::rounding::Rounding;
 use self::rows::Rows;
 use super::graph::graph_start;
-use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, PHASES, SolverOptions};
+use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, Joint, PHASES, SolverOptions};
 use crate::math::TimeStep;
 use crate::scalar::ToF64 as _;
 #[cfg(feature = "timers")]
@@ -90,11 +90,14 @@ pub struct FloatSolver {
 }
 
 impl ContactSolver for FloatSolver {
+    const SOLVES_JOINTS: bool = false;
+
     fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
+        _: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
@@ -120,6 +123,11 @@ impl ContactSolver for FloatSolver {
             let Impulses { values: [first, second, _], exponent } = in_units(rows.applied);
             (rows.contact, [first, second], exponent)
         })
+    }
+
+    /// None: a world of floats has no joints.
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+        core::iter::empty()
     }
 
     /// None: bounces are found once a step, in the impulses of all passes.

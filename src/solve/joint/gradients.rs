@@ -69,8 +69,6 @@ pub(super) struct Loops {
     loops: Vec<Loop>,
     /// The number of a body by its row.
     body_of: Vec<u32>,
-    /// The block of the first joint.
-    first: usize,
 }
 
 /// The joints and bodies of a loop.
@@ -104,14 +102,20 @@ impl Loops {
         self.joints.capacity() + self.moved.capacity() + self.loops.capacity() + self.body_of.capacity()
     }
 
+    /// Forgets the loops of the step before.
+    pub(super) fn clear(&mut self) {
+        self.joints.clear();
+        self.moved.clear();
+        self.loops.clear();
+    }
+
     /// Prepares the loops of a step.
     pub(super) fn set(&mut self, forest: &Forest, blocks: &[Block], rows: &Rows, soft: &SoftRow) {
-        let Self { joints, moved, loops, body_of, first } = self;
-        joints.clear();
-        moved.clear();
-        loops.clear();
-        let Some(range) = forest.loops.first() else { return };
-        *first = range.start;
+        self.clear();
+        if forest.loops.is_empty() {
+            return;
+        }
+        let Self { joints, moved, loops, body_of } = self;
         body_of.clear();
         body_of.resize(rows.len() as usize, NONE);
         for range in &forest.loops {
@@ -136,7 +140,9 @@ impl Loops {
 
     /// Finds the matrices of single joints where the bodies are.
     pub(super) fn factor(&mut self, blocks: &[Block], soft: &SoftRow) {
-        for (joint, block) in self.joints.iter_mut().zip(&blocks[self.first..]) {
+        // They come after the blocks of trees.
+        let blocks_of_loops = &blocks[blocks.len() - self.joints.len()..];
+        for (joint, block) in self.joints.iter_mut().zip(blocks_of_loops) {
             joint.invert(block, soft.compliance);
         }
     }
@@ -144,10 +150,11 @@ impl Loops {
     /// Changes the impulses of the joints of loops by a pass. Returns the number of impulses that were cut off.
     #[inline(always)]
     pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, soft: &SoftRow, is_biased: bool) -> u64 {
-        let Self { joints, moved, loops, first, .. } = self;
+        let Self { joints, moved, loops, .. } = self;
+        let first = blocks.len() - joints.len();
         let mut cut = 0;
         for Loop { joints: range, bodies } in loops.iter() {
-            let blocks = &mut blocks[*first..][range.clone()];
+            let blocks = &mut blocks[first..][range.clone()];
             let joints = &mut joints[range.clone()];
             let bodies = bodies.clone();
             for (joint, block) in joints.iter_mut().zip(&*blocks) {

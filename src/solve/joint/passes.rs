@@ -104,6 +104,8 @@ impl Joints {
         blocks.clear();
         touched.clear();
         if joints.is_empty() {
+            trees.clear();
+            loops.clear();
             return;
         }
         *soft = softness.joint;
@@ -216,6 +218,15 @@ impl Joints {
         let Self { blocks, trees, loops, soft, touched, .. } = self;
         let cut = trees.solve(blocks, rows, is_biased) + loops.solve(blocks, rows, soft, is_biased);
         cut + rows.apply_gains(lanes, touched)
+    }
+
+    /// The number of each joint and its impulses along x and y over the step on the second body, in 2^-32 N·s.
+    pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+        self.blocks.iter().map(|block| {
+            let [x, y, ..] = block.applied;
+            // From 2^(exponent − 30).
+            (block.joint, [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent)))
+        })
     }
 
     /// Writes the impulses of joints, and adds the impulses of this step to the totals of bodies.

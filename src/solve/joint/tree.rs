@@ -108,6 +108,12 @@ impl Trees {
         self.nodes.capacity() + self.trees.capacity()
     }
 
+    /// Forgets the trees of the step before.
+    pub(super) fn clear(&mut self) {
+        self.nodes.clear();
+        self.trees.clear();
+    }
+
     /// Prepares the trees of a step. `is_loaded` tells the trees among other constraints under heavy loads, by one of their bodies.
     pub(super) fn set(
         &mut self,
@@ -117,9 +123,8 @@ impl Trees {
         bodies: &BodyRows,
         is_loaded: impl Fn(u32) -> bool,
     ) {
+        self.clear();
         let Self { nodes, trees } = self;
-        nodes.clear();
-        trees.clear();
         let length = |body: u32| bodies.bodies[body as usize].length;
         nodes.extend(forest.places.iter().map(|place| Node::new(place, input.flights, length)));
         for range in &forest.trees {

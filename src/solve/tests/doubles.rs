@@ -60,7 +60,7 @@ fn twin(scene: &Scene, seed: Option<u64>) -> Vec<Correction> {
     solver.rounding = rounding;
     let mut contacts = scene.contacts.clone();
     let mut corrections = Vec::new();
-    solver.solve(scene.time_step, &scene.options, &scene.flights, &mut contacts, &mut corrections);
+    solver.solve(scene.time_step, &scene.options, &scene.flights, &mut [], &mut contacts, &mut corrections);
     corrections
 }
 

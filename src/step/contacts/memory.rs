@@ -33,11 +33,12 @@ impl Followed {
 pub(in super::super) struct ContactMemory<S: Scalar> {
     pub(super) pipeline: Pipeline,
     pub(super) solvers: Solvers<S::Solver>,
-    /// The last survey, which listed the moving bodies with colliders that meet others.
+    /// The last survey, which listed the moving bodies with colliders that meet others or with joints, and the revision of the joints in it.
     surveyed: Followed,
+    surveyed_joints: u64,
     /// The last step in which contacts were detected.
     pub(super) detected_at: Followed,
-    /// The slots of the moving bodies with colliders that meet others.
+    /// The slots of the moving bodies with colliders that meet others, or with joints.
     pub(super) slots: Vec<u32>,
     pub(super) may_have_moved_statics: bool,
     /// The changes since the last step in which contacts were detected.
@@ -103,6 +104,7 @@ impl<S: Scalar> ContactMemory<S> {
 
     pub(in super::super) fn clone_cached_from(&mut self, source: &Self) {
         self.surveyed = source.surveyed;
+        self.surveyed_joints = source.surveyed_joints;
         self.detected_at = source.detected_at;
         self.slots.clone_from(&source.slots);
         self.pipeline.clone_cached_from(&source.pipeline);
@@ -120,21 +122,25 @@ impl<S: Scalar> ContactMemory<S> {
         [self.surveyed.bodies, self.detected_at.bodies]
     }
 
-    /// Lists the moving bodies with colliders that meet others, if calls or the last step may have changed the list.
-    pub(in super::super) fn survey(&mut self, bodies: &mut Bodies<S>, colliders: &ColliderSet<S>) {
+    /// Lists the moving bodies with colliders that meet others or with joints, if calls or the last step may have changed the list.
+    pub(in super::super) fn survey(&mut self, bodies: &mut Bodies<S>, contacts: &Contacts<'_, S>) {
+        let colliders = contacts.colliders;
+        let joints = contacts.joined();
         let Followed { bodies: cursor, colliders: revision } = self.surveyed;
         // A change of motion alone changes no static body.
         let changes = bodies.changes().since(cursor);
         let are_motions = changes.is_some_and(|changes| changes.iter().all(|change| is_motion(bodies, change)));
         self.may_have_moved_statics = !are_motions;
         self.surveyed = Followed::all(bodies, colliders);
-        if revision == Some(colliders.revision()) && are_motions {
+        let joints_revision = core::mem::replace(&mut self.surveyed_joints, contacts.joints.revision());
+        if revision == Some(colliders.revision()) && joints_revision == self.surveyed_joints && are_motions {
             return;
         }
         self.slots.clear();
-        if colliders.any_meeting() {
+        if colliders.any_meeting() || !joints.is_empty() {
             let moving = bodies.columns.slot[..bodies.moving()].iter();
-            self.slots.extend(moving.filter(|&&slot| colliders.any_meeting_of_slot(slot)));
+            let may_touch = |slot: u32| colliders.any_meeting_of_slot(slot) || joints.has(slot);
+            self.slots.extend(moving.filter(|&&slot| may_touch(slot)));
         }
     }
 

@@ -7,7 +7,7 @@ use super::Row;
 use crate::contact::ColliderPair;
 use crate::fx::Fx;
 use crate::scalar::Scalar;
-use crate::slots::{BodyId, ColliderId};
+use crate::slots::{BodyId, ColliderId, JointId};
 use crate::world::{Command, Event, World};
 
 /// Says whether an event was reported before.
@@ -110,12 +110,13 @@ impl<I, S: Scalar> core::fmt::Debug for RollbackReport<'_, I, S> {
     }
 }
 
-/// The kind of an event and its bodies or colliders, of a hit with the parts: a tick has at most one event with a key.
-type Key = (u8, Option<BodyId>, Option<([ColliderId; 2], [u32; 2])>);
+/// The kind of an event and its body, colliders or joint, of a hit with the parts: a tick has at most one event with a key.
+type Key = (u8, Option<BodyId>, Option<([ColliderId; 2], [u32; 2])>, Option<JointId>);
 
 fn key<S>(event: &Event<S>) -> Key {
-    let key_of = |kind, body| (kind, Some(body), None);
-    let of_pair = |kind, pair: &ColliderPair, parts| (kind, None, Some((pair.colliders, parts)));
+    let key_of = |kind, body| (kind, Some(body), None, None);
+    let of_pair = |kind, pair: &ColliderPair, parts| (kind, None, Some((pair.colliders, parts)), None);
+    let of_joint = |kind, joint| (kind, None, None, Some(joint));
     match event {
         Event::Removed(body) => key_of(0, *body),
         Event::Added(body) => key_of(1, *body),
@@ -128,6 +129,8 @@ fn key<S>(event: &Event<S>) -> Key {
         Event::ContactHit(hit) => of_pair(8, &hit.pair, hit.parts),
         Event::SensorLeft(pair) => of_pair(9, pair, [0; 2]),
         Event::SensorEntered(pair) => of_pair(10, pair, [0; 2]),
+        Event::JointRemoved(joint) => of_joint(11, *joint),
+        Event::JointBroke(broke) => of_joint(12, broke.joint),
     }
 }
 

@@ -42,6 +42,7 @@ impl Contacts {
         let drawn = DrawOptions {
             bodies: false,
             fields: false,
+            joints: false,
             contacts: has(ContactMark::Points),
             contact_normals: has(ContactMark::Normals).then_some(1.0),
             contact_impulses: has(ContactMark::Impulses).then_some(1.0),

@@ -1,9 +1,9 @@
 //! The values of random commands, by the roles that they have in commands.
 
 use umbra_physics::{
-    ApplyOptions, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings, Damping,
-    Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, Locks, Mass, MaterialPair,
-    Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
+    ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
+    Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, JointDef,
+    JointId, JointKind, Locks, Mass, MaterialPair, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -32,6 +32,59 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             return ColliderId::from_parts(self.choices.choose(8) as u32, self.choices.choose(3) as u32);
         }
         self.colliders[self.choices.choose(self.colliders.len() as u64) as usize]
+    }
+
+    fn joint(&mut self) -> JointId {
+        if self.joints.is_empty() || self.is_wild() {
+            return JointId::from_parts(self.choices.choose(8) as u32, self.choices.choose(3) as u32);
+        }
+        self.joints[self.choices.choose(self.joints.len() as u64) as usize]
+    }
+
+    /// A joint of two bodies, or of a body and the world, mostly of bodies beside each other in the list. Where a step must be undone it is
+    /// disabled; a smooth taste has joints of a body with itself alone, which worlds of floats refuse as other worlds do.
+    fn joint_def(&mut self) -> JointDef {
+        let first = self.body();
+        if self.taste.smooth {
+            return JointDef::new([End::Body(Attachment::centre(first)); 2], JointKind::default());
+        }
+        let next = self.bodies.iter().position(|&body| body == first).and_then(|at| self.bodies.get(at + 1)).copied();
+        let second = match next {
+            Some(next) if !self.choices.one_in(3) => Some(next),
+            _ if self.choices.one_in(2) => None,
+            _ => Some(self.body()),
+        };
+        let mut end = |body: Option<BodyId>| match body {
+            Some(body) => End::Body(Attachment { body, point: self.local() }),
+            None => End::World(self.position()),
+        };
+        let ends = [end(Some(first)), end(second)];
+        let is_swapped = self.choices.one_in(4);
+        JointDef {
+            angles: [self.signed(fx!(7), ANGLE), self.signed(fx!(7), ANGLE)],
+            collide_connected: self.choices.one_in(3),
+            enabled: self.enabled(),
+            break_force: self.break_force(),
+            events: self.choices.one_in(2),
+            key: self.choices.choose(16),
+            ..JointDef::new(if is_swapped { [ends[1], ends[0]] } else { ends }, self.joint_kind())
+        }
+    }
+
+    fn joint_kind(&mut self) -> JointKind {
+        if self.choices.one_in(2) {
+            return JointKind::default();
+        }
+        JointKind::Distance(Distance::rod(self.number([fx!(0.25), fx!(8)], [limits::SIZE_MIN, limits::JOINT_LENGTH])))
+    }
+
+    /// Mostly none.
+    fn break_force(&mut self) -> Option<Fx> {
+        if self.choices.one_in(3) { Some(self.not_negative(fx!(200), Fx::MAX)) } else { None }
+    }
+
+    fn enabled(&mut self) -> bool {
+        !self.choices.one_in(6) && !self.taste.reversible
     }
 
     /// The definition of a collider, half of them in the middle of the body.

@@ -195,7 +195,8 @@ fn any_order_of_bodies_and_joints_gives_the_same_bits() {
     }
 }
 
-/// Trees and loops are found when joints change: not all of that may stay behind.
+/// Trees and loops are found when joints change: none may stay behind. Joint after joint goes, so that one solver sees loops beside trees, fewer
+/// trees than stood before the loops, and no joints at all.
 #[test]
 fn the_past_of_a_solver_does_not_matter() {
     let mut solver = Solver::default();
@@ -207,10 +208,9 @@ fn the_past_of_a_solver_does_not_matter() {
         scene.flights[joint].inverse_mass = Vec2::new(FxFactor::ZERO, FxFactor::ZERO);
         scene.flights[joint].inverse_inertia = FxFactor::ZERO;
         assert_eq!(scene.solve_by(&mut solver), scene.solve());
-        scene.joints.pop();
-        assert_eq!(scene.solve_by(&mut solver), scene.solve());
-        scene.joints.clear();
-        assert_eq!(scene.solve_by(&mut solver), scene.solve());
+        while scene.joints.pop().is_some() {
+            assert_eq!(scene.solve_by(&mut solver), scene.solve());
+        }
     }
 }
 

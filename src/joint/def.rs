@@ -1,0 +1,246 @@
+//! Joints as data.
+
+use crate::body::{Bodies, BodyKind, check_angle};
+use crate::codec::{Encoder, Malformed, Read, Reader, Write, codec_enum, codec_struct};
+use crate::error::{Error, Quantity};
+use crate::force::End;
+use crate::fx::Fx;
+use crate::limits;
+use crate::scalar::Scalar;
+use crate::slots::BodyId;
+use crate::solve;
+
+/// A joint to be added to a world with [`World::add_joint`](crate::World::add_joint): two ends and what it keeps of them.
+///
+/// [`JointDef::at`] and [`JointDef::between`] make the definition from points of the world; change what differs.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Event, JointDef, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let lamp = world.add_body(BodyDef { position: vec2(0, -2), ..BodyDef::dynamic() })?;
+/// // A lamp of 1 kg on a rod of 2 m, which carries no more than 15 N.
+/// let rod = JointDef::between(&world, None, vec2(0, 0), lamp, vec2(0, -2))?;
+/// let rod = world.add_joint(JointDef { break_force: Some(fx!(15)), events: true, ..rod })?;
+/// (0..60).for_each(|_| _ = world.step());
+/// assert!((world.joint(rod)?.force().length() - fx!(10)).abs() < fx!(0.1));
+///
+/// world.apply_impulse(lamp, vec2(0, -1))?;
+/// let broke = world.step().into_iter().any(|event| matches!(event, Event::JointBroke(broke) if broke.joint == rod));
+/// assert!(broke && world.joint(rod)?.is_broken());
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct JointDef<S = Fx> {
+    /// The two ends: points of two bodies, or of a body and of the world. At least one of the bodies is dynamic when the joint is added.
+    pub ends: [End<S>; 2],
+    /// The angle of the joint's frame in the axes of each end, rad. [`JointRef::angle`](crate::JointRef::angle) is the angle from the first
+    /// frame to the second one.
+    pub angles: [S; 2],
+    /// The kind, with its values.
+    pub kind: JointKind<S>,
+    /// True if the two bodies touch each other all the same. False by default: then they are excluded from contacts as long as the joint
+    /// is there, enabled and not broken.
+    pub collide_connected: bool,
+    /// False for a joint that does nothing until [`World::enable_joint`](crate::World::enable_joint); true by default.
+    pub enabled: bool,
+    /// The mean force over a step, N, above which the joint breaks; from 0. `None` by default: it never does.
+    pub break_force: Option<S>,
+    /// True if steps report when the joint breaks; false by default.
+    pub events: bool,
+    /// A key of your own: joints are listed and reported by it.
+    pub key: u64,
+    /// Data of your own, which the engine only keeps.
+    pub user_data: u64,
+}
+
+/// The kind of a joint, with its values: the relation of its ends that it keeps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
+pub enum JointKind<S = Fx> {
+    /// Both ends stay at one point, around which the bodies turn: a hinge, a pin, an axle.
+    Revolute(Revolute),
+    /// The ends stay at a distance: a rigid rod without mass, with a hinge at each end.
+    Distance(Distance<S>),
+}
+
+/// A revolute joint. [`Revolute::default`] turns freely.
+///
+/// ```
+/// use umbra_physics::{JointKind, Revolute};
+///
+/// let hinge: JointKind = JointKind::Revolute(Revolute::default());
+/// assert_eq!(hinge, JointKind::default());
+/// ```
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Revolute {}
+
+/// A distance joint.
+///
+/// ```
+/// use umbra_physics::{Distance, JointKind, fx};
+///
+/// let rod: JointKind = JointKind::Distance(Distance::rod(fx!(2)));
+/// # _ = rod;
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Distance<S = Fx> {
+    /// The distance of the two ends, m, from 2^-7 to 2^20.
+    pub length: S,
+}
+
+impl<S> Distance<S> {
+    /// A rigid rod of this length, m.
+    #[must_use]
+    pub const fn rod(length: S) -> Self {
+        Self { length }
+    }
+}
+
+impl<S: Scalar> Default for Distance<S> {
+    /// A rigid rod of 1 m.
+    fn default() -> Self {
+        Self::rod(S::from_fx(Fx::ONE))
+    }
+}
+
+impl<S> Default for JointKind<S> {
+    /// A revolute joint that turns freely.
+    fn default() -> Self {
+        Self::Revolute(Revolute::default())
+    }
+}
+
+codec_struct!(JointDef { ends, angles, kind, collide_connected, enabled, break_force, events, key, user_data });
+codec_struct!(Distance { length });
+codec_enum!(JointKind<S>, "the number of a kind of joint", {
+    0 => Revolute(revolute),
+    1 => Distance(distance),
+});
+
+/// No value: a revolute joint that turns freely is described by its kind alone.
+impl Write for Revolute {
+    fn write(&self, _: &mut impl Encoder) {}
+}
+
+impl Read for Revolute {
+    fn read(_: &mut Reader<'_>) -> Result<Self, Malformed> {
+        Ok(Self {})
+    }
+}
+
+fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
+    if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
+}
+
+impl<S: Scalar> JointKind<S> {
+    /// Refuses values out of range.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self {
+            Self::Revolute(Revolute {}) => Ok(()),
+            Self::Distance(Distance { length }) => {
+                let [min, max] = [limits::SIZE_MIN, limits::JOINT_LENGTH].map(S::from_fx);
+                check(min <= *length && *length <= max, Quantity::JointLength)
+            }
+        }
+    }
+
+    /// The kind as the solver takes it.
+    pub(crate) fn for_solver(&self) -> solve::JointKind {
+        match self {
+            Self::Revolute(Revolute {}) => solve::JointKind::Revolute,
+            Self::Distance(Distance { length }) => solve::JointKind::Distance { length: length.to_fx() },
+        }
+    }
+
+    /// Returns true if a joint of another kind has the same rows, so that its impulses go on.
+    pub(crate) fn has_rows_of(&self, kind: &Self) -> bool {
+        matches!((self, kind), (Self::Revolute(_), Self::Revolute(_)) | (Self::Distance(_), Self::Distance(_)))
+    }
+}
+
+/// Refuses a force at which a joint cannot break.
+pub(crate) fn check_break_force<S: Scalar>(force: Option<S>) -> Result<(), Error> {
+    check(force.is_none_or(|force| force >= S::ZERO && force.is_finite()), Quantity::BreakForce)
+}
+
+impl<S: Scalar> JointDef<S> {
+    /// A joint of this kind between two ends, with frames along the axes of both.
+    ///
+    /// ```
+    /// use umbra_physics::{Attachment, BodyDef, End, JointDef, JointKind, World, WorldDef, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let wheel = world.add_body(BodyDef::dynamic())?;
+    /// let ends = [End::World(vec2(0, 0)), End::Body(Attachment::centre(wheel))];
+    /// let axle = world.add_joint(JointDef::new(ends, JointKind::default()))?;
+    /// assert_eq!(world.joint(axle)?.def().ends, ends);
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn new(ends: [End<S>; 2], kind: JointKind<S>) -> Self {
+        Self {
+            ends,
+            angles: [S::ZERO; 2],
+            kind,
+            collide_connected: false,
+            enabled: true,
+            break_force: None,
+            events: false,
+            key: 0,
+            user_data: 0,
+        }
+    }
+
+    /// Refuses a joint that a world cannot add.
+    pub(crate) fn check(&self, bodies: &Bodies<S>) -> Result<(), Error> {
+        self.check_values(bodies)?;
+        let is_dynamic = |body: BodyId| bodies.find(body).is_ok_and(|i| bodies.info(i).kind == BodyKind::Dynamic);
+        let any_dynamic = self.bodies().into_iter().flatten().any(is_dynamic);
+        if any_dynamic { Ok(()) } else { Err(Error::NothingToMove) }
+    }
+
+    /// Refuses values out of range and unknown bodies. A joint that was added passes for as long as its bodies exist, also if they have
+    /// changed.
+    pub(crate) fn check_values(&self, bodies: &Bodies<S>) -> Result<(), Error> {
+        for end in &self.ends {
+            match end {
+                End::World(point) => check(point.is_within(S::from_fx(limits::POSITION)), Quantity::Position)?,
+                End::Body(attachment) => {
+                    bodies.find(attachment.body)?;
+                    check(attachment.point.is_within(S::from_fx(limits::SIZE_MAX)), Quantity::JointPoint)?;
+                }
+            }
+        }
+        if let [Some(first), Some(second)] = self.bodies() {
+            if first == second {
+                return Err(Error::SameBody { body: first });
+            }
+        }
+        self.angles.iter().try_for_each(|&angle| check_angle(angle))?;
+        self.kind.check()?;
+        check_break_force(self.break_force)
+    }
+
+    /// The bodies at the ends.
+    pub(crate) fn bodies(&self) -> [Option<BodyId>; 2] {
+        [self.ends[0].body(), self.ends[1].body()]
+    }
+
+    /// The same joint with other bodies in place of the bodies that it names, as for the same things in another world; `None` where
+    /// `map` gives none.
+    pub(crate) fn map_bodies(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
+        let [first, second] = self.ends;
+        Some(Self { ends: [first.map_body(&map)?, second.map_body(&map)?], ..*self })
+    }
+}

@@ -1,0 +1,162 @@
+//! A joint as steps see it.
+//!
+//! Joints are solved in fixed point, as contacts are: a world of floats keeps the points of its joints rounded to [`Fx`].
+
+use super::{JointDef, JointState};
+use crate::force::End;
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::scalar::Scalar;
+use crate::slots::NONE;
+use crate::solve::JointKind;
+
+/// The place of an end of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Place {
+    /// A point of the world, m.
+    World(Vec2),
+    /// A point of the body in a slot, in the axes of the body, from its centre of mass, m.
+    Body(u32, Vec2),
+}
+
+/// An end of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LinkEnd {
+    pub(crate) place: Place,
+    /// The distance of the point from the centre of mass of its body, m, rounded up.
+    pub(crate) reach: Fx,
+    /// The neighbours in the list of the ends on the body, or [`NONE`].
+    pub(super) previous: u32,
+    pub(super) next: u32,
+}
+
+impl LinkEnd {
+    fn new<S: Scalar>(end: &End<S>) -> Self {
+        let place = match end {
+            End::World(point) => Place::World(point.map(S::to_fx)),
+            End::Body(attachment) => Place::Body(attachment.body.slot, attachment.point.map(S::to_fx)),
+        };
+        let reach = match place {
+            Place::World(_) => Fx::ZERO,
+            Place::Body(_, point) => length_above(point),
+        };
+        Self { place, reach, previous: NONE, next: NONE }
+    }
+
+    /// The slot of the body.
+    pub(crate) fn slot(&self) -> Option<u32> {
+        match self.place {
+            Place::World(_) => None,
+            Place::Body(slot, _) => Some(slot),
+        }
+    }
+}
+
+/// The length of a vector, rounded up. *Domain* components within ±2^12 m.
+fn length_above(vector: Vec2) -> Fx {
+    let square = |value: Fx| i128::from(value.to_bits()).pow(2);
+    let length = vector.checked_length().unwrap_or(Fx::MAX);
+    let is_below = square(length) < square(vector.x) + square(vector.y);
+    Fx::from_bits(length.to_bits() + i64::from(is_below))
+}
+
+/// A joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Link {
+    pub(crate) ends: [LinkEnd; 2],
+    pub(crate) kind: JointKind,
+    /// N
+    pub(crate) break_force: Option<Fx>,
+    pub(crate) is_enabled: bool,
+    /// True if the two bodies touch each other.
+    pub(crate) collides: bool,
+}
+
+impl Link {
+    pub(super) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
+        Self {
+            ends: [LinkEnd::new(&def.ends[0]), LinkEnd::new(&def.ends[1])],
+            kind: def.kind.for_solver(),
+            break_force: def.break_force.map(S::to_fx),
+            is_enabled: def.enabled,
+            collides: def.collide_connected,
+        }
+    }
+}
+
+/// The joints of a world at a moment: the links of the set, and the state of each.
+#[derive(Clone, Copy)]
+pub(crate) struct Joined<'a> {
+    pub(super) links: &'a [Link],
+    /// The first end on each body by its slot, or [`NONE`]: end e of link i has the number 2·i + e.
+    pub(super) first_ends: &'a [u32],
+    pub(crate) states: &'a [JointState],
+    pub(super) are_any_apart: bool,
+    pub(super) may_any_break: bool,
+}
+
+impl<'a> Joined<'a> {
+    /// Returns true if no body has a joint.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.first_ends.is_empty()
+    }
+
+    /// Returns true if the body in a slot has a joint, active or not.
+    #[inline]
+    pub(crate) fn has(&self, slot: u32) -> bool {
+        self.first_ends.get(slot as usize).is_some_and(|&end| end != NONE)
+    }
+
+    pub(crate) fn link(&self, index: u32) -> &'a Link {
+        &self.links[index as usize]
+    }
+
+    /// Returns true if steps keep what the joint keeps.
+    pub(crate) fn is_active(&self, index: u32) -> bool {
+        self.links[index as usize].is_enabled && !self.states[index as usize].is_broken
+    }
+
+    /// Returns true if a joint, active or not, keeps its bodies from touching each other.
+    pub(crate) fn keeps_any_apart(&self) -> bool {
+        self.are_any_apart
+    }
+
+    /// Returns true if a joint may break.
+    pub(crate) fn may_any_break(&self) -> bool {
+        self.may_any_break
+    }
+
+    /// The joints of the body in a slot that are active, in no order: the index of each, and which of its ends is on the body.
+    #[inline]
+    pub(crate) fn of(self, slot: u32) -> impl Iterator<Item = (u32, usize)> + use<'a> {
+        let mut end = self.first_ends.get(slot as usize).copied().unwrap_or(NONE);
+        let all = core::iter::from_fn(move || {
+            let (index, side) = (end / 2, end as usize % 2);
+            end = self.links.get(index as usize)?.ends[side].next;
+            Some((index, side))
+        });
+        all.filter(move |&(index, _)| self.is_active(index))
+    }
+
+    /// The slots of the bodies that active joints join to the body in a slot.
+    pub(crate) fn partners(self, slot: u32) -> impl Iterator<Item = u32> + use<'a> {
+        self.of(slot).filter_map(move |(index, side)| self.link(index).ends[1 - side].slot())
+    }
+
+    /// The largest distance of a point of active joints from the centre of mass of the body in a slot, m.
+    pub(crate) fn reach(self, slot: u32) -> Fx {
+        self.of(slot).map(|(index, side)| self.link(index).ends[side].reach).fold(Fx::ZERO, Fx::max)
+    }
+
+    /// Returns true if an active joint keeps the bodies in two slots from touching each other. It takes time in proportion to the joints of
+    /// the body that has fewer.
+    pub(crate) fn keeps_apart(self, [a, b]: [u32; 2]) -> bool {
+        let apart = |slot: u32, partner: u32| {
+            self.of(slot).map(move |(index, side)| {
+                let link = self.link(index);
+                !link.collides && link.ends[1 - side].slot() == Some(partner)
+            })
+        };
+        self.are_any_apart && apart(a, b).zip(apart(b, a)).any(|(of_a, of_b)| of_a || of_b)
+    }
+}

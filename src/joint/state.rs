@@ -1,0 +1,185 @@
+//! The state of joints that steps change.
+
+use alloc::vec::Vec;
+
+use crate::codec::{self, Encoder, Malformed, Read, Reader, StateHasher, codec_enum};
+use crate::fx::Fx;
+use crate::kernel::wide::mul_128;
+use crate::math::TimeStep;
+use crate::solve::{Impulses, JointKind};
+
+/// The state of a joint: the impulses that the next step starts from, and whether it is broken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct JointState {
+    /// Multiples of the unit, on the second body over the last sub-step: of a revolute joint along x and y; of a distance joint along the
+    /// line from the first end to the second, and 0.
+    pub(crate) impulses: [i64; 2],
+    /// log2 of the unit, N·s; 0 without impulses.
+    pub(crate) exponent: i8,
+    pub(crate) is_broken: bool,
+}
+
+// The state is copied with every snapshot.
+const _: () = assert!(size_of::<JointState>() == 24);
+
+/// The largest impulse, units.
+const LARGEST: u64 = 1 << 62;
+
+impl JointState {
+    pub(crate) fn impulses(&self) -> Impulses {
+        let [first, second] = self.impulses;
+        Impulses { values: [first, second, 0], exponent: self.exponent.into() }
+    }
+
+    /// Sets the impulses, as near as the unit can have them.
+    pub(crate) fn set_impulses(&mut self, impulses: Impulses) {
+        let [first, second, _] = impulses.values;
+        self.impulses = [first, second];
+        self.exponent = if self.impulses == [0; 2] { 0 } else { impulses.exponent.clamp(-128, 127) as i8 };
+    }
+
+    pub(crate) fn clear_impulses(&mut self) {
+        *self = Self { is_broken: self.is_broken, ..Self::default() };
+    }
+
+    /// The forces of the impulses, N, in a world with this number of sub-steps. *Error* ½ ulp; the largest number where one does not fit.
+    pub(crate) fn forces(&self, time_step: TimeStep, substeps: u32) -> [Fx; 2] {
+        let (num, den) = time_step.seconds();
+        let (rate, seconds) = (u128::from(den) * u128::from(substeps), u128::from(num));
+        self.impulses.map(|impulse| {
+            // Below 2^63 · 2^36, from units of 2^exponent to 2^-32 N.
+            let product = u128::from(impulse.unsigned_abs()) * rate;
+            let size = match i32::from(self.exponent) + 32 {
+                up @ 0.. if product.leading_zeros() > up as u32 => ((product << up) + seconds / 2) / seconds,
+                0.. => u128::MAX,
+                // Below 2^32 · 2^95.
+                down @ -95.. => (product + (seconds << -down) / 2) / (seconds << -down),
+                _ => 0,
+            };
+            let bits = i64::try_from(size).unwrap_or(i64::MAX);
+            Fx::from_bits(if impulse < 0 { -bits } else { bits })
+        })
+    }
+
+    fn to_bytes(self) -> [u8; 18] {
+        let mut bytes = [0; 18];
+        bytes[0] = self.exponent as u8;
+        bytes[1] = self.is_broken.into();
+        bytes[2..].copy_from_slice(self.impulses.map(i64::to_le_bytes).as_flattened());
+        bytes
+    }
+
+    /// Encodes the state of a joint of this kind.
+    pub(crate) fn write(&self, kind: JointKind, out: &mut impl Encoder) {
+        let [first, second] = self.impulses;
+        codec::field(out, "exponent", &self.exponent);
+        codec::field(out, "broken", &self.is_broken);
+        codec::field(
+            out,
+            "impulses",
+            &match kind {
+                JointKind::Revolute => JointImpulses::Revolute { x: first, y: second },
+                JointKind::Distance { .. } => JointImpulses::Distance { along: first },
+            },
+        );
+    }
+
+    /// Decodes the state of a joint of this kind.
+    pub(crate) fn read(kind: JointKind, reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+        let malformed = reader.malformed("the state of a joint of its kind");
+        let exponent = i8::read(reader)?;
+        let is_broken = bool::read(reader)?;
+        let impulses = match (kind, JointImpulses::read(reader)?) {
+            (JointKind::Revolute, JointImpulses::Revolute { x, y }) => [x, y],
+            (JointKind::Distance { .. }, JointImpulses::Distance { along }) => [along, 0],
+            _ => return Err(malformed),
+        };
+        // A joint without impulses has no unit, and a broken one has none.
+        let is_canonical = if impulses == [0; 2] { exponent == 0 } else { !is_broken };
+        let fits = impulses.iter().all(|impulse| impulse.unsigned_abs() <= LARGEST);
+        if is_canonical && fits { Ok(Self { impulses, exponent, is_broken }) } else { Err(malformed) }
+    }
+}
+
+/// The impulses of a joint in a file.
+enum JointImpulses {
+    Revolute { x: i64, y: i64 },
+    Distance { along: i64 },
+}
+
+codec_enum!(JointImpulses, "the number of a kind of joint", {
+    0 => Revolute { x, y },
+    1 => Distance { along },
+});
+
+/// The state of the joints of a world that steps change.
+#[derive(Debug, Default)]
+pub(crate) struct JointStates {
+    /// By the index of the joint in its set.
+    pub(crate) list: Vec<JointState>,
+    /// The tick of the last step in which a joint had an impulse, or broke; 0 if there was none.
+    pub(crate) pulled_at: u64,
+}
+
+clone_by_field!([] JointStates { list, pulled_at });
+
+impl JointStates {
+    /// Scales all impulses by the ratio of the length of two sub-steps, num/den: the forces stay the same.
+    pub(crate) fn rescale(&mut self, num: u64, den: u64) {
+        for state in &mut self.list {
+            state.set_impulses(state.impulses().rescaled(num, den));
+        }
+    }
+
+    /// Breaks a joint in the step to a tick.
+    pub(crate) fn break_joint(&mut self, index: usize, tick: u64) {
+        self.list[index] = JointState { is_broken: true, ..JointState::default() };
+        self.pulled_at = tick;
+    }
+
+    /// Drops the impulses of joints, by their indices.
+    pub(crate) fn relax(&mut self, indices: impl Iterator<Item = usize>) {
+        indices.for_each(|index| self.list[index].clear_impulses());
+    }
+
+    /// Adds the states to a hash, in the order of their indices.
+    pub(super) fn write(&self, index: usize, sink: &mut StateHasher) {
+        sink.bytes(&self.list[index].to_bytes());
+    }
+}
+
+/// Returns true if the mean force of an impulse over a step is larger than this force, N. The impulse is in 2^-32 N·s, along x and y.
+///
+/// # Ranges
+/// Of an impulse beyond ±2^94 units a component this tells that it is larger, which it is: forces are below 2^31 N and steps take up to a
+/// second. Times the denominator of the step components are below 2^126: the sum of two squares is below 2^253.
+pub(crate) fn exceeds(impulse: [i128; 2], force: Fx, time_step: TimeStep) -> bool {
+    let (num, den) = time_step.seconds();
+    let square = |value: u128| mul_128(value, value);
+    let [x, y] = impulse.map(|part| square(part.unsigned_abs().min(1 << 94) * u128::from(den)));
+    let (low, carry) = x.1.overflowing_add(y.1);
+    let pull = (x.0 + y.0 + u128::from(carry), low);
+    pull > square(u128::from(force.to_bits().unsigned_abs()) * u128::from(num))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean force is compared to the last unit of the impulse: 3 and 4 N give 5 N over a second, and over any other step.
+    #[test]
+    fn one_unit_of_impulse_decides() {
+        for (num, den) in [(1, 1), (1, 60), (1001, 60_000), (1, 10_000)] {
+            let time_step = TimeStep::ratio(num, den);
+            let (num, den) = time_step.seconds();
+            // 3·den N over num/den s.
+            let impulse = [3, -4].map(|part| (part * i128::from(num)) << 32);
+            let force = crate::fx!(5).to_bits() * i64::from(den);
+            assert!(!exceeds(impulse, Fx::from_bits(force), time_step));
+            assert!(exceeds(impulse, Fx::from_bits(force - 1), time_step));
+            assert!(exceeds([impulse[0] + 1, impulse[1]], Fx::from_bits(force), time_step));
+        }
+        assert!(exceeds([i128::MIN, i128::MAX], Fx::MAX, TimeStep::hz(1)));
+        assert!(!exceeds([0; 2], Fx::ZERO, TimeStep::hz(60)));
+    }
+}

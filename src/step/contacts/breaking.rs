@@ -1,0 +1,89 @@
+//! Joints that break.
+//!
+//! Whether a joint breaks is decided once a step, for all joints at once, on the mean force over the step: the exact sum of the impulses of all
+//! sub-steps, rounded once to 2^-32 N·s, over the length of the step. Sub-steps, rounding and order do not decide.
+
+use super::super::Step;
+use super::ContactMemory;
+use crate::fx::Fx;
+use crate::joint::exceeds;
+use crate::math::{TimeStep, Vec2};
+use crate::scalar::Scalar;
+use crate::slots::{BodyId, JointId};
+
+/// A joint that broke in a step.
+///
+/// It stays in the world as one that does nothing, and its bodies may touch each other, until
+/// [`World::enable_joint`](crate::World::enable_joint) repairs it or it is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct JointBroke<S = Fx> {
+    /// The joint.
+    pub joint: JointId,
+    /// The key of the joint.
+    pub key: u64,
+    /// The bodies at its ends; `None` for an end on the world.
+    pub bodies: [Option<BodyId>; 2],
+    /// The mean force of the joint on the second end over the step, N. *Error* 2^-32 N·s over the length of the step, and ½ ulp; the
+    /// largest number for a component that does not fit.
+    pub force: Vec2<S>,
+}
+
+/// The mean force of an impulse over a step, N. The impulse is in 2^-32 N·s. Odd: the largest and the smallest force are opposite.
+fn mean_force(impulse: i128, time_step: TimeStep) -> Fx {
+    let (num, den) = time_step.seconds();
+    // Of an impulse within 2^94 units: below 2^126.
+    let force = impulse.clamp(-(1 << 94), 1 << 94) * i128::from(den) / i128::from(num);
+    let largest = i128::from(i64::MAX);
+    Fx::from_bits(force.clamp(-largest, largest) as i64)
+}
+
+impl<S: Scalar> Step<'_, S> {
+    /// Breaks the joints whose mean force in the step was too large, and keeps their bodies awake.
+    pub(super) fn break_joints(&mut self, memory: &ContactMemory<S>) {
+        let time_step = self.settings.time_step;
+        for (index, impulse) in memory.pipeline.joints().totals() {
+            let index = index as usize;
+            let joints = self.contacts.joints;
+            let Some(force) = joints.link(index).break_force else { continue };
+            if !exceeds(impulse, force, time_step) {
+                continue;
+            }
+            self.contacts.joint_states.break_joint(index, self.settings.tick);
+            let def = joints.def(index);
+            for body in def.bodies().into_iter().flatten() {
+                if let Some(i) = self.bodies.find(body).ok().filter(|&i| i < self.bodies.moving()) {
+                    self.bodies.columns.motion.ticks_at_rest[i] = 0;
+                }
+            }
+            if def.events {
+                let [x, y] = impulse.map(|impulse| S::from_fx(mean_force(impulse, time_step)));
+                self.workspace.report.joints_broke.push(JointBroke {
+                    joint: joints.id(index),
+                    key: def.key,
+                    bodies: def.bodies(),
+                    force: Vec2::new(x, y),
+                });
+            }
+        }
+        self.workspace.report.joints_broke.sort_unstable_by_key(|broke| (broke.key, broke.joint));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mirrored worlds report opposite forces, also where one does not fit.
+    #[test]
+    fn mean_forces_are_odd() {
+        for time_step in [TimeStep::hz(60), TimeStep::ratio(1001, 60_000), TimeStep::hz(1)] {
+            for impulse in [1, 12345, 1 << 62, 1 << 63, 1 << 94, 1 << 120, i128::MAX] {
+                let [force, opposite] = [impulse, -impulse].map(|impulse| mean_force(impulse, time_step).to_bits());
+                assert_eq!(force, -opposite, "{impulse}");
+            }
+        }
+        assert_eq!(mean_force(10 << 32, TimeStep::hz(60)), crate::fx!(600));
+    }
+}

@@ -1,0 +1,144 @@
+//! Views of joints.
+
+use core::fmt;
+
+use super::World;
+use crate::force::End;
+use crate::fx::Fx;
+use crate::joint::{JointDef, JointKind};
+use crate::math::Vec2;
+use crate::scalar::{Angle as _, Scalar, Wide as _};
+use crate::slots::{BodyId, JointId};
+
+/// A read-only view of a joint. `{:?}` prints its definition.
+///
+/// Its values are functions of the state: a restored world reads the same.
+///
+/// ```
+/// use umbra_physics::{BodyDef, JointDef, JointRef, World, WorldDef, fx, vec2};
+///
+/// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+/// let sign = world.add_body(BodyDef { position: vec2(1, 4), ..BodyDef::dynamic() })?;
+/// let chain = JointDef::between(&world, None, vec2(1, 6), sign, vec2(1, 5))?;
+/// let chain = JointDef { key: 7, user_data: 8, ..chain };
+/// let chain = world.add_joint(chain)?;
+/// (0..120).for_each(|_| _ = world.step());
+///
+/// let look: JointRef = world.joint(chain)?;
+/// assert_eq!((look.id(), look.key(), look.user_data(), look.bodies()), (chain, 7, 8, [None, Some(sign)]));
+/// assert!(look.is_active() && !look.is_broken() && look.def().enabled && look.angle() == fx!(0));
+/// let [above, below] = look.points();
+/// assert_eq!(above, vec2(1, 6));
+/// assert!((below.y - fx!(5)).abs() < fx!(0.001) && (look.length() - fx!(1)).abs() < fx!(0.001));
+/// // It holds a kilogram.
+/// assert!((look.force() - vec2(0, 10)).length() < fx!(0.01));
+/// # Ok::<(), umbra_physics::Error>(())
+/// ```
+#[derive(Clone, Copy)]
+pub struct JointRef<'a, S: Scalar = Fx> {
+    pub(super) world: &'a World<S>,
+    /// The index in the set of joints.
+    pub(super) index: usize,
+}
+
+impl<'a, S: Scalar> JointRef<'a, S> {
+    /// The handle.
+    #[must_use]
+    pub fn id(&self) -> JointId {
+        self.world.joints.id(self.index)
+    }
+
+    /// The definition, with later changes. A joint that broke is still enabled there: see [`is_broken`](Self::is_broken).
+    #[must_use]
+    pub fn def(&self) -> &'a JointDef<S> {
+        self.world.joints.def(self.index)
+    }
+
+    /// The key of the caller.
+    #[must_use]
+    pub fn key(&self) -> u64 {
+        self.def().key
+    }
+
+    /// The data of the caller.
+    #[must_use]
+    pub fn user_data(&self) -> u64 {
+        self.def().user_data
+    }
+
+    /// The bodies at its ends; `None` for an end on the world.
+    #[must_use]
+    pub fn bodies(&self) -> [Option<BodyId>; 2] {
+        self.def().bodies()
+    }
+
+    /// Returns true if the joint broke, and was not repaired since with [`World::enable_joint`].
+    #[must_use]
+    pub fn is_broken(&self) -> bool {
+        self.world.joint_states.list[self.index].is_broken
+    }
+
+    /// Returns true if steps keep what the joint keeps: it is enabled and not broken. (A body at its end may be disabled.)
+    #[must_use]
+    pub fn is_active(&self) -> bool {
+        self.def().enabled && !self.is_broken()
+    }
+
+    /// The two ends where they are in the world, m. *Error* as [`BodyRef::world_point`](super::BodyRef::world_point).
+    #[must_use]
+    pub fn points(&self) -> [Vec2<S>; 2] {
+        self.def().ends.map(|end| match end {
+            End::World(point) => point,
+            End::Body(attachment) => {
+                let body = self.world.body(attachment.body).ok();
+                // Within 2^30 m and 2^12.5 m: it fits.
+                body.and_then(|body| body.world_point(attachment.point)).unwrap_or_default()
+            }
+        })
+    }
+
+    /// The distance of the two ends, m: of a revolute joint the gap. *Error* 2 ulp.
+    #[must_use]
+    pub fn length(&self) -> S {
+        let [from, to] = self.points().map(|point| point.map(S::to_fx));
+        S::from_fx(from.checked_distance(to).unwrap_or(Fx::MAX))
+    }
+
+    /// The angle from the frame of the first end to the frame of the second one, rad, from −π to π; 0 for a whole half turn. *Error* 1 ulp.
+    #[must_use]
+    pub fn angle(&self) -> S {
+        let def = self.def();
+        let [first, second] = self.bodies();
+        let frames = [self.world.joint_angle(first, def.angles[0]), self.world.joint_angle(second, def.angles[1])];
+        frames[0].way_to(frames[1]).to_scalar().unwrap_or(S::ZERO)
+    }
+
+    /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.
+    /// It is the mean over the last sub-step. *Error* 1 ulp, and for a distance joint 2^-30 of it.
+    #[must_use]
+    pub fn force(&self) -> Vec2<S> {
+        let def = &self.world.def;
+        let state = &self.world.joint_states.list[self.index];
+        let [first, second] = state.forces(def.time_step, def.contacts.substeps);
+        let force = match self.def().kind {
+            JointKind::Revolute(_) => Vec2::new(first, second),
+            JointKind::Distance(_) => {
+                let [from, to] = self.points().map(|point| point.map(S::to_fx));
+                let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();
+                let part = |component: Fx| component.saturating_mul(first);
+                direction.map(part)
+            }
+        };
+        force.map(S::from_fx)
+    }
+}
+
+impl<S: Scalar> fmt::Debug for JointRef<'_, S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("JointRef")
+            .field("id", &self.id())
+            .field("def", self.def())
+            .field("is_broken", &self.is_broken())
+            .finish()
+    }
+}

@@ -1,0 +1,103 @@
+//! Joints break on the mean force of a step.
+
+use super::scenes::{falling, point_mass, steps};
+use umbra_physics::{BodyDef, BodyId, Event, Fx, JointDef, JointId, Symmetry, World, fx, vec2};
+
+/// A chain of ten weights of 1 kg on rods of 1 m, straight down: the uppermost rod bears 100 N.
+fn weights(break_force: Fx) -> (World, Vec<BodyId>, Vec<JointId>) {
+    let mut world = falling();
+    let mut bodies: Vec<BodyId> = Vec::new();
+    let mut joints = Vec::new();
+    for i in 0..10 {
+        let body = point_mass(&mut world, vec2(0, -i - 1));
+        let rod = JointDef::between(&world, bodies.last().copied(), vec2(0, -i), body, vec2(0, -i - 1)).expect("a rod");
+        let rod = JointDef { break_force: Some(break_force), events: true, key: i as u64, ..rod };
+        joints.push(world.add_joint(rod).expect("a rod"));
+        bodies.push(body);
+    }
+    (world, bodies, joints)
+}
+
+/// The greatest mean force of a joint while a chain without a limit comes to rest.
+fn rest(world: &mut World) {
+    steps(world, 600);
+}
+
+/// A chain that rests holds its load at half a percent above it for ten minutes, and breaks at once at half a percent below it: the uppermost
+/// rod alone, in the first step that loads it.
+#[test]
+fn a_joint_breaks_above_its_force_and_not_below() {
+    let (mut world, _, joints) = weights(fx!(1000));
+    rest(&mut world);
+    for &joint in &joints {
+        world.set_joint_break(joint, Some(fx!(100.5))).expect("a force");
+    }
+    for _ in 0..36_000 {
+        assert!(world.step().joints_broke.is_empty(), "tick {}", world.tick());
+    }
+    for &joint in &joints {
+        world.set_joint_break(joint, Some(fx!(99.5))).expect("a force");
+    }
+    let broke = world.step().joints_broke.to_vec();
+    assert_eq!(broke.iter().map(|broke| (broke.joint, broke.key)).collect::<Vec<_>>(), [(joints[0], 0)]);
+    assert!((broke[0].force - vec2(0, 100)).length() < fx!(0.5), "{}", broke[0].force);
+    let joint = world.joint(joints[0]).expect("a joint");
+    assert!(joint.is_broken() && !joint.is_active() && joint.def().enabled);
+    assert_eq!(joint.force(), vec2(0, 0));
+    // The rest falls freely, and breaks no more.
+    for _ in 0..30 {
+        assert!(world.step().joints_broke.is_empty());
+    }
+}
+
+/// All joints that are too weak break in one step, and are reported by their keys whatever the order in which they were added; mirrored twins
+/// break alike.
+#[test]
+fn all_breaks_of_a_step_are_one_report() {
+    let run = |order: [u64; 3], mirror: bool| {
+        let mut world = falling();
+        for key in order {
+            let x = 3 * key as i32;
+            let body = world.add_body(BodyDef { position: vec2(x, -1), key, ..BodyDef::dynamic() }).expect("a body");
+            let rod = JointDef::between(&world, None, vec2(x, 0), body, vec2(x, -1)).expect("a rod");
+            let rod = JointDef { break_force: Some(fx!(5)), events: true, key, ..rod };
+            world.add_joint(rod).expect("a rod");
+        }
+        if mirror {
+            world = Symmetry::MIRROR.world(&world).expect("an image");
+        }
+        for _ in 0..60 {
+            let tick = world.tick();
+            let report = world.step();
+            if !report.joints_broke.is_empty() {
+                let keys: Vec<u64> = report.joints_broke.iter().map(|broke| broke.key).collect();
+                let events = report.events().filter(|event| matches!(event, Event::JointBroke(_))).count();
+                return (tick, keys, events);
+            }
+        }
+        panic!("nothing broke");
+    };
+    let expected = run([1, 2, 3], false);
+    assert_eq!((&expected.1[..], expected.2), (&[1, 2, 3][..], 3));
+    assert_eq!(run([3, 1, 2], false), expected);
+    assert_eq!(run([2, 3, 1], true), expected);
+}
+
+/// A broken joint that is repaired pulls again from where its ends are.
+#[test]
+fn a_broken_joint_can_be_repaired() {
+    let mut world = falling();
+    let load = point_mass(&mut world, vec2(0, -1));
+    let rod = JointDef::between(&world, None, vec2(0, 0), load, vec2(0, -1)).expect("a rod");
+    let rod = world.add_joint(JointDef { break_force: Some(fx!(5)), ..rod }).expect("a rod");
+    steps(&mut world, 30);
+    assert!(world.joint(rod).expect("a joint").is_broken());
+    assert!(world.last_report().joints_broke.is_empty(), "it has no events");
+    assert!(world.joint(rod).expect("a joint").length() > fx!(1.1));
+    world.set_joint_break(rod, None).expect("a force");
+    assert!(world.joint(rod).expect("a joint").is_broken(), "that alone repairs nothing");
+    world.enable_joint(rod, true).expect("a joint");
+    steps(&mut world, 600);
+    let joint = world.joint(rod).expect("a joint");
+    assert!(joint.is_active() && (joint.length() - fx!(1)).abs() < fx!(0.001), "{}", joint.length());
+}

@@ -1,0 +1,10 @@
+//! Joints of worlds.
+
+mod scenes;
+
+mod breaking;
+mod calls;
+mod motion;
+mod pairs;
+mod sleep;
+mod state;
