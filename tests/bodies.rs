@@ -3,8 +3,8 @@
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Created, Damping, Distance, End, Error, Exclusion, Explosion, FieldId, FieldKind, ForceField, ForceOrImpulse,
-    Frame, Fx, FxFactor, FxWide, Integrator, JointDef, JointId, JointKind, Locks, Mass, MaterialPair, Random, Shape,
-    SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    Frame, Fx, FxFactor, FxWide, Integrator, JointDef, JointId, JointKind, JointMotor, Locks, Mass, MaterialPair,
+    Random, Shape, SpringConstants, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn world(def: WorldDef) -> World {
@@ -526,6 +526,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::AddJoint(def) => world.add_joint(def).map(Created::Joint),
         Command::RemoveJoint(joint) => nothing(world.remove_joint(joint)),
         Command::SetJointKind { joint, kind } => nothing(world.set_joint_kind(joint, kind)),
+        Command::SetJointMotor { joint, motor } => nothing(world.set_joint_motor(joint, motor)),
         Command::SetJointBreak { joint, force } => nothing(world.set_joint_break(joint, force)),
         Command::EnableJoint { joint, enabled } => nothing(world.enable_joint(joint, enabled)),
         command => panic!("{command:?} has no case here"),
@@ -636,7 +637,9 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetKind { body, kind: BodyKind::Dynamic },
         Command::AddJoint(pin),
         Command::AddJoint(JointDef { break_force: Some(fx!(-1)), ..pin }),
+        Command::SetJointMotor { joint, motor: Some(JointMotor { speed: fx!(1), max_force: fx!(2) }) },
         Command::SetJointKind { joint, kind: JointKind::Distance(Distance::rod(fx!(3))) },
+        Command::SetJointMotor { joint, motor: None },
         Command::SetJointBreak { joint, force: Some(fx!(9)) },
         Command::EnableJoint { joint, enabled: false },
         Command::RemoveJoint(joint),

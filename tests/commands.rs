@@ -116,7 +116,7 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
     // Any generator is fair, so are small blobs, and forces can always be taken back.
     accepted.retain(|name| !["SetRandom", "SetBlob", "ClearForces"].contains(&&name[..]));
     assert_eq!(refused, accepted);
-    let all = "DynamicChain NoSuchCollider DampingHasNoInverse Disabled ElapsedTime CustomForce Locked NoSuchBody NoSuchField NoSuchJoint \
+    let all = "DynamicChain NoSuchCollider DampingHasNoInverse Disabled ElapsedTime CustomForce Locked NoMotor NoSuchBody NoSuchField NoSuchJoint \
                NotDisabled NotDynamic NotKinematic NotMovable NotQuarantined NothingToMove OutOfRange Quarantined SameBody TimeStep";
     assert_eq!(errors, all.split_whitespace().map(str::to_owned).collect());
 }

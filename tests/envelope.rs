@@ -10,16 +10,16 @@ use cases::cases;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_LENGTH,
-    MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN, SIZE_MAX, SIZE_MIN,
-    SPEED, SURFACE_SPEED,
+    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_ANGLE,
+    JOINT_LENGTH, MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN,
+    SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
     Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, Distance, End, Error,
     Exclusion, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
-    FxFactor, Integrator, JointDef, JointKind, Locks, Mass, MaterialPair, Part, Quantity, QueryFilter, Region, Shape,
-    SpringConstants, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    FxFactor, Integrator, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Part,
+    Quantity, QueryFilter, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, World, WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -214,6 +214,33 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         JointDef::new(ends, JointKind::Distance(Distance::rod(length)))
     };
     try_scalar([SIZE_MIN, JOINT_LENGTH], Quantity::JointLength, |length, body, _| Command::AddJoint(rod(body, length)));
+    let hinge = |body, kind| Command::AddJoint(JointDef { kind, ..rod(body, fx!(1)) });
+    let revolute = Revolute::default();
+    try_scalar([-JOINT_ANGLE, JOINT_ANGLE], Quantity::JointAngle, |lower, body, _| {
+        let limits = Some(JointLimits { lower, upper: lower });
+        hinge(body, JointKind::Revolute(Revolute { limits, ..revolute }))
+    });
+    try_scalar([-ANGULAR_SPEED, ANGULAR_SPEED], Quantity::MotorSpeed, |speed, body, _| {
+        let motor = Some(JointMotor { speed, max_force: fx!(1) });
+        hinge(body, JointKind::Revolute(Revolute { motor, ..revolute }))
+    });
+    try_scalar([none, Fx::MAX], Quantity::JointForce, |friction, body, _| {
+        hinge(body, JointKind::Revolute(Revolute { friction, ..revolute }))
+    });
+    let elastic = |body, spring| hinge(body, JointKind::Weld(Weld { spring: Some(spring) }));
+    let spring_of = JointSpring::new(fx!(1), fx!(1));
+    try_scalar([none, fx!(1_000_000)], Quantity::SpringFrequency, |hertz, body, _| {
+        elastic(body, JointSpring { hertz, ..spring_of })
+    });
+    try_scalar([none, fx!(1024)], Quantity::DampingRatio, |damping_ratio, body, _| {
+        elastic(body, JointSpring { damping_ratio, ..spring_of })
+    });
+    try_scalar([-JOINT_ANGLE, JOINT_ANGLE], Quantity::JointAngle, |rest, body, _| {
+        elastic(body, JointSpring { rest, ..spring_of })
+    });
+    try_scalar([none, Fx::MAX], Quantity::JointForce, |force, body, _| {
+        elastic(body, JointSpring { max_force: Some(force), ..spring_of })
+    });
     try_scalar([none, Fx::MAX], Quantity::BreakForce, |force, body, _| {
         Command::AddJoint(JointDef { break_force: Some(force), ..rod(body, fx!(1)) })
     });

@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 2] = [(106, "Error::NoShape"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 162] = [
+const GIVEN: [(u16, &str); 169] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -119,6 +119,13 @@ const GIVEN: [(u16, &str); 162] = [
     (205, "Cause::Field"),
     (206, "Cause::CustomForce"),
     (207, "Cause::Pairs"),
+    (208, "Quantity::JointAngle"),
+    (209, "Quantity::JointLimits"),
+    (210, "Quantity::JointForce"),
+    (211, "Quantity::MotorSpeed"),
+    (212, "Quantity::SpringFrequency"),
+    (213, "Quantity::DampingRatio"),
+    (214, "Error::NoMotor"),
     (301, "SnapshotError::Foreign"),
     (302, "SnapshotError::Format"),
     (303, "SnapshotError::PhysicsVersion"),

@@ -35,7 +35,7 @@ macro_rules! codec_integers {
     )* };
 }
 
-codec_integers!(u8 u16 u32 u64 u128 i8 i32 i64);
+codec_integers!(u8 u16 u32 u64 u128 i8 i16 i32 i64);
 
 impl Read for Fx {
     fn read(reader: &mut Reader<'_>) -> Result<Self, Malformed> {

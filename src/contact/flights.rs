@@ -233,6 +233,17 @@ impl Flights {
         !self.followers.is_empty()
     }
 
+    /// Gives a body that cannot turn at least the radius of the body that it is joined to.
+    pub(super) fn widen_fixed(&mut self, ends: [u32; 2]) {
+        let [first, second] = ends.map(|flight| self.flights[flight as usize].radius);
+        for (flight, radius) in ends.into_iter().zip([second, first]) {
+            let flight = &mut self.flights[flight as usize];
+            if flight.inverse_inertia.is_zero() {
+                flight.radius = flight.radius.max(radius);
+            }
+        }
+    }
+
     /// The flight of a body.
     #[inline(always)]
     pub(super) fn of(&mut self, scene: &Scene<'_>, slot: u32) -> u32 {

@@ -14,24 +14,25 @@ use super::flights::{FlightKind, Flights};
 use super::split::{Part, Solvers};
 use crate::body::{Activity, BodyKind};
 use crate::fx::Fx;
-use crate::joint::{JointStates, Place};
+use crate::joint::{JointStates, Place, position};
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
-use crate::solve::{ContactSolver, Impulses, Joint};
+use crate::solve::{Axis, ContactSolver, Impulses, Joint};
 
 /// An end of a joint on a body: its flight, and the arm from its centre of mass, m.
 #[derive(Clone, Copy)]
 struct MovingEnd {
     flight: u32,
     arm: Vec2,
+    angle: Turn,
 }
 
 /// An end of a joint in a step.
 enum StepEnd {
     /// A body that moves.
     Moving(MovingEnd),
-    /// A point that stays where it is.
-    Fixed(Vec2),
+    /// A point that stays where it is, and its angle.
+    Fixed(Vec2, Turn),
     /// A body that takes no part.
     Absent,
 }
@@ -71,7 +72,7 @@ impl JointList {
             let slot = flights.body(flight).slot;
             for (index, side) in scene.joints.of(slot) {
                 let Place::Body(_, point) = scene.joints.link(index).ends[side].place else { continue };
-                let end = MovingEnd { flight, arm: turned(point, start.angle) };
+                let end = MovingEnd { flight, arm: turned(point, start.angle), angle: start.angle };
                 self.push(scene, flights, end, index, side);
             }
         }
@@ -86,10 +87,10 @@ impl JointList {
             // The end with the lower flight adds it.
             StepEnd::Moving(far_end) if far_end.flight < end.flight => return,
             StepEnd::Moving(far_end) if is_dynamic(end.flight) || is_dynamic(far_end.flight) => far_end,
-            StepEnd::Fixed(point) if is_dynamic(end.flight) => {
-                MovingEnd { flight: flights.push_fixed_point(point), arm: Vec2::ZERO }
+            StepEnd::Fixed(point, angle) if is_dynamic(end.flight) => {
+                MovingEnd { flight: flights.push_fixed_point(point), arm: Vec2::ZERO, angle }
             }
-            StepEnd::Moving(_) | StepEnd::Fixed(_) => return,
+            StepEnd::Moving(_) | StepEnd::Fixed(..) => return,
             StepEnd::Absent => {
                 self.idle.push(index);
                 return;
@@ -97,13 +98,16 @@ impl JointList {
         };
         flights.complete(scene, end.flight);
         flights.complete(scene, far_end.flight);
-        let (mut bodies, mut anchors) = ([end.flight, far_end.flight], [end.arm, far_end.arm]);
-        if side == 1 {
-            bodies.reverse();
-            anchors.reverse();
-        }
-        let impulses = scene.joints.states[index as usize].impulses();
-        self.solver_joints.push(Joint { bodies, anchors, kind: link.kind, impulses });
+        let [first, second] = if side == 0 { [end, far_end] } else { [far_end, end] };
+        let bodies = [first.flight, second.flight];
+        let state = &scene.joints.states[index as usize];
+        let impulses = state.impulses();
+        let axis = link.axis.map(|axis| {
+            flights.widen_fixed(bodies);
+            Axis { position: position(link.angle([first.angle, second.angle]), state.turns), ..axis }
+        });
+        let anchors = [first.arm, second.arm];
+        self.solver_joints.push(Joint { bodies, anchors, kind: link.kind, axis, impulses });
         self.starts.push(impulses);
         self.indices.push(index);
     }
@@ -140,6 +144,11 @@ impl JointList {
         }
     }
 
+    /// The joints by their indices in the set, each with the flights of its ends.
+    pub(crate) fn ends(&self) -> impl Iterator<Item = (u32, [u32; 2])> + '_ {
+        self.indices.iter().copied().zip(self.solver_joints.iter().map(|joint| joint.bodies))
+    }
+
     /// The joints by their indices in the set, each with its impulses along x and y over the step on the second body, in 2^-32 N·s; none
     /// where no joint may break.
     pub(crate) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
@@ -150,13 +159,13 @@ impl JointList {
 /// The end of a joint at a place.
 fn step_end(scene: &Scene<'_>, flights: &Flights, place: &Place) -> StepEnd {
     let (slot, point) = match *place {
-        Place::World(point) => return StepEnd::Fixed(point),
+        Place::World(point) => return StepEnd::Fixed(point, Turn::default()),
         Place::Body(slot, point) => (slot, point),
     };
     // Bodies that move have the first flights.
     let moving = flights.at(slot).and_then(|flight| Some((flight, scene.starts.get(flight as usize)?)));
     if let Some((flight, start)) = moving {
-        return StepEnd::Moving(MovingEnd { flight, arm: turned(point, start.angle) });
+        return StepEnd::Moving(MovingEnd { flight, arm: turned(point, start.angle), angle: start.angle });
     }
     let Some(dense) = scene.bodies.index_in(slot) else { return StepEnd::Absent };
     let stands = match scene.bodies.activity(dense) {
@@ -168,7 +177,8 @@ fn step_end(scene: &Scene<'_>, flights: &Flights, place: &Place) -> StepEnd {
         return StepEnd::Absent;
     }
     let centre = scene.bodies.position(dense).map(FxAccumulator::value);
-    let arm = turned(point, scene.bodies.angle(dense));
+    let angle = scene.bodies.angle(dense);
+    let arm = turned(point, angle);
     let sum = |centre: Fx, arm: Fx| centre.saturating_add(arm);
-    StepEnd::Fixed(Vec2::new(sum(centre.x, arm.x), sum(centre.y, arm.y)))
+    StepEnd::Fixed(Vec2::new(sum(centre.x, arm.x), sum(centre.y, arm.y)), angle)
 }

@@ -159,6 +159,11 @@ pub enum Error {
         /// The handle.
         joint: JointId,
     },
+    /// The joint is of a kind that has no motor.
+    NoMotor {
+        /// The handle.
+        joint: JointId,
+    },
     /// Neither end of the joint is on a dynamic body.
     NothingToMove,
     /// Worlds of floats have no joints: only the solver in integers knows them.
@@ -340,6 +345,7 @@ impl fmt::Display for Error {
             Self::NothingToMove => {
                 f.write_str("neither end of the joint is on a dynamic body: a joint needs a body that it can move")
             }
+            Self::NoMotor { joint } => write!(f, "a joint without a motor: {joint}; revolute joints have one"),
             Self::FloatJoint => f.write_str("a world of floats has no joints: only worlds of `Fx` do"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
@@ -380,6 +386,7 @@ codes!(Error {
     NoSuchJoint = 147,
     NothingToMove = 148,
     FloatJoint = 149,
+    NoMotor = 214,
 });
 
 impl core::error::Error for Error {

@@ -117,6 +117,18 @@ pub enum Quantity {
     JointLength,
     /// The force at which a joint breaks.
     BreakForce,
+    /// An angle of the limits or of the spring of a joint.
+    JointAngle,
+    /// The limits of a joint in the wrong order.
+    JointLimits,
+    /// The largest force of a motor or of a spring, or the friction, of a joint.
+    JointForce,
+    /// The speed of the motor of a joint.
+    MotorSpeed,
+    /// The frequency of the spring of a joint.
+    SpringFrequency,
+    /// The damping ratio of the spring of a joint.
+    DampingRatio,
 }
 
 /// A size of a shape.
@@ -218,6 +230,12 @@ impl Quantity {
             Self::JointPoint => "a point of a joint within ±2^12 m of its body's centre of mass, a component",
             Self::JointLength => "a distance of a joint from 2^-7 to 2^20 m",
             Self::BreakForce => "a force of at least zero at which a joint breaks",
+            Self::JointAngle => "an angle of a joint within ±2^17 rad",
+            Self::JointLimits => "limits of a joint of which the upper one is not below the lower one",
+            Self::JointForce => "a force or torque in a joint of at least zero",
+            Self::MotorSpeed => "a speed of a joint's motor within ±2^20 rad/s",
+            Self::SpringFrequency => "a frequency of a joint's spring from 0 to 10^6 Hz",
+            Self::DampingRatio => "a damping ratio of a joint's spring from 0 to 1024",
         }
     }
 }
@@ -272,6 +290,12 @@ codes!(Quantity {
     JointPoint = 198,
     JointLength = 199,
     BreakForce = 200,
+    JointAngle = 208,
+    JointLimits = 209,
+    JointForce = 210,
+    MotorSpeed = 211,
+    SpringFrequency = 212,
+    DampingRatio = 213,
 });
 
 impl core::error::Error for Quantity {}

@@ -6,9 +6,9 @@ use super::{JointDef, JointState};
 use crate::force::End;
 use crate::fx::Fx;
 use crate::math::Vec2;
-use crate::scalar::Scalar;
+use crate::scalar::{Angle as _, Scalar, Turn};
 use crate::slots::NONE;
-use crate::solve::JointKind;
+use crate::solve::{Axis, JointKind};
 
 /// The place of an end of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,11 +60,22 @@ fn length_above(vector: Vec2) -> Fx {
     Fx::from_bits(length.to_bits() + i64::from(is_below))
 }
 
+/// The angle from the first frame to the second one of two ends without an angle.
+fn frame<S: Scalar>(angles: &[S; 2]) -> Turn {
+    let [first, second] = angles.map(|angle| S::Angle::from_radians(angle).to_turn().to_bits());
+    Turn::from_bits(second.wrapping_sub(first))
+}
+
 /// A joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
     pub(crate) ends: [LinkEnd; 2],
     pub(crate) kind: JointKind,
+    /// At position 0.
+    pub(crate) axis: Option<Axis>,
+    pub(crate) counts_turns: bool,
+    /// The angle of the frame of the second end less the angle of the first one, in the axes of the ends.
+    pub(crate) frame: Turn,
     /// N
     pub(crate) break_force: Option<Fx>,
     pub(crate) is_enabled: bool,
@@ -73,10 +84,19 @@ pub(crate) struct Link {
 }
 
 impl Link {
+    /// The angle from the first frame to the second one, for the angles of the ends.
+    pub(crate) fn angle(&self, ends: [Turn; 2]) -> Turn {
+        let [first, second] = ends.map(Turn::to_bits);
+        Turn::from_bits(second.wrapping_sub(first).wrapping_add(self.frame.to_bits()))
+    }
+
     pub(super) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
         Self {
             ends: [LinkEnd::new(&def.ends[0]), LinkEnd::new(&def.ends[1])],
             kind: def.kind.for_solver(),
+            axis: def.kind.axis(),
+            counts_turns: def.kind.counts_turns(),
+            frame: frame(&def.angles),
             break_force: def.break_force.map(S::to_fx),
             is_enabled: def.enabled,
             collides: def.collide_connected,

@@ -11,7 +11,7 @@ mod set;
 mod state;
 
 pub(crate) use def::check_break_force;
-pub use def::{Distance, JointDef, JointKind, Revolute};
+pub use def::{Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
 pub(crate) use link::{Joined, Place};
 pub(crate) use set::JointSet;
-pub(crate) use state::{JointState, JointStates, exceeds};
+pub(crate) use state::{JointState, JointStates, exceeds, position, turns_after};

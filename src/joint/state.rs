@@ -2,48 +2,51 @@
 
 use alloc::vec::Vec;
 
+use super::JointKind;
 use crate::codec::{self, Encoder, Malformed, Read, Reader, StateHasher, codec_enum};
 use crate::fx::Fx;
-use crate::kernel::wide::mul_128;
+use crate::kernel::wide::{mul_128, mul_shift_64};
 use crate::math::TimeStep;
-use crate::solve::{Impulses, JointKind};
+use crate::scalar::{Scalar, Turn};
+use crate::solve::Impulses;
 
 /// The state of a joint: the impulses that the next step starts from, and whether it is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct JointState {
-    /// Multiples of the unit, on the second body over the last sub-step: of a revolute joint along x and y; of a distance joint along the
-    /// line from the first end to the second, and 0.
-    pub(crate) impulses: [i64; 2],
-    /// log2 of the unit, N·s; 0 without impulses.
+    /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and of the axis; of a distance
+    /// joint along the line from the first end to the second, and 0.
+    pub(crate) impulses: [i64; 3],
+    /// Whole turns of the angle, beside the nearest turn; 0 where none are counted.
+    pub(crate) turns: i16,
+    /// log2 of the unit, N·s, of the axis N·m·s; 0 without impulses.
     pub(crate) exponent: i8,
     pub(crate) is_broken: bool,
 }
 
 // The state is copied with every snapshot.
-const _: () = assert!(size_of::<JointState>() == 24);
+const _: () = assert!(size_of::<JointState>() == 32);
 
 /// The largest impulse, units.
 const LARGEST: u64 = 1 << 62;
 
 impl JointState {
     pub(crate) fn impulses(&self) -> Impulses {
-        let [first, second] = self.impulses;
-        Impulses { values: [first, second, 0], exponent: self.exponent.into() }
+        Impulses { values: self.impulses, exponent: self.exponent.into() }
     }
 
     /// Sets the impulses, as near as the unit can have them.
     pub(crate) fn set_impulses(&mut self, impulses: Impulses) {
-        let [first, second, _] = impulses.values;
-        self.impulses = [first, second];
-        self.exponent = if self.impulses == [0; 2] { 0 } else { impulses.exponent.clamp(-128, 127) as i8 };
+        self.impulses = impulses.values;
+        self.exponent = if self.impulses == [0; 3] { 0 } else { impulses.exponent.clamp(-128, 127) as i8 };
     }
 
     pub(crate) fn clear_impulses(&mut self) {
-        *self = Self { is_broken: self.is_broken, ..Self::default() };
+        *self = Self { is_broken: self.is_broken, turns: self.turns, ..Self::default() };
     }
 
-    /// The forces of the impulses, N, in a world with this number of sub-steps. *Error* ½ ulp; the largest number where one does not fit.
-    pub(crate) fn forces(&self, time_step: TimeStep, substeps: u32) -> [Fx; 2] {
+    /// The forces of the impulses, N and N·m, in a world with this number of sub-steps. *Error* ½ ulp; the largest number where one does not
+    /// fit.
+    pub(crate) fn forces(&self, time_step: TimeStep, substeps: u32) -> [Fx; 3] {
         let (num, den) = time_step.seconds();
         let (rate, seconds) = (u128::from(den) * u128::from(substeps), u128::from(num));
         self.impulses.map(|impulse| {
@@ -61,55 +64,88 @@ impl JointState {
         })
     }
 
-    fn to_bytes(self) -> [u8; 18] {
-        let mut bytes = [0; 18];
+    fn to_bytes(self) -> [u8; 28] {
+        let mut bytes = [0; 28];
         bytes[0] = self.exponent as u8;
         bytes[1] = self.is_broken.into();
-        bytes[2..].copy_from_slice(self.impulses.map(i64::to_le_bytes).as_flattened());
+        bytes[2..4].copy_from_slice(&self.turns.to_le_bytes());
+        bytes[4..].copy_from_slice(self.impulses.map(i64::to_le_bytes).as_flattened());
         bytes
     }
 
     /// Encodes the state of a joint of this kind.
-    pub(crate) fn write(&self, kind: JointKind, out: &mut impl Encoder) {
-        let [first, second] = self.impulses;
+    pub(crate) fn write<S: Scalar>(&self, kind: &JointKind<S>, out: &mut impl Encoder) {
+        let &Self { impulses: [x, y, torque], turns, .. } = self;
         codec::field(out, "exponent", &self.exponent);
         codec::field(out, "broken", &self.is_broken);
         codec::field(
             out,
             "impulses",
             &match kind {
-                JointKind::Revolute => JointImpulses::Revolute { x: first, y: second },
-                JointKind::Distance { .. } => JointImpulses::Distance { along: first },
+                JointKind::Distance(_) => JointImpulses::Distance { along: x },
+                _ if kind.axis().is_some() => JointImpulses::Axis { x, y, torque, turns },
+                JointKind::Revolute(_) | JointKind::Weld(_) => JointImpulses::Revolute { x, y },
             },
         );
     }
 
     /// Decodes the state of a joint of this kind.
-    pub(crate) fn read(kind: JointKind, reader: &mut Reader<'_>) -> Result<Self, Malformed> {
+    pub(crate) fn read<S: Scalar>(kind: &JointKind<S>, reader: &mut Reader<'_>) -> Result<Self, Malformed> {
         let malformed = reader.malformed("the state of a joint of its kind");
         let exponent = i8::read(reader)?;
         let is_broken = bool::read(reader)?;
-        let impulses = match (kind, JointImpulses::read(reader)?) {
-            (JointKind::Revolute, JointImpulses::Revolute { x, y }) => [x, y],
-            (JointKind::Distance { .. }, JointImpulses::Distance { along }) => [along, 0],
+        let has_axis = kind.axis().is_some();
+        let (impulses, turns) = match (kind, JointImpulses::read(reader)?) {
+            (JointKind::Distance(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
+            (JointKind::Revolute(_) | JointKind::Weld(_), JointImpulses::Axis { x, y, torque, turns }) if has_axis => {
+                ([x, y, torque], turns)
+            }
+            (JointKind::Revolute(_), JointImpulses::Revolute { x, y }) if !has_axis => ([x, y, 0], 0),
             _ => return Err(malformed),
         };
         // A joint without impulses has no unit, and a broken one has none.
-        let is_canonical = if impulses == [0; 2] { exponent == 0 } else { !is_broken };
+        let is_canonical = if impulses == [0; 3] { exponent == 0 } else { !is_broken };
         let fits = impulses.iter().all(|impulse| impulse.unsigned_abs() <= LARGEST);
-        if is_canonical && fits { Ok(Self { impulses, exponent, is_broken }) } else { Err(malformed) }
+        if is_canonical && fits && (turns == 0 || kind.counts_turns()) {
+            Ok(Self { impulses, turns, exponent, is_broken })
+        } else {
+            Err(malformed)
+        }
     }
 }
 
-/// The impulses of a joint in a file.
+/// The angle of a joint, rad, of the angle between its frames and whole turns. *Error* ½ ulp.
+pub(crate) fn position(angle: Turn, turns: i16) -> Fx {
+    // 2π in units of 2^-61.
+    const TAU: u64 = 0xc90f_daa2_2168_c235;
+    // Below 2^79: it fits.
+    Fx::from_bits(mul_shift_64(unwrapped(angle, turns), TAU, 93).unwrap_or(0) as i64)
+}
+
+/// The angle of a joint in 2^-64 turns.
+fn unwrapped(angle: Turn, turns: i16) -> i128 {
+    (i128::from(turns) << 64) + i128::from(angle.to_bits() as i64)
+}
+
+/// The whole turns of a joint whose angle has gone from one angle between its frames to another, by about this much in 2^-64 turns: within
+/// half a turn.
+pub(crate) fn turns_after(turns: i16, from: Turn, to: Turn, change: i128) -> i16 {
+    let apart = unwrapped(from, turns) + change - i128::from(to.to_bits() as i64);
+    let nearest = (apart + (1 << 63)) >> 64;
+    nearest.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+}
+
+/// The impulses of a joint in a file, and what else its axis has.
 enum JointImpulses {
     Revolute { x: i64, y: i64 },
     Distance { along: i64 },
+    Axis { x: i64, y: i64, torque: i64, turns: i16 },
 }
 
-codec_enum!(JointImpulses, "the number of a kind of joint", {
+codec_enum!(JointImpulses, "the number of the impulses of a joint", {
     0 => Revolute { x, y },
     1 => Distance { along },
+    2 => Axis { x, y, torque, turns },
 });
 
 /// The state of the joints of a world that steps change.
@@ -135,6 +171,13 @@ impl JointStates {
     pub(crate) fn break_joint(&mut self, index: usize, tick: u64) {
         self.list[index] = JointState { is_broken: true, ..JointState::default() };
         self.pulled_at = tick;
+    }
+
+    /// Counts the whole turns of a joint whose angle has gone from one angle to another by less than half a turn.
+    pub(crate) fn turn(&mut self, index: usize, from: Turn, to: Turn) {
+        let change = to.to_bits().wrapping_sub(from.to_bits()) as i64;
+        let turns = &mut self.list[index].turns;
+        *turns = turns_after(*turns, from, to, change.into());
     }
 
     /// Drops the impulses of joints, by their indices.

@@ -51,7 +51,7 @@ pub trait Forces<S: Scalar>: Sized {
 const LOG2_E: (u128, i32) = (0xb8aa_3b29_5c17_f0bc, 63);
 
 /// e^-z, or e^z if `growth`; `None` beyond 2^255.
-pub(super) fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
+pub(crate) fn exponential(z: FxFactor, growth: bool) -> Option<FxFactor> {
     let exponent = z.times(FxFactor::new(LOG2_E.0, LOG2_E.1));
     match exponent.to_fixed(120) {
         Some(exponent) => Some(power_of_two(exponent, !growth)),

@@ -57,6 +57,7 @@ mod wide;
 pub use accumulator::FxAccumulator;
 pub use factor::FxFactor;
 pub use forces::SpringConstants;
+pub(crate) use forces::exponential;
 pub use number::{Accumulator, Angle, Factor, Scalar, Wide};
 #[cfg(feature = "float")]
 pub use to_f64::ToF64;

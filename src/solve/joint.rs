@@ -35,6 +35,7 @@
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
+mod axis;
 mod forest;
 mod gradients;
 mod passes;
@@ -43,9 +44,10 @@ mod tests;
 mod tree;
 mod turn;
 
+use self::axis::AxisRow;
 use self::turn::Side;
 use super::bodies::{SolverBody, largest_exponent};
-use super::motion::Rows;
+use super::motion::{Rows, Vector};
 use super::number::{bits_of, clamped, fixed, lowered, shifted};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
@@ -55,6 +57,7 @@ use crate::kernel::sqrt::direction;
 use crate::math::Vec2;
 use crate::scalar::FxFactor;
 
+pub use self::axis::{Axis, AxisSpring};
 pub(super) use self::passes::Joints;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
@@ -85,6 +88,13 @@ pub enum JointKind {
     },
 }
 
+impl JointKind {
+    /// Returns true if the impulses of both are of the same rows.
+    pub(crate) fn has_rows_of(self, kind: Self) -> bool {
+        core::mem::discriminant(&self) == core::mem::discriminant(&kind)
+    }
+}
+
 /// A joint of two bodies, at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
@@ -95,8 +105,11 @@ pub struct Joint {
     pub anchors: [Vec2; 2],
     /// The quantity that it keeps.
     pub kind: JointKind,
+    /// The axis of a revolute joint, if something acts on it. A body that cannot turn then has at least the [`radius`](Flight::radius) of the
+    /// other body.
+    pub axis: Option<Axis>,
     /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then the impulses of this step.
-    /// Of a revolute joint along x and y; of a distance joint along the line from the first anchor to the second.
+    /// Of a revolute joint along x and y, and of its axis, N·m·s; of a distance joint along the line from the first anchor to the second.
     pub impulses: Impulses,
 }
 
@@ -117,7 +130,11 @@ impl Joint {
             JointKind::Revolute => x.abs().max(y.abs()),
             JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
         };
-        clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1
+        let repair = clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1;
+        match &self.axis {
+            Some(axis) => repair.max(axis.speed(self.bodies.map(|body| &flights[body as usize]))),
+            None => repair,
+        }
     }
 }
 
@@ -132,8 +149,9 @@ pub(super) struct Block {
     /// Index of the joint.
     pub(super) joint: u32,
     sides: [Side; 2],
-    /// The number of rows.
+    /// The number of rows: the third one is the axis.
     count: usize,
+    axis: Option<AxisRow>,
     /// The length that a distance joint keeps.
     length: Option<i64>,
     /// The offset from the first anchor to the second at the start, without both arms.
@@ -148,15 +166,15 @@ pub(super) struct Block {
     /// The number of bits of the largest mass factor of a row.
     mass_bits: i32,
     /// Axes of the rows, in 2^-30.
-    axes: [[i64; 2]; 2],
+    axes: [[i64; 2]; 3],
     /// Cross products of arms and axes by row and body, in 2^-30 of the bodies' lengths.
-    crosses: [[i64; 2]; 2],
+    crosses: [[i64; 2]; 3],
     /// Errors of the rows.
     errors: [i64; 2],
     /// The distance of the anchors.
     distance: i64,
     /// Impulses of the sub-step, by row.
-    pub(super) impulses: [i64; 2],
+    pub(super) impulses: [i64; 3],
     /// The impulses applied in the sub-step, in 2^-30: along x and y, and the angular ones of both bodies.
     change: [i128; 4],
     /// Sums of the changes of sub-steps.
@@ -183,24 +201,37 @@ impl Block {
             Side::new(flight, rows[k], shares[k], joint.anchors[k], scale, unit, clock)
         });
         // Locks may leave nothing that it moves.
-        let mass_bits = bits_of((sides[0].largest_mass() + sides[1].largest_mass()).max(1));
-        let offset = joint.offset(flights).map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
+        let mut largest_mass = (sides[0].largest_mass() + sides[1].largest_mass()).max(1);
+        let flights = joint.bodies.map(|body| &flights[body as usize]);
+        if joint.axis.is_some() {
+            largest_mass = largest_mass.max(sides[0].masses[2] + sides[1].masses[2]);
+        }
+        let mass_bits = bits_of(largest_mass);
+        let offset = joint.offset(input.flights).map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
         let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
-        let (length, count) = match joint.kind {
-            JointKind::Revolute => (None, 2),
-            JointKind::Distance { length } => (Some(clock.length(length, unit).clamp(0, FAR) as i64), 1),
-        };
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
-        let warm = |impulse: i64| {
-            let bits = exponent.saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
+        let axis = match joint.kind {
+            JointKind::Revolute => AxisRow::new(joint, flights, clock, unit, mass_exponent),
+            JointKind::Distance { .. } => None,
+        };
+        let (length, count) = match joint.kind {
+            JointKind::Revolute => (None, if axis.is_some() { 3 } else { 2 }),
+            JointKind::Distance { length } => (Some(clock.length(length, unit).clamp(0, FAR) as i64), 1),
+        };
+        let axis_length = axis.as_ref().map_or(0, |axis| axis.length);
+        // The axis turns a body by the length at which its velocities are taken, over the length of the body.
+        let turning = flights.map(|flight| 1 << (30 - (flight.length() - axis_length).clamp(0, 30)));
+        let warm = |row: usize, length: i32| {
+            let impulse = if row < count { joint.impulses.values[row] } else { 0 };
+            let bits = (exponent + length).saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
             shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
         };
-        let [first, second, _] = joint.impulses.values;
         Self {
             joint: index as u32,
             sides,
             count,
+            axis,
             length,
             base,
             substeps: clock.substeps as i32,
@@ -208,11 +239,11 @@ impl Block {
             exponent,
             mass_exponent,
             mass_bits,
-            axes: [[1 << 30, 0], [0, 1 << 30]],
-            crosses: [[0; 2]; 2],
+            axes: [[1 << 30, 0], [0, 1 << 30], [0; 2]],
+            crosses: [[0; 2], [0; 2], turning],
             errors: [0; 2],
             distance: 0,
-            impulses: [warm(first), if count == 2 { warm(second) } else { 0 }],
+            impulses: [warm(0, 0), warm(1, 0), warm(2, axis_length)],
             change: [0; 4],
             applied: [0; 4],
             weighted: [0; 4],
@@ -234,10 +265,17 @@ impl Block {
         self.turn(rows)
     }
 
-    /// The velocities of the rows, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the second-order term.
+    /// The velocities of the sides.
+    #[inline(always)]
+    fn velocities(&self, rows: &Rows) -> [Vector; 2] {
+        [0, 1].map(|k| rows.velocity(self.sides[k].row))
+    }
+
+    /// The velocities of the rows of points, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the second-order
+    /// term.
     #[inline(always)]
     fn residual(&self, rows: &Rows, rate: Option<i64>) -> [i64; 2] {
-        let velocities = [0, 1].map(|k| rows.velocity(self.sides[k].row));
+        let velocities = self.velocities(rows);
         let mut residual = [0; 2];
         for (row, sum) in residual.iter_mut().enumerate().take(self.count) {
             *sum = self.velocity(row, velocities);
@@ -250,14 +288,17 @@ impl Block {
 
     /// Changes the impulses of the rows. Returns the number of impulses that were cut off.
     #[inline(always)]
-    fn change(&mut self, changes: [i128; 2]) -> u64 {
+    fn change(&mut self, changes: [i128; 3]) -> u64 {
         let mut cut = 0;
-        let mut applied = [0; 2];
+        let mut applied = [0; 3];
         for row in 0..self.count {
             let before = self.impulses[row];
             let wanted = i128::from(before) + changes[row];
-            let after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
+            let mut after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
             cut += u64::from(i128::from(after) != wanted);
+            if let (2, Some(axis)) = (row, &mut self.axis) {
+                after = axis.finish(after);
+            }
             (self.impulses[row], applied[row]) = (after, after - before);
         }
         self.push(applied);
@@ -271,7 +312,7 @@ impl Block {
     }
 
     /// Adds impulses of the rows to the change of the sub-step.
-    fn push(&mut self, impulses: [i64; 2]) {
+    fn push(&mut self, impulses: [i64; 3]) {
         for (row, impulse) in impulses.into_iter().enumerate().take(self.count) {
             let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
             for (sum, factor) in self.change.iter_mut().zip([ux, uy, ka, kb]) {

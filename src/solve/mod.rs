@@ -75,7 +75,7 @@ use self::groups::ContactGroups;
 pub(crate) use self::heavy::{is_heavy, may_be_heavy};
 use self::impact::{Impacts, SubStep};
 use self::joint::Joints;
-pub use self::joint::{Joint, JointKind};
+pub use self::joint::{Axis, AxisSpring, Joint, JointKind};
 use self::motion::{Advance, Begin, FlightRow};
 use self::number::{log2_above, lowered_word};
 use self::pass::{Pass, PassOver};
@@ -434,6 +434,7 @@ impl Job for SubSteps<'_> {
         let n = clock.substeps;
         let mut cut = 0;
         for k in 1..=n {
+            solver.joints.begin(&solver.bodies.rows, k == 1);
             Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
             follow(&mut solver.bodies);
             let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };

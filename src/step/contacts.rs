@@ -10,6 +10,7 @@
 mod breaking;
 mod memory;
 mod stops;
+mod turns;
 
 use alloc::vec::Vec;
 use core::ops::Range;
@@ -24,6 +25,7 @@ use crate::body::{Bodies, BodyKind, Change};
 use crate::collider::{ColliderSet, ContactSettings};
 use crate::contact::{Changed, ContactSet, ROUNDS, Scene, Start, is_asleep, list_pairs};
 use crate::error::Cause;
+use crate::fx::Fx;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
 use crate::island::{self, Joins, is_candidate};
 use crate::joint::{Joined, JointSet, JointStates};
@@ -126,6 +128,8 @@ impl<S: Scalar> Step<'_, S> {
         timed!(self.workspace, apply, self.correct(&memory, constants));
         timed!(self.workspace, sweeps, self.end_paths(&mut memory, &settings, constants));
         timed!(self.workspace, sweeps, self.follow_paths(&mut memory, &settings));
+        self.count_turns(&memory);
+        self.keep_driven_awake(&memory);
         self.break_joints(&memory);
         counted!(self.workspace, stops, memory.stops.len());
         self.show(StageKind::Push);
@@ -339,9 +343,13 @@ impl<S: Scalar> Step<'_, S> {
     fn radius(&self, i: usize) -> S {
         let Contacts { colliders, joints, .. } = &self.contacts;
         let slot = self.bodies.columns.slot[i];
-        let has_joints = joints.len() > 0;
-        let reach = if has_joints { S::from_fx(self.contacts.joined().reach(slot)) } else { S::ZERO };
-        radius(self.bodies, colliders, reach, i)
+        if joints.len() == 0 {
+            return radius(self.bodies, colliders, S::ZERO, i);
+        }
+        let joined = self.contacts.joined();
+        let radius = radius(self.bodies, colliders, S::from_fx(joined.reach(slot)), i);
+        // A joint shows that a body turns, also where no collider and no arm does.
+        if radius == S::ZERO && joined.has(slot) { S::from_fx(Fx::ONE) } else { radius }
     }
 
     /// Counts a step of a body that contacts moved or stopped: it is at rest while it is slow and stays where it is, and nothing else is

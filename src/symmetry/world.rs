@@ -55,10 +55,15 @@ impl Symmetry {
             joints.replace(index, def);
             let state = &mut image.joint_states.list[index];
             // The impulse of a distance joint is along the line between its ends.
-            if let JointKind::Revolute(_) = def.kind {
-                let [x, y] = state.impulses;
+            if !matches!(def.kind, JointKind::Distance(_)) {
+                let [x, y, torque] = state.impulses;
                 let Vec2 { x, y } = self.signed(Vec2::new(x, y), i64::checked_neg)?;
-                state.impulses = [x, y];
+                state.impulses = [x, y, if self.mirrors() { torque.checked_neg()? } else { torque }];
+            }
+            if self.mirrors() && def.kind.counts_turns() {
+                // Half a turn is the same angle either way round.
+                let is_half = world.joint_turn(index).to_bits() == 1 << 63;
+                state.turns = i16::from(is_half).checked_sub(state.turns)?;
             }
         }
         Some(())

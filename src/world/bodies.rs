@@ -105,7 +105,9 @@ impl<S: Scalar> World<S> {
         let dense = self.touch(body, Change::ALL)?;
         self.journal.note(|| Command::SetAngle { body, angle });
         self.targets.recall(body);
+        let before = self.bodies.columns.motion.angle[dense];
         self.bodies.columns.motion.angle[dense] = S::Angle::from_radians(angle);
+        self.keep_turns(body, before);
         self.change_log.placed(body);
         Ok(())
     }

@@ -10,7 +10,7 @@ use crate::contact::Exclusion;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
-use crate::joint::{Distance, JointDef, JointKind};
+use crate::joint::{Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
@@ -340,8 +340,42 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     /// The kind of a joint.
     fn joint_kind(&mut self, kind: JointKind<S>) -> Result<JointKind<T>, Self::Error> {
         Ok(match kind {
-            JointKind::Revolute(revolute) => JointKind::Revolute(revolute),
+            JointKind::Revolute(Revolute { limits, motor, spring, friction }) => JointKind::Revolute(Revolute {
+                limits: limits.map(|limits| self.joint_limits(limits)).transpose()?,
+                motor: motor.map(|motor| self.joint_motor(motor)).transpose()?,
+                spring: spring.map(|spring| self.joint_spring(spring)).transpose()?,
+                friction: self.scalar(friction)?,
+            }),
+            JointKind::Weld(Weld { spring }) => {
+                JointKind::Weld(Weld { spring: spring.map(|spring| self.joint_spring(spring)).transpose()? })
+            }
             JointKind::Distance(Distance { length }) => JointKind::Distance(Distance::rod(self.scalar(length)?)),
+        })
+    }
+
+    /// Limits of an angle. They change places where angles change their sign.
+    fn joint_limits(&mut self, limits: JointLimits<S>) -> Result<JointLimits<T>, Self::Error> {
+        let [lower, upper] = [self.pseudoscalar(limits.lower)?, self.pseudoscalar(limits.upper)?];
+        Ok(if upper < lower { JointLimits { lower: upper, upper: lower } } else { JointLimits { lower, upper } })
+    }
+
+    /// A motor that turns.
+    fn joint_motor(&mut self, motor: JointMotor<S>) -> Result<JointMotor<T>, Self::Error> {
+        Ok(JointMotor { speed: self.pseudoscalar(motor.speed)?, max_force: self.scalar(motor.max_force)? })
+    }
+
+    /// A motor that may be absent.
+    fn optional_joint_motor(&mut self, motor: Option<JointMotor<S>>) -> Result<Option<JointMotor<T>>, Self::Error> {
+        motor.map(|motor| self.joint_motor(motor)).transpose()
+    }
+
+    /// A spring that turns.
+    fn joint_spring(&mut self, spring: JointSpring<S>) -> Result<JointSpring<T>, Self::Error> {
+        Ok(JointSpring {
+            hertz: self.scalar(spring.hertz)?,
+            damping_ratio: self.scalar(spring.damping_ratio)?,
+            rest: self.pseudoscalar(spring.rest)?,
+            max_force: self.optional_scalar(spring.max_force)?,
         })
     }
 
@@ -391,6 +425,7 @@ pub trait CommandSource {
     fn joint(&mut self) -> JointId;
     fn joint_def(&mut self) -> JointDef;
     fn joint_kind(&mut self) -> JointKind;
+    fn optional_joint_motor(&mut self) -> Option<JointMotor>;
     fn break_force(&mut self) -> Option<Fx>;
     fn enabled(&mut self) -> bool;
     fn collider_def(&mut self) -> ColliderDef;

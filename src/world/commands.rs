@@ -12,7 +12,7 @@ use crate::error::Error;
 use crate::force::ForceField;
 use crate::fx::Fx;
 use crate::integrate::Integrator;
-use crate::joint::{JointDef, JointKind};
+use crate::joint::{JointDef, JointKind, JointMotor};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
@@ -411,6 +411,10 @@ commands! { world:
     45 => SetJointKind { joint: JointId as joint(joint), kind: JointKind<S> as joint_kind(joint_kind) },
         check world.check_joint_kind(*joint, kind),
         execute world.set_joint_kind(*joint, *kind);
+    /// Calls [`World::set_joint_motor`].
+    48 => SetJointMotor { joint: JointId as joint(joint), motor: Option<JointMotor<S>> as optional_joint_motor(optional_joint_motor) },
+        check world.check_joint_motor(*joint, *motor).map(drop),
+        execute world.set_joint_motor(*joint, *motor);
     /// Calls [`World::set_joint_break`].
     46 => SetJointBreak { joint: JointId as joint(joint), force: Option<S> as optional_scalar(break_force) },
         check world.check_joint_break(*joint, *force),

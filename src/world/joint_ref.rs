@@ -5,7 +5,7 @@ use core::fmt;
 use super::World;
 use crate::force::End;
 use crate::fx::Fx;
-use crate::joint::{JointDef, JointKind};
+use crate::joint::{JointDef, JointKind, position};
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, Scalar, Wide as _};
 use crate::slots::{BodyId, JointId};
@@ -104,13 +104,64 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         S::from_fx(from.checked_distance(to).unwrap_or(Fx::MAX))
     }
 
-    /// The angle from the frame of the first end to the frame of the second one, rad, from −π to π; 0 for a whole half turn. *Error* 1 ulp.
+    /// The angle from the frame of the first end to the frame of the second one, rad. *Error* 1 ulp.
+    ///
+    /// A weld, and a revolute joint with limits or a spring, counts whole turns, up to ±2^15; the angle of all others is from −π to π, and 0 for a
+    /// whole half turn.
     #[must_use]
     pub fn angle(&self) -> S {
         let def = self.def();
+        if def.kind.counts_turns() {
+            let turns = self.world.joint_states.list[self.index].turns;
+            return S::from_fx(position(self.world.joint_turn(self.index), turns));
+        }
         let [first, second] = self.bodies();
         let frames = [self.world.joint_angle(first, def.angles[0]), self.world.joint_angle(second, def.angles[1])];
         frames[0].way_to(frames[1]).to_scalar().unwrap_or(S::ZERO)
+    }
+
+    /// The speed of [`angle`](Self::angle), rad/s. *Error* 1 ulp.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointRef, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let wheel = world.add_body(BodyDef { angular_velocity: fx!(3), ..BodyDef::dynamic() })?;
+    /// let axle = world.add_joint(JointDef::at(&world, wheel, None, vec2(0, 0))?)?;
+    /// let axle: JointRef = world.joint(axle)?;
+    /// assert_eq!(axle.speed(), fx!(-3));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn speed(&self) -> S {
+        let [first, second] = self.bodies().map(|body| {
+            let body = body.and_then(|body| self.world.body(body).ok());
+            body.map_or(Fx::ZERO, |body| body.angular_velocity().to_fx())
+        });
+        // Within ±2^20 rad/s: it fits.
+        S::from_fx(second.saturating_sub(first))
+    }
+
+    /// The torque of limits, motor, friction and spring, or of a weld, on the second body at the end of the last step, N·m; the opposite torque
+    /// acts on the first one. It is the mean over the last sub-step, without the moment of [`force`](Self::force). *Error* 1 ulp.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, World, WorldDef, Weld, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// // A shelf of 1 kg on a wall, half a metre from its middle.
+    /// let shelf = world.add_body(BodyDef { position: vec2(fx!(0.5), 0), ..BodyDef::dynamic() })?;
+    /// let weld = JointDef { kind: JointKind::Weld(Weld::default()), ..JointDef::at(&world, None, shelf, vec2(0, 0))? };
+    /// let weld = world.add_joint(weld)?;
+    /// (0..30).for_each(|_| _ = world.step());
+    /// assert!((world.joint(weld)?.torque() - fx!(5)).abs() < fx!(0.01));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn torque(&self) -> S {
+        let def = &self.world.def;
+        let [.., torque] = self.world.joint_states.list[self.index].forces(def.time_step, def.contacts.substeps);
+        S::from_fx(torque)
     }
 
     /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.
@@ -119,9 +170,9 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     pub fn force(&self) -> Vec2<S> {
         let def = &self.world.def;
         let state = &self.world.joint_states.list[self.index];
-        let [first, second] = state.forces(def.time_step, def.contacts.substeps);
+        let [first, second, _] = state.forces(def.time_step, def.contacts.substeps);
         let force = match self.def().kind {
-            JointKind::Revolute(_) => Vec2::new(first, second),
+            JointKind::Revolute(_) | JointKind::Weld(_) => Vec2::new(first, second),
             JointKind::Distance(_) => {
                 let [from, to] = self.points().map(|point| point.map(S::to_fx));
                 let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();

@@ -9,11 +9,11 @@ use crate::contact::sorted;
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End};
 use crate::fx::Fx;
-use crate::joint::{Distance, JointDef, JointKind, Revolute, check_break_force};
+use crate::joint::{Distance, JointDef, JointKind, JointMotor, Revolute, check_break_force};
 use crate::math::Vec2;
-use crate::scalar::{Angle as _, Scalar, Wide as _};
+use crate::scalar::{Angle as _, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
-use crate::solve::ContactSolver;
+use crate::solve::{ContactSolver, Impulses};
 
 impl<S: Scalar> JointDef<S> {
     /// A revolute joint of two bodies at a point of the world, m; `None` is the world. The angle of the joint is 0 as they stand.
@@ -152,10 +152,10 @@ impl<S: Scalar> World<S> {
         Arc::make_mut(&mut self.joints).remove(joint, &mut self.joint_states).map(drop)
     }
 
-    /// Sets what a joint keeps; wakes its bodies. A joint of the same kind as before keeps its impulses.
+    /// Sets what a joint keeps; wakes its bodies. A joint with the same rows as before keeps its impulses: a weld those of a revolute joint.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with [`Quantity::JointLength`].
+    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with the quantity of the value that is out of range, such as [`Quantity::JointLimits`].
     pub fn set_joint_kind(&mut self, joint: JointId, kind: JointKind<S>) -> Result<(), Error> {
         let index = self.check_joint_kind(joint, &kind)?;
         let old = self.joints.def(index).kind;
@@ -164,6 +164,32 @@ impl<S: Scalar> World<S> {
         if !kind.has_rows_of(&old) {
             self.joint_states.list[index].clear_impulses();
         }
+        self.fit_joint_state(index);
+        Ok(())
+    }
+
+    /// Sets the motor of a revolute joint, `None` for no motor; wakes its bodies. The impulse that the joint starts from stays.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchJoint`]; [`Error::NoMotor`] for a joint of another kind; [`Error::OutOfRange`] with [`Quantity::MotorSpeed`] or
+    /// [`Quantity::JointForce`].
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointMotor, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let wheel = world.add_body(BodyDef::dynamic())?;
+    /// let axle = world.add_joint(JointDef::at(&world, None, wheel, vec2(0, 0))?)?;
+    /// world.set_joint_motor(axle, Some(JointMotor { speed: fx!(-3), max_force: fx!(100) }))?;
+    /// (0..10).for_each(|_| _ = world.step());
+    /// assert!((world.body(wheel)?.angular_velocity() + fx!(3)).abs() < fx!(0.00001));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_joint_motor(&mut self, joint: JointId, motor: Option<JointMotor<S>>) -> Result<(), Error> {
+        let (index, kind) = self.check_joint_motor(joint, motor)?;
+        self.redefine_joint(index, |def| def.kind = kind)?;
+        self.journal.note(|| Command::SetJointMotor { joint, motor });
+        self.fit_joint_state(index);
         Ok(())
     }
 
@@ -244,6 +270,18 @@ impl<S: Scalar> World<S> {
         kind.check().map(|()| index)
     }
 
+    /// The kind of a joint with another motor.
+    pub(super) fn check_joint_motor(
+        &self,
+        joint: JointId,
+        motor: Option<JointMotor<S>>,
+    ) -> Result<(usize, JointKind<S>), Error> {
+        let index = self.joints.find(joint)?;
+        let JointKind::Revolute(revolute) = self.joints.def(index).kind else { return Err(Error::NoMotor { joint }) };
+        let kind = JointKind::Revolute(Revolute { motor, ..revolute });
+        kind.check().map(|()| (index, kind))
+    }
+
     pub(super) fn check_joint_break(&self, joint: JointId, force: Option<S>) -> Result<usize, Error> {
         let index = self.joints.find(joint)?;
         check_break_force(force).map(|()| index)
@@ -256,6 +294,28 @@ impl<S: Scalar> World<S> {
         stands.turned(crate::scalar::Accumulator::from_scalar(angle))
     }
 
+    /// The angle of a joint in whole turns and the rest, for the angles of the bodies.
+    pub(crate) fn joint_turn(&self, index: usize) -> Turn {
+        let link = self.joints.link(index);
+        link.angle(self.joints.def(index).bodies().map(|body| self.joint_angle(body, S::ZERO).to_turn()))
+    }
+
+    /// Counts whole turns of the joints of a body that was turned the shorter way from this angle.
+    pub(super) fn keep_turns(&mut self, body: BodyId, before: S::Angle) {
+        let Ok(dense) = self.bodies.find(body) else { return };
+        let turned =
+            self.bodies.columns.motion.angle[dense].to_turn().to_bits().wrapping_sub(before.to_turn().to_bits());
+        for index in self.joints.of(body.slot) {
+            let link = self.joints.link(index);
+            if link.counts_turns {
+                let to = self.joint_turn(index);
+                let is_first = link.ends[0].slot() == Some(body.slot);
+                let change = if is_first { turned.wrapping_neg() } else { turned };
+                self.joint_states.turn(index, Turn::from_bits(to.to_bits().wrapping_sub(change)), to);
+            }
+        }
+    }
+
     /// Wakes the dynamic bodies of a joint that comes, goes or changes, and lets them rest anew. What a static or kinematic body carries beside
     /// it does not feel that.
     fn touch_joined(&mut self, def: &JointDef<S>) -> Result<(), Error> {
@@ -265,6 +325,19 @@ impl<S: Scalar> World<S> {
             }
         }
         Ok(())
+    }
+
+    /// Drops the parts of the state of a joint that its kind no longer has.
+    fn fit_joint_state(&mut self, index: usize) {
+        let kind = self.joints.def(index).kind;
+        let state = &mut self.joint_states.list[index];
+        if kind.axis().is_none() && !matches!(kind, JointKind::Distance(_)) {
+            let [x, y, _] = state.impulses;
+            state.set_impulses(Impulses { values: [x, y, 0], ..state.impulses() });
+        }
+        if !kind.counts_turns() {
+            state.turns = 0;
+        }
     }
 
     /// Changes the definition of a joint, but not its ends.

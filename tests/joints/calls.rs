@@ -2,8 +2,8 @@
 
 use super::scenes::{falling, point_mass, steps};
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, BodyKind, Distance, End, Error, Event, Fx, JointDef, JointId, JointKind, Quantity,
-    World, fx, limits, vec2,
+    Attachment, BodyDef, BodyId, BodyKind, Distance, End, Error, Event, Fx, JointDef, JointId, JointKind, JointLimits,
+    JointMotor, Quantity, Revolute, World, fx, limits, vec2,
 };
 
 fn out_of_range<T>(quantity: Quantity) -> Result<T, Error> {
@@ -20,6 +20,10 @@ fn wrong_joints_are_refused() {
     let centre = |body| on(body, vec2(0, 0));
     let pin = |ends| JointDef::new(ends, JointKind::default());
     let rod = |length| JointDef::new([centre(a), centre(b)], JointKind::Distance(Distance::rod(length)));
+    let bent = |limits| {
+        let kind = JointKind::Revolute(Revolute { limits: Some(limits), ..Revolute::default() });
+        JointDef::new([centre(a), centre(b)], kind)
+    };
     let far = vec2(limits::SIZE_MAX + Fx::DELTA, fx!(0));
     let farther = vec2(limits::POSITION + Fx::DELTA, fx!(0));
     let here = End::World(vec2(0, 0));
@@ -34,6 +38,12 @@ fn wrong_joints_are_refused() {
         (rod(limits::SIZE_MIN - Fx::DELTA), out_of_range(Quantity::JointLength)),
         (rod(limits::JOINT_LENGTH + Fx::DELTA), out_of_range(Quantity::JointLength)),
         (rod(fx!(-1)), out_of_range(Quantity::JointLength)),
+        (bent(JointLimits { lower: fx!(1), upper: fx!(0.5) }), out_of_range(Quantity::JointLimits)),
+        (
+            bent(JointLimits { lower: fx!(1), upper: limits::JOINT_ANGLE + Fx::DELTA }),
+            out_of_range(Quantity::JointAngle),
+        ),
+        (bent(JointLimits::degrees(0, fx!(1e9))), out_of_range(Quantity::JointAngle)),
         (JointDef { break_force: Some(-Fx::DELTA), ..rod(fx!(1)) }, out_of_range(Quantity::BreakForce)),
     ];
     let before = world.state_hash();
@@ -52,6 +62,11 @@ fn wrong_joints_are_refused() {
     assert_eq!(world.joint(gone).map(|joint| joint.id()), Err(Error::NoSuchJoint { joint: gone }));
     assert_eq!(world.joints_of(nobody).map(drop), Err(Error::NoSuchBody { body: nobody }));
     let known = world.joints().next().expect("a joint").id();
+    assert_eq!(world.set_joint_motor(gone, None), Err(Error::NoSuchJoint { joint: gone }));
+    assert_eq!(world.set_joint_motor(known, None), Err(Error::NoMotor { joint: known }));
+    let pin = world.joints().last().expect("a joint").id();
+    let motor = JointMotor { speed: fx!(1), max_force: -Fx::DELTA };
+    assert_eq!(world.set_joint_motor(pin, Some(motor)), out_of_range(Quantity::JointForce));
     assert_eq!(world.set_joint_break(known, Some(fx!(-1))), out_of_range(Quantity::BreakForce));
     assert_eq!(
         world.set_joint_kind(known, JointKind::Distance(Distance::rod(fx!(0)))),

@@ -2,8 +2,10 @@
 
 mod scenes;
 
+mod axes;
 mod breaking;
 mod calls;
+mod crowds;
 mod motion;
 mod pairs;
 mod sleep;

@@ -4,7 +4,7 @@ use super::scenes::{bar, chain, falling, point_mass, steps};
 use crate::seeds::run_seed;
 use umbra_physics::{
     BodyDef, BodyId, Error, Fx, Irreversible, JointDef, JointKind, Owner, Random, Snapshot, Symmetry, TimeStep, Vec2,
-    World, WorldDef, fx, vec2,
+    Weld, World, WorldDef, fx, vec2,
 };
 
 fn through_bytes(world: &World) -> World {
@@ -32,7 +32,7 @@ fn a_restored_chain_goes_on_to_the_bit() {
     }
 }
 
-/// A joint takes at most 32 bytes of a snapshot beside its definition, and a revolute one 20.
+/// A joint takes at most 32 bytes of a snapshot beside its definition, and a revolute one that turns freely 20.
 #[test]
 fn the_state_of_a_joint_is_small() {
     let mut world = falling();
@@ -44,10 +44,14 @@ fn the_state_of_a_joint_is_small() {
     steps(&mut world, 1);
     // Two ends, two angles, the kind, three flags, no force, a key, data; the slot has a generation and says that it is taken.
     let definition = (17 + 25) + 16 + 1 + 3 + 1 + 16;
-    assert_eq!(size(&world) - empty, definition + 5 + 19);
+    // No limits, motor or spring, and no friction.
+    let axis = 3 + 8;
+    assert_eq!(size(&world) - empty, definition + axis + 5 + 19);
     let rod = JointDef::between(&world, None, vec2(0, 0), body, vec2(1, 0)).expect("a rod");
     world.set_joint_kind(joint, rod.kind).expect("a kind");
     assert_eq!(size(&world) - empty, definition + 8 + 5 + 11);
+    world.set_joint_kind(joint, JointKind::Weld(Weld::default())).expect("a kind");
+    assert_eq!(size(&world) - empty, definition + 1 + 5 + 29);
 }
 
 /// Bodies and joints in another order have the same motion, and so do mirrored, turned and shifted worlds.

@@ -80,7 +80,7 @@ impl Scene {
 
     fn tie(&mut self, bodies: [u32; 2]) {
         let kind = JointKind::Distance { length: fx!(2) };
-        self.joints.push(Joint { bodies, anchors: [vec2(0, 0); 2], kind, impulses: Impulses::default() });
+        self.joints.push(Joint { bodies, anchors: [vec2(0, 0); 2], kind, axis: None, impulses: Impulses::default() });
     }
 }
 

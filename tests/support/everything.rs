@@ -11,8 +11,9 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
     CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
     Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, JointDef, JointId,
-    JointKind, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part, Random, RecordOptions, Recorder, Region,
-    Shape, SpringConstants, TimeStep, World, WorldDef, fx, vec2,
+    JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part,
+    Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld, World, WorldDef, fx,
+    vec2,
 };
 
 struct Still;
@@ -126,6 +127,22 @@ fn pin() -> JointDef {
     JointDef { angles: [fx!(0.5), fx!(-0.25)], key: 3, user_data: 4, ..JointDef::new(ends, JointKind::default()) }
 }
 
+/// A pin with everything that acts on its angle.
+fn driven_pin() -> JointDef {
+    let kind = JointKind::Revolute(Revolute {
+        limits: Some(JointLimits { lower: fx!(-1), upper: fx!(1.5) }),
+        motor: Some(JointMotor { speed: fx!(2), max_force: fx!(30) }),
+        spring: Some(JointSpring { rest: fx!(0.25), max_force: Some(fx!(9)), ..JointSpring::new(fx!(2), fx!(0.5)) }),
+        friction: fx!(0.125),
+    });
+    JointDef { kind, break_force: Some(fx!(5_000)), ..pin() }
+}
+
+/// A weld of the body in slot 4 to the world.
+fn weld() -> JointDef {
+    JointDef { kind: JointKind::Weld(Weld::default()), ..pin() }
+}
+
 /// A rod between the bodies in slots 5 and 6.
 fn rod() -> JointDef {
     let [first, second] = [5, 6].map(|slot| End::Body(Attachment::centre(BodyId::from_parts(slot, 0))));
@@ -233,10 +250,17 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetMaterialPair { first: 9, second: 7, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: Some(MaterialPair::default()) },
         Command::SetMaterialPair { first: 8, second: 8, pair: None },
-        Command::AddJoint(pin()),
+        Command::AddJoint(weld()),
+        Command::AddJoint(driven_pin()),
         Command::AddJoint(JointDef { break_force: Some(fx!(2000)), ..rod() }),
-        Command::SetJointKind { joint, kind: pin().kind },
         Command::SetJointKind { joint, kind: rod().kind },
+        Command::SetJointKind { joint, kind: weld().kind },
+        Command::SetJointKind { joint, kind: driven_pin().kind },
+        Command::SetJointMotor {
+            joint: JointId::from_parts(0, 0),
+            motor: Some(JointMotor { speed: fx!(-1), max_force: fx!(2) }),
+        },
+        Command::SetJointMotor { joint: JointId::from_parts(0, 0), motor: None },
         Command::SetJointBreak { joint, force: Some(fx!(0.5)) },
         Command::SetJointBreak { joint, force: None },
         Command::EnableJoint { joint, enabled: false },
@@ -277,7 +301,7 @@ pub(crate) fn world() -> World {
     }
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
-    for joint in [pin(), rod(), pin()] {
+    for joint in [driven_pin(), rod(), pin()] {
         world.add_joint(joint).expect("a joint");
     }
     world.remove_joint(JointId::from_parts(2, 0)).expect("it is there");
@@ -328,7 +352,7 @@ pub(crate) fn places(length: usize) -> impl Iterator<Item = usize> {
 /// All commands, a few a tick: by the level itself, and by two players.
 pub(crate) fn recording() -> Vec<u8> {
     let mut world = world();
-    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 16 });
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 24 });
     for (tick, some) in commands().chunks(4).enumerate() {
         let mut inputs = Inputs::new();
         for (i, command) in some.iter().enumerate() {

@@ -3,8 +3,8 @@
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Integrator, JointDef, JointId, JointKind, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part,
-    Random, Region, Shape, SpringConstants, TimeStep, Vec2,
+    FxFactor, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
+    MaterialPair, MixRule, OneWay, Part, Random, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld,
 };
 
 use super::layouts::Value;
@@ -245,9 +245,32 @@ fn joint(value: &Value) -> JointId {
     JointId::from_parts(value["slot"].natural() as u32, value["generation"].natural() as u32)
 }
 
+fn joint_limits(value: &Value) -> JointLimits {
+    JointLimits { lower: number(&value["lower"]), upper: number(&value["upper"]) }
+}
+
+fn joint_motor(value: &Value) -> JointMotor {
+    JointMotor { speed: number(&value["speed"]), max_force: number(&value["max_force"]) }
+}
+
+fn joint_spring(value: &Value) -> JointSpring {
+    JointSpring {
+        hertz: number(&value["hertz"]),
+        damping_ratio: number(&value["damping_ratio"]),
+        rest: number(&value["rest"]),
+        max_force: value["max_force"].option().map(number),
+    }
+}
+
 fn joint_kind(value: &Value) -> JointKind {
     match value.case() {
-        "Revolute" => JointKind::default(),
+        "Revolute" => JointKind::Revolute(Revolute {
+            limits: value["limits"].option().map(joint_limits),
+            motor: value["motor"].option().map(joint_motor),
+            spring: value["spring"].option().map(joint_spring),
+            friction: number(&value["friction"]),
+        }),
+        "Weld" => JointKind::Weld(Weld { spring: value["spring"].option().map(joint_spring) }),
         "Distance" => JointKind::Distance(Distance::rod(number(&value["length"]))),
         name => panic!("kind of joint {name}"),
     }
@@ -398,6 +421,9 @@ pub(crate) fn command(value: &Value) -> Command {
         "AddJoint" => Command::AddJoint(joint_def(&value["def"])),
         "RemoveJoint" => Command::RemoveJoint(joint(&value["joint"])),
         "SetJointKind" => Command::SetJointKind { joint: joint(&value["joint"]), kind: joint_kind(&value["kind"]) },
+        "SetJointMotor" => {
+            Command::SetJointMotor { joint: joint(&value["joint"]), motor: value["motor"].option().map(joint_motor) }
+        }
         "SetJointBreak" => {
             Command::SetJointBreak { joint: joint(&value["joint"]), force: value["force"].option().map(number) }
         }

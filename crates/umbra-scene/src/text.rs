@@ -314,6 +314,7 @@ impl Scene {
             | Command::RemoveJoint(_)
             | Command::SetJointKind { .. }
             | Command::SetJointBreak { .. }
+            | Command::SetJointMotor { .. }
             | Command::EnableJoint { .. } => {}
             // All there are stand above: `tests/layers.rs` compares the lists.
             _ => {}

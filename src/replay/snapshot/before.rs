@@ -115,6 +115,7 @@ impl BeforeCalls {
             Command::RemoveJoint(joint)
             | Command::SetJointKind { joint, .. }
             | Command::SetJointBreak { joint, .. }
+            | Command::SetJointMotor { joint, .. }
             | Command::EnableJoint { joint, .. } => {
                 world.joint(*joint).into_iter().for_each(|joint| self.keep_ends(world, joint.def()));
                 self.keep_colliders(world);

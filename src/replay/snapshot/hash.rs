@@ -112,7 +112,7 @@ impl<S: Scalar> World<S> {
             let def = self.joints.def(index);
             let mut sink = StateHasher::new();
             def.map_bodies(without_handle).write(&mut sink);
-            self.joint_states.list[index].write(def.kind.for_solver(), &mut sink);
+            self.joint_states.list[index].write(&def.kind, &mut sink);
             let [first, second] = def.bodies().map(key);
             (first, second, def.key, sink.finish())
         };

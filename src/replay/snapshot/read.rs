@@ -217,7 +217,7 @@ fn read_joints(reader: &mut Reader<'_>, world: &mut World) -> Result<(), Snapsho
         let joint = if bool::read(reader)? {
             let def = JointDef::read(reader)?;
             def.check_values(&world.bodies).map_err(invalid)?;
-            Some((def, JointState::read(def.kind.for_solver(), reader)?))
+            Some((def, JointState::read(&def.kind, reader)?))
         } else {
             None
         };

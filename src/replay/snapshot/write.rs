@@ -199,7 +199,7 @@ impl<'a, S: Scalar> StateView<'a, S> {
                     def.write(out);
                     let state = &self.joint_states.list[index];
                     out.enter(Part::Name("state"));
-                    state.write(def.kind.for_solver(), out);
+                    state.write(&def.kind, out);
                     out.leave();
                 }
             });

@@ -17,13 +17,15 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::axis::Aim;
 use super::forest::Forest;
 use super::tree::{FRACTION, RESIDUAL};
 use super::{Block, FINER, LOWER};
+use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::matrix::{Inverse, Matrix};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, shifted, shifted_word};
+use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -47,17 +49,24 @@ struct LoopJoint {
     /// Elements 11, 12 and 22 of P, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity.
     inverse: [i64; 3],
     inverse_shift: i32,
-    /// γ, as a factor of mass of the block.
+    /// γ of the points and of the axis, as factors of mass of the block.
     compliance: i64,
+    axis_compliance: i64,
+    /// The inverse mass of the axis, with γ, likewise; zero while the axis has an impulse that is given.
+    axis_mass: i64,
+    /// The change of the impulse of the axis that is given.
+    given: i64,
     /// log2 of the coarsest unit of impulses of the loop over the unit of the joint.
     coarser: i32,
+    /// The residual of the points at the beginning of the pass.
+    start: [i64; 2],
     /// r, P r, the direction, and the sum of directions: the changes of impulses.
-    residual: [i64; 2],
-    preconditioned: [i64; 2],
-    direction: [i64; 2],
-    solution: [i64; 2],
+    residual: [i64; 3],
+    preconditioned: [i64; 3],
+    direction: [i64; 3],
+    solution: [i64; 3],
     /// The velocity of the rows by the direction.
-    velocity: [i64; 2],
+    velocity: [i64; 3],
 }
 
 /// All loops of a step.
@@ -76,6 +85,17 @@ pub(super) struct Loops {
 struct Loop {
     joints: Range<usize>,
     bodies: Range<usize>,
+    /// True if something acts on the axis of one of its joints.
+    has_axes: bool,
+}
+
+/// The largest number of times that a loop is solved in a pass, until no axis leaves its place.
+const ROUNDS: usize = 2;
+
+/// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
+fn divided(value: i128, divisor: i64) -> i128 {
+    let divisor = i128::from(divisor);
+    value.signum() * ((2 * value.abs() + divisor) / (2 * divisor))
 }
 
 /// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
@@ -133,7 +153,8 @@ impl Loops {
                 }
                 joints.push(joint);
             }
-            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len() });
+            let has_axes = blocks[range.clone()].iter().any(|block| block.axis.is_some());
+            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_axes });
         }
         self.factor(blocks, soft);
     }
@@ -153,21 +174,84 @@ impl Loops {
         let Self { joints, moved, loops, .. } = self;
         let first = blocks.len() - joints.len();
         let mut cut = 0;
-        for Loop { joints: range, bodies } in loops.iter() {
+        for Loop { joints: range, bodies, has_axes } in loops.iter() {
             let blocks = &mut blocks[first..][range.clone()];
             let joints = &mut joints[range.clone()];
             let bodies = bodies.clone();
             for (joint, block) in joints.iter_mut().zip(&*blocks) {
                 joint.begin(block, rows, soft, is_biased);
             }
-            iterate(joints, blocks, moved, bodies);
+            if *has_axes {
+                for block in blocks.iter_mut() {
+                    block.begin_axis(rows, if is_biased { Some(soft.rate.into()) } else { None });
+                }
+                for _ in 0..ROUNDS {
+                    give(joints, blocks, rows, soft, moved, bodies.clone());
+                    iterate(joints, blocks, moved, bodies.clone());
+                    if !revise_axes(joints, blocks, rows, moved, bodies.clone()) {
+                        break;
+                    }
+                }
+            } else {
+                iterate(joints, blocks, moved, bodies);
+            }
             for (joint, block) in joints.iter().zip(blocks) {
-                let [first, second] = joint.solution;
-                let changes = [lowered(first.into(), FINER_STILL), lowered(second.into(), FINER_STILL)];
+                let changes = joint.solution.map(|solution| lowered(solution.into(), FINER_STILL));
                 cut += block.change(changes) + block.give_gains(rows);
             }
         }
         cut
+    }
+}
+
+/// Begins the iterations: sets the aims of axes, and gives the impulses of axes that do not follow from velocities.
+fn give(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    rows: &Rows,
+    soft: &SoftRow,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) {
+    for (joint, block) in joints.iter_mut().zip(blocks) {
+        joint.set_aim(block, rows, soft);
+    }
+    move_by(joints, blocks, moved, bodies);
+    for (joint, block) in joints.iter_mut().zip(blocks) {
+        joint.begin_round(block);
+    }
+}
+
+/// Moves axes on that have left their places. Returns true if there is one.
+fn revise_axes(
+    joints: &mut [LoopJoint],
+    blocks: &mut [Block],
+    rows: &Rows,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) -> bool {
+    for joint in joints.iter_mut() {
+        joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
+    }
+    move_by(joints, blocks, moved, bodies);
+    let mut have_left = false;
+    for (joint, block) in joints.iter().zip(blocks).filter(|(_, block)| block.axis.is_some()) {
+        let gives = joint.gives(block, 2);
+        let push = lowered(joint.solution[2].into(), FINER_STILL);
+        have_left |= block.revise_axis(rows, joint.velocity[2] - gives, push);
+    }
+    have_left
+}
+
+/// Finds the velocities of all rows by the directions.
+#[inline(always)]
+fn move_by(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
+    moved[bodies].fill([0; 3]);
+    for (joint, block) in joints.iter().zip(blocks) {
+        joint.move_bodies(block, moved);
+    }
+    for (joint, block) in joints.iter_mut().zip(blocks) {
+        joint.set_velocity(block, moved);
     }
 }
 
@@ -179,13 +263,7 @@ fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], b
         if square <= 0 {
             return;
         }
-        moved[bodies.clone()].fill([0; 3]);
-        for (joint, block) in joints.iter().zip(blocks) {
-            joint.move_bodies(block, moved);
-        }
-        for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.set_velocity(block, moved);
-        }
+        move_by(joints, blocks, moved, bodies.clone());
         let along: i128 = joints.iter().map(|joint| joint.product(joint.velocity, joint.direction)).sum();
         if along <= 0 {
             return;
@@ -197,8 +275,8 @@ fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], b
         if iteration == ITERATIONS {
             return;
         }
-        for joint in joints.iter_mut() {
-            joint.lower_residual(step);
+        for (joint, block) in joints.iter_mut().zip(blocks) {
+            joint.lower_residual(block, step);
         }
         let next = joints.iter().map(|joint| joint.product(joint.residual, joint.preconditioned)).sum();
         let kept = quotient(i128::max(next, 0), square);
@@ -225,7 +303,7 @@ impl LoopJoint {
     /// Sets P and γ.
     fn invert(&mut self, block: &Block, compliance: i32) {
         let element = |i: usize, j: usize| block.element(0, i, j) + block.element(1, i, j);
-        let has_two_rows = block.count == 2;
+        let has_two_rows = block.length.is_none();
         let k11 = element(0, 0);
         let (k12, k22) = if has_two_rows { (element(0, 1), element(1, 1)) } else { (0, k11) };
         self.compliance = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
@@ -255,25 +333,86 @@ impl LoopJoint {
             }
             self.residual[row] = -within(sum, RESIDUAL);
         }
-        self.solution = [0; 2];
-        self.precondition();
+        let [first, second, _] = self.residual;
+        (self.start, self.residual[2]) = ([first, second], 0);
+        (self.axis_mass, self.given) = (0, 0);
+        self.solution = [0; 3];
+        self.precondition(block);
+        self.direction = self.preconditioned;
+    }
+
+    /// Sets the aim of the axis in a round, and takes the impulse that is given as the direction.
+    fn set_aim(&mut self, block: &Block, rows: &Rows, soft: &SoftRow) {
+        (self.axis_mass, self.axis_compliance, self.given) = (0, 0, 0);
+        let [first, second] = self.start;
+        self.residual = [first, second, 0];
+        if let (Some(aim), Some(axis)) = (block.aim(rows), &block.axis) {
+            let mass = block.element(0, 2, 2) + block.element(1, 2, 2);
+            let bits = block.mass_bits + FINER - FRACTION;
+            match aim {
+                Aim::Velocity { velocity, gives_way } => {
+                    self.axis_compliance = lowered(mass * i128::from(soft.compliance), 30) as i64;
+                    let mut sum = i128::from(shifted_word(velocity, 30 - FRACTION));
+                    if gives_way {
+                        sum += shifted(i128::from(self.axis_compliance) * i128::from(block.impulses[2]), bits);
+                    }
+                    self.residual[2] = -within(sum, RESIDUAL);
+                    self.axis_mass = mass as i64 + self.axis_compliance;
+                }
+                Aim::Impulse { change, is_elastic } => {
+                    // A spring that gives way by more than 2^8 times the inverse mass has no damping to speak of.
+                    let scale = block.mass_exponent + block.mass_bits + FINER;
+                    let softness = if axis.damping.is_zero() { None } else { Some(FxFactor::ONE.over(axis.damping)) };
+                    let softness = softness.filter(|&softness| is_elastic && exponent(softness) + scale < 54);
+                    match softness {
+                        Some(softness) => {
+                            self.axis_compliance = fixed(softness, scale);
+                            let sum = shifted(i128::from(self.axis_compliance) * i128::from(change), bits);
+                            self.residual[2] = within(sum, RESIDUAL);
+                            self.axis_mass = mass as i64 + self.axis_compliance;
+                        }
+                        None => self.given = within(i128::from(change) << FINER_STILL, DIRECTION),
+                    }
+                }
+            }
+        }
+        self.direction = [0, 0, self.given];
+    }
+
+    /// Begins a round, once the velocities by given impulses are known.
+    fn begin_round(&mut self, block: &Block) {
+        for row in 0..3 {
+            if row < 2 || self.axis_mass > 0 {
+                let residual = i128::from(self.residual[row]) - i128::from(self.velocity[row]);
+                self.residual[row] = within(residual, RESIDUAL);
+            }
+        }
+        self.solution = [0, 0, self.given];
+        self.precondition(block);
         self.direction = self.preconditioned;
     }
 
     /// P r
     #[inline(always)]
-    fn precondition(&mut self) {
+    fn precondition(&mut self, block: &Block) {
         let [e11, e12, e22] = self.inverse.map(i128::from);
-        let [x, y] = self.residual.map(i128::from);
+        let [x, y, turn] = self.residual.map(i128::from);
         let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
-        self.preconditioned = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+        let [x, y] = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+        let mut third = 0;
+        if self.axis_mass > 0 {
+            // Below 2^36 · 2^62.
+            let up = block.mass_bits + FINER + FINER_STILL - FRACTION;
+            third = within(divided(turn << up, self.axis_mass), DIRECTION);
+        }
+        self.preconditioned = [x, y, third];
     }
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
     #[inline(always)]
-    fn product(&self, velocity: [i64; 2], impulse: [i64; 2]) -> i128 {
+    fn product(&self, velocity: [i64; 3], impulse: [i64; 3]) -> i128 {
         let product = |row: usize| i128::from(velocity[row]) * i128::from(impulse[row]);
-        (product(0) + product(1)) >> self.coarser.min(127)
+        (product(0) + product(1) + product(2)) >> self.coarser.min(127)
     }
 
     /// Adds the effect of the direction on the bodies.
@@ -314,17 +453,23 @@ impl LoopJoint {
         for row in 0..block.count {
             let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
             let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
-            let gives = i128::from(self.compliance) * i128::from(self.direction[row]);
-            let sum =
-                lowered(sum, 30 + MOVED - FRACTION) + shifted(gives, block.mass_bits + FINER + FINER_STILL - FRACTION);
+            let sum = lowered(sum, 30 + MOVED - FRACTION) + i128::from(self.gives(block, row));
             self.velocity[row] = within(sum, RESIDUAL);
         }
+    }
+
+    /// The velocity by which a row gives way to the direction.
+    #[inline(always)]
+    fn gives(&self, block: &Block, row: usize) -> i64 {
+        let compliance = if row == 2 { self.axis_compliance } else { self.compliance };
+        let gives = i128::from(compliance) * i128::from(self.direction[row]);
+        within(shifted(gives, block.mass_bits + FINER + FINER_STILL - FRACTION), RESIDUAL)
     }
 
     /// Goes a step along the direction.
     #[inline(always)]
     fn advance(&mut self, step: i64) {
-        for row in 0..2 {
+        for row in 0..3 {
             let solution = i128::from(self.solution[row]) + multiple(self.direction[row], step);
             self.solution[row] = within(solution, SOLUTION);
         }
@@ -332,18 +477,20 @@ impl LoopJoint {
 
     /// Takes the part of a step off the residual.
     #[inline(always)]
-    fn lower_residual(&mut self, step: i64) {
-        for row in 0..2 {
-            let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
-            self.residual[row] = within(residual, RESIDUAL);
+    fn lower_residual(&mut self, block: &Block, step: i64) {
+        for row in 0..3 {
+            if row < 2 || self.axis_mass > 0 {
+                let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
+                self.residual[row] = within(residual, RESIDUAL);
+            }
         }
-        self.precondition();
+        self.precondition(block);
     }
 
     /// Turns to the next direction.
     #[inline(always)]
     fn turn(&mut self, kept: i64) {
-        for row in 0..2 {
+        for row in 0..3 {
             let direction = i128::from(self.preconditioned[row]) + multiple(self.direction[row], kept);
             self.direction[row] = within(direction, DIRECTION);
         }

@@ -181,6 +181,13 @@ impl Joints {
         }
     }
 
+    /// Begins a sub-step, before bodies take up the changes of their free flight.
+    pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
+        for block in self.blocks.iter_mut().filter(|block| block.axis.is_some()) {
+            block.set_start(rows, is_first);
+        }
+    }
+
     /// The passes of a sub-step before the contacts are solved. Returns the number of values that were cut off.
     #[inline(always)]
     pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
@@ -236,8 +243,7 @@ impl Joints {
         }
         for block in &self.blocks {
             let joint = &mut joints[block.joint as usize];
-            let [first, second] = block.impulses;
-            joint.impulses = Impulses { values: [first, second, 0], exponent: block.exponent };
+            joint.impulses = Impulses { values: block.values(), exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
             for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {

@@ -1,5 +1,6 @@
 //! Joints against doubles, closed forms and their own mirror images.
 
+mod axes;
 mod cases;
 mod exact;
 mod forest;

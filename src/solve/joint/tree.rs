@@ -37,6 +37,7 @@
 //!
 //! Every shift of a value that changes its sign in a mirror rounds to nearest, halves away from zero; formulas are symmetric in x and y.
 
+mod angle;
 mod node;
 mod symmetric;
 
@@ -82,6 +83,9 @@ const IMPULSE: i128 = 1 << 60;
 /// ropes on a floor shake.
 const RATE: i64 = 107_374_182;
 
+/// The largest number of times that a tree is solved in a pass, until no axis leaves its place.
+const ROUNDS: usize = 2;
+
 /// The compliance of a joint over its inverse mass, as minus log2; and in trees among other constraints, under heavy loads.
 const COMPLIANCE: i32 = 11;
 const LOADED_COMPLIANCE: i32 = 7;
@@ -100,6 +104,8 @@ struct Tree {
     nodes: Range<usize>,
     /// True if one of its bodies is in a contact.
     touches: bool,
+    /// True if something acts on the axis of one of its joints.
+    has_axes: bool,
 }
 
 impl Trees {
@@ -130,10 +136,11 @@ impl Trees {
         for range in &forest.trees {
             let is_loaded =
                 forest.places[range.clone()].iter().any(|place| place.body != NONE && is_loaded(place.body));
-            trees.push(Tree { nodes: range.clone(), touches: false });
             set_units(nodes, range.start, range.end - 1);
             let bits = if is_loaded { LOADED_COMPLIANCE } else { COMPLIANCE };
             set_joints(nodes, range.start, range.end - 1, blocks, bits);
+            let has_axes = nodes[range.clone()].iter().any(|node| node.angle.is_some());
+            trees.push(Tree { nodes: range.clone(), touches: false, has_axes });
         }
         for tree in input.contacts.iter().flat_map(|contact| contact.bodies).filter_map(|body| forest.tree_of(body)) {
             trees[tree].touches = true;
@@ -144,17 +151,7 @@ impl Trees {
     /// Finds the matrices where the bodies are.
     #[inline(always)]
     pub(super) fn factor(&mut self, blocks: &[Block]) {
-        for node in &mut self.nodes {
-            node.begin(blocks);
-        }
-        for index in 0..self.nodes.len() {
-            let (before, after) = self.nodes.split_at_mut(index + 1);
-            let node = &mut before[index];
-            node.factor();
-            if node.parent != NONE {
-                node.join(&mut after[node.parent as usize - index - 1]);
-            }
-        }
+        factor(&mut self.nodes, 0, blocks);
     }
 
     /// Changes the impulses of the joints of trees by a pass. The relax pass is for trees that touch other bodies: an exact solution leaves
@@ -169,24 +166,100 @@ impl Trees {
             for node in nodes.iter_mut() {
                 node.begin_pass(blocks, rows, is_biased);
             }
-            for index in 0..nodes.len() - 1 {
-                let (before, after) = nodes.split_at_mut(index + 1);
-                let node = &mut before[index];
-                let impulse = node.pass_down();
-                after[node.parent as usize - begin - index - 1].take(impulse, node.joint_unit, node.parent_point);
-            }
-            let centre = nodes.len() - 1;
-            nodes[centre].pass_down();
-            nodes[centre].turn_back();
-            for index in (0..centre).rev() {
-                let (before, after) = nodes.split_at_mut(index + 1);
-                let parent = &after[before[index].parent as usize - begin - index - 1];
-                before[index].pass_up(parent.velocity, parent.spin);
+            if tree.has_axes {
+                begin_axes(nodes, blocks, rows, is_biased);
+                for _ in 0..ROUNDS {
+                    if set_aims(nodes, blocks, rows) {
+                        factor(nodes, begin, blocks);
+                    }
+                    eliminate(nodes, begin);
+                    if !revise_axes(nodes, blocks, rows) {
+                        break;
+                    }
+                }
+            } else {
+                eliminate(nodes, begin);
             }
             cut += push(nodes, blocks, rows);
         }
         cut
     }
+}
+
+/// Finds the matrices of nodes, of which the first one has the number `begin`.
+#[inline(always)]
+fn factor(nodes: &mut [Node], begin: usize, blocks: &[Block]) {
+    for node in nodes.iter_mut() {
+        node.begin(blocks);
+    }
+    for index in 0..nodes.len() {
+        let (before, after) = nodes.split_at_mut(index + 1);
+        let node = &mut before[index];
+        node.factor();
+        if node.parent != NONE {
+            node.join(&mut after[node.parent as usize - begin - index - 1]);
+        }
+    }
+}
+
+/// Solves a tree: from the leaves to the centre and back.
+#[inline(always)]
+fn eliminate(nodes: &mut [Node], begin: usize) {
+    for node in nodes.iter_mut() {
+        (node.f, node.torque) = ([0; 2], 0);
+    }
+    for index in 0..nodes.len() - 1 {
+        let (before, after) = nodes.split_at_mut(index + 1);
+        let node = &mut before[index];
+        let (impulse, torque) = node.pass_down();
+        let parent = &mut after[node.parent as usize - begin - index - 1];
+        parent.take(impulse, node.joint_unit, node.parent_point);
+        if let Some(angle) = &node.angle {
+            parent.take_torque(angle, torque, node.joint_unit);
+        }
+    }
+    let centre = nodes.len() - 1;
+    nodes[centre].pass_down();
+    nodes[centre].turn_back();
+    for index in (0..centre).rev() {
+        let (before, after) = nodes.split_at_mut(index + 1);
+        let parent = &after[before[index].parent as usize - begin - index - 1];
+        before[index].pass_up(parent.velocity, parent.spin);
+    }
+}
+
+/// Begins a pass of all axes.
+fn begin_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows, is_biased: bool) {
+    for node in nodes.iter().filter(|node| node.angle.is_some()) {
+        blocks[node.block as usize].begin_axis(rows, if is_biased { Some(RATE) } else { None });
+    }
+}
+
+/// Sets the aims of axes in a round. Returns true if the matrices change by it.
+fn set_aims(nodes: &mut [Node], blocks: &[Block], rows: &Rows) -> bool {
+    let mut have_changed = false;
+    for node in nodes {
+        have_changed |= node.set_aim(blocks, rows);
+    }
+    have_changed
+}
+
+/// Moves axes on that have left their places. Returns true if there is one.
+fn revise_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows) -> bool {
+    let mut have_left = false;
+    for (index, node) in nodes.iter().enumerate() {
+        let Some(angle) = node.angle else { continue };
+        let (mut push, mut change, mut bits) = (i128::from(angle.push), angle.change, node.push_shift);
+        if node.is_half {
+            let Some(second) = nodes[index + 1].angle else { continue };
+            // Halves turn and push in opposite directions.
+            (push, change, bits) = (push - i128::from(second.push), change - second.change, bits + 1);
+        }
+        let sign = if node.side == 0 { -1 } else { 1 };
+        have_left |=
+            blocks[node.block as usize].revise_axis(rows, sign * change, i128::from(sign) * shifted(push, bits));
+    }
+    have_left
 }
 
 /// Units from the centre, the node `centre`, to the leaves.
@@ -222,7 +295,8 @@ fn set_joints(nodes: &mut [Node], begin: usize, centre: usize, blocks: &[Block],
 fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
     let mut cut = 0;
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
-        let mut push = [i128::from(node.push[0]), i128::from(node.push[1])];
+        let angle_push = |node: &Node| node.angle.map_or(0, |angle| i128::from(angle.push));
+        let mut push = [i128::from(node.push[0]), i128::from(node.push[1]), angle_push(node)];
         let mut bits = node.push_shift;
         if node.is_half {
             let second = &nodes[index + 1];
@@ -231,12 +305,13 @@ fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
                 continue;
             }
             // The mean of both halves of the joint.
-            push = [push[0] - i128::from(second.push[0]), push[1] - i128::from(second.push[1])];
+            let [x, y] = second.push.map(i128::from);
+            push = [push[0] - x, push[1] - y, push[2] - angle_push(second)];
             bits += 1;
         }
         let sign = if node.side == 0 { -1 } else { 1 };
         let block = &mut blocks[node.block as usize];
-        cut += block.change([sign * shifted(push[0], bits), sign * shifted(push[1], bits)]) + block.give_gains(rows);
+        cut += block.change(push.map(|part| sign * shifted(part, bits))) + block.give_gains(rows);
     }
     cut
 }

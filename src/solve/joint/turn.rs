@@ -5,7 +5,7 @@ use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
 use crate::solve::motion::{Rows, Vector};
-use crate::solve::number::{lowered, shifted};
+use crate::solve::number::{lowered, shifted, shifted_word};
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
 const LARGEST_ANGLE: i64 = 107_374_182;
@@ -103,7 +103,12 @@ impl Block {
             }
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
-        for row in 0..self.count {
+        if let Some(axis) = &mut self.axis {
+            let [across_a, across_b] = self.crosses[2];
+            // Each below 2^61.
+            axis.set_way(shifted_word(across_b * i64::from(moved[1][2]) - across_a * i64::from(moved[0][2]), 30));
+        }
+        for row in 0..self.count.min(2) {
             self.crosses[row] = [0, 1].map(|k| self.sides[k].across(self.axes[row]));
         }
         u64::from(self.errors != wanted)

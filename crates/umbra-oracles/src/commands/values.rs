@@ -3,7 +3,8 @@
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, JointDef,
-    JointId, JointKind, Locks, Mass, MaterialPair, Random, Shape, TimeStep, Vec2, WorldDef, fx, limits,
+    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Random, Revolute, Shape,
+    TimeStep, Vec2, Weld, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -71,9 +72,40 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         }
     }
 
+    fn optional_joint_motor(&mut self) -> Option<JointMotor> {
+        let has_motor = self.choices.choose(4) > 0;
+        has_motor.then(|| JointMotor {
+            speed: self.number([fx!(-8), fx!(8)], [-limits::ANGULAR_SPEED, limits::ANGULAR_SPEED]),
+            max_force: self.number([fx!(0), fx!(50)], [fx!(0), Fx::MAX]),
+        })
+    }
+
     fn joint_kind(&mut self) -> JointKind {
-        if self.choices.one_in(2) {
-            return JointKind::default();
+        let spring = |source: &mut Self| {
+            let hertz = source.number([fx!(0), fx!(6)], [fx!(0), fx!(1_000_000)]);
+            let damping_ratio = source.number([fx!(0), fx!(1)], [fx!(0), fx!(1024)]);
+            let rest = source.signed(fx!(2), limits::JOINT_ANGLE);
+            let max_force = if source.choices.one_in(2) { None } else { Some(source.not_negative(fx!(50), Fx::MAX)) };
+            JointSpring { hertz, damping_ratio, rest, max_force }
+        };
+        match self.choices.choose(8) {
+            0..2 => return JointKind::default(),
+            2 => {
+                let spring = if self.choices.one_in(2) { Some(spring(self)) } else { None };
+                return JointKind::Weld(Weld { spring });
+            }
+            3..6 => {
+                let has_limits = self.choices.one_in(2);
+                let [first, second] = [(); 2].map(|()| self.signed(fx!(2), limits::JOINT_ANGLE));
+                let limits = JointLimits { lower: first.min(second), upper: first.max(second) };
+                return JointKind::Revolute(Revolute {
+                    limits: has_limits.then_some(limits),
+                    motor: self.optional_joint_motor(),
+                    spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
+                    friction: self.not_negative(fx!(2), Fx::MAX),
+                });
+            }
+            _ => {}
         }
         JointKind::Distance(Distance::rod(self.number([fx!(0.25), fx!(8)], [limits::SIZE_MIN, limits::JOINT_LENGTH])))
     }

@@ -9,6 +9,7 @@ use crate::cases::run_seed;
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
+use crate::solve::joint::{Axis, AxisSpring};
 use crate::solve::{Correction, Flight, Impulses, JointKind, Solver, Velocity};
 
 /// A mirror image (x to −x) or a quarter turn counter-clockwise.
@@ -85,13 +86,20 @@ impl Image {
     }
 
     fn impulses(self, kind: JointKind, impulses: Impulses) -> Impulses {
-        let [first, second, _] = impulses.values;
+        let [first, second, third] = impulses.values;
         match kind {
             JointKind::Revolute => {
                 let [x, y] = self.vector([first, second]);
-                Impulses { values: [x, y, 0], ..impulses }
+                Impulses { values: [x, y, self.angle(third)], ..impulses }
             }
             JointKind::Distance { .. } => impulses,
+        }
+    }
+
+    fn axis(self, axis: &Axis) -> Axis {
+        match self {
+            Self::Mirror => reversed(axis),
+            Self::Turn => *axis,
         }
     }
 
@@ -101,6 +109,7 @@ impl Image {
         for joint in &mut image.joints {
             joint.anchors = joint.anchors.map(|anchor| self.pair(anchor));
             joint.impulses = self.impulses(joint.kind, joint.impulses);
+            joint.axis = joint.axis.as_ref().map(|axis| self.axis(axis));
         }
         for contact in &mut image.contacts {
             contact.normal = self.vector(contact.normal);
@@ -120,6 +129,17 @@ impl Image {
     }
 }
 
+/// An axis in the opposite direction.
+fn reversed(axis: &Axis) -> Axis {
+    Axis {
+        position: -axis.position,
+        limits: axis.limits.map(|[lower, upper]| [-upper, -lower]),
+        motor_speed: -axis.motor_speed,
+        spring: axis.spring.map(|spring| AxisSpring { rest: -spring.rest, ..spring }),
+        ..*axis
+    }
+}
+
 /// Scenes with and without fixed bodies, trees and loops of joints, with contacts in half of them, and with hard masses in every third.
 fn scenes(seed: u64, count: usize) -> Vec<Scene> {
     let mut random = Random::seeded(run_seed(seed));
@@ -129,6 +149,9 @@ fn scenes(seed: u64, count: usize) -> Vec<Scene> {
             let mut scene = Scene::random(&mut random, [12, i % 3], 5 + i % 15, contacts);
             if i % 3 == 1 {
                 scene.make_hard(&mut random);
+            }
+            if i % 4 > 1 {
+                scene.add_axes(&mut random);
             }
             scene
         })
@@ -161,6 +184,7 @@ fn bodies_of_a_joint_in_either_order_keep_the_bits() {
             joint.bodies.reverse();
             joint.anchors.reverse();
             joint.impulses = swapped_impulses(joint.kind, joint.impulses);
+            joint.axis = joint.axis.as_ref().map(reversed);
         }
         let kinds = scene.joints.iter().map(|joint| joint.kind);
         let expected = kinds.zip(&impulses).map(|(kind, &values)| swapped_impulses(kind, values)).collect();

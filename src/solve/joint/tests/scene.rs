@@ -5,6 +5,7 @@ use alloc::vec::Vec;
 use super::world::{fx, inverse, vec2};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::FxFactor;
+use crate::solve::joint::{Axis, AxisSpring};
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
 
 /// A number from −1 to 1.
@@ -68,7 +69,7 @@ impl Scene {
             let anchors = [(); 2].map(|()| vec2([0.5 * signed(random), 0.5 * signed(random)]));
             let is_warm = signed(random) > 0.0;
             let kind = JointKind::Distance { length: fx(1.0) };
-            let mut joint = Joint { bodies: ends, anchors, kind, impulses: impulses(random, is_warm) };
+            let mut joint = Joint { bodies: ends, anchors, kind, axis: None, impulses: impulses(random, is_warm) };
             let [x, y] = joint.offset(&scene.flights).map(|c| c as f64 / 2f64.powi(32));
             if signed(random) > 0.0 {
                 joint.kind = JointKind::Distance { length: fx(x.hypot(y) + 0.02 * signed(random)) };
@@ -135,6 +136,40 @@ impl Scene {
                 _ => {}
             }
             flight.radius = fx(0.75 * 16f64.powf(signed(random)).max(1.0));
+        }
+    }
+
+    /// Gives most revolute joints an axis with limits, a motor, friction and a spring, each in half of them.
+    pub(super) fn add_axes(&mut self, random: &mut Random) {
+        for joint in self.joints.iter_mut().filter(|joint| matches!(joint.kind, JointKind::Revolute)) {
+            let mut any = || signed(random) > 0.0;
+            let [has_limits, is_locked, has_motor, has_friction, has_spring] = [(); 5].map(|()| any());
+            let mut value = |size: f64| size * signed(random);
+            let position = value(0.5);
+            let middle = position + value(0.2);
+            let size = if is_locked { 0.0 } else { value(0.2).abs() };
+            let spring = AxisSpring {
+                frequency: fx(value(6.0).abs()),
+                damping_ratio: fx(value(2.0).abs()),
+                rest: fx(value(0.5)),
+                max_force: fx(if is_locked { 2.0 } else { 2000.0 }),
+            };
+            joint.axis = Some(Axis {
+                position: fx(position),
+                limits: has_limits.then(|| [fx(middle - size), fx(middle + size)]),
+                motor_speed: fx(value(5.0)),
+                motor_force: fx(if has_motor { value(20.0).abs() } else { 0.0 }),
+                friction: fx(if has_friction { value(2.0).abs() } else { 0.0 }),
+                spring: has_spring.then_some(spring),
+            });
+            if joint.impulses != Impulses::default() {
+                joint.impulses.values[2] = (signed(random) * 2f64.powi(22)) as i64;
+            }
+        }
+        // A body that cannot turn has at least the radius of the other one.
+        let largest = self.flights.iter().map(|flight| flight.radius).max().unwrap_or_default();
+        for flight in self.flights.iter_mut().filter(|flight| flight.inverse_inertia.is_zero()) {
+            flight.radius = largest;
         }
     }
 

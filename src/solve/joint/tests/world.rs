@@ -6,6 +6,7 @@ use alloc::vec::Vec;
 use crate::fx::Fx;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor};
+use crate::solve::joint::Axis;
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
 
 /// The nearest multiple of 2^-32.
@@ -97,6 +98,10 @@ pub(super) struct Link {
     pub(super) points: [[f64; 2]; 2],
     /// `None`: a revolute joint.
     pub(super) length: Option<f64>,
+    /// The axis of the angle from the first body to the second; its position is set in each step.
+    pub(super) axis: Option<Axis>,
+    /// The angle at the start.
+    pub(super) start_angle: f64,
     pub(super) impulses: Impulses,
 }
 
@@ -133,12 +138,31 @@ impl World {
             let radius = &mut self.bodies[body].radius;
             *radius = radius.max(point[0].hypot(point[1]));
         }
-        self.links.push(Link { bodies: [a, b], points, length, impulses: Impulses::default() });
+        let start_angle = self.bodies[b].angle - self.bodies[a].angle;
+        self.links.push(Link {
+            bodies: [a, b],
+            points,
+            length,
+            axis: None,
+            start_angle,
+            impulses: Impulses::default(),
+        });
     }
 
     /// A revolute joint at a point of the world.
     pub(super) fn pin(&mut self, a: usize, b: usize, at: [f64; 2]) {
         self.link(a, b, [at; 2], None);
+    }
+
+    /// The last joint gets an axis.
+    pub(super) fn set_axis(&mut self, axis: Axis) {
+        self.links.last_mut().expect("a joint").axis = Some(axis);
+    }
+
+    /// The angle of a joint since it was made.
+    pub(super) fn angle(&self, link: usize) -> f64 {
+        let Link { bodies: [a, b], start_angle, .. } = self.links[link];
+        self.bodies[b].angle - self.bodies[a].angle - start_angle
     }
 
     /// A rod between two points of the world.
@@ -171,7 +195,10 @@ impl World {
         let anchor = |k: usize| vec2(rotated(self.bodies[link.bodies[k]].angle, link.points[k]));
         let kind = link.length.map_or(JointKind::Revolute, |length| JointKind::Distance { length: fx(length) });
         let bodies = link.bodies.map(|body| body as u32);
-        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, impulses: link.impulses }
+        let [a, b] = link.bodies;
+        let position = fx(self.bodies[b].angle - self.bodies[a].angle - link.start_angle);
+        let axis = link.axis.map(|axis| Axis { position, ..axis });
+        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, axis, impulses: link.impulses }
     }
 
     /// The two lowest corners of a box near the floor, which is body 0.

@@ -1,5 +1,6 @@
 //! Nodes of trees: matrices and pushes on the way to the centre and back.
 
+use super::angle::AngleRow;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, scaled, to_impulse, turned, within};
 use super::{
     COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
@@ -25,6 +26,10 @@ pub(super) struct Node {
     pub(super) is_rod: bool,
     /// True if the parent is the middle of the joint.
     pub(super) is_half: bool,
+    /// log2 of the length of the body, m.
+    pub(super) length: i32,
+    /// The axis of the joint, if something acts on it.
+    pub(super) angle: Option<AngleRow>,
     /// log2 of the units of mass of the node and of the joint, kg.
     pub(super) unit: i32,
     pub(super) joint_unit: i32,
@@ -84,6 +89,7 @@ impl Node {
         };
         if node.is_body {
             let flight = &flights[place.body as usize];
+            node.length = length(place.body);
             let Flight { inverse_mass, inverse_inertia, .. } = flight;
             let Vec2 { x, y } = *inverse_mass;
             // An axis that is locked has the mass of the other one.
@@ -97,7 +103,7 @@ impl Node {
                 [(0, x), (1, y)].map(|(axis, inverse)| masses[axis] << if inverse.is_zero() { LOCKED } else { 0 });
             if !inverse_inertia.is_zero() {
                 let inertia = FxFactor::ONE.over(*inverse_inertia);
-                let up = -node.unit - 2 * length(place.body);
+                let up = -node.unit - 2 * node.length;
                 let [smallest, largest] = INERTIA;
                 let is_large = exponent(inertia) + up > bits_of(largest);
                 node.inertia = if is_large { largest } else { fixed(inertia, up).clamp(smallest, largest) };
@@ -131,6 +137,7 @@ impl Node {
         self.is_rod = block.length.is_some();
         self.give_shift = SOFT + self.joint_unit - block.mass_exponent - FRACTION;
         self.push_shift = block.mass_exponent - self.joint_unit - COARSER;
+        self.angle = AngleRow::new(block, self, opposite);
     }
 
     /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
@@ -152,15 +159,19 @@ impl Node {
         if !self.is_body && self.parent != NONE {
             let spring = Reciprocal::new(self.compliance).times(1 << 60, SOFT - 60) as i64;
             (self.spring, self.rod_spring) = (Symmetric::isotropic(spring), spring);
+            self.factor_angle(0);
             return;
         }
         let mut e = self.a;
+        let mut c_alone = 0;
         (self.t, self.turn) = ([0; 2], Reciprocal::new(0));
-        if self.inertia != 0 {
+        // The middle of a joint turns if something acts on its axis.
+        if self.inertia != 0 || !self.is_body && self.c > 0 {
             let [x, y] = self.a.lowered_times(self.point, UNIT);
             let b = [self.b[0] - x, self.b[1] - y];
-            let c = self.c - lowered(dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]), UNIT) as i64;
-            self.turn = Reciprocal::new(c);
+            c_alone = self.c - lowered(dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]), UNIT) as i64;
+            let stiffness = self.angle.map_or(0, |angle| angle.on_node(self.unit - self.joint_unit));
+            self.turn = Reciprocal::new(c_alone + stiffness);
             let t = [0, 1].map(|i| within(self.turn.times(b[i], RATIO), IMPULSE));
             self.t = t;
             e.xx -= lowered(product(b[0], t[0]), RATIO) as i64;
@@ -176,6 +187,16 @@ impl Node {
             self.factor_rod(&e);
         } else {
             self.spring = e.softened(self.compliance);
+            self.factor_angle(c_alone);
+        }
+    }
+
+    /// Finds the terms of the axis for the parent.
+    #[inline(always)]
+    fn factor_angle(&mut self, c: i64) {
+        if let Some(mut angle) = self.angle {
+            angle.factor(c, self.turn, self);
+            self.angle = Some(angle);
         }
     }
 
@@ -214,12 +235,18 @@ impl Node {
         parent.a = parent.a.plus(spring);
         parent.b = [parent.b[0] + moment[0], parent.b[1] + moment[1]];
         parent.c += lowered(dot(self.parent_point, moment), UNIT) as i64;
+        if let Some(angle) = &self.angle {
+            let (b, c) = angle.terms(self);
+            let down = parent.unit - self.joint_unit;
+            let [x, y] = b.map(|part| shifted_word(part, down));
+            parent.b = [parent.b[0] + x, parent.b[1] + y];
+            parent.c += shifted_word(c, down);
+        }
     }
 
     /// Begins a pass: the residual of the node against its parent.
     #[inline(always)]
     pub(super) fn begin_pass(&mut self, blocks: &[Block], rows: &Rows, is_biased: bool) {
-        (self.f, self.torque) = ([0; 2], 0);
         if self.parent == NONE {
             return;
         }
@@ -236,19 +263,30 @@ impl Node {
         }
     }
 
+    /// Sets the aim of the axis of the joint to the parent in a pass. Returns true if the matrices change by it.
+    pub(super) fn set_aim(&mut self, blocks: &[Block], rows: &Rows) -> bool {
+        let Some(mut angle) = self.angle else { return false };
+        let block = &blocks[self.block as usize];
+        let impulse = block.impulses[2];
+        let has_changed = block.aim(rows).is_some_and(|aim| angle.set_aim(aim, impulse, self));
+        self.angle = Some(angle);
+        has_changed
+    }
+
     /// The velocity by which the joint gives way to an impulse.
     #[inline(always)]
     fn give(&self, impulse: i64) -> i64 {
         lowered(product(self.compliance, impulse), SOFT - TO_IMPULSE) as i64
     }
 
-    /// On the way to the centre: the impulses that are left at the joint, which go to the parent.
+    /// On the way to the centre: the impulses that are left at the joint, which go to the parent, and the torque of its axis.
     #[inline(always)]
-    pub(super) fn pass_down(&mut self) -> [i64; 2] {
+    pub(super) fn pass_down(&mut self) -> ([i64; 2], i64) {
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
-            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT), IMPULSE);
+            let given = self.angle.map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
+            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT) + i128::from(given), IMPULSE);
             let left = [0, 1].map(|i| i128::from(f[i]) - lowered(product(self.t[i], self.tau), RATIO));
             let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
             // At most 2^12 times as large.
@@ -258,14 +296,18 @@ impl Node {
             self.g = g;
             let arg = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
             let push = self.spring.push(arg);
-            return [g[0] + push[0], g[1] + push[1]];
+            let torque = self.angle.map_or(0, |angle| {
+                let spin = self.turn.times(self.tau, TO_IMPULSE);
+                angle.pass_down(within(spin, SPEED), arg)
+            });
+            return ([g[0] + push[0], g[1] + push[1]], torque);
         }
         let across = lowered(dot(turned(self.axis), g), UNIT) as i64;
         let along = lowered(dot(self.axis, g), UNIT) - lowered(product(self.slant, across), RATIO);
         let along = within(along, IMPULSE);
         self.g = [along, across];
         let push = to_impulse(product(self.rod_spring, self.residual[0] - self.give(along)));
-        scaled(self.axis, within(i128::from(along) + i128::from(push), IMPULSE), UNIT)
+        (scaled(self.axis, within(i128::from(along) + i128::from(push), IMPULSE), UNIT), 0)
     }
 
     /// Adds the impulses of a child at its joint.
@@ -274,6 +316,12 @@ impl Node {
         let [x, y] = impulse.map(|part| shifted_word(part, self.unit - joint_unit));
         (self.f[0], self.f[1]) = (self.f[0] + i128::from(x), self.f[1] + i128::from(y));
         self.torque += lowered(dot(point, [x, y]), UNIT);
+    }
+
+    /// Adds the torque of the axis of a child.
+    #[inline(always)]
+    pub(super) fn take_torque(&mut self, child: &AngleRow, torque: i64, joint_unit: i32) {
+        self.torque += i128::from(child.on_parent(torque, self.unit - joint_unit));
     }
 
     /// On the way back: the change of the impulse of the joint, and of the velocity of the node, by the velocity of the parent.
@@ -296,8 +344,18 @@ impl Node {
             let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
             let push = self.spring.push(arg);
             self.push = [push[0] - self.g[0], push[1] - self.g[1]];
+            let angle_spin = self.angle.map_or(0, |angle| angle.parent_spin(parent_spin));
+            if let Some(angle) = &self.angle {
+                let [x, y] = angle.push_of_point(angle_spin);
+                self.push = [self.push[0] + x, self.push[1] + y];
+                let torque = angle.torque_on_node(angle_spin, self.unit - self.joint_unit);
+                self.tau = within(i128::from(self.tau) + i128::from(torque), IMPULSE);
+            }
             if self.is_body {
                 self.finish([difference[0] - self.give(self.push[0]), difference[1] - self.give(self.push[1])]);
+            }
+            if let Some(angle) = &mut self.angle {
+                angle.finish(angle_spin, if self.is_body { self.spin } else { 0 });
             }
         }
     }

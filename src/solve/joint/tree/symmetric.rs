@@ -77,6 +77,11 @@ impl Reciprocal {
         Self { mantissa: ((u128::from(first) * u128::from(less)) >> 32) as i64, shift: 124 - zeros }
     }
 
+    #[inline(always)]
+    pub(super) fn is_zero(self) -> bool {
+        self.mantissa == 0
+    }
+
     /// The reciprocal of the top bits of a double word.
     #[inline(always)]
     pub(super) fn of_double(value: i128) -> Self {

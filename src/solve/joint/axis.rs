@@ -1,0 +1,544 @@
+//! The free axis of a joint: the angle about which its bodies turn, with limits, a motor, friction and a spring.
+//!
+//! All of them act along one row, and its impulse is one value: a function of the velocity of the row at the end of a pass that falls in
+//! *steps*. Each limit, the motor and friction make a step, as high as their impulses go, at the velocity that they aim at; a spring makes a
+//! slope. Between two steps the impulse is on a *level*.
+//!
+//! ```text
+//! impulse
+//!   ∞ |                    lower limit: at least the velocity that leaves it
+//!     |
+//!     +-----+              motor and friction push forwards
+//!           |              motor: its speed
+//!           +----+         they are against each other
+//!                |         friction: no velocity
+//!                +-----+   both push backwards
+//!                      |
+//!                      |   upper limit
+//!                          velocity
+//! ```
+//!
+//! So limits and a motor have no order among them, both limits change places in a mirror, and one impulse tells the state of all: a pass
+//! only asks on which step or level the row ends. It takes the step that the joint alone would end on; if the impulse then lies beyond the
+//! step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more ([`AxisRow::revise`]).
+//!
+//! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
+//! their force.
+//!
+//! - *Solve pass*: a limit lets the row come as near as it is, and pushes it back by a part of the error. The spring's impulse is
+//!   −(d·w + e·v + s·c) for the velocity w at the end of the pass, v at the beginning of the sub-step and the error c at the beginning.
+//! - *Relax pass*: limits do not push back, and the impulse of the spring stays.
+//!
+//! With the length h of a sub-step, the natural frequency ω, the damping ratio ζ, E = e^(−ζhω) and the effective mass m of the row, one body
+//! moves as the exact solution says, in period and decay, and under a steady force it rests where it should:
+//!
+//! ```text
+//! Q = (1 − E)² + 4·E·sin²(hω·√(1 − ζ²)/2)      s = m·(hω)²      d = s/Q − m      e = m − E²·s/Q
+//! ```
+//!
+//! Above ζ = 1, Q = (1 − E₁)·(1 − E₂) for both exponents. From hω = 1/2 on the implicit values d = m·hω·(2ζ + hω) and e = 0 stand in their
+//! place, which are stable for all frequencies.
+
+use super::tree::FRACTION;
+use super::{Block, FAR, IMPULSE};
+use crate::fx::Fx;
+use crate::kernel::trig::sin_cos_turn;
+use crate::kernel::wide::mul_shift_64;
+use crate::math::Vec2;
+use crate::scalar::{FxFactor, exponential};
+use crate::solve::motion::Rows;
+use crate::solve::number::shifted;
+use crate::solve::unit::Clock;
+use crate::solve::{Flight, Joint};
+
+/// The free axis of a joint, with all that acts along it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Axis {
+    /// The position at the start of the step, rad.
+    pub position: Fx,
+    /// The lowest and the highest position, rad; not in the wrong order.
+    pub limits: Option<[Fx; 2]>,
+    /// The velocity that a motor aims at, rad/s.
+    pub motor_speed: Fx,
+    /// The largest torque of the motor, N·m; zero without a motor.
+    pub motor_force: Fx,
+    /// The largest torque of friction, N·m.
+    pub friction: Fx,
+    /// A spring, if there is one.
+    pub spring: Option<AxisSpring>,
+}
+
+/// A spring along the axis of a joint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisSpring {
+    /// Hz, of the two bodies of the joint alone.
+    pub frequency: Fx,
+    /// Damping over critical damping.
+    pub damping_ratio: Fx,
+    /// The position at rest, rad.
+    pub rest: Fx,
+    /// The largest torque, N·m.
+    pub max_force: Fx,
+}
+
+/// The largest velocity of a step, in 2^-30: of a row between two bodies.
+const FASTEST: i128 = 1 << 61;
+/// A level beyond all impulses.
+const ENDLESS: i64 = 1 << 60;
+/// The largest number of steps.
+const STEPS: usize = 4;
+/// A row is as stiff as 2^STIFFEST times its effective mass.
+pub(super) const STIFFEST: i32 = 11;
+
+/// The place where a row ends in a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Step(usize),
+    /// Above the step of the same number: at a higher velocity, and a lower impulse.
+    Level(usize),
+    /// A level on which the spring is at its largest force, with the sign of its impulse.
+    Strained(usize, i64),
+}
+
+/// A row at the end of a pass, to be reached by the change Δ of its impulse with the change Δw of its velocity: Δ = `change` − `slope`·Δw.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Aim {
+    /// Δw = −`velocity`, in 2^-30, with the stiffest slope; at a limit the row gives way to its impulse.
+    Velocity { velocity: i64, gives_way: bool },
+    /// The slope is the slope of the spring, if `is_elastic`, else zero.
+    Impulse { change: i64, is_elastic: bool },
+}
+
+/// The free axis of a joint as the passes see it.
+#[derive(Clone, Debug)]
+pub(super) struct AxisRow {
+    /// log2 of the length at which velocities of the row are taken, m.
+    pub(super) length: i32,
+    /// The effective mass, and the d of the spring, kg.
+    pub(super) mass: FxFactor,
+    pub(super) damping: FxFactor,
+    /// The impulses for a velocity in 2^-30, by the effective mass, by d and by e, and for an error, by s: mantissa and shift.
+    by_mass: (u64, i32),
+    by_damping: (u64, i32),
+    by_start: (u64, i32),
+    by_stiffness: (u64, i32),
+    /// True if e is negative.
+    is_start_negative: bool,
+    /// The limits and the rest position against the position at the start. Limits at the end of the range for none.
+    lower: i64,
+    upper: i64,
+    rest: i64,
+    /// The way since the start, and the velocity at the beginning of the sub-step, in 2^-30.
+    way: i64,
+    start: i64,
+    motor_speed: i64,
+    /// The largest impulses in a sub-step.
+    motor: i64,
+    friction: i64,
+    spring: i64,
+    /// The velocities of the steps, in 2^-30, falling, and the levels above, between and below them, rising.
+    count: usize,
+    velocities: [i64; STEPS],
+    levels: [i64; STEPS + 1],
+    place: Place,
+    /// The impulse of the spring in the relax pass.
+    spring_impulse: i64,
+    is_biased: bool,
+}
+
+/// The product of a number and a factor, within ±limit.
+fn product(factor: (u64, i32), value: i128, limit: i64) -> i64 {
+    let (mantissa, shift) = factor;
+    let limit = i128::from(limit);
+    mul_shift_64(value, mantissa, shift).unwrap_or(value.signum() * limit).clamp(-limit, limit) as i64
+}
+
+/// log2 of the length at which the velocities of a row between two bodies are taken, m: of the shorter body that can turn. `None` if none can.
+fn axis_length(flights: [&Flight; 2]) -> Option<i32> {
+    let turning = flights.into_iter().filter(|flight| !flight.inverse_inertia.is_zero());
+    turning.map(|flight| flight.length()).min()
+}
+
+/// The square of a component.
+fn square(component: Fx) -> FxFactor {
+    let size = FxFactor::from_scalar(component.abs());
+    size.times(size)
+}
+
+/// The effective mass of the angle between two bodies that are pinned together at these arms: 1/K in kg·m², for
+/// K = (I₁ + I₂ + μ|r₁ − r₂|²)/(I₁·I₂ + μ(I₁·r₂² + I₂·r₁²) + μ²(r₁ × r₂)²) and the reduced mass μ of both. `None` if none can turn.
+fn effective_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<FxFactor> {
+    // A locked axis of both takes part no more: there the pin alone decides.
+    let reduced = |sum: FxFactor| if sum.is_zero() { FxFactor::ZERO } else { FxFactor::ONE.over(sum) };
+    let [mx, my] = [
+        reduced(first.inverse_mass.x.plus(second.inverse_mass.x)),
+        reduced(first.inverse_mass.y.plus(second.inverse_mass.y)),
+    ];
+    // Motion along x turns an arm along y.
+    let moment = |arm: Vec2| mx.times(square(arm.y)).plus(my.times(square(arm.x)));
+    let inertia =
+        |flight: &Flight| (!flight.inverse_inertia.is_zero()).then(|| FxFactor::ONE.over(flight.inverse_inertia));
+    match [inertia(first), inertia(second)] {
+        [None, None] => None,
+        [Some(first), None] => Some(first.plus(moment(a))),
+        [None, Some(second)] => Some(second.plus(moment(b))),
+        [Some(first), Some(second)] => {
+            let apart = Vec2::new(a.x.saturating_sub(b.x), a.y.saturating_sub(b.y));
+            let product = |p: Fx, q: Fx| i128::from(p.to_bits()) * i128::from(q.to_bits());
+            // Arms are below 2^12.5 m: products in 2^-64 are below 2^90.
+            let cross = (product(a.x, b.y) - product(a.y, b.x)).unsigned_abs();
+            let cross = FxFactor::new(cross, 64);
+            let numerator = first
+                .times(second)
+                .plus(first.times(moment(b)))
+                .plus(second.times(moment(a)))
+                .plus(mx.times(my).times(cross).times(cross));
+            Some(numerator.over(first.plus(second).plus(moment(apart))))
+        }
+    }
+}
+
+/// d, e and s of a spring over the effective mass of its row.
+struct SpringFactors {
+    damping: FxFactor,
+    start: FxFactor,
+    is_start_negative: bool,
+    stiffness: FxFactor,
+}
+
+impl SpringFactors {
+    const NONE: Self =
+        Self { damping: FxFactor::ZERO, start: FxFactor::ZERO, is_start_negative: false, stiffness: FxFactor::ZERO };
+
+    fn new(spring: &AxisSpring, clock: &Clock) -> Self {
+        let ratio = FxFactor::from_scalar(spring.damping_ratio);
+        let turns = FxFactor::from_scalar(spring.frequency).times(clock.substep);
+        let two = FxFactor::from_ratio(2, 1);
+        let angle = turns.times(FxFactor::PI).times(two);
+        if angle.is_zero() {
+            return Self::NONE;
+        }
+        let stiffness = angle.times(angle);
+        let factors = if angle > FxFactor::from_ratio(1, 2) {
+            Self { damping: angle.times(ratio.times(two).plus(angle)), stiffness, ..Self::NONE }
+        } else {
+            Self::exact(ratio, turns, angle)
+        };
+        // No stiffer than other rows.
+        let limit = FxFactor::from_ratio(1 << STIFFEST, 1);
+        if factors.damping <= limit {
+            return factors;
+        }
+        let share = limit.over(factors.damping);
+        Self { damping: limit, stiffness: factors.stiffness.times(share), start: factors.start.times(share), ..factors }
+    }
+
+    /// The factors of the exact solution. *Domain* hω above zero, at most 1/2.
+    fn exact(ratio: FxFactor, turns: FxFactor, angle: FxFactor) -> Self {
+        let decay = |exponent: FxFactor| exponential(exponent, false).unwrap_or(FxFactor::ZERO);
+        let lost = |decayed: FxFactor| FxFactor::ONE.minus(decayed);
+        let root = |value: FxFactor| {
+            value.to_scalar().and_then(Fx::checked_sqrt).map_or(FxFactor::ZERO, FxFactor::from_scalar)
+        };
+        let square = ratio.times(ratio);
+        let whole = decay(angle.times(ratio));
+        let q = if ratio <= FxFactor::ONE {
+            let half_turns = turns.times(root(FxFactor::ONE.minus(square))).times(FxFactor::from_ratio(1, 2));
+            // At most 1/(8π) turns.
+            let (sin, _) = sin_cos_turn(half_turns.to_fixed(64).unwrap_or(0) as u64);
+            let sin = FxFactor::new(sin.unsigned_abs().into(), 62);
+            let four = FxFactor::from_ratio(4, 1);
+            lost(whole).times(lost(whole)).plus(four.times(whole).times(sin).times(sin))
+        } else {
+            let fast = ratio.plus(root(square.minus(FxFactor::ONE)));
+            // The product of both is 1.
+            lost(decay(angle.times(fast))).times(lost(decay(angle.over(fast))))
+        };
+        let stiffness = angle.times(angle);
+        if q.is_zero() {
+            return Self { stiffness, ..Self::NONE };
+        }
+        let whole_mass = stiffness.over(q);
+        let kept = whole.times(whole).times(whole_mass);
+        let is_start_negative = kept > FxFactor::ONE;
+        let start = if is_start_negative { kept.minus(FxFactor::ONE) } else { lost(kept) };
+        Self { damping: whole_mass.minus(FxFactor::ONE), start, is_start_negative, stiffness }
+    }
+}
+
+impl Axis {
+    /// A speed that the motor or the spring may give the row, in 2^-32 m/s.
+    pub(super) fn speed(&self, flights: [&Flight; 2]) -> u128 {
+        let Some(length) = axis_length(flights) else { return 0 };
+        let spring = self.spring.map_or(0, |spring| {
+            let way = self.position.saturating_sub(spring.rest).to_bits().unsigned_abs();
+            // 2π is below 8. Below 2^31 Hz and 2^63 units.
+            (u128::from(way) * u128::from(spring.frequency.to_bits().unsigned_abs())) >> 29
+        });
+        let motor = if self.motor_force > Fx::ZERO { self.motor_speed.to_bits().unsigned_abs() } else { 0 };
+        let fastest = spring.max(motor.into());
+        // Below 2^97 and lengths within 2^13.
+        if length < 0 { fastest >> -length } else { fastest << length.min(30) }
+    }
+}
+
+impl AxisRow {
+    /// The row of a joint, with the unit of velocity 2^`unit` m/s and of impulses 2^`mass_exponent` kg of it; `None` if none of its bodies can
+    /// turn.
+    pub(super) fn new(
+        joint: &Joint,
+        flights: [&Flight; 2],
+        clock: &Clock,
+        unit: i32,
+        mass_exponent: i32,
+    ) -> Option<Self> {
+        let axis = joint.axis.as_ref()?;
+        let inertia = effective_inertia(flights, joint.anchors)?;
+        let length = axis_length(flights)?;
+        let (mantissa, shift) = inertia.parts();
+        let mass = FxFactor::from_parts(mantissa, shift + 2 * length).unwrap_or(FxFactor::ZERO);
+        let impulse_by = |factor: FxFactor, fraction: i32| {
+            let (mantissa, shift) = factor.parts();
+            (mantissa, shift + mass_exponent + fraction)
+        };
+        let position = |radians: i128| clock.length_of_bits(radians, unit - length).clamp(-FAR, FAR) as i64;
+        let from_start = |radians: Fx| position(i128::from(radians.to_bits()) - i128::from(axis.position.to_bits()));
+        let limit = |force: Fx| {
+            let (mantissa, shift) = clock.substep.parts();
+            product((mantissa, shift + 32 + mass_exponent + unit + length), force.to_bits().into(), IMPULSE)
+        };
+        let speed = shifted(axis.motor_speed.to_bits().into(), 2 + unit - length).clamp(-FASTEST, FASTEST);
+        let spring = axis.spring.as_ref().map_or(SpringFactors::NONE, |spring| SpringFactors::new(spring, clock));
+        let damping = spring.damping.times(mass);
+        Some(Self {
+            length,
+            mass,
+            damping,
+            by_mass: impulse_by(mass, 30),
+            by_damping: impulse_by(damping, 30),
+            by_start: impulse_by(spring.start.times(mass), 30),
+            by_stiffness: impulse_by(spring.stiffness.times(mass), 0),
+            is_start_negative: spring.is_start_negative,
+            lower: axis.limits.map_or(-ENDLESS, |[lower, _]| from_start(lower)),
+            upper: axis.limits.map_or(ENDLESS, |[_, upper]| from_start(upper)),
+            rest: axis.spring.map_or(0, |spring| from_start(spring.rest)),
+            way: 0,
+            start: 0,
+            motor_speed: speed as i64,
+            motor: limit(axis.motor_force),
+            friction: limit(axis.friction),
+            spring: axis.spring.map_or(0, |spring| limit(spring.max_force)),
+            count: 0,
+            velocities: [0; STEPS],
+            levels: [0; STEPS + 1],
+            place: Place::Level(0),
+            spring_impulse: 0,
+            is_biased: true,
+        })
+    }
+
+    /// Takes note of the way of the row since the start.
+    pub(super) fn set_way(&mut self, way: i64) {
+        self.way = way;
+    }
+
+    /// Begins a pass with the velocity of the row, in 2^-30, and its impulse; with a rate, in 2^-30, the solve pass.
+    pub(super) fn begin(&mut self, velocity: i64, impulse: i64, rate: Option<i64>) {
+        self.is_biased = rate.is_some();
+        self.set_steps(rate);
+        self.place = self.find_place(velocity, impulse);
+    }
+
+    /// Lists the steps, from the highest velocity down.
+    fn set_steps(&mut self, rate: Option<i64>) {
+        // Below 2^31: velocities are below 2^29.5.
+        let [below, above] = [self.lower, self.upper].map(|bound| (bound - self.way).clamp(-(1 << 31), 1 << 31));
+        let [mut slowest, mut fastest] = [below, above].map(|error| error << 30);
+        match rate {
+            Some(rate) => {
+                slowest = if below > 0 || self.is_locked() { rate * below } else { slowest };
+                fastest = if above < 0 || self.is_locked() { rate * above } else { fastest };
+            }
+            None => {
+                slowest = if self.is_locked() { 0 } else { slowest.min(0) };
+                fastest = if self.is_locked() { 0 } else { fastest.max(0) };
+            }
+        }
+        let forces = self.motor + self.friction;
+        self.count = 0;
+        self.levels[0] = -forces;
+        if self.upper < ENDLESS {
+            self.levels[0] = -ENDLESS;
+            self.add_step(fastest, -forces);
+        }
+        let mut pushes = [(self.motor_speed, self.motor), (0, self.friction)];
+        if self.motor_speed < 0 {
+            pushes.reverse();
+        }
+        for (speed, force) in pushes.into_iter().filter(|&(_, force)| force > 0) {
+            self.add_step(speed.clamp(slowest, fastest), self.levels[self.count] + 2 * force);
+        }
+        if self.lower > -ENDLESS {
+            self.add_step(slowest, ENDLESS);
+        }
+    }
+
+    /// Adds a step to a level. Steps at one velocity are one.
+    fn add_step(&mut self, velocity: i64, level: i64) {
+        if self.count == 0 || self.velocities[self.count - 1] != velocity {
+            self.velocities[self.count] = velocity;
+            self.count += 1;
+        }
+        self.levels[self.count] = level;
+    }
+
+    /// Returns true if the limits leave one position.
+    fn is_locked(&self) -> bool {
+        self.lower == self.upper
+    }
+
+    /// The impulse of the spring at a velocity.
+    fn spring_at(&self, velocity: i64) -> i64 {
+        if !self.is_biased {
+            return self.spring_impulse;
+        }
+        if self.spring == 0 {
+            return 0;
+        }
+        let error = i128::from(self.way) - i128::from(self.rest);
+        let start = product(self.by_start, self.start.into(), ENDLESS);
+        let impulse = product(self.by_damping, velocity.into(), ENDLESS)
+            + product(self.by_stiffness, error, ENDLESS)
+            + if self.is_start_negative { -start } else { start };
+        -impulse.clamp(-self.spring, self.spring)
+    }
+
+    /// The place where the row would end if it met nothing but its own effective mass.
+    fn find_place(&self, velocity: i64, impulse: i64) -> Place {
+        for step in 0..self.count {
+            let change = product(self.by_mass, i128::from(self.velocities[step]) - i128::from(velocity), ENDLESS);
+            let wanted = impulse + change - self.spring_at(self.velocities[step]);
+            if wanted < self.levels[step] {
+                return Place::Level(step);
+            }
+            if wanted <= self.levels[step + 1] {
+                return Place::Step(step);
+            }
+        }
+        Place::Level(self.count)
+    }
+
+    /// The aim of the pass for the row, from a velocity and an impulse.
+    pub(super) fn aim(&self, velocity: i64, impulse: i64) -> Aim {
+        match self.place {
+            Place::Step(step) => {
+                let is_limit = self.levels[step] == -ENDLESS || self.levels[step + 1] == ENDLESS;
+                Aim::Velocity { velocity: velocity - self.velocities[step], gives_way: is_limit && self.is_biased }
+            }
+            Place::Level(level) => {
+                let change = self.levels[level] + self.spring_at(velocity) - impulse;
+                Aim::Impulse { change, is_elastic: self.is_biased && self.spring > 0 }
+            }
+            Place::Strained(level, sign) => {
+                Aim::Impulse { change: self.levels[level] + sign * self.spring - impulse, is_elastic: false }
+            }
+        }
+    }
+
+    /// Moves on to the next place if the row has left its place, at the end of a pass with this velocity and impulse. Returns true if it has.
+    pub(super) fn revise(&mut self, velocity: i64, impulse: i64) -> bool {
+        let place = match self.place {
+            Place::Step(step) => {
+                let pressed = impulse - self.spring_at(self.velocities[step]);
+                if pressed < self.levels[step] {
+                    Place::Level(step)
+                } else if pressed > self.levels[step + 1] {
+                    Place::Level(step + 1)
+                } else {
+                    self.place
+                }
+            }
+            Place::Level(level) | Place::Strained(level, _) => {
+                let strain = impulse - self.levels[level];
+                if level < self.count && velocity < self.velocities[level] {
+                    Place::Step(level)
+                } else if level > 0 && velocity > self.velocities[level - 1] {
+                    Place::Step(level - 1)
+                } else if self.is_biased && strain.abs() > self.spring {
+                    Place::Strained(level, strain.signum())
+                } else {
+                    self.place
+                }
+            }
+        };
+        let has_left = place != self.place;
+        self.place = place;
+        has_left
+    }
+
+    /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.
+    pub(super) fn finish(&mut self, impulse: i64) -> i64 {
+        let impulse = match self.place {
+            Place::Step(step) => {
+                let spring = self.spring_at(self.velocities[step]);
+                let [lowest, highest] = [self.levels[step], self.levels[step + 1]].map(|level| level + spring);
+                if self.is_biased {
+                    self.spring_impulse = spring;
+                }
+                impulse.clamp(lowest, highest)
+            }
+            Place::Level(level) | Place::Strained(level, _) if self.is_biased => {
+                self.spring_impulse = (impulse - self.levels[level]).clamp(-self.spring, self.spring);
+                self.levels[level] + self.spring_impulse
+            }
+            Place::Level(_) | Place::Strained(..) => impulse,
+        };
+        impulse.clamp(-IMPULSE, IMPULSE)
+    }
+}
+
+impl Block {
+    /// The impulses by row: of the axis in N·m·s in place of N·s at its length, as near as the unit can have it.
+    pub(super) fn values(&self) -> [i64; 3] {
+        let [first, second, third] = self.impulses;
+        let length = self.axis.as_ref().map_or(0, |axis| axis.length);
+        // Within 2^50 units; lengths are within 2^13.
+        let third = shifted(third.into(), -length.clamp(-100, 40)).clamp(-(1 << 62), 1 << 62);
+        [first, second, third as i64]
+    }
+
+    /// Takes note of the velocity of the axis at the beginning of a sub-step.
+    pub(super) fn set_start(&mut self, rows: &Rows, is_first: bool) {
+        let velocities = match is_first {
+            true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
+            false => self.velocities(rows),
+        };
+        let velocity = self.velocity(2, velocities);
+        if let Some(axis) = &mut self.axis {
+            axis.start = velocity;
+        }
+    }
+
+    /// Begins a pass of the axis; with a rate, in 2^-30, the solve pass.
+    pub(super) fn begin_axis(&mut self, rows: &Rows, rate: Option<i64>) {
+        let (velocity, impulse) = (self.velocity(2, self.velocities(rows)), self.impulses[2]);
+        if let Some(axis) = &mut self.axis {
+            axis.begin(velocity, impulse, rate);
+        }
+    }
+
+    /// The aim of a pass for the axis.
+    pub(super) fn aim(&self, rows: &Rows) -> Option<Aim> {
+        let velocity = self.velocity(2, self.velocities(rows));
+        self.axis.as_ref().map(|axis| axis.aim(velocity, self.impulses[2]))
+    }
+
+    /// Moves the axis on if it has left its place by changes of its velocity, in 2^-[`FRACTION`], and of its impulse. Returns true if it has.
+    pub(super) fn revise_axis(&mut self, rows: &Rows, change: i64, push: i128) -> bool {
+        let velocity = self.velocity(2, self.velocities(rows));
+        let limit = i128::from(i64::MAX);
+        let velocity = (i128::from(velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64;
+        let impulse = (i128::from(self.impulses[2]) + push).clamp(-limit, limit) as i64;
+        self.axis.as_mut().is_some_and(|axis| axis.revise(velocity, impulse))
+    }
+}

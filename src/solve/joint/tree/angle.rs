@@ -1,0 +1,168 @@
+//! The axis of a joint in a tree: a row between the rotations of a node and its parent.
+//!
+//! The torque μ of the row on the node follows from the change of the relative velocity, μ = η + κ(ω_parent − ω), where ω are changes too. A rigid
+//! row, a spring and a torque that is given differ in κ and η alone. With w for the motion of the point of the joint by a torque at the parent:
+//!
+//! ```text
+//! c'' = c' + κ      t = b'/c''      w = t − γSt
+//! parent:  b += κw    c += 2κ q·w + κ(c'/c'' − γκ t·w)
+//! down:    τ' += η    torque on the parent: κ(τ'/c'' + w·(r − γg)) − η·c'/c''
+//! up:      Δλ += κ w ω_parent    Δω = (τ' + κ ω_parent)/c'' − t·Δp
+//! ```
+//!
+//! beside the terms of the point. κ and μ are of the length of the joint, the shorter one of the bodies' lengths; all others of the length
+//! of their body.
+//!
+//! # Ranges
+//! κ is below 2^[`STIFF`]; κt and κw are below twice the moment b', whatever the lengths; velocities and impulses have the ranges of points.
+
+use super::node::Node;
+use super::symmetric::{Reciprocal, dot, product, to_impulse, within};
+use super::{FRACTION, IMPULSE, PART, RATIO, RESIDUAL, SOFT, SPEED, UNIT};
+use crate::scalar::FxFactor;
+use crate::solve::joint::Block;
+use crate::solve::joint::axis::{Aim, STIFFEST};
+use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+
+/// The bits of κ.
+const STIFF: i32 = 47;
+/// The largest product of κ and t.
+const MOMENT: i128 = 1 << 52;
+
+/// The axis between a node and its parent.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct AngleRow {
+    /// log2 of the lengths of the node and of the parent over the length of the joint; not negative.
+    node_length: i32,
+    parent_length: i32,
+    /// The κ of a rigid row and of the spring, and one over the former in 2^-[`SOFT`].
+    stiffest: i64,
+    elastic: i64,
+    compliance: i64,
+    kappa: i64,
+    eta: i64,
+    /// c'/c'' in 2^-[`RATIO`], w, and κw of the length of the joint.
+    kept: i64,
+    w: [i64; 2],
+    moment: [i64; 2],
+    /// μ, and the change of the velocity of the node against its parent.
+    pub(super) push: i64,
+    pub(super) change: i64,
+}
+
+impl AngleRow {
+    /// The row of the axis of a joint between a node and its parent, or the middle of the joint.
+    pub(super) fn new(block: &Block, node: &Node, opposite: &Node) -> Option<Self> {
+        let axis = block.axis.as_ref()?;
+        let above = |length: i32| (length - axis.length).max(0);
+        let is_half = i32::from(node.is_half);
+        // A half is twice as stiff.
+        let stiffness = |factor: FxFactor, bits: i32| {
+            let is_large = exponent(factor) + bits - node.joint_unit > STIFF;
+            if is_large { 1 << STIFF } else { fixed(factor, bits - node.joint_unit) }
+        };
+        let stiffest = stiffness(axis.mass, STIFFEST + is_half).max(1);
+        Some(Self {
+            node_length: if node.is_body { above(node.length) } else { 0 },
+            parent_length: if node.is_half || !opposite.is_body { 0 } else { above(opposite.length) },
+            stiffest,
+            elastic: stiffness(axis.damping, is_half).min(stiffest),
+            compliance: within(Reciprocal::new(stiffest).times(1 << 60, SOFT - 60), 1 << 62),
+            ..Self::default()
+        })
+    }
+
+    /// Sets κ and η for a pass. Returns true if κ has changed.
+    pub(super) fn set_aim(&mut self, aim: Aim, impulse: i64, node: &Node) -> bool {
+        let Self { stiffest, elastic, compliance, .. } = *self;
+        let half = i32::from(node.is_half);
+        let sign = if node.side == 0 { -1 } else { 1 };
+        let before = self.kappa;
+        (self.kappa, self.eta) = match aim {
+            Aim::Velocity { velocity, gives_way } => {
+                let mut sum = i128::from(shifted_word(velocity, UNIT - FRACTION + half));
+                if gives_way {
+                    sum += shifted(product(compliance, impulse), node.give_shift);
+                }
+                (stiffest, -to_impulse(product(stiffest, within(sum, RESIDUAL))))
+            }
+            Aim::Impulse { change, is_elastic } => {
+                let change = within(shifted(change.into(), -node.push_shift), IMPULSE);
+                (if is_elastic { elastic } else { 0 }, change)
+            }
+        };
+        self.eta *= sign;
+        before != self.kappa
+    }
+
+    /// κ of the length of the node, in the unit of the node.
+    pub(super) fn on_node(&self, up: i32) -> i64 {
+        shifted_word(self.kappa, up + 2 * self.node_length)
+    }
+
+    /// Sets the ratios for the parent, once t and the spring of the point are known. `c` and `turn` are c' and 1/c''.
+    pub(super) fn factor(&mut self, c: i64, turn: Reciprocal, node: &Node) {
+        self.kept = if turn.is_zero() { 1 << RATIO } else { within(turn.times(c, RATIO), 1 << RATIO) };
+        let part = |element: i64| lowered(product(element, node.compliance), SOFT - PART) as i64;
+        let (xx, xy, yy) = (part(node.spring.xx), part(node.spring.xy), part(node.spring.yy));
+        let [x, y] = node.t;
+        let given_way = [product(xx, x) + product(xy, y), product(xy, x) + product(yy, y)];
+        self.w = [0, 1].map(|i| within(i128::from(node.t[i]) - lowered(given_way[i], PART), IMPULSE));
+        self.moment = self.w.map(|w| within(lowered(product(self.kappa, w), RATIO + self.node_length), MOMENT));
+    }
+
+    /// The terms of b and c of the parent, in the unit of the joint.
+    pub(super) fn terms(&self, node: &Node) -> ([i64; 2], i64) {
+        let b = self.moment.map(|moment| shifted_word(moment, self.parent_length));
+        let twice = lowered(2 * dot(node.parent_point, b), UNIT);
+        // γκ t·w in 2^-RATIO, at most 1.
+        let gives = node.t.map(|t| {
+            let moment = within(lowered(product(self.kappa, t), RATIO + 2 * self.node_length), MOMENT);
+            lowered(product(node.compliance, moment), SOFT - RATIO) as i64
+        });
+        let kept = within(i128::from(self.kept) - lowered(dot(gives, self.w), RATIO), 1 << RATIO);
+        let turned = lowered(product(self.kappa, kept), RATIO + 2 * self.parent_length);
+        (b, within(twice + turned, 1 << (STIFF + 2)))
+    }
+
+    /// η as an impulse on the node.
+    pub(super) fn impulse_on_node(&self, up: i32) -> i64 {
+        shifted_word(self.eta, up + self.node_length)
+    }
+
+    /// The torque on the parent, of the length and unit of the joint: for the velocity τ'/c'' of the node, with η in it, and r − γg. η·c'/c'' is
+    /// η less the part of it that turns the node.
+    pub(super) fn pass_down(&self, spin: i64, given: [i64; 2]) -> i64 {
+        let velocity = i128::from(spin) + lowered(dot(self.w, given), RATIO);
+        let velocity = shifted_word(within(velocity, SPEED), self.node_length);
+        within(i128::from(to_impulse(product(self.kappa, velocity))) - i128::from(self.eta), IMPULSE)
+    }
+
+    /// The torque on the parent in the unit of the parent and of its length.
+    pub(super) fn on_parent(&self, torque: i64, down: i32) -> i64 {
+        shifted_word(torque, down + self.parent_length)
+    }
+
+    /// The velocity of the parent at the length of the joint.
+    pub(super) fn parent_spin(&self, spin: i64) -> i64 {
+        shifted_word(spin, self.parent_length)
+    }
+
+    /// The impulse at the point of the joint by a velocity of the parent.
+    pub(super) fn push_of_point(&self, parent_spin: i64) -> [i64; 2] {
+        self.moment.map(|moment| to_impulse(product(moment, parent_spin)))
+    }
+
+    /// The impulse of rotation on the node by a velocity of the parent.
+    pub(super) fn torque_on_node(&self, parent_spin: i64, up: i32) -> i64 {
+        shifted_word(to_impulse(product(self.kappa, parent_spin)), up + self.node_length)
+    }
+
+    /// Ends a pass: for the velocities of the parent and of the node.
+    pub(super) fn finish(&mut self, parent_spin: i64, spin: i64) {
+        let spin = shifted_word(spin, self.node_length);
+        self.change = spin - parent_spin;
+        let push = to_impulse(product(self.kappa, within(-i128::from(self.change), SPEED)));
+        self.push = within(i128::from(self.eta) + i128::from(push), IMPULSE);
+    }
+}
