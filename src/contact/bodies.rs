@@ -1,8 +1,12 @@
 //! The border between the bodies of a world and its contacts. Contacts are found in fixed point, whatever the scalar of the world is: here
 //! poses, velocities and masses become [`Fx`].
 
+use alloc::vec::Vec;
+
 use crate::body::{Activity, Bodies, BodyKind, Locks};
+use crate::collider::ColliderSet;
 use crate::fx::Fx;
+use crate::joint::Joined;
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{Accumulator as _, Angle as _, Factor as _, FxAccumulator, FxFactor, Scalar, Turn};
 use crate::slots::BodyId;
@@ -14,10 +18,55 @@ use super::Start;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ContactInfo {
     pub(crate) kind: BodyKind,
-    /// A contact of two dynamic bodies does not move the body with the higher one.
-    pub(crate) dominance: i32,
     pub(crate) is_bullet: bool,
     pub(crate) key: u64,
+}
+
+/// A moving body with colliders that meet others, or with joints: the facts about it that no step changes and each step reads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MovingBody {
+    pub(crate) slot: u32,
+    /// False for a kinematic body.
+    pub(crate) is_dynamic: bool,
+    pub(crate) dominance: i32,
+    /// kg; zero for a kinematic body.
+    pub(crate) mass: Fx,
+    /// The largest distance of a point of its solid colliders from the centre of mass, m; zero without solid colliders.
+    pub(crate) radius: Fx,
+    /// The radius without discs around the centre of mass, which look alike at all angles; zero without other colliders.
+    pub(crate) turning_radius: Fx,
+    /// The least width of its solid colliders, m; the largest number without solid colliders.
+    pub(crate) width: Fx,
+}
+
+impl MovingBody {
+    /// The moving body in a slot; `None` if no collider of it meets others and it has no joint.
+    pub(crate) fn new<S: Scalar>(
+        bodies: &Bodies<S>,
+        colliders: &ColliderSet,
+        joints: &Joined<'_>,
+        slot: u32,
+    ) -> Option<Self> {
+        let dense = bodies.index_in(slot).filter(|_| colliders.any_meeting_of_slot(slot) || joints.has(slot))?;
+        let info = bodies.info(dense);
+        let mut body = Self {
+            slot,
+            is_dynamic: info.kind == BodyKind::Dynamic,
+            dominance: info.dominance,
+            mass: info.kilograms().to_fx(),
+            radius: Fx::ZERO,
+            turning_radius: Fx::ZERO,
+            width: Fx::MAX,
+        };
+        for collider in colliders.solid_of_slot(slot) {
+            body.radius = collider.radius.max(body.radius);
+            body.width = collider.width.min(body.width);
+            if !collider.is_central_disc() {
+                body.turning_radius = collider.radius.max(body.turning_radius);
+            }
+        }
+        Some(body)
+    }
 }
 
 /// The bodies of a world in fixed point. Indices are indices in the columns.
@@ -38,9 +87,9 @@ pub(crate) trait ContactBodies {
     /// The position, m.
     fn position(&self, dense: usize) -> Vec2<FxAccumulator>;
     fn angle(&self, dense: usize) -> Turn;
-    /// The free flight of a moving body from its start to where it is now, as far as it decides about contacts: without velocities and
-    /// masses.
-    fn flight(&self, start: &Start, time_step: TimeStep) -> Flight;
+    /// Lists the free flights of moving bodies from their starts to where they are now, as far as flights decide about contacts: without
+    /// velocities and masses.
+    fn list_flights(&self, starts: &[Start], time_step: TimeStep, flights: &mut Vec<Flight>);
     /// Adds velocities and masses to the flight of a moving body.
     fn complete(&self, start: &Start, flight: &mut Flight);
 }
@@ -72,7 +121,7 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
 
     fn contact_info(&self, dense: usize) -> ContactInfo {
         let info = self.info(dense);
-        ContactInfo { kind: info.kind, dominance: info.dominance, is_bullet: info.is_bullet, key: info.key }
+        ContactInfo { kind: info.kind, is_bullet: info.is_bullet, key: info.key }
     }
 
     fn locks(&self, dense: usize) -> Locks {
@@ -91,16 +140,19 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
         self.columns.motion.angle[dense].to_turn()
     }
 
-    fn flight(&self, start: &Start, time_step: TimeStep) -> Flight {
-        let end = ContactBodies::position(self, start.dense);
-        let end_velocity = self.columns.motion.angular_velocity[start.dense].to_fixed();
+    fn list_flights(&self, starts: &[Start], time_step: TimeStep, flights: &mut Vec<Flight>) {
         let way = |from: FxAccumulator, to: FxAccumulator| to.plus(from.negated()).value();
-        let velocities = [start.angular_velocity, end_velocity];
-        Flight {
-            displacement: Vec2::new(way(start.position.x, end.x), way(start.position.y, end.y)),
-            rotation: rotation(start.angle, ContactBodies::angle(self, start.dense), velocities, time_step),
-            ..resting(start.position.map(FxAccumulator::value))
-        }
+        flights.extend(starts.iter().map(|start| {
+            let end = ContactBodies::position(self, start.dense);
+            let end_velocity = self.columns.motion.angular_velocity[start.dense].to_fixed();
+            let velocities = [start.angular_velocity, end_velocity];
+            Flight {
+                displacement: Vec2::new(way(start.position.x, end.x), way(start.position.y, end.y)),
+                rotation: rotation(start.angle, ContactBodies::angle(self, start.dense), velocities, time_step),
+                radius: if start.body.radius == Fx::ZERO { Fx::ONE } else { start.body.radius },
+                ..resting(start.position.map(FxAccumulator::value))
+            }
+        }));
     }
 
     fn complete(&self, start: &Start, flight: &mut Flight) {
@@ -109,20 +161,18 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
             angular: angular.value(),
         };
         let motion = &self.columns.motion;
-        let info = self.info(start.dense);
         let mass = self.mass(start.dense);
         let end_velocity = motion.velocity.get(start.dense).map(|part| part.to_fixed());
         flight.start = velocity(start.velocity, start.angular_velocity);
         flight.end = velocity(end_velocity, motion.angular_velocity[start.dense].to_fixed());
-        if info.kind == BodyKind::Dynamic {
-            flight.mass = info.kilograms().to_fx();
-        }
+        flight.mass = start.body.mass;
         flight.inverse_mass = mass.axis_inverse_mass.map(|part| part.to_fx_factor());
         flight.inverse_inertia = mass.inverse_inertia.to_fx_factor();
     }
 }
 
 /// The flight of a body that does not move.
+#[inline(always)]
 pub(super) fn resting(position: Vec2) -> Flight {
     Flight {
         position,

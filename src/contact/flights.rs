@@ -2,13 +2,13 @@
 
 use alloc::vec::Vec;
 
-use super::bodies::resting;
+use super::bodies::{MovingBody, resting};
 use super::moment::{Way, length, mean_beginning};
 use super::numbers::Numbers;
 use super::reach::Reach;
 use super::slot_table::SlotTable;
 use super::{Correction, Scene, Start};
-use crate::body::{Activity, BodyKind};
+use crate::body::Activity;
 use crate::collide::Pose;
 use crate::collider::{Collider, OutlineId, OutlineRef};
 use crate::fx::Fx;
@@ -38,11 +38,6 @@ pub(super) struct Place {
     pub(super) kind: FlightKind,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
-    /// The largest distance of a point of its colliders from the centre of mass, ulps; 0 for discs around it, which look alike at all
-    /// angles.
-    pub(super) reach: i64,
-    /// The least width of its colliders, ulps.
-    pub(super) width: i64,
     /// False while the flight lacks the values that only contacts need: few bodies of a step touch something.
     is_complete: bool,
 }
@@ -97,6 +92,23 @@ pub(super) fn pose(position: Vec2<FxAccumulator>, angle: Turn) -> Pose {
     Pose::new(position.map(FxAccumulator::value), angle)
 }
 
+impl Place {
+    /// The place of a body that moves.
+    #[inline(always)]
+    fn moving(start: &Start, mean_beginning: u64) -> Self {
+        let MovingBody { slot, is_dynamic, dominance, turning_radius, .. } = start.body;
+        let way = Way::steady(start, mean_beginning);
+        // Discs around the centre look alike at all angles.
+        let pose = if turning_radius == Fx::ZERO {
+            way.without_rotation().pose(start.position, Turn::default())
+        } else {
+            way.pose(start.position, start.angle)
+        };
+        let kind = if is_dynamic { FlightKind::Dynamic } else { FlightKind::Kinematic };
+        Self { slot, pose, way, kind, dominance, is_complete: false }
+    }
+}
+
 impl Flights {
     /// Lists the bodies that move.
     pub(super) fn begin(&mut self, scene: &Scene<'_>) {
@@ -106,41 +118,25 @@ impl Flights {
         self.followers.clear();
         self.mean_beginning = mean_beginning(scene.time_step, scene.settings.substeps);
         self.length = length(scene.time_step);
-        let any_joints = !scene.joints.is_empty();
-        for start in scene.starts {
-            self.push_moving(scene, start, any_joints);
+        scene.bodies.list_flights(scene.starts, scene.time_step, &mut self.flights);
+        if !scene.joints.is_empty() {
+            self.reach_joints(scene);
+        }
+        let mean_beginning = self.mean_beginning;
+        self.places.extend(scene.starts.iter().map(|start| Place::moving(start, mean_beginning)));
+        for (flight, start) in (0..).zip(scene.starts) {
+            self.flight_of.set(start.body.slot, flight);
         }
     }
 
-    fn push_moving(&mut self, scene: &Scene<'_>, start: &Start, any_joints: bool) {
-        let slot = scene.bodies.id(start.dense).slot;
-        let mut shows_angle = false;
-        let mut reach = 0;
-        let mut radius = Fx::ZERO;
-        let mut width = i64::MAX;
-        for collider in scene.colliders.solid_of_slot(slot) {
-            // Discs around the centre look alike at all angles.
-            if !collider.is_central_disc() {
-                shows_angle = true;
-                reach = collider.radius.to_bits().max(reach);
+    /// Extends the radii of bodies to the points of their joints.
+    fn reach_joints(&mut self, scene: &Scene<'_>) {
+        for (flight, start) in self.flights.iter_mut().zip(scene.starts) {
+            let radius = scene.joints.reach(start.body.slot).max(start.body.radius);
+            if radius > Fx::ZERO {
+                flight.radius = radius;
             }
-            radius = collider.radius.max(radius);
-            width = collider.width.to_bits().min(width);
         }
-        if any_joints {
-            radius = scene.joints.reach(slot).max(radius);
-        }
-        let radius = if radius == Fx::ZERO { Fx::ONE } else { radius };
-        self.flights.push(Flight { radius, ..scene.bodies.flight(start, scene.time_step) });
-        let info = scene.bodies.contact_info(start.dense);
-        let kind = if info.kind == BodyKind::Dynamic { FlightKind::Dynamic } else { FlightKind::Kinematic };
-        let way = Way::steady(start, self.mean_beginning);
-        let pose = if shows_angle {
-            way.pose(start.position, start.angle)
-        } else {
-            way.without_rotation().pose(start.position, Turn::default())
-        };
-        self.place(Place { slot, pose, way, kind, dominance: info.dominance, reach, width, is_complete: false });
     }
 
     #[cold]
@@ -150,7 +146,10 @@ impl Flights {
         let is_asleep = scene.bodies.activity(dense) == Activity::Asleep;
         let kind = if is_asleep { FlightKind::Asleep } else { FlightKind::Static };
         let way = Way::default();
-        self.place(Place { slot, pose, way, kind, dominance: 0, reach: 0, width: 0, is_complete: true })
+        let flight = self.places.len() as u32;
+        self.flight_of.set(slot, flight);
+        self.places.push(Place { slot, pose, way, kind, dominance: 0, is_complete: true });
+        flight
     }
 
     /// Adds a flight for a point that stays where it is: the end of a joint on the world, or on a body that does not move. Returns its number.
@@ -159,16 +158,8 @@ impl Flights {
         let pose = pose(point.map(FxAccumulator::from_scalar), Turn::default());
         let kind = FlightKind::Static;
         self.flights.push(resting(point));
-        let (reach, width) = (0, 0);
-        self.places.push(Place { slot: NONE, pose, way, kind, dominance: 0, reach, width, is_complete: true });
+        self.places.push(Place { slot: NONE, pose, way, kind, dominance: 0, is_complete: true });
         self.flights.len() as u32 - 1
-    }
-
-    fn place(&mut self, place: Place) -> u32 {
-        let flight = self.places.len() as u32;
-        self.flight_of.set(place.slot, flight);
-        self.places.push(place);
-        flight
     }
 
     /// Completes the flight of a body that has a contact.

@@ -19,8 +19,8 @@
 //!
 //! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a
 //! group of the solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
-//! `numbers` gives outlines the numbers that the broad phase knows; `reach` says how far outlines come in a step; `tiles` and `body_tiles`
-//! are polygons beside each other as one surface.
+//! `numbers` gives outlines the numbers that the broad phase knows; `reach` says how
+//! far outlines come in a step; `tiles` and `body_tiles` are polygons beside each other as one surface.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
 //! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.
@@ -72,7 +72,7 @@ use crate::slots::BodyId;
 pub(crate) use crate::solve::Correction;
 use crate::solve::SolverOptions;
 
-pub(crate) use bodies::ContactBodies;
+pub(crate) use bodies::{ContactBodies, MovingBody};
 pub(crate) use deflected::ROUNDS;
 pub use events::{ColliderPair, ContactHit};
 pub(crate) use events::{EndedPair, compare, list_pairs};
@@ -125,6 +125,7 @@ fn pair_limits(settings: &ContactSettings, colliders: &ColliderSet) -> PairLimit
 pub(crate) struct Start<S: Scalar = Fx> {
     /// The index of the body in the columns.
     pub(crate) dense: usize,
+    pub(crate) body: MovingBody,
     pub(crate) position: Vec2<S::Accumulator>,
     pub(crate) velocity: Vec2<S::Accumulator>,
     pub(crate) angle: S::Angle,
@@ -133,10 +134,12 @@ pub(crate) struct Start<S: Scalar = Fx> {
 }
 
 impl<S: Scalar> Start<S> {
-    pub(crate) fn of(bodies: &Bodies<S>, dense: usize) -> Self {
+    #[inline(always)]
+    pub(crate) fn of(bodies: &Bodies<S>, dense: usize, body: &MovingBody) -> Self {
         let motion = &bodies.columns.motion;
         Self {
             dense,
+            body: *body,
             position: motion.position.get(dense),
             velocity: motion.velocity.get(dense),
             angle: motion.angle[dense],
@@ -154,6 +157,7 @@ impl<S: Scalar> Start<S> {
         memory.clear();
         memory.extend(starts.iter().map(|start| Start {
             dense: start.dense,
+            body: start.body,
             position: start.position.map(|part| part.to_fixed()),
             velocity: start.velocity.map(|part| part.to_fixed()),
             angle: start.angle.to_turn(),

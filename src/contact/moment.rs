@@ -62,6 +62,7 @@ fn rounded_product(a: i64, b: u64) -> i64 {
 }
 
 impl Way {
+    #[inline(always)]
     /// The way at the velocity of the start, up to a time in 2^-48 s: a body that something carries does not fall.
     pub(super) fn steady(start: &Start, time: u64) -> Self {
         // Velocities are below 2^21 m/s: ways are below 2^36 m. Rounded to nearest, ties to even: oddly.

@@ -19,11 +19,11 @@ pub use breaking::JointBroke;
 pub(super) use memory::ContactMemory;
 use memory::Followed;
 
-use super::sleep::{has_stayed, is_slow, radius};
+use super::sleep::{has_stayed, is_slow};
 use super::{Constants, Findings, Step, bounds, show};
-use crate::body::{Bodies, BodyKind, Change};
+use crate::body::{Bodies, Change};
 use crate::collider::{ColliderSet, ContactSettings};
-use crate::contact::{Changed, ContactSet, ROUNDS, Scene, Start, is_asleep, list_pairs};
+use crate::contact::{Changed, ContactSet, MovingBody, ROUNDS, Scene, Start, is_asleep, list_pairs};
 use crate::error::Cause;
 use crate::fx::Fx;
 use crate::integrate::{BlockFactors, Schedule, StageKind, cap};
@@ -263,11 +263,11 @@ impl<S: Scalar> Step<'_, S> {
         let joins = Joins { fields: self.forces.fields, colliders, contacts, joints };
         island::wake(self.bodies, joins, touched, woke);
         let indices = first_woken..self.bodies.moving();
-        let may_touch = |dense: &usize| {
-            let slot = self.bodies.columns.slot[*dense];
-            colliders.any_meeting_of_slot(slot) || joints.has(slot)
-        };
-        memory.starts.extend(indices.clone().filter(may_touch).map(|dense| Start::of(self.bodies, dense)));
+        memory.starts.extend(indices.clone().filter_map(|dense| {
+            let slot = self.bodies.columns.slot[dense];
+            let body = MovingBody::new(self.bodies, colliders.fixed(), &joints, slot)?;
+            Some(Start::of(self.bodies, dense, &body))
+        }));
         indices
     }
 
@@ -330,8 +330,8 @@ impl<S: Scalar> Step<'_, S> {
             }
             if leaves_range(bodies, i, &mut self.workspace.findings) {
                 start.restore(bodies);
-            } else if bodies.info(i).kind == BodyKind::Dynamic {
-                let is_slow = is_slow(self.bodies, self.radius(i), constants.sleep_speed, i);
+            } else if start.body.is_dynamic {
+                let is_slow = is_slow(self.bodies, self.radius(start), constants.sleep_speed, i);
                 self.count_rest(start, is_slow, constants);
             }
             self.note_pushed(i);
@@ -340,16 +340,16 @@ impl<S: Scalar> Step<'_, S> {
 
     /// The largest distance of a point of a body's colliders, or of one of its joints, from its centre of mass.
     #[inline]
-    fn radius(&self, i: usize) -> S {
-        let Contacts { colliders, joints, .. } = &self.contacts;
-        let slot = self.bodies.columns.slot[i];
-        if joints.len() == 0 {
-            return radius(self.bodies, colliders, S::ZERO, i);
+    fn radius(&self, start: &Start<S>) -> S {
+        let MovingBody { slot, radius, .. } = start.body;
+        if self.contacts.joints.len() == 0 {
+            return S::from_fx(radius);
         }
         let joined = self.contacts.joined();
-        let radius = radius(self.bodies, colliders, S::from_fx(joined.reach(slot)), i);
+        let radius = joined.reach(slot).max(radius);
         // A joint shows that a body turns, also where no collider and no arm does.
-        if radius == S::ZERO && joined.has(slot) { S::from_fx(Fx::ONE) } else { radius }
+        let is_hidden = radius == Fx::ZERO && joined.has(slot);
+        S::from_fx(if is_hidden { Fx::ONE } else { radius })
     }
 
     /// Counts a step of a body that contacts moved or stopped: it is at rest while it is slow and stays where it is, and nothing else is
@@ -361,7 +361,7 @@ impl<S: Scalar> Step<'_, S> {
         let rests = constants.sleep_after.is_some()
             && is_slow
             && is_left_alone
-            && has_stayed(self.bodies, self.radius(i), speed, constants.plan.rate, start);
+            && has_stayed(self.bodies, self.radius(start), speed, constants.plan.rate, start);
         let ticks_at_rest = &mut self.bodies.columns.motion.ticks_at_rest[i];
         *ticks_at_rest = if rests { start.ticks_at_rest.saturating_add(1) } else { 0 };
         if constants.sleep_after.is_some_and(|ticks| is_candidate(*ticks_at_rest, ticks)) {

@@ -127,8 +127,8 @@ impl Sweeps {
     fn find_fast(&mut self, paths: &Paths<'_>, flights: &Flights, is_faulty: &dyn Fn(usize) -> bool) {
         self.fast.clear();
         for (flight, start) in (0..).zip(paths.scene.starts) {
-            let place = flights.body(flight);
-            if paths.is_fast(flights, flight, place.reach, place.width) && !is_faulty(start.dense) {
+            let [reach, width] = [start.body.turning_radius, start.body.width].map(Fx::to_bits);
+            if paths.is_fast(flights, flight, reach, width) && !is_faulty(start.dense) {
                 self.fast.push(flight);
             }
         }

@@ -5,7 +5,7 @@
 
 use alloc::vec::Vec;
 
-use super::super::flights::{FlightKind, Flights};
+use super::super::flights::Flights;
 use super::super::resting::Resting;
 use super::{Paths, form};
 use crate::collide::sweep::{Hull, Leg};
@@ -40,20 +40,20 @@ impl Regions {
         if fast.is_empty() {
             return;
         }
-        for flight in 0..paths.scene.starts.len() as u32 {
-            let place = flights.body(flight);
-            if place.kind != FlightKind::Kinematic {
+        for (flight, start) in (0..).zip(paths.scene.starts) {
+            if start.body.is_dynamic {
                 continue;
             }
             let leg = paths.leg(flights, flight);
             if !leg.moves() {
                 continue;
             }
-            self.count_way(flight, leg.farthest(place.reach));
-            if place.reach <= 2 * place.width {
+            let [reach, width] = [start.body.turning_radius, start.body.width].map(Fx::to_bits);
+            self.count_way(flight, leg.farthest(reach));
+            if reach <= 2 * width {
                 continue;
             }
-            for collider in paths.scene.colliders.solid_of_slot(place.slot) {
+            for collider in paths.scene.colliders.solid_of_slot(start.body.slot) {
                 for (number, part) in resting.numbers.of(collider.slot).zip(0..) {
                     let outline = collider.outline(part);
                     if let Some(hull) = Hull::new(&form(collider, &outline), &leg) {

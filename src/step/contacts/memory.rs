@@ -8,7 +8,9 @@ use super::Contacts;
 use crate::body::{Bodies, BodyKind, Change, ChangeCursor};
 use crate::collide::broad::Statics;
 use crate::collider::{Collider, ColliderSet, ContactSettings};
-use crate::contact::{Changed, ContactSet, Correction, Detected, Overlap, Pipeline, Sensors, Solvers, Start, Stop};
+use crate::contact::{
+    Changed, ContactSet, Correction, Detected, MovingBody, Overlap, Pipeline, Sensors, Solvers, Start, Stop,
+};
 use crate::island::Touching;
 use crate::scalar::Scalar;
 use crate::slots::BodyId;
@@ -38,8 +40,8 @@ pub(in super::super) struct ContactMemory<S: Scalar> {
     surveyed_joints: u64,
     /// The last step in which contacts were detected.
     pub(super) detected_at: Followed,
-    /// The slots of the moving bodies with colliders that meet others, or with joints.
-    pub(super) slots: Vec<u32>,
+    /// The moving bodies with colliders that meet others, or with joints.
+    moving: Vec<MovingBody>,
     pub(super) may_have_moved_statics: bool,
     /// The changes since the last step in which contacts were detected.
     pub(super) changed: Changed,
@@ -106,7 +108,7 @@ impl<S: Scalar> ContactMemory<S> {
         self.surveyed = source.surveyed;
         self.surveyed_joints = source.surveyed_joints;
         self.detected_at = source.detected_at;
-        self.slots.clone_from(&source.slots);
+        self.moving.clone_from(&source.moving);
         self.pipeline.clone_cached_from(&source.pipeline);
     }
 
@@ -136,11 +138,11 @@ impl<S: Scalar> ContactMemory<S> {
         if revision == Some(colliders.revision()) && joints_revision == self.surveyed_joints && are_motions {
             return;
         }
-        self.slots.clear();
+        self.moving.clear();
         if colliders.any_meeting() || !joints.is_empty() {
-            let moving = bodies.columns.slot[..bodies.moving()].iter();
-            let may_touch = |slot: u32| colliders.any_meeting_of_slot(slot) || joints.has(slot);
-            self.slots.extend(moving.filter(|&&slot| may_touch(slot)));
+            let slots = &bodies.columns.slot[..bodies.moving()];
+            let body = |&slot: &u32| MovingBody::new(bodies, colliders.fixed(), &joints, slot);
+            self.moving.extend(slots.iter().filter_map(body));
         }
     }
 
@@ -164,8 +166,8 @@ impl<S: Scalar> ContactMemory<S> {
         self.touching_before.clear();
         self.sensors.begin();
         self.starts.clear();
-        let indices = self.slots.iter().filter_map(|&slot| bodies.index_in(slot));
-        self.starts.extend(indices.map(|dense| Start::of(bodies, dense)));
+        let starts = self.moving.iter().filter_map(|body| Some(Start::of(bodies, bodies.index_in(body.slot)?, body)));
+        self.starts.extend(starts);
     }
 
     /// Lists which bodies touched each other in the step.
