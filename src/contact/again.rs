@@ -48,7 +48,7 @@ impl Again {
             joint.impulses = joints.starts[number as usize];
         }
         for (contact, &number) in part.contacts.iter_mut().zip(&part.contact_numbers) {
-            contact.impulses = contacts.detected[number as usize].start;
+            contact.impulses = contacts.detected[number as usize].carried();
         }
         let options = scene.settings.into();
         let Part { flights, joints: part_joints, contacts: part_contacts, .. } = part;

@@ -12,7 +12,7 @@
 use alloc::vec::Vec;
 
 use super::flights::Flights;
-use super::list::{ContactList, DetectedContact};
+use super::list::ContactList;
 use super::narrow::Narrow;
 use super::resting::Resting;
 use super::split::Part;
@@ -226,11 +226,12 @@ pub(super) fn find_touches(
         return;
     }
     for (number, detected) in list.detected.iter().enumerate() {
-        let sides = detected.pair.map(|outline| flights.side(scene, &resting.numbers, resting.numbers.number(outline)));
+        let sides =
+            detected.pair().map(|outline| flights.side(scene, &resting.numbers, resting.numbers.number(outline)));
         let touches = match &sides {
             [Some(first), Some(second)] if has_events([first.collider, second.collider]) => {
                 // Points alone do not tell: they were taken back to the start along rows that do not turn.
-                let points = &list.solver_contacts[number].points[..detected.count];
+                let points = &list.solver_contacts[number].points[..detected.count()];
                 list.totals[number].values != [0; 3]
                     || points.iter().any(|point| point.separation < -OVERLAP)
                         && narrow
@@ -247,7 +248,7 @@ pub(super) fn find_touches(
 pub(super) fn list_hits<S: Scalar>(list: &ContactList, scene: &Scene<'_>, hits: &mut Vec<ContactHit<S>>) {
     for (number, approach) in &list.approaches {
         let number = *number as usize;
-        let Some(DetectedContact { pair: outlines, .. }) = list.detected.get(number) else { continue };
+        let Some(outlines) = list.detected.get(number).map(ContactRecord::pair) else { continue };
         let Some(total) = list.totals.get(number) else { continue };
         let slots = outlines.map(|outline| outline.slot);
         let Some(pair) = ColliderPair::of_contact(scene.bodies, scene.colliders, slots) else { continue };

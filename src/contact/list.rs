@@ -17,15 +17,6 @@ use crate::kernel::round::odd_shift;
 use crate::math::Vec2;
 use crate::solve::{Contact, Impulses, Point};
 
-/// A contact that was detected: its outlines, the features and the number of its points, and the impulses that it starts from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DetectedContact {
-    pub(super) pair: [OutlineId; 2],
-    pub(super) features: [u32; 2],
-    pub(super) count: usize,
-    pub(super) start: Impulses,
-}
-
 /// The points of a contact on the surfaces of both bodies, with their separations at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ContactPoints {
@@ -61,7 +52,8 @@ fn on_surfaces(normal: [i32; 2], point: &ManifoldPoint) -> SurfacePoint {
 /// The contacts of a step. Lists of the same length share their order, and a number is an index into them.
 #[derive(Debug, Default)]
 pub(super) struct ContactList {
-    pub(super) detected: Vec<DetectedContact>,
+    /// The contacts with the impulses that they start from.
+    pub(super) detected: Vec<ContactRecord>,
     /// The contacts in the form that the solver takes.
     pub(super) solver_contacts: Vec<Contact>,
     /// The impulses along the normals over the step; empty where no collider has events.
@@ -119,8 +111,7 @@ impl ContactList {
             surface_speed: *surface_speed,
             impulses: start,
         });
-        let features = [first.feature, second.feature];
-        self.detected.push(DetectedContact { pair, features, count: points.count, start });
+        self.detected.push(ContactRecord::new(pair, [first.feature, second.feature], points.count, start));
     }
 
     /// Takes note that the last contact may be a hit.
@@ -132,15 +123,15 @@ impl ContactList {
 
     /// Returns true if a pair has a contact among the first `count`, which are sorted.
     pub(super) fn has(&self, pair: [OutlineId; 2], count: usize) -> bool {
-        self.detected[..count].binary_search_by_key(&pair, |contact| contact.pair).is_ok()
+        self.detected[..count].binary_search_by_key(&pair, ContactRecord::pair).is_ok()
     }
 
     /// Moves the contacts from number `first` on to their places among the contacts before, which are sorted. Each move shifts all contacts
     /// behind its place: such contacts are few.
     pub(super) fn sort_from(&mut self, first: usize) {
         for last in first..self.detected.len() {
-            let pair = self.detected[last].pair;
-            let place = self.detected[..last].partition_point(|contact| contact.pair < pair);
+            let pair = self.detected[last].pair();
+            let place = self.detected[..last].partition_point(|contact| contact.pair() < pair);
             self.detected[place..=last].rotate_right(1);
             self.solver_contacts[place..=last].rotate_right(1);
             if !self.totals.is_empty() {
@@ -160,7 +151,9 @@ impl ContactList {
     /// Exchanges the impulses of all contacts with the impulses that they start from.
     pub(super) fn swap_starts(&mut self) {
         for (contact, detected) in self.solver_contacts.iter_mut().zip(&mut self.detected) {
-            core::mem::swap(&mut contact.impulses, &mut detected.start);
+            let start = detected.carried();
+            *detected = detected.carrying(contact.impulses);
+            contact.impulses = start;
         }
         core::mem::swap(&mut self.touched, &mut self.start_touched);
     }
@@ -171,20 +164,21 @@ impl ContactList {
         pushing.map(|contact| contact.bodies)
     }
 
-    /// The records of the contacts with impulses, and of contacts that touched and have events.
-    pub(super) fn records(&self) -> impl Iterator<Item = ContactRecord> + '_ {
-        let contacts = self.detected.iter().zip(&self.solver_contacts).enumerate();
-        contacts.filter_map(|(number, (detected, contact))| {
-            let is_listed = contact.impulses.values != [0; 3] || self.touched.get(number) == Some(&true);
-            let DetectedContact { pair, features, count, .. } = *detected;
-            is_listed.then(|| ContactRecord::new(pair, features, count, contact.impulses))
-        })
+    /// Lists the records of the contacts with impulses, and of contacts that touched and have events.
+    pub(super) fn list_records(&self, records: &mut Vec<ContactRecord>) {
+        records.clear();
+        for (number, (detected, contact)) in self.detected.iter().zip(&self.solver_contacts).enumerate() {
+            let [first, second, tangent] = contact.impulses.values;
+            if first | second | tangent != 0 || self.touched.get(number) == Some(&true) {
+                records.push(detected.carrying(contact.impulses));
+            }
+        }
     }
 
     /// Calls `visit` with the slots of the two bodies of each contact, and true if a surface of one of them moves.
     pub(super) fn each_body_pair(&self, colliders: &ColliderSet, mut visit: impl FnMut([u32; 2], bool)) {
-        for DetectedContact { pair, .. } in &self.detected {
-            if let [Some(a), Some(b)] = pair.map(|outline| colliders.at(outline.slot)) {
+        for detected in &self.detected {
+            if let [Some(a), Some(b)] = detected.pair().map(|outline| colliders.at(outline.slot)) {
                 let is_driven = a.def.material.surface_speed_against(&b.def.material) != Fx::ZERO;
                 visit([a.body.slot, b.body.slot], is_driven);
             }

@@ -14,7 +14,7 @@
 //! | `JointList::set` | flights, joints | the joints of the solver |
 //! | `Solvers::solve` | flights, joints, contacts | impulses and a correction for each flight, islands apart (`split`) |
 //! | `list_deflected`, `Again::solve` | corrections | contacts on the new ways, solved again with their islands |
-//! | `ContactList::records` | impulses | [`ContactRecord`]s, the state that the next step starts from (`set`, `asleep`) |
+//! | `ContactList::list_records` | impulses | [`ContactRecord`]s, the state that the next step starts from (`set`, `asleep`) |
 //! | `Sweeps::end_fast_paths` | columns after the corrections | `Stop`s: the ends of fast paths |
 //!
 //! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a

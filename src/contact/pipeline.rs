@@ -243,8 +243,7 @@ impl Pipeline {
     /// Lists the contacts with impulses: before [`solve`](Self::solve) with the impulses that they start from, and after it also the
     /// contacts that touched and have events. Lists also the answers of one-way colliders and the pairs of bodies that stay excluded.
     pub(crate) fn list(&self, contacts: &mut ContactSet) {
-        contacts.records.clear();
-        contacts.records.extend(self.contacts.records());
+        self.contacts.list_records(&mut contacts.records);
         self.rules.list(contacts);
     }
 

@@ -42,16 +42,29 @@ const HIGH: u32 = 0x380 | 0x3E;
 
 impl ContactRecord {
     /// *Domain* features are below 2^24, the exponent is from −128 to 127, the count is 1 or 2.
+    #[inline(always)]
     pub(crate) fn new(pair: [OutlineId; 2], features: [u32; 2], count: usize, impulses: Impulses) -> Self {
-        let [high_a, high_b] = pair.map(|outline| outline.part >> 8);
+        let high = pair.map(|outline| outline.part >> 8);
         let pair = pair.map(|OutlineId { slot, part }| slot | part << 24);
-        let exponent = u32::from(impulses.exponent.clamp(-128, 127) as i8 as u8);
-        let mut packed = [features[0] & FEATURE | exponent << 24, features[1] & FEATURE | (count as u32) << 24];
-        for (side, high) in [high_a, high_b].into_iter().enumerate().filter(|(_, high)| *high > 0) {
-            packed[0] |= ((high & 31) << 1 | (high >> 5) << 7) << (12 * side);
-            packed[1] |= LONG[side];
+        let mut packed =
+            [features[0] & FEATURE | in_byte(impulses.exponent), features[1] & FEATURE | (count as u32) << 24];
+        if high[0] | high[1] != 0 {
+            set_high(&mut packed, high);
         }
         Self { pair, packed, impulses: impulses.values }
+    }
+
+    /// The impulses with their unit.
+    #[inline(always)]
+    pub(super) fn carried(&self) -> Impulses {
+        Impulses { values: self.impulses, exponent: self.exponent() }
+    }
+
+    /// The record with other impulses. *Domain* as [`new`](Self::new).
+    #[inline(always)]
+    pub(super) fn carrying(&self, impulses: Impulses) -> Self {
+        let [first, second] = self.packed;
+        Self { packed: [first & FEATURE | in_byte(impulses.exponent), second], impulses: impulses.values, ..*self }
     }
 
     /// The upper bits of the number of an outline.
@@ -114,7 +127,7 @@ impl ContactRecord {
         if (features, count) == (record_features, self.count())
             || is_one && have_common_corner(features[0], record_features[0])
         {
-            return Impulses { values: self.impulses, exponent: self.exponent() };
+            return self.carried();
         }
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
         for (k, feature) in features.iter().enumerate().take(count) {
@@ -133,7 +146,7 @@ impl ContactRecord {
         let [a, b, tangent] = self.impulses;
         let (features, values) =
             if self.count() == 2 { ([second, first], [b, a, tangent]) } else { ([first, 0], [a, -b, tangent]) };
-        let impulses = Impulses { values, exponent: self.exponent() };
+        let impulses = Impulses { values, ..self.carried() };
         let [a, b] = self.pair();
         Self::new([b, a], features, self.count(), impulses)
     }
@@ -159,7 +172,7 @@ impl ContactRecord {
             2 => ([image(second)?, image(first)?], [b, a, -tangent]),
             _ => ([image(first)?, 0], [a, -b, -tangent]),
         };
-        Some(Self::new(pair, features, self.count(), Impulses { values, exponent: self.exponent() }))
+        Some(Self::new(pair, features, self.count(), Impulses { values, ..self.carried() }))
     }
 
     /// Adds all but the handles to a hash.
@@ -193,6 +206,21 @@ impl ContactRecord {
             || first < 0
             || !is_one && second < 0
             || self.impulses.iter().any(|impulse| impulse.unsigned_abs() > 1 << 62)
+    }
+}
+
+/// An exponent in the upper byte of a word.
+#[inline(always)]
+fn in_byte(exponent: i32) -> u32 {
+    u32::from(exponent.clamp(-128, 127) as i8 as u8) << 24
+}
+
+/// Adds the upper bits of the numbers of outlines.
+#[cold]
+fn set_high(packed: &mut [u32; 2], high: [u32; 2]) {
+    for (side, high) in high.into_iter().enumerate().filter(|(_, high)| *high > 0) {
+        packed[0] |= ((high & 31) << 1 | (high >> 5) << 7) << (12 * side);
+        packed[1] |= LONG[side];
     }
 }
 

@@ -67,8 +67,14 @@ impl Total {
     }
 
     fn is_zero(&self) -> bool {
-        self.impulse == [0; 3] && self.weighted == [0; 3]
+        are_zero(self.impulse) && are_zero(self.weighted)
     }
+}
+
+/// Returns true for no impulse. Arrays would be compared in memory, and the processor would wait for them to be written.
+#[inline(always)]
+fn are_zero([x, y, turn]: [i128; 3]) -> bool {
+    x | y | turn == 0
 }
 
 /// impulse · factor as a change of velocity, in 2^-96, to nearest, ties away from zero.
@@ -236,7 +242,6 @@ impl ImpulseSums {
     /// All impulses on a body.
     #[inline(always)]
     fn total(&self, body: usize, row: u32, length: i32) -> Total {
-        let mut total = self.totals.get(body).copied().unwrap_or_default();
         let [mut impulse, mut weighted] = joined(&self.sums[row as usize]);
         if let Some(large) = self.large.get(row as usize) {
             (0..3).for_each(|i| {
@@ -244,8 +249,12 @@ impl ImpulseSums {
             });
         }
         (impulse[2], weighted[2]) = (shifted_within(impulse[2], -length), shifted_within(weighted[2], -length));
-        total.add(false, impulse);
-        total.add(true, weighted);
+        let mut total = Total { impulse, weighted, struck: [0; 3] };
+        if let Some(others) = self.totals.get(body) {
+            total.add(false, others.impulse);
+            total.add(true, others.weighted);
+            total.struck = others.struck;
+        }
         total
     }
 }
@@ -282,7 +291,7 @@ impl Flight {
         let [ox, oy, turned] = match path {
             Path::Flight => [FxAccumulator::default(); 3],
             Path::Substeps => self.offsets(clock).map(offset_in_full),
-            Path::Contacts if total.struck == [0; 3] => {
+            Path::Contacts if are_zero(total.struck) => {
                 self.cancelled([velocity.x, velocity.y, angular_velocity], clock)
             }
             Path::Contacts => {
