@@ -202,7 +202,18 @@ impl Placed {
         Self { position: pose.position, count, low, high, extent, radius, is_box: false }
     }
 
+    /// Places a disc around a place in the axes of its body. The second value is the place in ulps, relative to the position.
+    #[inline(always)]
+    pub(super) fn disc(centre: Vec2<Fx>, radius: Fx, pose: &Pose) -> (Self, [i64; 2]) {
+        let (sin, cos) = pose.direction;
+        let [x, y] = turned(centre, sin, cos, 62);
+        let extent = x.abs().max(y.abs());
+        let (position, radius) = (pose.position, radius.to_bits());
+        (Self { position, count: 1, low: [x, y], high: [x, y], extent, radius, is_box: false }, [x, y])
+    }
+
     /// A box around the outline: as [`Pose::bounds`].
+    #[inline(always)]
     pub(super) fn bounds(&self) -> Aabb {
         let at = |centre: Fx, offset: i64| Fx::from_bits(centre.to_bits().saturating_add(offset));
         // An ulp for the rounding of corners, and one more, as for other outlines.

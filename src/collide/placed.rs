@@ -9,7 +9,7 @@ use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal
 use super::seam::Face;
 use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
-use crate::collider::BodyOutline;
+use crate::fx::Fx;
 use crate::kernel::simd::{self, Line};
 use crate::math::Vec2;
 use crate::shape::{Aabb, Outline};
@@ -50,11 +50,13 @@ impl Cores {
 
     /// Adds the outline of a body at a pose, and returns its number: 0, 1, 2 and so on.
     pub fn push(&mut self, outline: &Outline, pose: &Pose) -> usize {
-        if let Some(core) = PlacedBox::new(outline, pose).and_then(|placed_box| self.push_placed(placed_box)) {
-            return core;
+        // A rectangle, whose second normal is the first one turned by a quarter.
+        let rectangle = PlacedBox::new(outline, pose).filter(|PlacedBox { normals: [n1, n2], .. }| *n2 == across(*n1));
+        if let Some(placed_box) = rectangle {
+            return self.push_rectangle(&placed_box) as usize;
         }
-        if outline.corners().len() == 1 {
-            return self.push_disc(outline, pose);
+        if let &[centre] = outline.corners() {
+            return self.push_disc(centre, outline.radius(), pose).0 as usize;
         }
         let start = self.corners.len();
         let end = start + places_of(outline.corners().len());
@@ -72,35 +74,35 @@ impl Cores {
         self.placed.len() - 1
     }
 
-    fn push_disc(&mut self, outline: &Outline, pose: &Pose) -> usize {
-        let mut room = Room::default();
-        let placed = Placed::new(outline, pose, &mut room.corners, &mut room.normals);
-        let ([x, y], position) = (room.corners[0], placed.position);
+    /// Adds a disc around this place in the axes of its body. Returns its number and the box around it.
+    #[inline(always)]
+    pub(crate) fn push_disc(&mut self, centre: Vec2, radius: Fx, pose: &Pose) -> (u32, Aabb) {
+        let (placed, [x, y]) = Placed::disc(centre, radius, pose);
+        let position = placed.position;
         self.lines.push(Line([x, y, 0, 0, placed.radius, 0, position.x.to_bits(), position.y.to_bits()]));
-        self.placed.push((placed, IN_LINE, false));
-        self.placed.len() - 1
+        (self.push_in_line(placed), placed.bounds())
     }
 
-    /// Adds the outline of a body if it is a rectangle, and returns its number.
-    pub(crate) fn push_box(&mut self, outline: &BodyOutline, pose: &Pose) -> Option<usize> {
-        self.push_placed(outline.placed_box(pose)?)
+    /// Adds a rectangle around the centre of mass that is not turned in the axes of its body, by the corner where x and y are positive.
+    /// Returns its number and the box around it.
+    #[inline(always)]
+    pub(crate) fn push_upright(&mut self, corner: Vec2, radius: Fx, pose: &Pose) -> (u32, Aabb) {
+        let placed_box = PlacedBox::upright(corner, radius, pose);
+        (self.push_rectangle(&placed_box), placed_box.placed.bounds())
     }
 
     #[inline(always)]
-    fn push_placed(&mut self, placed_box: PlacedBox) -> Option<usize> {
-        let PlacedBox { placed, corners: [[x1, y1], [x2, y2]], normals: [first, second] } = placed_box;
-        if second != across(first) {
-            return None;
-        }
+    fn push_rectangle(&mut self, placed_box: &PlacedBox) -> u32 {
+        let PlacedBox { placed, corners: [[x1, y1], [x2, y2]], normals: [first, _] } = *placed_box;
         let ([nx, ny], Vec2 { x, y }) = (first.map(i64::from), placed.position);
         self.lines.push(Line([x1, y1, x2, y2, nx, ny, x.to_bits(), y.to_bits()]));
-        self.placed.push((placed, IN_LINE, false));
-        Some(self.placed.len() - 1)
+        self.push_in_line(placed)
     }
 
-    /// A box around an outline: as [`Pose::bounds`].
-    pub(crate) fn bounds(&self, i: usize) -> Aabb {
-        self.placed[i].0.bounds()
+    #[inline(always)]
+    fn push_in_line(&mut self, placed: Placed) -> u32 {
+        self.placed.push((placed, IN_LINE, false));
+        self.placed.len() as u32 - 1
     }
 
     /// The shape of an outline, if lanes take it.

@@ -28,7 +28,7 @@ impl Coefficients {
 }
 
 /// The number of materials whose coefficients are kept.
-const KEPT: usize = 16;
+pub(super) const KEPT: usize = 16;
 
 /// The materials of a step, each with a number, and the coefficients of all pairs of these.
 #[derive(Debug, Default)]
@@ -41,6 +41,14 @@ pub(super) struct Materials {
 impl Materials {
     pub(super) fn clear(&mut self) {
         self.materials.clear();
+    }
+
+    /// Numbers the first materials of a step in their order. *Domain* they are no more than [`KEPT`].
+    pub(super) fn begin(&mut self, scene: &Scene<'_>, materials: &[Material]) {
+        self.clear();
+        for material in materials {
+            self.number(scene, material);
+        }
     }
 
     /// The number of a material; `None` if the step has too many of them.

@@ -19,7 +19,7 @@
 //!
 //! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a
 //! group of the solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
-//! `numbers` gives outlines the numbers that the broad phase knows; `reach` says how
+//! `numbers` gives outlines the numbers that the broad phase knows; `movers` keeps what no step changes of moving outlines; `reach` says how
 //! far outlines come in a step; `tiles` and `body_tiles` are polygons beside each other as one surface.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
@@ -39,6 +39,7 @@ mod flights;
 mod joints;
 mod list;
 mod moment;
+mod movers;
 mod narrow;
 mod numbers;
 mod one_way;

@@ -9,8 +9,9 @@ use core::slice::from_ref;
 use self::over_seams::presses_nearby;
 use super::actors::{Actor, Actors, LanePlace};
 use super::body_tiles::BodyTiles;
-use super::flights::{FlightKind, Flights, PairSide};
+use super::flights::{FlightKind, Flights, PairSide, Place};
 use super::moment::{LEVEL, SLOW, Way};
+use super::movers::{Form, MovingOutline};
 use super::reach::Reach;
 use super::resting::Resting;
 use super::seams::Unions;
@@ -21,7 +22,7 @@ use super::{MARGIN, Scene};
 use crate::collide::seam::Face;
 use crate::collide::sweep::{Moment, Second, Sweep};
 use crate::collide::{Cores, LANE_CORNERS, Manifold, Margin, Pose};
-use crate::collider::BodyOutline;
+use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::shape::Aabb;
@@ -230,34 +231,37 @@ impl Narrow {
     }
 
     /// Makes an actor of an outline of a body that moves. Returns the box around it over the step.
-    pub(super) fn push_mover(
-        &mut self,
-        scene: &Scene<'_>,
-        flights: &Flights,
-        side: &PairSide<'_>,
-        outline: &BodyOutline,
-    ) -> Aabb {
-        let reach = Reach::new(flights.flight(side.flight), outline.radius);
-        let pose = &flights.body(side.flight).pose;
-        let (corners, has_others) = (outline.outline.corners().len(), side.collider.has_others());
-        // Polygons beside others have a surface, which is found when a pair asks for it.
-        let mut core = match corners {
-            1 => Some(self.cores.push(&outline.outline, pose)),
-            4 if !has_others => self.cores.push_box(outline, pose),
-            _ => None,
+    #[inline(always)]
+    pub(super) fn push_mover(&mut self, scene: &Scene<'_>, flights: &Flights, outline: &MovingOutline) -> Aabb {
+        let &MovingOutline { actor, form, .. } = outline;
+        let &Place { kind, ref pose, ref way, .. } = flights.body(actor.flight);
+        let flight = flights.flight(actor.flight);
+        let reach = Reach::new(flight, Fx::from_bits(actor.extent));
+        let (core, bounds) = match form {
+            Form::Disc { centre, radius } => self.cores.push_disc(centre, radius, pose),
+            Form::Upright { corner, radius } => self.cores.push_upright(corner, radius, pose),
+            Form::Other => self.push_other(scene, actor.id, pose),
         };
-        let bounds = match core {
-            Some(core) => self.cores.bounds(core),
-            None => pose.outline_bounds(outline),
-        };
-        if core.is_none() && corners <= LANE_CORNERS && !has_others {
-            core = Some(self.cores.push(&outline.outline, pose));
+        let mut shape = None;
+        if core != NONE {
+            self.core_of.set(actor.number, core);
+            shape = self.cores.lane_shape(core as usize);
         }
-        if let Some(core) = core {
-            self.core_of.set(side.number, core as u32);
-        }
-        self.push_side(scene, flights, side, reach, outline.radius.to_bits());
+        self.actors.push(Actor { kind, core, shape, ..actor }, &reach, flight.position, way);
         reach.swept(bounds)
+    }
+
+    /// Places an outline of a body that moves, unless it has many corners or is a polygon beside others: these have a surface, which is found
+    /// when a pair asks for it. Returns its index, or [`NONE`], and the box around it.
+    fn push_other(&mut self, scene: &Scene<'_>, id: OutlineId, pose: &Pose) -> (u32, Aabb) {
+        let Some(collider) = scene.colliders.at(id.slot) else {
+            return (NONE, Aabb::around(&[pose.position()], Fx::ZERO));
+        };
+        let outline = collider.outline(id.part);
+        let bounds = pose.outline_bounds(&outline);
+        let is_placed = outline.outline.corners().len() <= LANE_CORNERS && !collider.has_others();
+        let core = if is_placed { self.cores.push(&outline.outline, pose) as u32 } else { NONE };
+        (core, bounds)
     }
 
     fn push_side(

@@ -5,13 +5,15 @@
 
 use alloc::vec::Vec;
 
-use super::flights::{Flights, PairSide, Place};
+use super::actors::Actor;
+use super::flights::Flights;
+use super::movers::{MovingOutline, MovingOutlines};
 use super::narrow::Narrow;
 use super::resting::{Resting, Trees};
 use super::{Scene, pair_limits, sorted};
 use crate::body::Activity;
 use crate::collide::broad::{BroadPhase, PairLimits, Proxy, RestingTrees};
-use crate::collider::{Filter, OutlineId};
+use crate::collider::Filter;
 use crate::shape::Aabb;
 use crate::slots::BodyId;
 
@@ -19,6 +21,7 @@ use crate::slots::BodyId;
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     broad: BroadPhase,
+    outlines: MovingOutlines,
     /// The boxes of moving outlines over the step.
     movers: Vec<Proxy>,
 }
@@ -49,18 +52,12 @@ impl Pairs {
     /// Makes the outlines of moving colliders actors, and lists their boxes over the step.
     fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, narrow: &mut Narrow) {
         self.movers.clear();
-        for flight in 0..flights.len() as u32 {
-            let &Place { slot: body, kind, .. } = flights.body(flight);
-            for collider in scene.colliders.solid_of_slot(body) {
-                let first = resting.numbers.first(collider.slot);
-                let filter = collider.def.filter;
-                for part in 0..collider.outline_count() {
-                    let id = OutlineId { slot: collider.slot, part };
-                    let side = PairSide { number: first + part, id, collider, flight, kind };
-                    let bounds = narrow.push_mover(scene, flights, &side, &collider.outline(part));
-                    self.movers.push(Proxy { collider: side.number, body, bounds, filter, digest: 0 });
-                }
-            }
+        self.outlines.update(scene, &resting.numbers);
+        narrow.actors.materials.begin(scene, &self.outlines.materials);
+        for outline in &self.outlines.list {
+            let &MovingOutline { actor: Actor { number, .. }, filter, body, .. } = outline;
+            let bounds = narrow.push_mover(scene, flights, outline);
+            self.movers.push(Proxy { collider: number, body, bounds, filter, digest: 0 });
         }
     }
 
