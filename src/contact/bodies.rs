@@ -28,6 +28,7 @@ pub(crate) struct MovingBody {
     pub(crate) slot: u32,
     /// False for a kinematic body.
     pub(crate) is_dynamic: bool,
+    pub(crate) is_bullet: bool,
     pub(crate) dominance: i32,
     /// kg; zero for a kinematic body.
     pub(crate) mass: Fx,
@@ -52,6 +53,7 @@ impl MovingBody {
         let mut body = Self {
             slot,
             is_dynamic: info.kind == BodyKind::Dynamic,
+            is_bullet: info.is_bullet,
             dominance: info.dominance,
             mass: info.kilograms().to_fx(),
             radius: Fx::ZERO,

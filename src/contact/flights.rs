@@ -4,6 +4,7 @@ use alloc::vec::Vec;
 
 use super::bodies::{MovingBody, resting};
 use super::moment::{Way, length, mean_beginning};
+use super::movers::MovingOutlines;
 use super::numbers::Numbers;
 use super::reach::Reach;
 use super::slot_table::SlotTable;
@@ -36,6 +37,7 @@ pub(super) struct Place {
     /// The way from the start to that pose.
     pub(super) way: Way,
     pub(super) kind: FlightKind,
+    pub(super) is_bullet: bool,
     /// The dominance: a contact of two dynamic bodies does not move the body with the higher one.
     pub(super) dominance: i32,
     /// False while the flight lacks the values that only contacts need: few bodies of a step touch something.
@@ -78,6 +80,8 @@ pub(super) struct Flights {
     flights: Vec<Flight>,
     /// The body of each flight.
     places: Vec<Place>,
+    /// The outlines of the bodies that move.
+    pub(super) outlines: MovingOutlines,
     /// The number of the flight by the slot of the body.
     flight_of: SlotTable,
     /// The moment of manifolds, and the length of the step, in 2^-48 s.
@@ -96,7 +100,7 @@ impl Place {
     /// The place of a body that moves.
     #[inline(always)]
     fn moving(start: &Start, mean_beginning: u64) -> Self {
-        let MovingBody { slot, is_dynamic, dominance, turning_radius, .. } = start.body;
+        let MovingBody { slot, is_dynamic, is_bullet, dominance, turning_radius, .. } = start.body;
         let way = Way::steady(start, mean_beginning);
         // Discs around the centre look alike at all angles.
         let pose = if turning_radius == Fx::ZERO {
@@ -105,13 +109,14 @@ impl Place {
             way.pose(start.position, start.angle)
         };
         let kind = if is_dynamic { FlightKind::Dynamic } else { FlightKind::Kinematic };
-        Self { slot, pose, way, kind, dominance, is_complete: false }
+        Self { slot, pose, way, kind, is_bullet, dominance, is_complete: false }
     }
 }
 
 impl Flights {
-    /// Lists the bodies that move.
-    pub(super) fn begin(&mut self, scene: &Scene<'_>) {
+    /// Lists the bodies that move, with their outlines.
+    pub(super) fn begin(&mut self, scene: &Scene<'_>, numbers: &Numbers) {
+        self.outlines.update(scene, numbers);
         self.flights.clear();
         self.places.clear();
         self.flight_of.clear();
@@ -148,7 +153,8 @@ impl Flights {
         let way = Way::default();
         let flight = self.places.len() as u32;
         self.flight_of.set(slot, flight);
-        self.places.push(Place { slot, pose, way, kind, dominance: 0, is_complete: true });
+        let is_bullet = scene.bodies.contact_info(dense).is_bullet;
+        self.places.push(Place { slot, pose, way, kind, is_bullet, dominance: 0, is_complete: true });
         flight
     }
 
@@ -158,7 +164,7 @@ impl Flights {
         let pose = pose(point.map(FxAccumulator::from_scalar), Turn::default());
         let kind = FlightKind::Static;
         self.flights.push(resting(point));
-        self.places.push(Place { slot: NONE, pose, way, kind, dominance: 0, is_complete: true });
+        self.places.push(Place { slot: NONE, pose, way, kind, is_bullet: false, dominance: 0, is_complete: true });
         self.flights.len() as u32 - 1
     }
 

@@ -54,9 +54,11 @@ pub(super) struct MovingOutline {
 /// The outlines of all moving bodies, in the order of the flights.
 #[derive(Debug, Default)]
 pub(super) struct MovingOutlines {
-    pub(super) list: Vec<MovingOutline>,
+    list: Vec<MovingOutline>,
+    /// The end of the part of the list of each flight.
+    ends: Vec<u32>,
     /// The materials by the numbers that outlines have for them.
-    pub(super) materials: Vec<Material>,
+    materials: Vec<Material>,
     /// The slots of the bodies.
     bodies: Vec<u32>,
     /// The revision of the colliders; `None` before the first step.
@@ -75,6 +77,7 @@ impl MovingOutlines {
         self.bodies.clear();
         self.bodies.extend(bodies());
         self.list.clear();
+        self.ends.clear();
         self.materials.clear();
         for (flight, body) in (0..).zip(bodies()) {
             for collider in scene.colliders.solid_of_slot(body) {
@@ -98,7 +101,23 @@ impl MovingOutlines {
                     self.list.push(MovingOutline { actor, form, filter: collider.def.filter, body });
                 }
             }
+            self.ends.push(self.list.len() as u32);
         }
+    }
+
+    pub(super) fn all(&self) -> &[MovingOutline] {
+        &self.list
+    }
+
+    /// The outlines of the body of a flight.
+    pub(super) fn of(&self, flight: u32) -> &[MovingOutline] {
+        let index = flight as usize;
+        let start = if index == 0 { 0 } else { self.ends[index - 1] };
+        &self.list[start as usize..self.ends[index] as usize]
+    }
+
+    pub(super) fn materials(&self) -> &[Material] {
+        &self.materials
     }
 
     /// The number of a material; `None` if there are too many of them.

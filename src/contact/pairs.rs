@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 
 use super::actors::Actor;
 use super::flights::Flights;
-use super::movers::{MovingOutline, MovingOutlines};
+use super::movers::MovingOutline;
 use super::narrow::Narrow;
 use super::resting::{Resting, Trees};
 use super::{Scene, pair_limits, sorted};
@@ -21,7 +21,6 @@ use crate::slots::BodyId;
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
     broad: BroadPhase,
-    outlines: MovingOutlines,
     /// The boxes of moving outlines over the step.
     movers: Vec<Proxy>,
 }
@@ -35,7 +34,7 @@ impl Pairs {
     /// Finds the pairs of moving colliders, which are the pairs of the step. If there are too many pairs or overlaps, sleeping ones included,
     /// sleeping colliders are treated as moving ones: sleep must not decide which bodies have too many.
     pub(super) fn find(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, narrow: &mut Narrow) {
-        self.place_movers(scene, flights, resting, narrow);
+        self.place_movers(scene, flights, narrow);
         let Some(trees) = &resting.trees else { return };
         let limits = pair_limits(scene.settings, scene.colliders);
         let overlaps = limits.overlaps.saturating_sub(trees.counts.overlaps);
@@ -50,11 +49,10 @@ impl Pairs {
     }
 
     /// Makes the outlines of moving colliders actors, and lists their boxes over the step.
-    fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, resting: &Resting, narrow: &mut Narrow) {
+    fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, narrow: &mut Narrow) {
         self.movers.clear();
-        self.outlines.update(scene, &resting.numbers);
-        narrow.actors.materials.begin(scene, &self.outlines.materials);
-        for outline in &self.outlines.list {
+        narrow.actors.materials.begin(scene, flights.outlines.materials());
+        for outline in flights.outlines.all() {
             let &MovingOutline { actor: Actor { number, .. }, filter, body, .. } = outline;
             let bounds = narrow.push_mover(scene, flights, outline);
             self.movers.push(Proxy { collider: number, body, bounds, filter, digest: 0 });
@@ -88,7 +86,7 @@ impl Pairs {
         resting: &Resting,
         narrow: &mut Narrow,
     ) -> Vec<[u32; 2]> {
-        self.place_movers(scene, flights, resting, narrow);
+        self.place_movers(scene, flights, narrow);
         let mut pairs = self.broad.take_pairs();
         pairs.clear();
         let Some(Trees { sleepers, .. }) = &resting.trees else { return pairs };

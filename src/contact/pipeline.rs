@@ -72,8 +72,8 @@ impl Pipeline {
         contacts.clear();
         again.clear();
         sweeps.deflected.clear();
-        flights.begin(scene);
         narrow.begin(resting.update(scene, &mut detected.changed_resting));
+        flights.begin(scene, &resting.numbers);
         pairs.find(scene, flights, resting, narrow);
         list_crowded(scene, resting, pairs.crowded(), detected);
         if !detected.crowded.is_empty() || !detected.touched.is_empty() {
@@ -104,7 +104,7 @@ impl Pipeline {
             return;
         }
         narrow.forget_placed();
-        flights.begin(scene);
+        flights.begin(scene, &resting.numbers);
         let mut list = pairs.take_with_sleepers(scene, flights, resting, narrow);
         rules.one_way.leave_out_passing(scene, flights, resting, narrow, &detected.changed_resting, &mut list);
         for &pair in &list {

@@ -25,7 +25,9 @@ use alloc::vec::Vec;
 use core::slice::from_ref;
 
 use super::Stop;
+use super::actors::Actor;
 use super::flights::{FlightKind, Flights, Place};
+use super::movers::MovingOutline;
 use super::pairs::Pairs;
 use super::resting::Resting;
 use super::rules::Rules;
@@ -171,7 +173,7 @@ impl Sweeps {
         let Self { fast, deflected, movers, regions, .. } = self;
         regions.list(paths, flights, resting, fast);
         let is_listed = |flight: u32| takes_part(flight) && (free_pairs.is_none() || !paths.is_free(flights, flight));
-        movers.list(paths, flights, resting, regions, fast, deflected, &is_listed);
+        movers.list(paths, flights, regions, fast, deflected, &is_listed);
         self.list_near(paths, flights, resting, rules, free_pairs);
         let Self { pairs, deflected, .. } = self;
         pairs.sort_unstable();
@@ -201,38 +203,35 @@ impl Sweeps {
         for &flight in fast.iter() {
             let place = *flights.body(flight);
             let leg = paths.leg(flights, flight);
-            let is_obstacle = place.kind == FlightKind::Kinematic
-                || paths.is_bullet(place.slot)
-                || deflected.binary_search(&flight).is_ok();
-            for collider in scene.colliders.solid_of_slot(place.slot) {
-                for (number, part) in resting.numbers.of(collider.slot).zip(0..) {
-                    let reach = collider.outline(part).radius.to_bits();
-                    let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
-                    let filter = collider.def.filter;
-                    nearby.clear();
-                    if let Some(free_pairs) = free_pairs.filter(|_| is_obstacle) {
-                        free_pairs.search_movers(bounds, filter, |candidate, slot| {
-                            let is_free = flights.at(slot).is_some_and(|flight| paths.is_free(flights, flight));
-                            nearby.extend(is_free.then_some(candidate));
-                            true
-                        });
-                    }
-                    let mut visit = |candidate: u32| {
-                        let pair = [number.min(candidate), number.max(candidate)];
-                        if regions.meet(paths, flights, resting, [number, candidate], &leg, reach)
-                            && rules.may_touch(scene, resting, pair)
-                        {
-                            pairs.push(pair);
-                        }
+            let is_obstacle =
+                place.kind == FlightKind::Kinematic || place.is_bullet || deflected.binary_search(&flight).is_ok();
+            for index in 0..flights.outlines.of(flight).len() {
+                let MovingOutline { actor, filter, .. } = flights.outlines.of(flight)[index];
+                let Actor { number, extent: reach, .. } = actor;
+                let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
+                nearby.clear();
+                if let Some(free_pairs) = free_pairs.filter(|_| is_obstacle) {
+                    free_pairs.search_movers(bounds, filter, |candidate, slot| {
+                        let is_free = flights.at(slot).is_some_and(|flight| paths.is_free(flights, flight));
+                        nearby.extend(is_free.then_some(candidate));
                         true
-                    };
-                    if let Some(trees) = resting.trees.as_ref().filter(|_| place.kind == FlightKind::Dynamic) {
-                        trees.statics.search_box(bounds, filter, &mut visit);
-                        trees.sleepers.search_box(bounds, filter, &mut visit);
-                    }
-                    movers.search(bounds, filter, is_obstacle, &mut visit);
-                    nearby.iter().for_each(|&candidate| _ = visit(candidate));
+                    });
                 }
+                let mut visit = |candidate: u32| {
+                    let pair = [number.min(candidate), number.max(candidate)];
+                    if regions.meet(paths, flights, resting, [number, candidate], &leg, reach)
+                        && rules.may_touch(scene, resting, pair)
+                    {
+                        pairs.push(pair);
+                    }
+                    true
+                };
+                if let Some(trees) = resting.trees.as_ref().filter(|_| place.kind == FlightKind::Dynamic) {
+                    trees.statics.search_box(bounds, filter, &mut visit);
+                    trees.sleepers.search_box(bounds, filter, &mut visit);
+                }
+                movers.search(bounds, filter, is_obstacle, &mut visit);
+                nearby.iter().for_each(|&candidate| _ = visit(candidate));
             }
         }
     }
@@ -407,7 +406,7 @@ fn is_dynamic(place: &Place, paths: &Paths<'_>) -> bool {
 fn is_swept([a, b]: [&Place; 2], paths: &Paths<'_>) -> bool {
     let is_awake = a.kind == FlightKind::Dynamic || b.kind == FlightKind::Dynamic;
     let are_dynamic = is_dynamic(a, paths) && is_dynamic(b, paths);
-    is_awake && (!are_dynamic || paths.is_bullet(a.slot) || paths.is_bullet(b.slot))
+    is_awake && (!are_dynamic || a.is_bullet || b.is_bullet)
 }
 
 /// An outline for the time of impact.

@@ -6,8 +6,9 @@
 use alloc::vec::Vec;
 use core::slice::from_ref;
 
+use super::super::actors::Actor;
 use super::super::flights::{FlightKind, Flights};
-use super::super::resting::Resting;
+use super::super::movers::MovingOutline;
 use super::{Paths, Regions, around};
 use crate::collide::broad::{Proxy, Statics};
 use crate::collider::Filter;
@@ -36,21 +37,13 @@ pub(super) struct Movers {
 
 impl Layer {
     /// Adds the outlines of a body.
-    fn push(&mut self, paths: &Paths<'_>, flights: &Flights, resting: &Resting, regions: &Regions, flight: u32) {
+    fn push(&mut self, paths: &Paths<'_>, flights: &Flights, regions: &Regions, flight: u32) {
         let leg = paths.leg(flights, flight);
-        for collider in paths.scene.colliders.solid_of_slot(flights.body(flight).slot) {
-            let first = resting.numbers.first(collider.slot);
-            self.proxies.extend((0..collider.outline_count()).map(|part| {
-                let reach = collider.outline(part).radius.to_bits();
-                Proxy {
-                    collider: first + part,
-                    body: collider.body.slot,
-                    bounds: regions.bounds(first + part).unwrap_or_else(|| around(from_ref(&leg), reach)),
-                    filter: collider.def.filter,
-                    digest: 0,
-                }
-            }));
-        }
+        self.proxies.extend(flights.outlines.of(flight).iter().map(|outline| {
+            let &MovingOutline { actor: Actor { number, extent, .. }, filter, body, .. } = outline;
+            let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), extent));
+            Proxy { collider: number, body, bounds, filter, digest: 0 }
+        }));
     }
 
     /// Prepares this number of searches.
@@ -79,7 +72,6 @@ impl Movers {
         &mut self,
         paths: &Paths<'_>,
         flights: &Flights,
-        resting: &Resting,
         regions: &Regions,
         fast: &[u32],
         deflected: &[u32],
@@ -87,8 +79,7 @@ impl Movers {
     ) {
         let Self { obstacles, bodies } = self;
         let kind = |flight: u32| flights.body(flight).kind;
-        let is_bullet =
-            |flight: u32| paths.is_bullet(flights.body(flight).slot) || deflected.binary_search(&flight).is_ok();
+        let is_bullet = |flight: u32| flights.body(flight).is_bullet || deflected.binary_search(&flight).is_ok();
         let has_dynamic = fast.iter().any(|&flight| kind(flight) == FlightKind::Dynamic);
         let bullets = fast.iter().filter(|&&flight| is_bullet(flight)).count();
         let kinematic = fast.iter().filter(|&&flight| kind(flight) == FlightKind::Kinematic).count();
@@ -101,10 +92,10 @@ impl Movers {
                 continue;
             }
             match kind(flight) {
-                FlightKind::Kinematic if has_dynamic => obstacles.push(paths, flights, resting, regions, flight),
-                FlightKind::Dynamic if is_bullet(flight) => obstacles.push(paths, flights, resting, regions, flight),
+                FlightKind::Kinematic if has_dynamic => obstacles.push(paths, flights, regions, flight),
+                FlightKind::Dynamic if is_bullet(flight) => obstacles.push(paths, flights, regions, flight),
                 FlightKind::Dynamic if bullets > 0 || kinematic > 0 && !is_fast => {
-                    bodies.push(paths, flights, resting, regions, flight);
+                    bodies.push(paths, flights, regions, flight);
                 }
                 _ => {}
             }

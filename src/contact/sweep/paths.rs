@@ -77,11 +77,6 @@ impl Paths<'_> {
         Stop { dense: start.dense, start: course.flight as usize, position, angle, at, is_stuck }
     }
 
-    pub(super) fn is_bullet(&self, slot: u32) -> bool {
-        let bodies = self.scene.bodies;
-        bodies.index_in(slot).is_some_and(|dense| bodies.contact_info(dense).is_bullet)
-    }
-
     pub(super) fn is_kinematic(&self, slot: u32) -> bool {
         let bodies = self.scene.bodies;
         bodies.index_in(slot).is_some_and(|dense| bodies.contact_info(dense).kind == BodyKind::Kinematic)
