@@ -97,9 +97,11 @@ impl Again {
         !self.body_counts.is_empty() && self.graph.island_of(flight).is_some_and(is_large)
     }
 
-    /// Returns true if the path of a body may be another one than before the last contacts were added.
-    pub(super) fn may_have_changed(&self, flight: u32) -> bool {
-        self.is_changed.get(flight as usize).is_none_or(|&is_changed| is_changed)
+    /// The flights of the contacts that were solved again last, in no order: no other path is another one than before. `None` before
+    /// contacts are added.
+    pub(super) fn solved_flights(&self) -> Option<impl Iterator<Item = u32> + '_> {
+        let is_changed = |flight: &u32| self.is_changed[*flight as usize];
+        (!self.is_changed.is_empty()).then(|| self.part.flight_numbers.iter().copied().filter(is_changed))
     }
 
     /// Copies the joints and contacts of the islands of the added contacts; all of them where bodies follow others.

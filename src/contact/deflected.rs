@@ -28,9 +28,8 @@ const DEFLECTION: i64 = 1 << 22;
 /// The most times that the solver runs again in a step.
 pub(crate) const ROUNDS: u32 = 8;
 
-/// Lists the flights of dynamic bodies that move, and of which impulses change the way: it is neither the way of the free flight nor, for
-/// bodies that another one carries, the way at the velocity of the start. Bodies whose paths have not changed since the last time are left
-/// out: they meet nothing new. So are bodies of large islands.
+/// Lists the flights of bodies that are deflected. Bodies whose paths have not changed since the last time are left out: they meet nothing new.
+/// So are bodies of large islands.
 pub(super) fn list_deflected(
     scene: &Scene<'_>,
     corrections: &[Correction],
@@ -41,26 +40,42 @@ pub(super) fn list_deflected(
     deflected: &mut Vec<u32>,
 ) {
     deflected.clear();
-    for (flight, correction) in (0..).zip(corrections) {
-        let may_meet = flights.body(flight).kind == FlightKind::Dynamic && again.may_have_changed(flight);
-        if !correction.is_pushed || !may_meet {
-            continue;
+    match again.solved_flights() {
+        None => {
+            let all = (0..).zip(corrections);
+            deflected.extend(
+                all.filter(|&(flight, change)| is_deflected(scene, flights, flight, change)).map(|(flight, _)| flight),
+            );
         }
-        let free = flights.flight(flight).displacement;
-        let change = correction.displacement.map(FxAccumulator::value);
-        let way = Vec2::new(free.x.saturating_add(change.x), free.y.saturating_add(change.y));
-        if size(change) <= DEFLECTION || size(way) <= DEFLECTION {
-            continue;
-        }
-        let steady = flights.steady_way(&scene.starts[flight as usize]);
-        if size(Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y))) > DEFLECTION {
-            deflected.push(flight);
+        Some(solved) => {
+            deflected.extend(solved.filter(|&flight| {
+                let change = corrections.get(flight as usize);
+                change.is_some_and(|change| is_deflected(scene, flights, flight, change))
+            }));
+            deflected.sort_unstable();
         }
     }
     if !deflected.is_empty() {
         again.count_bodies(flights, joints, contacts);
         deflected.retain(|&flight| !again.is_in_large_island(flight));
     }
+}
+
+/// Returns true for a dynamic body that moves, and of which impulses change the way: it is neither the way of the free flight nor, for bodies
+/// that another one carries, the way at the velocity of the start.
+fn is_deflected(scene: &Scene<'_>, flights: &Flights, flight: u32, correction: &Correction) -> bool {
+    if !correction.is_pushed || flights.body(flight).kind != FlightKind::Dynamic {
+        return false;
+    }
+    let free = flights.flight(flight).displacement;
+    let change = correction.displacement.map(FxAccumulator::value);
+    let way = Vec2::new(free.x.saturating_add(change.x), free.y.saturating_add(change.y));
+    // Most bodies that are pushed stay where they are.
+    if size(way) <= DEFLECTION || size(change) <= DEFLECTION {
+        return false;
+    }
+    let steady = flights.steady_way(&scene.starts[flight as usize]);
+    size(Vec2::new(way.x.saturating_sub(steady.x), way.y.saturating_sub(steady.y))) > DEFLECTION
 }
 
 /// A bound of the length of a vector, ulps: at most an eighth above it.
