@@ -23,6 +23,8 @@ const NONE: u32 = u32::MAX;
 /// Islands and levels of bodies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Graph {
+    /// The links of the bodies: many bodies rest, and have the same links in each step.
+    links: Vec<[u32; 2]>,
     /// True for bodies that cannot be moved.
     is_fixed: Vec<bool>,
     /// Level by body.
@@ -31,6 +33,8 @@ pub(crate) struct Graph {
     island: Vec<u32>,
     /// The number of islands.
     islands: u32,
+    /// True if there are neighbours and levels for these links.
+    has_levels: bool,
     /// The index in `neighbours` of the first neighbour of each body.
     first: Vec<u32>,
     neighbours: Vec<u32>,
@@ -43,17 +47,23 @@ pub(crate) struct Graph {
 
 impl Graph {
     /// Builds the graph of `links` between bodies. `start` chooses the bodies at which an island without a fixed body
-    /// begins.
+    /// begins. Returns false if the graph is the one that it was before.
     pub(crate) fn build(
         &mut self,
         is_fixed: impl Fn(u32) -> bool,
         bodies: usize,
         links: impl Iterator<Item = [u32; 2]> + Clone,
         start: impl FnMut(&[u32], &mut Vec<u32>),
-    ) {
-        self.build_islands(is_fixed, bodies, links.clone());
-        self.find_neighbours(bodies, links);
+    ) -> bool {
+        self.build_islands(is_fixed, bodies, links);
+        if !self.has_levels {
+            self.find_neighbours(bodies);
+        } else if self.floating.is_empty() {
+            return false;
+        }
         self.find_levels(bodies, start);
+        self.has_levels = true;
+        true
     }
 
     /// Builds the islands alone, without levels and neighbours. They are numbered by their first bodies.
@@ -61,15 +71,22 @@ impl Graph {
         &mut self,
         is_fixed: impl Fn(u32) -> bool,
         bodies: usize,
-        links: impl Iterator<Item = [u32; 2]>,
+        links: impl Iterator<Item = [u32; 2]> + Clone,
     ) {
-        let Self { is_fixed: fixed, island, islands, .. } = self;
+        let are_fixed = || (0..bodies as u32).map(&is_fixed);
+        if links.clone().eq(self.links.iter().copied()) && are_fixed().eq(self.is_fixed.iter().copied()) {
+            return;
+        }
+        let Self { links: known, is_fixed: fixed, island, islands, has_levels, .. } = self;
+        *has_levels = false;
+        known.clear();
+        known.extend(links);
         fixed.clear();
-        fixed.extend((0..bodies as u32).map(is_fixed));
+        fixed.extend(are_fixed());
         // At first a body of the same island that comes before, or the body itself.
         island.clear();
         island.resize(bodies, NONE);
-        for link in links {
+        for &link in &*known {
             let [a, b] = link.map(|body| if fixed[body as usize] { NONE } else { first_of(island, body) });
             // A body that cannot be moved joins nothing.
             if a != NONE && b != NONE {
@@ -88,11 +105,11 @@ impl Graph {
         }
     }
 
-    fn find_neighbours(&mut self, bodies: usize, links: impl Iterator<Item = [u32; 2]> + Clone) {
-        let Self { first, neighbours, .. } = self;
+    fn find_neighbours(&mut self, bodies: usize) {
+        let Self { links, first, neighbours, .. } = self;
         first.clear();
         first.resize(bodies + 1, 0);
-        for body in links.clone().flatten() {
+        for &body in links.as_flattened() {
             first[body as usize] += 1;
         }
         let mut end = 0;
@@ -103,7 +120,7 @@ impl Graph {
         neighbours.clear();
         neighbours.resize(end as usize, 0);
         // Filled from the end of each body's part, until its end is its beginning; the order does not matter.
-        for [a, b] in links {
+        for &[a, b] in &*links {
             for (from, to) in [(a, b), (b, a)] {
                 let end = &mut first[from as usize];
                 *end -= 1;

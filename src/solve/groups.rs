@@ -67,6 +67,8 @@ pub(super) struct ContactGroups {
     /// Phase by contact, [`PHASES`] for contacts of bodies that cannot be moved; contacts sorted by phase, without these.
     pub(super) phase_of: Vec<u8>,
     order: Vec<u32>,
+    /// The part of `order` of each phase.
+    sorted: [Range<usize>; PHASES],
     pub(super) places: Vec<Place>,
     /// True if a contact resists rolling.
     pub(super) has_rolls: bool,
@@ -74,11 +76,21 @@ pub(super) struct ContactGroups {
 }
 
 impl ContactGroups {
-    /// Puts the contacts into groups, phase by phase.
-    pub(super) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows, pushes: &mut Vec<Push>) {
+    /// Puts the contacts into groups, phase by phase. With the graph of the step before, as many contacts are the same contacts.
+    pub(super) fn set(
+        &mut self,
+        input: &StepInput<'_>,
+        graph: &Graph,
+        is_new_graph: bool,
+        bodies: &mut BodyRows,
+        pushes: &mut Vec<Push>,
+    ) {
         self.places.clear();
         pushes.clear();
-        self.sort(input.contacts, graph, bodies);
+        if is_new_graph || self.phase_of.len() != input.contacts.len() {
+            self.sort(input.contacts, graph, bodies);
+        }
+        self.has_rolls = input.contacts.iter().any(|contact| contact.rolling_resistance != Fx::ZERO);
         let scale = Scale::new(input.clock, input.softness, FINEST);
         self.batch.begin(&scale);
         simd::run(SetGroups { groups: self, input, bodies, scale, pushes });
@@ -101,14 +113,12 @@ impl ContactGroups {
 
     /// Sorts the contacts by phase, and counts them by body and phase.
     fn sort(&mut self, contacts: &[Contact], graph: &Graph, bodies: &BodyRows) {
-        let Self { shares, order, phases, phase_of, has_rolls, .. } = self;
+        let Self { shares, order, sorted, phase_of, .. } = self;
         shares.clear(bodies.row_of.len());
         phase_of.clear();
         let mut counts = [0; PHASES];
-        *has_rolls = false;
         for contact in contacts {
             let phase = graph.phase(contact.bodies);
-            *has_rolls |= contact.rolling_resistance != Fx::ZERO;
             shares.count(&bodies.row_of, phase, contact.bodies);
             let can_move = graph.mover(contact.bodies).is_some();
             counts[phase] += usize::from(can_move);
@@ -123,8 +133,7 @@ impl ContactGroups {
                 *end += 1;
             }
         }
-        // Ranges of contacts, which `SetGroups` turns into ranges of groups.
-        (0..PHASES).for_each(|phase| phases[phase] = ends[phase] - counts[phase]..ends[phase]);
+        (0..PHASES).for_each(|phase| sorted[phase] = ends[phase] - counts[phase]..ends[phase]);
     }
 }
 
@@ -148,7 +157,7 @@ impl Job for SetGroups<'_> {
         let mut at = 0;
         for phase in 0..PHASES {
             let begin = at;
-            for indices in order[self.groups.phases[phase].clone()].chunks(GROUP) {
+            for indices in order[self.groups.sorted[phase].clone()].chunks(GROUP) {
                 self.set_group(lanes, at, indices, phase);
                 at += 1;
             }

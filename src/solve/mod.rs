@@ -308,8 +308,6 @@ struct StepInput<'a> {
 /// The solver. It has no state: results do not depend on earlier steps, and each part has the memory of its own work.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
-    /// The bodies of joints and contacts.
-    links: Vec<[u32; 2]>,
     graph: Graph,
     bodies: BodyRows,
     groups: ContactGroups,
@@ -354,19 +352,18 @@ impl Solver {
         joints: &[Joint],
         contacts: &[Contact],
     ) {
-        let Self { links, graph, bodies, groups, joints: blocks, paths, rolls, impacts, pushes, .. } = self;
+        let Self { graph, bodies, groups, joints: blocks, paths, rolls, impacts, pushes, .. } = self;
         let clock = Clock::new(time_step, options.substeps);
         let softness = Softness::new(options);
         let input = StepInput { clock: &clock, softness: &softness, flights, joints, contacts };
-        links.clear();
-        links.extend(joints.iter().map(|joint| joint.bodies));
-        links.extend(contacts.iter().map(|contact| contact.bodies));
+        let joint_links = joints.iter().map(|joint| joint.bodies);
+        let links = joint_links.chain(contacts.iter().map(|contact| contact.bodies));
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
         let start = |members: &[u32], queue: &mut Vec<u32>| graph_start(flights, members, queue);
-        graph.build(is_fixed, flights.len(), links.iter().copied(), start);
+        let is_new_graph = graph.build(is_fixed, flights.len(), links, start);
         bodies.set(&input, graph);
         blocks.set(&input, graph, bodies);
-        groups.set(&input, graph, bodies, pushes);
+        groups.set(&input, graph, is_new_graph, bodies, pushes);
         limit_wedges(pushes, groups);
         set_followers(bodies, flights);
         rolls.set(&input, graph, bodies, groups);

@@ -3,11 +3,12 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::scene::{body, fx};
-use crate::cases::run_seed;
+use super::made::Ranges;
+use super::scene::{body, fixed, fx};
+use crate::cases::{run_seed, times};
 use crate::math::{Random, Vec2};
-use crate::solve::Flight;
 use crate::solve::graph::{Graph, graph_start};
+use crate::solve::{Flight, Solver};
 
 /// Labels of islands by relabelling until nothing changes; the body itself where it is fixed or touches nothing.
 fn labels(fixed: &[bool], links: &[[u32; 2]]) -> Vec<usize> {
@@ -86,23 +87,71 @@ fn check(graph: &Graph, fixed: &[bool], links: &[[u32; 2]]) {
     assert_eq!(graph.islands(), islands.len());
 }
 
+/// Bodies and links, of which many stay from graph to graph.
+#[derive(Default)]
+struct Drawn {
+    fixed: Vec<bool>,
+    links: Vec<[u32; 2]>,
+}
+
+impl Drawn {
+    /// Draws all anew, one more body, whether one body is fixed, or one link; or leaves all as it is.
+    fn draw(&mut self, random: &mut Random) {
+        let bodies = self.fixed.len();
+        match random.below(6) {
+            0 | 1 => {
+                let bodies = 2 + random.below(24) as usize;
+                let share = random.below(4);
+                self.fixed = (0..bodies).map(|_| random.below(8) < share).collect();
+                self.links = (0..random.below(2 * bodies as u64)).map(|_| draw_link(random, bodies)).collect();
+            }
+            2 => self.fixed.push(false),
+            3 if bodies > 0 => self.fixed[random.below(bodies as u64) as usize] ^= true,
+            4 if !self.links.is_empty() => {
+                let index = random.below(self.links.len() as u64) as usize;
+                self.links[index] = draw_link(random, bodies);
+            }
+            _ => {}
+        }
+        let Self { fixed, links } = self;
+        links.retain(|link| link[0] != link[1] && !link.iter().all(|&body| fixed[body as usize]));
+    }
+}
+
+fn draw_link(random: &mut Random, bodies: usize) -> [u32; 2] {
+    [0; 2].map(|_| random.below(bodies as u64) as u32)
+}
+
+/// A graph with any past is the one that brute force finds.
 #[test]
 fn islands_levels_and_phases_match_brute_force() {
     let mut random = Random::seeded(run_seed(1));
     let mut graph = Graph::default();
-    for _ in 0..3000 {
-        let bodies = 2 + random.below(24) as usize;
-        let share = random.below(4);
-        let fixed: Vec<bool> = (0..bodies).map(|_| random.below(8) < share).collect();
-        let mut links = Vec::new();
-        for _ in 0..random.below(2 * bodies as u64) {
-            let link = [0; 2].map(|_| random.below(bodies as u64) as u32);
-            if link[0] != link[1] && !link.iter().all(|&body| fixed[body as usize]) {
-                links.push(link);
+    let (mut drawn, mut kept) = (Drawn::default(), 0);
+    for _ in 0..6000 {
+        drawn.draw(&mut random);
+        let Drawn { fixed, links } = &drawn;
+        let is_new = graph.build(|body| fixed[body as usize], fixed.len(), links.iter().copied(), choose_starts);
+        check(&graph, fixed, links);
+        kept += u32::from(!is_new);
+    }
+    assert!(kept > 500, "{kept} graphs were kept");
+}
+
+/// A solver solves a scene as a new one does, whatever it solved before: the same links with other contacts, or other links.
+#[test]
+fn a_solver_with_a_past_solves_as_a_new_one_does() {
+    let (mut random, ranges) = (Random::seeded(run_seed(4)), Ranges::default());
+    let mut solver = Solver::default();
+    for _ in 0..times(400) {
+        let mut scene = ranges.scene(&mut random, 6, 10);
+        scene.flights[5] = fixed(4.0);
+        for _ in 0..3 {
+            assert_eq!(scene.solve_with(&mut solver), scene.solve());
+            for contact in &mut scene.contacts {
+                *contact = ranges.contact(&mut random, contact.bodies, &scene.flights);
             }
         }
-        graph.build(|body| fixed[body as usize], bodies, links.iter().copied(), choose_starts);
-        check(&graph, &fixed, &links);
     }
 }
 

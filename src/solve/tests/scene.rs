@@ -108,7 +108,11 @@ impl Scene {
     }
 
     pub(super) fn solve(&self) -> Solution {
-        let mut solver = Solver::default();
+        self.solve_with(&mut Solver::default())
+    }
+
+    /// Solves the scene with a solver that may have solved others.
+    pub(super) fn solve_with(&self, solver: &mut Solver) -> Solution {
         let mut corrections = Vec::new();
         let mut contacts = self.contacts.clone();
         let counts =
