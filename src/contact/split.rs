@@ -54,7 +54,9 @@ const KINDS: usize = 4;
 
 /// Returns true for a contact with a deep overlap.
 fn is_deep(contact: &Contact) -> bool {
-    contact.points[..contact.count].iter().any(|point| point.separation.to_bits() < -DEEP_OVERLAP)
+    let [first, second] = &contact.points;
+    let deeper = if contact.count == 1 { first.separation } else { first.separation.min(second.separation) };
+    deeper.to_bits() < -DEEP_OVERLAP
 }
 
 /// The options for islands of a kind.

@@ -44,7 +44,8 @@ struct Progress {
     before: Vector,
     /// The part of that correction below the unit.
     rest: Gain,
-    /// Half of the speed of the slowest impact: of two bodies that meet so fast, one is as fast as this.
+    /// Half of the speed of the slowest impact, less all components of the change of velocity by the flight: of two bodies that meet so
+    /// fast, one is as fast as this.
     fast: i32,
 }
 
@@ -65,9 +66,11 @@ impl Rows {
 
     /// Adds a body, for impacts from this speed on. Returns its row.
     pub(super) fn push(&mut self, flight: FlightRow, impact_speed: i32) -> u32 {
+        // Changes are below 2^28.
+        let fast = impact_speed / 2 - flight.change.iter().map(|part| part.abs()).sum::<i32>();
         self.rows.push(Row::default());
         self.flights.push(flight);
-        self.progress.push(Progress { flight: flight.start, fast: impact_speed / 2, ..Progress::default() });
+        self.progress.push(Progress { flight: flight.start, fast, ..Progress::default() });
         self.rows.len() as u32 - 1
     }
 
@@ -107,8 +110,9 @@ impl Rows {
     /// Returns true if a body may have an impact in a sub-step: any bound of the speeds of its points will do.
     pub(super) fn is_fast(&self, row: u32) -> bool {
         let (flight, progress) = (&self.flights[row as usize], &self.progress[row as usize]);
-        let speed = |i: usize| (flight.start[i] + progress.before[i]).unsigned_abs() + flight.change[i].unsigned_abs();
-        speed(0) + speed(1) + speed(2) > progress.fast.unsigned_abs()
+        // Velocities are within 2^27 and corrections within 2^28.
+        let speed = |i: usize| (flight.start[i] + progress.before[i]).abs();
+        speed(0) + speed(1) + speed(2) > progress.fast
     }
 
     /// Changes the velocity of a body by impacts, in 2^-30, and moves the body back.
