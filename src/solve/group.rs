@@ -40,10 +40,14 @@ pub(crate) struct Group {
     pub(super) angular_shift: [i64; GROUP],
     /// The largest gain of each body by one contact: [`GAIN`] over its share.
     pub(super) gain_limit: [[i64; GROUP]; 2],
-    /// Inverse of the matrix of the normal rows, elements 11 and 22, in 2^-shift: with no point soft, the first, the second, both.
+    /// Inverse of the matrix of the normal rows, elements 11 and 22, in 2^-shift: with no point soft, the first, the second, both. The inverses
+    /// with one point soft are made when a pass first asks for them: up to then, in their places, elements 11 and 22 of the matrix, and what
+    /// softness adds to both.
     pub(super) inverse: [Pairs; 4],
-    /// Element 12: with no point soft and the first; with the second and both.
+    /// Element 12: with no point soft and the first; with the second and both. Up to then element 12 of the matrix, and −1 with two points.
     pub(super) inverse_12: [Pairs; 2],
+    /// log2 of the units of both rows of the matrix over the unit of the inverse.
+    pub(super) inverse_units: Pairs,
     pub(super) inverse_shift: [i64; GROUP],
     /// Element 12 of the matrix over element 11, rigid and soft, in 2^-28.
     pub(super) ratio_12: Pairs,
@@ -68,8 +72,10 @@ pub(crate) struct Group {
     pub(super) weighted: [[i64; GROUP]; 3],
     /// log2 of the unit of the products of impulses with normals and arms over 2^-64 N·s.
     pub(super) raise: [i64; GROUP],
-    /// The number of lanes that hold a contact. It stands last, so that all vectors are aligned.
+    /// The number of lanes that hold a contact. It stands behind the vectors, so that all of them are aligned.
     pub(super) count: usize,
+    /// True if the inverses with one point soft are made.
+    pub(super) has_one_soft: bool,
 }
 
 impl Group {
@@ -80,6 +86,7 @@ impl Group {
             a: [idle; GROUP],
             b: [idle; GROUP],
             count: 0,
+            has_one_soft: true,
             normal: pairs,
             arms: [pairs; 3],
             separation: pairs,
@@ -91,6 +98,7 @@ impl Group {
             gain_limit: [[0; GROUP]; 2],
             inverse: [pairs; 4],
             inverse_12: [pairs; 2],
+            inverse_units: pairs,
             inverse_shift: [30; GROUP],
             ratio_12: pairs,
             ratio_21: pairs,

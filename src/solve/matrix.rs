@@ -87,6 +87,7 @@ pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group)
         rows.write_ratios(lanes, group, at);
         write_friction(lanes, batch, group, at);
     }
+    group.has_one_soft = false;
 }
 
 /// Writes the compliance of contacts. Returns the parts of both diagonal elements by softness.
@@ -156,48 +157,44 @@ impl<L: Lanes> Rows<L> {
         }
     }
 
-    /// Elements 11 and 22 with no point soft, the first, the second, both.
+    /// Elements 11 and 22 with no point soft, or with both.
     #[inline(always)]
-    fn diagonal(&self, lanes: L, set: usize) -> (L::Narrow, L::Narrow) {
-        let k11 = if set & 1 == 0 { self.k11 } else { lanes.add(self.k11, self.soft[0]) };
-        let k22 = if set & 2 == 0 { self.k22 } else { lanes.add(self.k22, self.soft[1]) };
-        (lanes.low(k11), lanes.low(k22))
+    fn diagonal(&self, lanes: L, is_soft: bool) -> [L::Narrow; 2] {
+        let [soft_1, soft_2] = self.soft;
+        if is_soft {
+            [lanes.low(lanes.add(self.k11, soft_1)), lanes.low(lanes.add(self.k22, soft_2))]
+        } else {
+            [lanes.low(self.k11), lanes.low(self.k22)]
+        }
     }
 
-    /// Writes the inverses, in a unit in which the largest element has 30 bits. The rigid ones have it: softness only makes them smaller.
+    /// Writes the inverses with no point soft and with both, in a unit in which the largest element has 30 bits. The rigid ones have it:
+    /// softness only makes them smaller. In the places of the others it leaves what [`make_one_soft`] makes them from.
     #[inline(always)]
     fn write_inverses(&self, lanes: L, two: L::Wide, bits: L::Wide, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
-        let zero = lanes.all(0);
         // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
         let unit = lanes.add(bits, lanes.all(2));
-        let square = lanes.times(self.k12, self.k12);
-        let mut inverse_shift = zero;
-        let mut elements_12 = [lanes.splat(0); 4];
-        for (set, element_12) in elements_12.iter_mut().enumerate() {
-            let (k11, k22) = self.diagonal(lanes, set);
-            let (reciprocal, exponent) = reciprocal_of(lanes, lanes.sub(lanes.times(k11, k22), square));
-            // Elements below 2^31 times a reciprocal below 2^30, in 2^-(exponent + unit of the row).
-            let (e11, e22) = (lanes.times(k22, reciprocal), lanes.times(k11, reciprocal));
-            let e12 = lanes.sub(zero, lanes.times(self.k12, reciprocal));
-            if set == 0 {
-                let finest = lanes.smaller(unit_1, unit_2);
-                let first = lanes.floored_by(e11, lanes.sub(unit_1, finest));
-                let second = lanes.floored_by(e22, lanes.sub(unit_2, finest));
-                let top = lanes.sub(lanes.bit_length(lanes.larger(first, second)), lanes.add(exponent, finest));
-                inverse_shift = lanes.sub(lanes.sub(lanes.all(30), top), unit);
-                inverse_shift = lanes.smaller(lanes.positive(inverse_shift), lanes.all(62));
-                lanes.store(&mut group.inverse_shift, at, inverse_shift);
-            }
-            let down = lanes.sub(lanes.sub(exponent, inverse_shift), unit);
-            let both = lanes.floored::<1>(lanes.add(unit_1, unit_2));
-            let e22 = lanes.if_negative(two, factor_of(lanes, e22, lanes.add(down, unit_2)), zero);
-            let pair = (lanes.low(factor_of(lanes, e11, lanes.add(down, unit_1))), lanes.low(e22));
-            lanes.put_pair(&mut group.inverse[set], at, pair);
-            *element_12 = lanes.low(factor_of(lanes, e12, lanes.add(down, both)));
-        }
-        lanes.put_pair(&mut group.inverse_12[0], at, (elements_12[0], elements_12[1]));
-        lanes.put_pair(&mut group.inverse_12[1], at, (elements_12[2], elements_12[3]));
+        let rigid = Adjugate::new(lanes, self.diagonal(lanes, false), self.k12);
+        let finest = lanes.smaller(unit_1, unit_2);
+        let first = lanes.floored_by(rigid.elements[0], lanes.sub(unit_1, finest));
+        let second = lanes.floored_by(rigid.elements[1], lanes.sub(unit_2, finest));
+        let top = lanes.sub(lanes.bit_length(lanes.larger(first, second)), lanes.add(rigid.exponent, finest));
+        let inverse_shift = lanes.sub(lanes.sub(lanes.all(30), top), unit);
+        let inverse_shift = lanes.smaller(lanes.positive(inverse_shift), lanes.all(62));
+        lanes.store(&mut group.inverse_shift, at, inverse_shift);
+        let shift = lanes.add(inverse_shift, unit);
+        let units = [lanes.sub(unit_1, shift), lanes.sub(unit_2, shift)];
+        let [none_11, none_12, none_22] = rigid.factors(lanes, units, two);
+        let soft = Adjugate::new(lanes, self.diagonal(lanes, true), self.k12);
+        let [both_11, both_12, both_22] = soft.factors(lanes, units, two);
+        lanes.put_pair(&mut group.inverse[0], at, (none_11, none_22));
+        lanes.put_pair(&mut group.inverse[1], at, (lanes.low(self.k11), lanes.low(self.k22)));
+        lanes.put_pair(&mut group.inverse[2], at, (lanes.low(self.soft[0]), lanes.low(self.soft[1])));
+        lanes.put_pair(&mut group.inverse[3], at, (both_11, both_22));
+        lanes.put_pair(&mut group.inverse_12[0], at, (none_12, self.k12));
+        lanes.put_pair(&mut group.inverse_12[1], at, (lanes.low(two), both_12));
+        lanes.put_pair(&mut group.inverse_units, at, (lanes.low(units[0]), lanes.low(units[1])));
     }
 
     /// Writes element 12 over the diagonal ones in 2^-28, within ±[`RATIO`]: by one reciprocal of the product of both.
@@ -208,7 +205,7 @@ impl<L: Lanes> Rows<L> {
         let step = lanes.floored::<1>(lanes.sub(unit_2, unit_1));
         let (mut ratios_12, mut ratios_21) = ([lanes.splat(0); 2], [lanes.splat(0); 2]);
         for soft in 0..2 {
-            let (k11, k22) = self.diagonal(lanes, 3 * soft);
+            let [k11, k22] = self.diagonal(lanes, soft == 1);
             let (reciprocal, exponent) = reciprocal_of(lanes, lanes.times(k11, k22));
             // 1/11 and 1/22 in 2^-(exponent − 30), below 2^31.
             let first = lanes.low(lanes.floored::<30>(lanes.times(k22, reciprocal)));
@@ -219,6 +216,61 @@ impl<L: Lanes> Rows<L> {
         }
         lanes.put_pair(&mut group.ratio_12, at, (ratios_12[0], ratios_12[1]));
         lanes.put_pair(&mut group.ratio_21, at, (ratios_21[0], ratios_21[1]));
+    }
+}
+
+/// Makes the inverses with one point soft, from the values in their places: few groups have a contact of which one point alone is pressed.
+#[inline(always)]
+pub(super) fn make_one_soft<L: Lanes>(lanes: L, group: &mut Group) {
+    group.has_one_soft = true;
+    for at in (0..GROUP).step_by(L::WIDTH) {
+        let (k11, k22) = lanes.pair(&group.inverse[1], at);
+        let (soft_1, soft_2) = lanes.pair(&group.inverse[2], at);
+        let ((none_12, k12), (two, both_12)) =
+            (lanes.pair(&group.inverse_12[0], at), lanes.pair(&group.inverse_12[1], at));
+        let (unit_1, unit_2) = lanes.pair(&group.inverse_units, at);
+        // Words as long as two.
+        let one = lanes.splat(1);
+        let units = [lanes.times(unit_1, one), lanes.times(unit_2, one)];
+        let two = lanes.times(two, one);
+        let first = Adjugate::new(lanes, [lanes.plus(k11, soft_1), k22], k12);
+        let [first_11, first_12, first_22] = first.factors(lanes, units, two);
+        let second = Adjugate::new(lanes, [k11, lanes.plus(k22, soft_2)], k12);
+        let [second_11, second_12, second_22] = second.factors(lanes, units, two);
+        lanes.put_pair(&mut group.inverse[1], at, (first_11, first_22));
+        lanes.put_pair(&mut group.inverse[2], at, (second_11, second_22));
+        lanes.put_pair(&mut group.inverse_12[0], at, (none_12, first_12));
+        lanes.put_pair(&mut group.inverse_12[1], at, (second_12, both_12));
+    }
+}
+
+/// An inverse before it is brought to a unit: elements 11, 22 and 12 in 2^-exponent, over the units of their rows.
+struct Adjugate<L: Lanes> {
+    elements: [L::Wide; 3],
+    exponent: L::Wide,
+}
+
+impl<L: Lanes> Adjugate<L> {
+    /// The inverse of the matrix with elements 11 and 22, below 2^31, and 12. Its elements are products of these with a reciprocal below 2^30.
+    #[inline(always)]
+    fn new(lanes: L, [k11, k22]: [L::Narrow; 2], k12: L::Narrow) -> Self {
+        let determinant = lanes.sub(lanes.times(k11, k22), lanes.times(k12, k12));
+        let (reciprocal, exponent) = reciprocal_of(lanes, determinant);
+        let e12 = lanes.sub(lanes.all(0), lanes.times(k12, reciprocal));
+        Self { elements: [lanes.times(k22, reciprocal), lanes.times(k11, reciprocal), e12], exponent }
+    }
+
+    /// Elements 11, 12 and 22 as factors, for these units of the rows as log2. With one point element 22 is zero.
+    #[inline(always)]
+    fn factors(&self, lanes: L, [unit_1, unit_2]: [L::Wide; 2], two: L::Wide) -> [L::Narrow; 3] {
+        let [e11, e22, e12] = self.elements;
+        let e22 = lanes.if_negative(two, factor_of(lanes, e22, lanes.add(self.exponent, unit_2)), lanes.all(0));
+        let both = lanes.floored::<1>(lanes.add(unit_1, unit_2));
+        [
+            lanes.low(factor_of(lanes, e11, lanes.add(self.exponent, unit_1))),
+            lanes.low(factor_of(lanes, e12, lanes.add(self.exponent, both))),
+            lanes.low(e22),
+        ]
     }
 }
 

@@ -29,6 +29,7 @@
 
 use super::cut::{cut_friction, cut_normal, warm_start_one};
 use super::group::Group;
+use super::matrix::make_one_soft;
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Job, Lanes};
 
@@ -98,7 +99,7 @@ type Elements<N> = [N; 3];
 #[inline(always)]
 fn soft<L: Lanes>(
     lanes: L,
-    group: &Group,
+    group: &mut Group,
     at: usize,
     separation: [L::Narrow; 2],
     velocities: [L::Narrow; 2],
@@ -112,19 +113,34 @@ fn soft<L: Lanes>(
         pressed_bias(lanes, s2, rate, deepest, c2, impulses[1]),
     ];
     let (both_11, both_22) = lanes.pair(&group.inverse[3], at);
-    let (second_12, both_12) = lanes.pair(&group.inverse_12[1], at);
+    let (_, both_12) = lanes.pair(&group.inverse_12[1], at);
     if lanes.none_positive(s1, s2) {
         return ([both_11, both_12, both_22], pressed);
     }
-    let (none_12, first_12) = lanes.pair(&group.inverse_12[0], at);
+    let (none_12, _) = lanes.pair(&group.inverse_12[0], at);
     let (none_11, none_22) = lanes.pair(&group.inverse[0], at);
-    let (first_11, first_22) = lanes.pair(&group.inverse[1], at);
-    let (second_11, second_22) = lanes.pair(&group.inverse[2], at);
-    let elements = [
-        choose(lanes, separation, [none_11, first_11, second_11, both_11]),
-        choose(lanes, separation, [none_12, first_12, second_12, both_12]),
-        choose(lanes, separation, [none_22, first_22, second_22, both_22]),
-    ];
+    let zero = lanes.splat(0);
+    let elements = if lanes.none_positive(lanes.if_positive(s2, zero, s1), lanes.if_positive(s1, zero, s2)) {
+        // Of each contact both points are pressed, or none.
+        [
+            lanes.if_positive(s1, none_11, both_11),
+            lanes.if_positive(s1, none_12, both_12),
+            lanes.if_positive(s1, none_22, both_22),
+        ]
+    } else {
+        if !group.has_one_soft {
+            make_one_soft(lanes, group);
+        }
+        let ((_, first_12), (second_12, _)) =
+            (lanes.pair(&group.inverse_12[0], at), lanes.pair(&group.inverse_12[1], at));
+        let (first_11, first_22) = lanes.pair(&group.inverse[1], at);
+        let (second_11, second_22) = lanes.pair(&group.inverse[2], at);
+        [
+            choose(lanes, separation, [none_11, first_11, second_11, both_11]),
+            choose(lanes, separation, [none_12, first_12, second_12, both_12]),
+            choose(lanes, separation, [none_22, first_22, second_22, both_22]),
+        ]
+    };
     let (_, impact_speed) = lanes.pair(&group.surface, at);
     let open = [open_bias(lanes, s1, velocities[0], impact_speed), open_bias(lanes, s2, velocities[1], impact_speed)];
     (elements, [lanes.if_positive(s1, open[0], pressed[0]), lanes.if_positive(s2, open[1], pressed[1])])

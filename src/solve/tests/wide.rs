@@ -9,6 +9,7 @@ use crate::kernel::simd::{self, GAIN_BITS, Job, Pairs, Portable, Row};
 use crate::math::Random;
 use crate::solve::Solver;
 use crate::solve::group::Group;
+use crate::solve::matrix::make_one_soft;
 use crate::solve::pass::{Pass, PassOver, SPECULATIVE};
 
 /// Fraction bits of the twin.
@@ -162,7 +163,8 @@ fn case(random: &mut Random, ranges: &Ranges) -> Case {
     group.surface[0][1] = 1 << 28;
     let rows = [group.a[0], group.b[0]].map(|row| solver.bodies.rows.rows[row as usize]);
     group.separation_now[0] = [0, 1].map(|k| separation_now(group, k, rows));
-    let group = group.clone();
+    let mut group = group.clone();
+    make_one_soft(Portable, &mut group);
     Case { solver, group, rows }
 }
 
