@@ -6,6 +6,8 @@
 use alloc::vec::Vec;
 use core::ops::{Range, RangeInclusive};
 
+use super::actors::Actors;
+use super::numbers::Numbers;
 use super::{ContactRecord, Scene};
 use crate::body::BodyKind;
 use crate::collider::{Collider, OutlineId};
@@ -59,11 +61,13 @@ impl Unions {
     pub(super) fn find(
         &mut self,
         scene: &Scene<'_>,
+        actors: &Actors,
+        numbers: &Numbers,
         union: Union,
         outline: OutlineId,
         corners: RangeInclusive<u32>,
     ) -> Range<usize> {
-        self.list(scene);
+        self.list(scene, actors, numbers);
         let key = |&(union, outline, corner, _): &(Union, OutlineId, u32, u32)| (union, outline, corner);
         let first = (union, outline, *corners.start());
         let last = (union, outline, *corners.end());
@@ -73,7 +77,7 @@ impl Unions {
     }
 
     /// Lists the records when they are first asked for.
-    fn list(&mut self, scene: &Scene<'_>) {
+    fn list(&mut self, scene: &Scene<'_>, actors: &Actors, numbers: &Numbers) {
         if self.is_listed {
             return;
         }
@@ -82,6 +86,11 @@ impl Unions {
             let pair = record.pair();
             let features = record.features();
             for side in 0..2 {
+                // Most outlines are known to stand alone.
+                let actor = actors.find(numbers.number(pair[side])).map(|index| actors.get(index));
+                if actor.is_some_and(|actor| actor.is_alone) {
+                    continue;
+                }
                 let collider = scene.colliders.at(pair[side].slot);
                 if let Some(union) = collider.and_then(|collider| Union::of(scene, collider)) {
                     let corners = corners(&features[..record.count()], 1 - side);

@@ -58,8 +58,9 @@ impl Narrow {
                 continue;
             }
             let Some(union) = Union::of(scene, pair[side].collider) else { continue };
-            for i in self.unions.find(scene, union, pair[1 - side].id, 0..=u32::MAX) {
-                let record = self.unions.record(scene, i, 1 - side, pair[1 - side].id);
+            let outline = pair[1 - side].id;
+            for i in self.unions.find(scene, &self.actors, &resting.numbers, union, outline, 0..=u32::MAX) {
+                let record = self.unions.record(scene, i, 1 - side, outline);
                 let Some(tile_before) =
                     flights.side(scene, &resting.numbers, resting.numbers.number(record.pair()[side]))
                 else {
@@ -98,8 +99,9 @@ impl Narrow {
         terms.clear();
         let mut first_corner = None;
         for corner in corners(features, body_side) {
-            for i in self.unions.find(scene, union, pair[body_side].id, corner..=corner) {
-                let record = self.unions.record(scene, i, body_side, pair[body_side].id);
+            let outline = pair[body_side].id;
+            for i in self.unions.find(scene, &self.actors, &resting.numbers, union, outline, corner..=corner) {
+                let record = self.unions.record(scene, i, body_side, outline);
                 let outline_before = record.pair()[side];
                 let record_features = record.features();
                 let mut record_corners = corners(&record_features[..record.count()], body_side);
