@@ -82,6 +82,8 @@ pub(super) struct Flights {
     places: Vec<Place>,
     /// The outlines of the bodies that move.
     pub(super) outlines: MovingOutlines,
+    /// The flights of kinematic bodies that move.
+    pub(super) kinematic: Vec<u32>,
     /// The number of the flight by the slot of the body.
     flight_of: SlotTable,
     /// The moment of manifolds, and the length of the step, in 2^-48 s.
@@ -129,8 +131,12 @@ impl Flights {
         }
         let mean_beginning = self.mean_beginning;
         self.places.extend(scene.starts.iter().map(|start| Place::moving(start, mean_beginning)));
+        self.kinematic.clear();
         for (flight, start) in (0..).zip(scene.starts) {
             self.flight_of.set(start.body.slot, flight);
+            if !start.body.is_dynamic {
+                self.kinematic.push(flight);
+            }
         }
     }
 

@@ -40,10 +40,8 @@ impl Regions {
         if fast.is_empty() {
             return;
         }
-        for (flight, start) in (0..).zip(paths.scene.starts) {
-            if start.body.is_dynamic {
-                continue;
-            }
+        for &flight in &flights.kinematic {
+            let start = &paths.scene.starts[flight as usize];
             let leg = paths.leg(flights, flight);
             if !leg.moves() {
                 continue;
