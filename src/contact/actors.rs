@@ -8,6 +8,7 @@ use super::Scene;
 use super::coefficients::{Coefficients, Materials};
 use super::flights::{FlightKind, PairSide};
 use super::moment::Way;
+use super::movers::MovingOutlines;
 use super::reach::{CLOSE, Reach};
 use super::slot_table::SlotTable;
 use crate::collide::{Cores, LaneKind, LaneManifolds, LanePairs, LaneShape};
@@ -129,9 +130,16 @@ impl Actors {
         Some(self.index_of.get(number)).filter(|&index| index != NONE).map(|index| index as usize)
     }
 
-    /// Adds an outline with its motion, whose body goes from this centre and this way to the moment of manifolds, and returns its index.
-    pub(super) fn push(&mut self, actor: Actor, reach: &Reach, centre: Vec2, way: &Way) -> usize {
-        let index = self.actors.len();
+    /// Begins with the outlines of bodies that move, which are [placed](Self::place) in their order.
+    pub(super) fn begin(&mut self, scene: &Scene<'_>, outlines: &MovingOutlines) {
+        self.materials.begin(scene, outlines.materials());
+        self.actors.extend_from_slice(outlines.actors());
+    }
+
+    /// Writes the motion of an actor, whose body goes from this centre and this way to the moment of manifolds: of each actor once, in their
+    /// order.
+    #[inline(always)]
+    pub(super) fn place(&mut self, index: usize, reach: &Reach, centre: Vec2, way: &Way) -> &mut Actor {
         let Way { displacement: Vec2 { x, y }, rotation } = *way;
         let Reach { displacement: [step_x, step_y], turned } = *reach;
         let words = [
@@ -145,8 +153,16 @@ impl Actors {
             centre.y.to_bits(),
         ];
         self.motions.push(Line(words));
+        let actor = &mut self.actors[index];
         self.index_of.set(actor.number, index as u32);
+        actor
+    }
+
+    /// Adds an outline with its motion, and returns its index.
+    pub(super) fn push(&mut self, actor: Actor, reach: &Reach, centre: Vec2, way: &Way) -> usize {
+        let index = self.actors.len();
         self.actors.push(actor);
+        self.place(index, reach, centre, way);
         index
     }
 

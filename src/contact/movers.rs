@@ -43,9 +43,12 @@ impl Form {
 /// An outline of a moving body.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MovingOutline {
-    /// Without the kind of its flight and without its core, which each step finds.
-    pub(super) actor: Actor,
+    pub(super) number: u32,
+    pub(super) id: OutlineId,
+    pub(super) flight: u32,
     pub(super) form: Form,
+    /// The largest distance of a point of it from the centre of mass of its body, ulps.
+    pub(super) extent: i64,
     pub(super) filter: Filter,
     /// The slot of its body.
     pub(super) body: u32,
@@ -55,6 +58,8 @@ pub(super) struct MovingOutline {
 #[derive(Debug, Default)]
 pub(super) struct MovingOutlines {
     list: Vec<MovingOutline>,
+    /// Their actors, without the kinds of their flights and without their cores, which each step finds.
+    actors: Vec<Actor>,
     /// The end of the part of the list of each flight.
     ends: Vec<u32>,
     /// The materials by the numbers that outlines have for them.
@@ -77,6 +82,7 @@ impl MovingOutlines {
         self.bodies.clear();
         self.bodies.extend(bodies());
         self.list.clear();
+        self.actors.clear();
         self.ends.clear();
         self.materials.clear();
         for (flight, body) in (0..).zip(bodies()) {
@@ -85,9 +91,20 @@ impl MovingOutlines {
                 let material = self.material(&collider.def.material);
                 for part in 0..collider.outline_count() {
                     let outline = collider.outline(part);
-                    let actor = Actor {
-                        number: first + part,
-                        id: OutlineId { slot: collider.slot, part },
+                    let (number, id) = (first + part, OutlineId { slot: collider.slot, part });
+                    let (form, extent) = (Form::new(collider, &outline), outline.radius.to_bits());
+                    self.list.push(MovingOutline {
+                        number,
+                        id,
+                        flight,
+                        form,
+                        extent,
+                        filter: collider.def.filter,
+                        body,
+                    });
+                    self.actors.push(Actor {
+                        number,
+                        id,
                         flight,
                         kind: FlightKind::Dynamic,
                         core: NONE,
@@ -95,10 +112,8 @@ impl MovingOutlines {
                         material,
                         has_hits: collider.def.hit_events,
                         is_alone: !collider.has_others() && !collider.def.shape.is_chain(),
-                        extent: outline.radius.to_bits(),
-                    };
-                    let form = Form::new(collider, &outline);
-                    self.list.push(MovingOutline { actor, form, filter: collider.def.filter, body });
+                        extent,
+                    });
                 }
             }
             self.ends.push(self.list.len() as u32);
@@ -114,6 +129,10 @@ impl MovingOutlines {
         let index = flight as usize;
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.list[start as usize..self.ends[index] as usize]
+    }
+
+    pub(super) fn actors(&self) -> &[Actor] {
+        &self.actors
     }
 
     pub(super) fn materials(&self) -> &[Material] {

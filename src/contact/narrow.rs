@@ -230,24 +230,31 @@ impl Narrow {
         Some(self.push_side(scene, flights, &side, flights.reach(&side), side.radius().to_bits()))
     }
 
-    /// Makes an actor of an outline of a body that moves. Returns the box around it over the step.
+    /// Places an outline of a body that moves, which is this actor. Returns the box around it over the step.
     #[inline(always)]
-    pub(super) fn push_mover(&mut self, scene: &Scene<'_>, flights: &Flights, outline: &MovingOutline) -> Aabb {
-        let &MovingOutline { actor, form, .. } = outline;
-        let &Place { kind, ref pose, ref way, .. } = flights.body(actor.flight);
-        let flight = flights.flight(actor.flight);
-        let reach = Reach::new(flight, Fx::from_bits(actor.extent));
+    pub(super) fn place_mover(
+        &mut self,
+        scene: &Scene<'_>,
+        flights: &Flights,
+        actor: usize,
+        outline: &MovingOutline,
+    ) -> Aabb {
+        let &MovingOutline { number, id, form, extent, .. } = outline;
+        let &Place { kind, ref pose, ref way, .. } = flights.body(outline.flight);
+        let flight = flights.flight(outline.flight);
+        let reach = Reach::new(flight, Fx::from_bits(extent));
         let (core, bounds) = match form {
             Form::Disc { centre, radius } => self.cores.push_disc(centre, radius, pose),
             Form::Upright { corner, radius } => self.cores.push_upright(corner, radius, pose),
-            Form::Other => self.push_other(scene, actor.id, pose),
+            Form::Other => self.push_other(scene, id, pose),
         };
         let mut shape = None;
         if core != NONE {
-            self.core_of.set(actor.number, core);
+            self.core_of.set(number, core);
             shape = self.cores.lane_shape(core as usize);
         }
-        self.actors.push(Actor { kind, core, shape, ..actor }, &reach, flight.position, way);
+        let place = self.actors.place(actor, &reach, flight.position, way);
+        (place.kind, place.core, place.shape) = (kind, core, shape);
         reach.swept(bounds)
     }
 

@@ -5,7 +5,6 @@
 
 use alloc::vec::Vec;
 
-use super::actors::Actor;
 use super::flights::Flights;
 use super::movers::MovingOutline;
 use super::narrow::Narrow;
@@ -51,10 +50,10 @@ impl Pairs {
     /// Makes the outlines of moving colliders actors, and lists their boxes over the step.
     fn place_movers(&mut self, scene: &Scene<'_>, flights: &Flights, narrow: &mut Narrow) {
         self.movers.clear();
-        narrow.actors.materials.begin(scene, flights.outlines.materials());
-        for outline in flights.outlines.all() {
-            let &MovingOutline { actor: Actor { number, .. }, filter, body, .. } = outline;
-            let bounds = narrow.push_mover(scene, flights, outline);
+        narrow.actors.begin(scene, &flights.outlines);
+        for (actor, outline) in flights.outlines.all().iter().enumerate() {
+            let &MovingOutline { number, filter, body, .. } = outline;
+            let bounds = narrow.place_mover(scene, flights, actor, outline);
             self.movers.push(Proxy { collider: number, body, bounds, filter, digest: 0 });
         }
     }

@@ -46,11 +46,9 @@ impl ContactRecord {
     pub(crate) fn new(pair: [OutlineId; 2], features: [u32; 2], count: usize, impulses: Impulses) -> Self {
         let high = pair.map(|outline| outline.part >> 8);
         let pair = pair.map(|OutlineId { slot, part }| slot | part << 24);
-        let mut packed =
-            [features[0] & FEATURE | in_byte(impulses.exponent), features[1] & FEATURE | (count as u32) << 24];
-        if high[0] | high[1] != 0 {
-            set_high(&mut packed, high);
-        }
+        let packed = [features[0] & FEATURE | in_byte(impulses.exponent), features[1] & FEATURE | (count as u32) << 24];
+        // By value: in memory, two words would be read as one before they are written.
+        let packed = if high[0] | high[1] == 0 { packed } else { with_high(packed, high) };
         Self { pair, packed, impulses: impulses.values }
     }
 
@@ -215,13 +213,14 @@ fn in_byte(exponent: i32) -> u32 {
     u32::from(exponent.clamp(-128, 127) as i8 as u8) << 24
 }
 
-/// Adds the upper bits of the numbers of outlines.
+/// The words with the upper bits of the numbers of outlines.
 #[cold]
-fn set_high(packed: &mut [u32; 2], high: [u32; 2]) {
+fn with_high([mut first, mut second]: [u32; 2], high: [u32; 2]) -> [u32; 2] {
     for (side, high) in high.into_iter().enumerate().filter(|(_, high)| *high > 0) {
-        packed[0] |= ((high & 31) << 1 | (high >> 5) << 7) << (12 * side);
-        packed[1] |= LONG[side];
+        first |= ((high & 31) << 1 | (high >> 5) << 7) << (12 * side);
+        second |= LONG[side];
     }
+    [first, second]
 }
 
 /// Returns true if two single points of a pair have a corner in common on either outline: they are one point, as it goes on from an edge to the

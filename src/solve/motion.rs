@@ -65,13 +65,19 @@ impl Rows {
     }
 
     /// Adds a body, for impacts from this speed on. Returns its row.
+    #[inline(always)]
     pub(super) fn push(&mut self, flight: FlightRow, impact_speed: i32) -> u32 {
         // Changes are below 2^28.
         let fast = impact_speed / 2 - flight.change.iter().map(|part| part.abs()).sum::<i32>();
+        let row = self.rows.len();
         self.rows.push(Row::default());
-        self.flights.push(flight);
-        self.progress.push(Progress { flight: flight.start, fast, ..Progress::default() });
-        self.rows.len() as u32 - 1
+        // Written where they stay: copies would wait for their parts.
+        self.flights.push(FlightRow::default());
+        self.progress.push(Progress::default());
+        let (place, progress) = (&mut self.flights[row], &mut self.progress[row]);
+        (place.start, place.change) = (flight.start, flight.change);
+        (progress.flight, progress.fast) = (flight.start, fast);
+        row as u32
     }
 
     /// The free flight of a body.

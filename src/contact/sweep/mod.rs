@@ -25,7 +25,6 @@ use alloc::vec::Vec;
 use core::slice::from_ref;
 
 use super::Stop;
-use super::actors::Actor;
 use super::flights::{FlightKind, Flights, Place};
 use super::movers::MovingOutline;
 use super::pairs::Pairs;
@@ -206,8 +205,7 @@ impl Sweeps {
             let is_obstacle =
                 place.kind == FlightKind::Kinematic || place.is_bullet || deflected.binary_search(&flight).is_ok();
             for index in 0..flights.outlines.of(flight).len() {
-                let MovingOutline { actor, filter, .. } = flights.outlines.of(flight)[index];
-                let Actor { number, extent: reach, .. } = actor;
+                let MovingOutline { number, extent: reach, filter, .. } = flights.outlines.of(flight)[index];
                 let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), reach));
                 nearby.clear();
                 if let Some(free_pairs) = free_pairs.filter(|_| is_obstacle) {

@@ -6,7 +6,6 @@
 use alloc::vec::Vec;
 use core::slice::from_ref;
 
-use super::super::actors::Actor;
 use super::super::flights::{FlightKind, Flights};
 use super::super::movers::MovingOutline;
 use super::{Paths, Regions, around};
@@ -40,7 +39,7 @@ impl Layer {
     fn push(&mut self, paths: &Paths<'_>, flights: &Flights, regions: &Regions, flight: u32) {
         let leg = paths.leg(flights, flight);
         self.proxies.extend(flights.outlines.of(flight).iter().map(|outline| {
-            let &MovingOutline { actor: Actor { number, extent, .. }, filter, body, .. } = outline;
+            let &MovingOutline { number, extent, filter, body, .. } = outline;
             let bounds = regions.bounds(number).unwrap_or_else(|| around(from_ref(&leg), extent));
             Proxy { collider: number, body, bounds, filter, digest: 0 }
         }));

@@ -166,8 +166,9 @@ impl<S: Scalar> ContactMemory<S> {
         self.touching_before.clear();
         self.sensors.begin();
         self.starts.clear();
-        let starts = self.moving.iter().filter_map(|body| Some(Start::of(bodies, bodies.index_in(body.slot)?, body)));
-        self.starts.extend(starts);
+        // The survey of this step has listed no body that is gone.
+        let index = |body: &MovingBody| bodies.index_in(body.slot).unwrap_or_default();
+        self.starts.extend(self.moving.iter().map(|body| Start::of(bodies, index(body), body)));
     }
 
     /// Lists which bodies touched each other in the step.
