@@ -8,7 +8,7 @@ use super::Scene;
 use super::coefficients::{Coefficients, Materials};
 use super::flights::{FlightKind, PairSide};
 use super::moment::Way;
-use super::movers::MovingOutlines;
+use super::movers::{MovingOutline, MovingOutlines};
 use super::reach::{CLOSE, Reach};
 use super::slot_table::SlotTable;
 use crate::collide::{Cores, LaneKind, LaneManifolds, LanePairs, LaneShape};
@@ -133,7 +133,7 @@ impl Actors {
     /// Begins with the outlines of bodies that move, which are [placed](Self::place) in their order.
     pub(super) fn begin(&mut self, scene: &Scene<'_>, outlines: &MovingOutlines) {
         self.materials.begin(scene, outlines.materials());
-        self.actors.extend_from_slice(outlines.actors());
+        self.actors.extend(outlines.all().iter().map(MovingOutline::actor));
     }
 
     /// Writes the motion of an actor, whose body goes from this centre and this way to the moment of manifolds: of each actor once, in their

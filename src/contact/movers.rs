@@ -52,14 +52,26 @@ pub(super) struct MovingOutline {
     pub(super) filter: Filter,
     /// The slot of its body.
     pub(super) body: u32,
+    /// The number of its material in the step, if it has one.
+    material: Option<u8>,
+    has_hits: bool,
+    is_alone: bool,
+}
+
+impl MovingOutline {
+    /// Its actor, without the kind of its flight and without its core, which each step finds.
+    #[inline(always)]
+    pub(super) fn actor(&self) -> Actor {
+        let Self { number, id, flight, extent, material, has_hits, is_alone, .. } = *self;
+        let (kind, core, shape) = (FlightKind::Dynamic, NONE, None);
+        Actor { number, id, flight, kind, core, shape, material, has_hits, is_alone, extent }
+    }
 }
 
 /// The outlines of all moving bodies, in the order of the flights.
 #[derive(Debug, Default)]
 pub(super) struct MovingOutlines {
     list: Vec<MovingOutline>,
-    /// Their actors, without the kinds of their flights and without their cores, which each step finds.
-    actors: Vec<Actor>,
     /// The end of the part of the list of each flight.
     ends: Vec<u32>,
     /// The materials by the numbers that outlines have for them.
@@ -82,8 +94,9 @@ impl MovingOutlines {
         self.bodies.clear();
         self.bodies.extend(bodies());
         self.list.clear();
-        self.actors.clear();
+        self.list.reserve(scene.starts.len());
         self.ends.clear();
+        self.ends.reserve(scene.starts.len());
         self.materials.clear();
         for (flight, body) in (0..).zip(bodies()) {
             for collider in scene.colliders.solid_of_slot(body) {
@@ -101,18 +114,9 @@ impl MovingOutlines {
                         extent,
                         filter: collider.def.filter,
                         body,
-                    });
-                    self.actors.push(Actor {
-                        number,
-                        id,
-                        flight,
-                        kind: FlightKind::Dynamic,
-                        core: NONE,
-                        shape: None,
                         material,
                         has_hits: collider.def.hit_events,
                         is_alone: !collider.has_others() && !collider.def.shape.is_chain(),
-                        extent,
                     });
                 }
             }
@@ -129,10 +133,6 @@ impl MovingOutlines {
         let index = flight as usize;
         let start = if index == 0 { 0 } else { self.ends[index - 1] };
         &self.list[start as usize..self.ends[index] as usize]
-    }
-
-    pub(super) fn actors(&self) -> &[Actor] {
-        &self.actors
     }
 
     pub(super) fn materials(&self) -> &[Material] {
