@@ -289,8 +289,20 @@ impl<S: Scalar> JointSpring<S> {
 }
 
 impl<S: Scalar> JointKind<S> {
-    /// Refuses values out of range.
-    pub(crate) fn check(&self) -> Result<(), Error> {
+    /// Refuses what [`World::set_joint_kind`](crate::World::set_joint_kind) would.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] with the quantity of the value that is out of range, such as [`Quantity::JointLimits`].
+    ///
+    /// ```
+    /// use umbra_physics::{Error, JointKind, JointLimits, Quantity, Revolute};
+    ///
+    /// let kind = |limits| JointKind::Revolute(Revolute { limits: Some(limits), ..Revolute::default() });
+    /// assert_eq!(kind(JointLimits::degrees(-45, 90)).check(), Ok(()));
+    /// let error = Error::OutOfRange { quantity: Quantity::JointLimits };
+    /// assert_eq!(kind(JointLimits::degrees(90, -45)).check(), Err(error));
+    /// ```
+    pub fn check(&self) -> Result<(), Error> {
         match self {
             Self::Revolute(Revolute { limits, motor, spring, friction }) => {
                 limits.as_ref().map_or(Ok(()), JointLimits::check)?;

@@ -4,21 +4,22 @@ use alloc::collections::BTreeMap;
 use alloc::format;
 use alloc::vec::Vec;
 
-use super::convert::{convert_command, convert_field};
+use super::convert::{convert_command, convert_field, convert_joint};
 use super::error::{ExportError, Place};
 use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
+use super::joint::SceneJoint;
 use super::settings::Plot;
 use super::{Scene, SceneBody, SceneCollider};
 use umbra_physics::{
-    BodyDef, BodyId, ColliderDef, ColliderId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor, World,
-    WorldDef,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, Created, Error, FieldId, FieldKind, ForceField, FxFactor,
+    JointDef, JointId, World, WorldDef,
 };
 
 impl Scene {
     /// The scene that is a new world of this definition, and commands that are carried out before the steps from their ticks;
     /// those of one tick in the order of the list. Its bodies are called `body 1`, `body 2`, …, its force fields `field 1`, …,
-    /// its colliders `collider 1`, ….
+    /// its joints `joint 1`, …, its colliders `collider 1`, ….
     ///
     /// The run of the scene has the state of that world at every tick, to the last bit and with the same handles. A command
     /// that the world refuses changes nothing and is left out, so is one at `ticks` or later; but a custom force, which
@@ -54,6 +55,8 @@ impl Scene {
                 starting_bodies: 0,
                 fields: Vec::new(),
                 starting_fields: 0,
+                joints: Vec::new(),
+                starting_joints: 0,
                 material_pairs: Vec::new(),
                 inputs: Vec::new(),
                 plot: Plot::default(),
@@ -61,6 +64,7 @@ impl Scene {
             },
             bodies: BTreeMap::new(),
             fields: BTreeMap::new(),
+            joints: BTreeMap::new(),
             colliders: BTreeMap::new(),
         };
         let mut order: Vec<usize> = (0..commands.len()).filter(|&i| commands[i].0 < ticks).collect();
@@ -83,6 +87,7 @@ struct Writer {
     /// The indices in the scene of what is in the world.
     bodies: BTreeMap<BodyId, usize>,
     fields: BTreeMap<FieldId, usize>,
+    joints: BTreeMap<JointId, usize>,
     /// The handles in the scene of the colliders that are in the world or were.
     colliders: BTreeMap<ColliderId, ColliderId>,
 }
@@ -94,7 +99,7 @@ impl Writer {
                 return Err(ExportError::CustomForce { command: index, id });
             }
         }
-        // The start has bodies, then force fields: neither kind's handles depend on the other kind.
+        // The start has bodies, then force fields, then joints: no kind's handles depend on another kind.
         let starts = tick == 0 && self.scene.inputs.is_empty();
         let Ok(created) = self.world.execute(command) else { return Ok(()) };
         let is_full = |len: usize| len >= Scene::MOST as usize;
@@ -128,7 +133,17 @@ impl Writer {
                 let Some(&body) = self.bodies.get(body) else { return Ok(()) };
                 SceneAction::AddCollider(self.add_collider(body, def.clone(), collider))
             }
-            (Command::AddJoint(_), _) => return Err(ExportError::Joint { command: index }),
+            (Command::AddJoint(def), Created::Joint(id)) => {
+                if is_full(self.scene.joints.len()) {
+                    return Err(ExportError::Many { command: index });
+                }
+                let symbol = self.add_joint(def, id);
+                if starts {
+                    self.scene.starting_joints += 1;
+                    return Ok(());
+                }
+                SceneAction::AddJoint(symbol)
+            }
             (command, _) => {
                 if let Command::SetField { field, .. } = command {
                     check_mu(index, field)?;
@@ -137,8 +152,10 @@ impl Writer {
                 let fields = |field| known(field).ok_or(Error::NoSuchField { field });
                 let known = |collider| self.colliders.get(&collider).copied();
                 let colliders = |collider| known(collider).ok_or(Error::NoSuchCollider { collider });
+                let known = |joint| self.joints.get(&joint).map(|&i| JointId::from_parts(i as u32, 0));
+                let joints = |joint| known(joint).ok_or(Error::NoSuchJoint { joint });
                 // Carried out, so that all it names is there.
-                let converted = convert_command(command, &|body| self.body(body), &fields, &colliders);
+                let converted = convert_command(command, &|body| self.body(body), &fields, &colliders, &joints);
                 let Ok(command) = converted else { return Ok(()) };
                 SceneAction::Command(command)
             }
@@ -188,6 +205,16 @@ impl Writer {
         self.scene.fields.push(SceneField { name, field, place: Place::default() });
         self.fields.insert(id, index);
         Ok(index)
+    }
+
+    fn add_joint(&mut self, def: &JointDef, id: JointId) -> usize {
+        let index = self.scene.joints.len();
+        // Carried out, so that all it names is there.
+        let def = convert_joint(def, &|body| self.body(body)).unwrap_or(*def);
+        let name = Some(format!("joint {}", index + 1));
+        self.scene.joints.push(SceneJoint { name, def, place: Place::default() });
+        self.joints.insert(id, index);
+        index
     }
 }
 

@@ -6,7 +6,7 @@ use super::field::convert_factor;
 use super::shape::{ShapeDef, vector};
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, ColliderId, Command, CommandMap, ContactSettings, Error, FieldId, ForceField, Fx,
-    FxFactor, Scalar, Shape, Vec2,
+    FxFactor, JointDef, JointId, Scalar, Shape, Vec2,
 };
 
 /// Converts a command.
@@ -15,8 +15,9 @@ pub(super) fn convert_command<S: Scalar>(
     bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
     fields: &impl Fn(FieldId) -> Result<FieldId, Error>,
     colliders: &impl Fn(ColliderId) -> Result<ColliderId, Error>,
+    joints: &impl Fn(JointId) -> Result<JointId, Error>,
 ) -> Result<Command<S>, Error> {
-    command.clone().map(&mut Convert { bodies, fields, colliders })
+    command.clone().map(&mut Convert { bodies, fields, colliders, joints })
 }
 
 /// Converts a force field; the error names the index of a body that is not there.
@@ -24,23 +25,33 @@ pub(super) fn convert_field<S: Scalar>(
     field: &ForceField,
     bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
 ) -> Result<ForceField<S>, Error> {
-    Convert { bodies, fields: &no_field, colliders: &no_collider }.force_field(*field)
+    Convert { bodies, fields: &no_field, colliders: &no_collider, joints: &no_joint }.force_field(*field)
+}
+
+/// Converts a joint; the error names the index of a body that is not there.
+pub(super) fn convert_joint<S: Scalar>(
+    def: &JointDef,
+    bodies: &impl Fn(BodyId) -> Result<BodyId, Error>,
+) -> Result<JointDef<S>, Error> {
+    Convert { bodies, fields: &no_field, colliders: &no_collider, joints: &no_joint }.joint_def(*def)
 }
 
 /// Converts the definition of a body without its colliders.
 pub(super) fn convert_body<S: Scalar>(def: &BodyDef) -> Result<BodyDef<S>, Error> {
     let def = BodyDef { colliders: Vec::new(), ..def.clone() };
-    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.body_def(def)
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider, joints: &no_joint }.body_def(def)
 }
 
 /// Converts the definition of a collider.
 pub(super) fn convert_collider<S: Scalar>(def: &ColliderDef) -> Result<ColliderDef<S>, Error> {
-    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.collider_def(def.clone())
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider, joints: &no_joint }
+        .collider_def(def.clone())
 }
 
 /// Converts the settings of contacts.
 pub(super) fn convert_contacts<S: Scalar>(contacts: &ContactSettings) -> Result<ContactSettings<S>, Error> {
-    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider }.contact_settings(*contacts)
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider, joints: &no_joint }
+        .contact_settings(*contacts)
 }
 
 const fn no_body(body: BodyId) -> Result<BodyId, Error> {
@@ -55,17 +66,23 @@ const fn no_collider(collider: ColliderId) -> Result<ColliderId, Error> {
     Err(Error::NoSuchCollider { collider })
 }
 
-struct Convert<'a, B, F, C> {
+const fn no_joint(joint: JointId) -> Result<JointId, Error> {
+    Err(Error::NoSuchJoint { joint })
+}
+
+struct Convert<'a, B, F, C, J> {
     bodies: &'a B,
     fields: &'a F,
     colliders: &'a C,
+    joints: &'a J,
 }
 
-impl<S: Scalar, B, F, C> CommandMap<Fx, S> for Convert<'_, B, F, C>
+impl<S: Scalar, B, F, C, J> CommandMap<Fx, S> for Convert<'_, B, F, C, J>
 where
     B: Fn(BodyId) -> Result<BodyId, Error>,
     F: Fn(FieldId) -> Result<FieldId, Error>,
     C: Fn(ColliderId) -> Result<ColliderId, Error>,
+    J: Fn(JointId) -> Result<JointId, Error>,
 {
     type Error = Error;
 
@@ -95,5 +112,9 @@ where
 
     fn collider(&mut self, collider: ColliderId) -> Result<ColliderId, Error> {
         (self.colliders)(collider)
+    }
+
+    fn joint(&mut self, joint: JointId) -> Result<JointId, Error> {
+        (self.joints)(joint)
     }
 }

@@ -291,13 +291,8 @@ pub enum ExportError {
         /// The index of the command.
         command: usize,
     },
-    /// A command adds a joint, which no scene file can hold so far.
-    Joint {
-        /// The index of the command.
-        command: usize,
-    },
-    /// The world carries out more commands than a scene has inputs ([`Scene::MOST`](super::Scene::MOST)), and as many bodies
-    /// and force fields at the start.
+    /// The world carries out more commands than a scene has inputs ([`Scene::MOST`](super::Scene::MOST)), and as many bodies,
+    /// force fields and joints at the start.
     Many {
         /// The index of the first that is one too many.
         command: usize,
@@ -315,9 +310,8 @@ impl fmt::Display for ExportError {
                 f,
                 "command {command}: a scene cannot hold a mu above 0 and below 10^-60 m³/s²: use 0 or a larger one"
             ),
-            Self::Joint { command } => write!(f, "command {command}: a scene cannot hold a joint so far"),
             Self::Many { command } => {
-                write!(f, "command {command}: a scene holds at most 131072 bodies, force fields and inputs")
+                write!(f, "command {command}: a scene holds at most 131072 bodies, force fields, joints and inputs")
             }
         }
     }
@@ -332,7 +326,6 @@ impl ExportError {
             Self::CustomForce { .. } => 522,
             Self::Mu { .. } => 523,
             Self::Many { .. } => 524,
-            Self::Joint { .. } => 525,
         }
     }
 }

@@ -25,7 +25,7 @@ pub struct SceneField {
     pub place: Place,
 }
 
-/// Names of bodies or of fields, with their indices.
+/// Names of things of a kind, with their indices.
 #[derive(Default)]
 pub(super) struct Names {
     pub(super) indices: BTreeMap<String, usize>,
@@ -36,7 +36,23 @@ pub(super) struct Names {
 /// The index of what was refused and has a name. No list has so many entries.
 pub(super) const REFUSED: usize = u32::MAX as usize;
 
+/// The most bytes of a name, its indices filled in.
+const NAME: usize = 256;
+
 impl Names {
+    /// Takes in the name of a thing of this kind; refuses one that is taken.
+    pub(super) fn take(&mut self, name: &str, index: usize, node: &Node<'_>, kind: &str) -> Result<()> {
+        if name.len() > NAME {
+            return Err(node.fault(Flaw::Text.of(format_args!("a name has at most {NAME} bytes"))));
+        }
+        if self.indices.contains_key(name) {
+            let message = format_args!("there is a {kind} {} already: choose another name", quoted(name));
+            return Err(node.fault(Flaw::Taken.of(message)));
+        }
+        self.indices.insert(name.into(), index);
+        Ok(())
+    }
+
     /// Takes in the name of what was refused, so that a second error is not made of what refers to it. A name that is needed
     /// may be there under another field's name.
     pub(super) fn note_refused(&mut self, object: &Object<'_>, is_needed: bool) {
@@ -230,7 +246,7 @@ fn attached(object: &Object<'_>, names: &Names) -> Result<Attachment> {
 }
 
 /// A point of the world as [x, y] or {x, y}, or a point of a body.
-fn end(node: &Node<'_>, names: &Names) -> Result<End> {
+pub(super) fn end(node: &Node<'_>, names: &Names) -> Result<End> {
     match node.kind() {
         Kind::Text => attachment(node, names).map(End::Body),
         Kind::Object => {

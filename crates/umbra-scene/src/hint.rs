@@ -8,7 +8,7 @@ const LONGEST: usize = 40;
 const MOST: usize = 4_096;
 
 /// Names that other engines and formats have for a field or a value of ours.
-const SYNONYMS: [(&str, &str); 49] = [
+const SYNONYMS: [(&str, &str); 54] = [
     ("type", "kind"),
     ("fixed", "static"),
     ("id", "name"),
@@ -58,6 +58,11 @@ const SYNONYMS: [(&str, &str); 49] = [
     ("collision_groups", "mask"),
     ("group_index", "group"),
     ("sub_step_count", "substeps"),
+    ("constraints", "joints"),
+    ("hinge", "revolute"),
+    ("rod", "distance"),
+    ("anchor", "point"),
+    ("frequency", "hertz"),
 ];
 
 /// Fields of colliders, here or in other engines.

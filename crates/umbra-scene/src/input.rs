@@ -6,6 +6,7 @@ use super::body::{bits, blame, body, force_groups, kind, locks, mass, max_speeds
 use super::collider::{self, contacts, material_pair};
 use super::error::{Flaw, Place};
 use super::field::{REFUSED, field, named, symbol};
+use super::joint::{break_force, joint, kind as joint_kind, optional_motor};
 use super::node::{Node, Result};
 use super::object::Object;
 use super::repeat::check_count;
@@ -13,7 +14,7 @@ use super::settings::{blob, integrator, random, sleep_after, time_step, world_da
 use super::{Scene, Tables};
 use umbra_physics::{
     ApplyOptions, BodyId, ColliderId, Command, Error, Exclusion, Explosion, FieldId, ForceOrImpulse, Frame, Fx,
-    Quantity, Vec2,
+    JointId, Quantity, Vec2,
 };
 
 /// An input: an action on the world, at one tick or at several.
@@ -31,7 +32,7 @@ pub struct Input {
     pub place: Place,
 }
 
-/// An action of an input. Handles in it are indices in [`Scene::bodies`] and [`Scene::fields`]; the two parts of a collider's are the
+/// An action of an input. Handles in it are indices in [`Scene::bodies`], [`Scene::fields`] and [`Scene::joints`]; the two parts of a collider's are the
 /// index of its body and that in [`SceneBody::colliders`](super::SceneBody::colliders).
 ///
 /// ```
@@ -48,12 +49,14 @@ pub struct Input {
 #[non_exhaustive]
 #[allow(clippy::large_enum_variant, reason = "nearly all are commands")]
 pub enum SceneAction {
-    /// A command of the world's. A body, force field or collider that it adds has no index in the scene.
+    /// A command of the world's. A body, force field, joint or collider that it adds has no index in the scene.
     Command(Command),
     /// The body of this index is added.
     AddBody(usize),
     /// The force field of this index is added.
     AddField(usize),
+    /// The joint of this index is added.
+    AddJoint(usize),
     /// A collider is added to its body.
     AddCollider(ColliderId),
 }
@@ -83,6 +86,13 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
         push(node, SceneAction::AddField(index));
         Ok(())
     });
+    object.or("add_joint", (), |node| {
+        let object = node.object()?;
+        let read = joint(&object, &tables.bodies, None).and_then(|joint| scene.add_joint(joint, node, tables));
+        let index = read.inspect_err(|_| tables.joints.note_refused(&object, false))?;
+        push(node, SceneAction::AddJoint(index));
+        Ok(())
+    });
     if let Some(node) = object.get("body") {
         // With a name that nothing has the rest is read all the same.
         let target = symbol(named(node, &tables.bodies, "body").unwrap_or(REFUSED));
@@ -94,29 +104,13 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
         do_to_body(object, target, tables, &mut push);
     } else if let Some(node) = object.get("collider") {
         let target = tables.collider(node).unwrap_or(ColliderId::from_parts(REFUSED as u32, 0));
-        object.or("replace", (), |node| {
-            let def = collider::read(&node.object()?)?.def;
-            push(node, SceneAction::Command(Command::SetCollider { collider: target, def }));
-            Ok(())
-        });
-        object.or("do", (), |node| {
-            node.choice(&[("remove", ())])?;
-            push(node, SceneAction::Command(Command::RemoveCollider(target)));
-            Ok(())
-        });
+        do_to_collider(object, target, &mut push);
     } else if let Some(node) = object.get("field") {
         let target = named(node, &tables.fields, "force field").unwrap_or(REFUSED);
-        let target = FieldId::from_parts(target as u32, 0);
-        object.or("replace", (), |node| {
-            let field = field(&node.object()?, &tables.bodies)?.field;
-            push(node, SceneAction::Command(Command::SetField { id: target, field }));
-            Ok(())
-        });
-        object.or("do", (), |node| {
-            node.choice(&[("remove", ())])?;
-            push(node, SceneAction::Command(Command::RemoveField(target)));
-            Ok(())
-        });
+        do_to_field(object, FieldId::from_parts(target as u32, 0), tables, &mut push);
+    } else if let Some(node) = object.get("joint") {
+        let target = named(node, &tables.joints, "joint").unwrap_or(REFUSED);
+        do_to_joint(object, JointId::from_parts(target as u32, 0), &mut push);
     } else {
         object.or("set", (), |set| set_world(&set.object()?, &mut push));
         object.or("do", (), |node| {
@@ -129,13 +123,12 @@ pub(super) fn input(object: &Object<'_>, scene: &mut Scene, tables: &mut Tables)
     // Last, so that what is unknown is known to be.
     let (from, to, every) = span(object)?;
     object.finish()?;
-    let is_added = |(_, action): &(Place, SceneAction)| {
-        matches!(action, SceneAction::AddBody(_) | SceneAction::AddField(_) | SceneAction::AddCollider(_))
-    };
+    let is_added = |(_, action): &(Place, SceneAction)| !matches!(action, SceneAction::Command(_));
     if actions.iter().any(|action| from != to && is_added(action)) {
-        return Err(object.at(&["add", "add_field", "add_collider"]).fault(
-            Flaw::OutOfRange
-                .of("out of range: a body, field or collider with a name is added once: give `at` with one tick"),
+        return Err(object.at(&["add", "add_field", "add_joint", "add_collider"]).fault(
+            Flaw::OutOfRange.of(
+                "out of range: a body, field, joint or collider with a name is added once: give `at` with one tick",
+            ),
         ));
     }
     if actions.is_empty() {
@@ -170,6 +163,51 @@ fn do_to_body(object: &Object<'_>, target: BodyId, tables: &Tables, push: &mut i
         };
         push(node, SceneAction::Command(command));
         Ok(())
+    });
+}
+
+/// Reads what is done to a collider.
+fn do_to_collider(object: &Object<'_>, target: ColliderId, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+    set_by(object, "replace", push, |node| {
+        Ok(Command::SetCollider { collider: target, def: collider::read(&node.object()?)?.def })
+    });
+    set_by(object, "do", push, |node| {
+        node.choice(&[("remove", ())])?;
+        Ok(Command::RemoveCollider(target))
+    });
+}
+
+/// Reads what is done to a force field.
+fn do_to_field(object: &Object<'_>, target: FieldId, tables: &Tables, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+    set_by(object, "replace", push, |node| {
+        Ok(Command::SetField { id: target, field: field(&node.object()?, &tables.bodies)?.field })
+    });
+    set_by(object, "do", push, |node| {
+        node.choice(&[("remove", ())])?;
+        Ok(Command::RemoveField(target))
+    });
+}
+
+/// Reads what is done to a joint.
+fn do_to_joint(object: &Object<'_>, joint: JointId, push: &mut impl FnMut(&Node<'_>, SceneAction)) {
+    object.or("set", (), |set| {
+        let set = set.object()?;
+        set_by(&set, "kind", push, |node| {
+            let object = node.object()?;
+            let kind = joint_kind(&object, None)?;
+            object.finish()?;
+            Ok(Command::SetJointKind { joint, kind })
+        });
+        set_by(&set, "motor", push, |node| Ok(Command::SetJointMotor { joint, motor: optional_motor(node)? }));
+        set_by(&set, "break_force", push, |node| Ok(Command::SetJointBreak { joint, force: break_force(node)? }));
+        set.finish()
+    });
+    set_by(object, "do", push, |node| {
+        let command = match node.choice(&[("remove", 0), ("disable", 1), ("enable", 2)])? {
+            0 => Command::RemoveJoint(joint),
+            enabled => Command::EnableJoint { joint, enabled: enabled == 2 },
+        };
+        Ok(command)
     });
 }
 

@@ -40,6 +40,7 @@ mod error;
 mod field;
 mod hint;
 mod input;
+mod joint;
 mod node;
 mod object;
 mod repeat;
@@ -56,7 +57,7 @@ use umbra_physics::{BodyId, ColliderId, Error, Fx, Scalar, World, WorldDef, limi
 
 use error::Flaw;
 use field::{Names, named};
-use node::{Node, Source, quoted};
+use node::{Node, Source};
 use object::Object;
 
 pub use body::SceneBody;
@@ -64,6 +65,7 @@ pub use collider::{SceneCollider, SceneMaterialPair};
 pub use error::{ExportError, Place, SceneError, SceneErrors};
 pub use field::SceneField;
 pub use input::{Input, SceneAction};
+pub use joint::SceneJoint;
 pub use run::SceneRun;
 pub use settings::{Plot, Trails};
 pub use shape::{PartDef, ShapeDef};
@@ -118,6 +120,10 @@ pub struct Scene {
     pub fields: Vec<SceneField>,
     /// The number of force fields that are there from the start.
     pub starting_fields: usize,
+    /// All joints. Those that inputs add come last.
+    pub joints: Vec<SceneJoint>,
+    /// The number of joints that are there from the start.
+    pub starting_joints: usize,
     /// The coefficients of pairs of materials at the start.
     pub material_pairs: Vec<SceneMaterialPair>,
     /// The inputs, in the order of the file. Inputs of the same tick are carried out in this order.
@@ -133,19 +139,17 @@ struct Tables {
     bodies: Names,
     fields: Names,
     colliders: Names,
+    joints: Names,
     /// All colliders, those without names too: their handles in the scene.
     collider_symbols: Vec<ColliderId>,
     most: u64,
 }
 
-/// The most bytes of a name, its indices filled in.
-const NAME: usize = 256;
-
 /// The number of ticks of a scene that gives none.
 const TICKS: u64 = 600;
 
 impl Scene {
-    /// The most bodies of a scene, the most force fields, the most colliders, and the most things that its inputs do: 131,072.
+    /// The most bodies of a scene, the most force fields, joints and colliders, and the most things that its inputs do: 131,072.
     pub const MOST: u32 = 1 << 17;
 
     /// Reads a scene from JSON text.
@@ -157,8 +161,8 @@ impl Scene {
         Self::parse_within(text, Self::MOST)
     }
 
-    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields, of colliders and of
-    /// things that inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as
+    /// Reads a scene as [`parse`](Self::parse) does, with your own limit on the number of bodies, of force fields, of joints, of colliders and
+    /// of things that inputs do: a short text can ask for many. The text that repetitions would have if they were written out is limited as
     /// well, to 512 bytes for each of the things allowed.
     ///
     /// Memory: at most 64 KiB, 8 bytes for a byte of the text and of what repetitions would be, and 4 KiB for each thing.
@@ -202,6 +206,8 @@ impl Scene {
             starting_bodies: 0,
             fields: Vec::new(),
             starting_fields: 0,
+            joints: Vec::new(),
+            starting_joints: 0,
             material_pairs: Vec::new(),
             inputs: Vec::new(),
             plot: Plot::default(),
@@ -218,7 +224,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The bodies and the force fields of the start. Both are added to a world as they are read, which refuses what is
+    /// The bodies, the force fields and the joints of the start. All are added to a world as they are read, which refuses what is
     /// wrong with them while the place is known.
     fn read_start(&mut self, object: &Object<'_>, tables: &mut Tables) -> node::Result<()> {
         let mut world = World::new(self.world).map_err(|error| object.node.fault(error))?;
@@ -253,7 +259,29 @@ impl Scene {
             })
         });
         self.starting_fields = self.fields.len();
+        self.read_joints(object, tables, &mut world, &handles);
         Ok(())
+    }
+
+    /// The joints of the start. The handles are those of the scene's bodies in the world.
+    fn read_joints(&mut self, object: &Object<'_>, tables: &mut Tables, world: &mut World, handles: &[BodyId]) {
+        object.or("joints", (), |list| {
+            repeat::each(list, tables.most, |object| {
+                let start = Some(&joint::Start { world, handles });
+                let read = joint::joint(object, &tables.bodies, start).and_then(|read| {
+                    let handle = |body: BodyId| handles.get(body.parts().0 as usize).copied();
+                    let def = convert::convert_joint(&read.def, &|body| handle(body).ok_or(Error::NoSuchBody { body }));
+                    match def.and_then(|def| world.add_joint(def)) {
+                        // All names are those of bodies above; one that was refused has its error there.
+                        Ok(_) | Err(Error::NoSuchBody { .. }) => {}
+                        Err(error) => return Err(joint::blame(object, error)),
+                    }
+                    self.add_joint(read, object.at(&["name"]), tables).map(drop)
+                });
+                read.inspect_err(|_| tables.joints.note_refused(object, false))
+            })
+        });
+        self.starting_joints = self.joints.len();
     }
 
     /// The coefficients of pairs of materials, which colliders of the scene have.
@@ -287,14 +315,8 @@ impl Scene {
 
     fn add_body(&mut self, body: SceneBody, node: &Node<'_>, tables: &mut Tables) -> node::Result<usize> {
         let index = self.bodies.len();
-        check_name(&body.name, node)?;
         repeat::check_count(node, index as u64 + 1, tables.most)?;
-        if tables.bodies.indices.contains_key(&body.name) {
-            return Err(node.fault(
-                Flaw::Taken.of(format_args!("there is a body {} already: choose another name", quoted(&body.name))),
-            ));
-        }
-        tables.bodies.indices.insert(body.name.clone(), index);
+        tables.bodies.take(&body.name, index, node, "body")?;
         self.bodies.push(body);
         Ok(index)
     }
@@ -303,16 +325,19 @@ impl Scene {
         let index = self.fields.len();
         repeat::check_count(node, index as u64 + 1, tables.most)?;
         if let Some(name) = &field.name {
-            check_name(name, node)?;
-            if tables.fields.indices.contains_key(name) {
-                return Err(node.fault(
-                    Flaw::Taken
-                        .of(format_args!("there is a force field {} already: choose another name", quoted(name))),
-                ));
-            }
-            tables.fields.indices.insert(name.clone(), index);
+            tables.fields.take(name, index, node, "force field")?;
         }
         self.fields.push(field);
+        Ok(index)
+    }
+
+    fn add_joint(&mut self, joint: SceneJoint, node: &Node<'_>, tables: &mut Tables) -> node::Result<usize> {
+        let index = self.joints.len();
+        repeat::check_count(node, index as u64 + 1, tables.most)?;
+        if let Some(name) = &joint.name {
+            tables.joints.take(name, index, node, "joint")?;
+        }
+        self.joints.push(joint);
         Ok(index)
     }
 
@@ -360,8 +385,8 @@ impl Scene {
 
 impl Tables {
     fn new(limit: u64) -> Self {
-        let (bodies, fields, colliders) = Default::default();
-        Self { bodies, fields, colliders, collider_symbols: Vec::new(), most: limit }
+        let (bodies, fields, colliders, joints) = Default::default();
+        Self { bodies, fields, colliders, joints, collider_symbols: Vec::new(), most: limit }
     }
 
     /// Takes in a collider of a body, by the indices of both, with a name if it has one. The node is that of the collider.
@@ -369,14 +394,7 @@ impl Tables {
         let index = self.collider_symbols.len();
         repeat::check_count(&object.node, index as u64 + 1, self.most)?;
         if let Some(name) = name {
-            let node = object.at(&["name"]);
-            check_name(name, node)?;
-            if self.colliders.indices.contains_key(name) {
-                return Err(node.fault(
-                    Flaw::Taken.of(format_args!("there is a collider {} already: choose another name", quoted(name))),
-                ));
-            }
-            self.colliders.indices.insert(name.into(), index);
+            self.colliders.take(name, index, object.at(&["name"]), "collider")?;
         }
         self.collider_symbols.push(symbol);
         Ok(())
@@ -387,11 +405,4 @@ impl Tables {
         let index = named(node, &self.colliders, "collider")?;
         Ok(self.collider_symbols.get(index).copied().unwrap_or(ColliderId::from_parts(u32::MAX, 0)))
     }
-}
-
-fn check_name(name: &str, node: &Node<'_>) -> node::Result<()> {
-    if name.len() <= NAME {
-        return Ok(());
-    }
-    Err(node.fault(Flaw::Text.of(format_args!("a name has at most {NAME} bytes"))))
 }

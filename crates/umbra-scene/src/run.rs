@@ -5,7 +5,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::convert::{convert_command, convert_contacts, convert_field};
+use super::convert::{convert_command, convert_contacts, convert_field, convert_joint};
 use super::error::{Coded, Flaw, Found, Place, SceneError, SceneErrors};
 use super::field::symbol;
 use super::input::{Input, SceneAction};
@@ -13,8 +13,8 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, SceneMaterialPair};
 use umbra_physics::{
-    ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, Labels, Quantity,
-    Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, JointId, Labels,
+    Quantity, Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -26,6 +26,7 @@ pub struct SceneRun<'a, S: Scalar = Fx> {
     steps: u32,
     bodies: Vec<Option<BodyId>>,
     fields: Vec<Option<FieldId>>,
+    joints: Vec<Option<JointId>>,
     /// By the index of a body and that of a collider of it.
     colliders: BTreeMap<(u32, u32), ColliderId>,
     indices: BTreeMap<BodyId, usize>,
@@ -58,6 +59,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             steps,
             bodies: Vec::new(),
             fields: Vec::new(),
+            joints: Vec::new(),
             colliders: BTreeMap::new(),
             indices: BTreeMap::new(),
             order,
@@ -66,10 +68,13 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         };
         run.bodies.resize(scene.bodies.len(), None);
         run.fields.resize(scene.fields.len(), None);
-        if scene.starting_bodies > scene.bodies.len() || scene.starting_fields > scene.fields.len() {
-            return Err(scene
-                .place
-                .fault(Flaw::OutOfRange.of("out of range: the start has more bodies or force fields than the scene")));
+        run.joints.resize(scene.joints.len(), None);
+        if scene.starting_bodies > scene.bodies.len()
+            || scene.starting_fields > scene.fields.len()
+            || scene.starting_joints > scene.joints.len()
+        {
+            let message = "out of range: the start has more bodies, force fields or joints than the scene";
+            return Err(scene.place.fault(Flaw::OutOfRange.of(message)));
         }
         for SceneMaterialPair { materials: [first, second], pair, place } in &scene.material_pairs {
             let command = Command::SetMaterialPair { first: *first, second: *second, pair: Some(*pair) };
@@ -82,6 +87,10 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         for index in 0..scene.starting_fields {
             run.carry_out(&SceneAction::AddField(index), &mut ())
                 .map_err(|e| scene.fields[index].place.fault(Coded(e.code(), run.explain(e))))?;
+        }
+        for index in 0..scene.starting_joints {
+            run.carry_out(&SceneAction::AddJoint(index), &mut ())
+                .map_err(|e| scene.joints[index].place.fault(Coded(e.code(), run.explain(e))))?;
         }
         Ok(run)
     }
@@ -110,7 +119,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.index(body).map_or("", |index| &self.scene.bodies[index].name)
     }
 
-    /// The names of the bodies, force fields and colliders that the scene has added up to now, for a
+    /// The names of the bodies, force fields, joints and colliders that the scene has added up to now, for a
     /// [`Recorder`](umbra_physics::Recorder::labels_mut): the replay then has them too.
     #[must_use]
     pub fn labels(&self) -> Labels {
@@ -121,6 +130,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         for (field, id) in self.scene.fields.iter().zip(&self.fields) {
             if let (Some(name), Some(id)) = (&field.name, id) {
                 labels.set_field(*id, name);
+            }
+        }
+        for (joint, id) in self.scene.joints.iter().zip(&self.joints) {
+            if let (Some(name), Some(id)) = (&joint.name, id) {
+                labels.set_joint(*id, name);
             }
         }
         for (&(index, collider_index), id) in &self.colliders {
@@ -250,6 +264,7 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 self.colliders.extend(created_colliders.map(|(place, collider)| ((*index as u32, place), collider)));
             }
             (SceneAction::AddField(index), Created::ForceField(field)) => self.fields[*index] = Some(field),
+            (SceneAction::AddJoint(index), Created::Joint(joint)) => self.joints[*index] = Some(joint),
             (SceneAction::AddCollider(symbol), Created::Collider(collider)) => {
                 self.colliders.insert(symbol.parts(), collider);
             }
@@ -270,6 +285,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
                 let field = &self.scene.fields.get(*index).ok_or(unknown)?.field;
                 Command::AddField(convert_field(field, &|body| self.body(body))?)
             }
+            SceneAction::AddJoint(index) => {
+                let unknown = Error::NoSuchJoint { joint: JointId::from_parts(*index as u32, 0) };
+                let def = &self.scene.joints.get(*index).ok_or(unknown)?.def;
+                Command::AddJoint(convert_joint(def, &|body| self.body(body))?)
+            }
             SceneAction::AddCollider(symbol) => {
                 let (index, collider_index) = symbol.parts();
                 let symbol_body = BodyId::from_parts(index, 0);
@@ -280,7 +300,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             }
             SceneAction::Command(command) => {
                 let (fields, colliders) = (|field| self.field(field), |collider| self.collider(collider));
-                match convert_command(command, &|body| self.body(body), &fields, &colliders)? {
+                let (bodies, joints) = (|body| self.body(body), |joint| self.joint(joint));
+                match convert_command(command, &bodies, &fields, &colliders, &joints)? {
                     Command::SetTimeStep(time_step) => Command::SetTimeStep(divided(time_step, self.steps)),
                     Command::SetSleepAfter(ticks) => {
                         Command::SetSleepAfter(ticks.map(|ticks| ticks.saturating_mul(self.steps)))
@@ -306,6 +327,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
         self.colliders.get(&symbol.parts()).copied().ok_or(Error::NoSuchCollider { collider: symbol })
     }
 
+    fn joint(&self, symbol: JointId) -> Result<JointId, Error> {
+        let known = self.joints.get(symbol.parts().0 as usize).copied().flatten();
+        known.ok_or(Error::NoSuchJoint { joint: symbol })
+    }
+
     /// Puts an error of the engine at the place of the input that it refuses.
     fn blame(&self, place: &Place, tick: u64, error: Error) -> SceneError {
         place.fault(Coded(error.code(), format_args!("at tick {tick}: {}", self.explain(error))))
@@ -317,6 +343,8 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::NoSuchBody { .. } => return "the body does not exist at that tick".to_string(),
             Error::NoSuchField { .. } => return "the force field does not exist at that tick".to_string(),
             Error::NoSuchCollider { .. } => return "the collider does not exist at that tick".to_string(),
+            Error::NoSuchJoint { .. } => return "the joint does not exist at that tick".to_string(),
+            Error::NoMotor { .. } => return "the joint is of a kind that has no motor".to_string(),
             Error::NotDynamic { body } => (body, "is not dynamic"),
             Error::NotMovable { body } => (body, "is static and has no velocity"),
             Error::Quarantined { body } => (body, "is quarantined"),

@@ -1,17 +1,19 @@
-//! Writing scenes as text: exact decimals, a line for each body, force field and input; defaults are left out.
+//! Writing scenes as text: exact decimals, a line for each body, force field, joint and input; defaults are left out.
 
 mod collider;
+mod joint;
 mod json;
 
-use alloc::string::String;
+use alloc::string::{String, ToString};
 use core::fmt::Display;
 
 use super::field::{SceneField, factor_text, symbol};
 use super::input::{Input, SceneAction};
 use super::settings::{Plot, Trails};
 use super::shape::{PartDef, ShapeDef};
-use super::{Scene, SceneBody, SceneCollider};
+use super::{Scene, SceneBody, SceneCollider, SceneJoint};
 use collider::{collider_text, contacts_text, material_pair_text};
+use joint::{kind_text, motor_text};
 use json::{
     Fields, bits, dampings, hexadecimal, kind_name, linear_angular, lines, list, locked, null, point, ratio, text,
     ticks,
@@ -35,6 +37,7 @@ impl Scene {
         let damping = dampings(Some(linear_damping), Some(angular_damping));
         let bodies = self.bodies.iter().take(self.starting_bodies).map(SceneBody::text);
         let fields = self.fields.iter().take(self.starting_fields).map(|field| self.scene_field(field));
+        let joints = self.joints.iter().take(self.starting_joints).map(|joint| self.scene_joint(joint));
         let inputs = self.inputs.iter().map(|input| self.input(input));
         let mut object = Fields::default();
         object.unless(self.title.is_empty(), "title", text(&self.title));
@@ -50,6 +53,7 @@ impl Scene {
         object.unless(self.material_pairs.is_empty(), "material_pairs", lines(pairs));
         object.unless(self.starting_bodies == 0, "bodies", lines(bodies));
         object.unless(self.starting_fields == 0, "fields", lines(fields));
+        object.unless(self.starting_joints == 0, "joints", lines(joints));
         object.unless(self.inputs.is_empty(), "inputs", lines(inputs));
         object.unless(self.plot == Plot::default(), "plot", self.plot_text());
         object.lines()
@@ -183,6 +187,10 @@ impl Scene {
                 let field = self.fields.get(*index);
                 object.put("add_field", field.map_or_else(String::new, |field| self.scene_field(field)));
             }
+            SceneAction::AddJoint(index) => {
+                let joint = self.joints.get(*index);
+                object.put("add_joint", joint.map_or_else(String::new, |joint| self.scene_joint(joint)));
+            }
             SceneAction::AddCollider(symbol) => {
                 object.put("body", self.body_name(BodyId::from_parts(symbol.parts().0, 0)));
                 object.put("add_collider", self.collider(*symbol).map_or_else(String::new, SceneCollider::text));
@@ -309,13 +317,18 @@ impl Scene {
             }
             Command::SetContactSettings(contacts) => set(object, "contacts", contacts_text(&contacts)),
             Command::SetBlob(ref bytes) => set(object, "blob", hexadecimal(bytes)),
-            // No scene has a joint that a command could name.
-            Command::AddJoint(_)
-            | Command::RemoveJoint(_)
-            | Command::SetJointKind { .. }
-            | Command::SetJointBreak { .. }
-            | Command::SetJointMotor { .. }
-            | Command::EnableJoint { .. } => {}
+            Command::AddJoint(ref def) => object.put("add_joint", self.joint(Fields::default(), def)),
+            Command::RemoveJoint(joint) => self.do_to_joint(object, joint, "remove"),
+            Command::EnableJoint { joint, enabled } => {
+                self.do_to_joint(object, joint, if enabled { "enable" } else { "disable" });
+            }
+            Command::SetJointKind { joint, ref kind } => self.set_joint(object, joint, "kind", kind_text(kind)),
+            Command::SetJointMotor { joint, motor } => {
+                self.set_joint(object, joint, "motor", motor.as_ref().map_or_else(null, motor_text));
+            }
+            Command::SetJointBreak { joint, force } => {
+                self.set_joint(object, joint, "break_force", force.map_or_else(null, |force| force.to_string()));
+            }
             // All there are stand above: `tests/layers.rs` compares the lists.
             _ => {}
         }

@@ -8,7 +8,7 @@ fn errors(text: &str) -> SceneErrors {
 }
 
 /// Each error as a line, with its number.
-fn lines(text: &str) -> Vec<String> {
+pub(crate) fn lines(text: &str) -> Vec<String> {
     errors(text).errors().iter().map(|error| format!("{error} [E{}]", error.code())).collect()
 }
 
@@ -116,7 +116,8 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
         actual[expected.len() + 2].starts_with("17: inputs[0].collider: there is no collider \"hul\": did you mean")
     );
     assert!(
-        actual[expected.len() + 3].starts_with("18: inputs[1].add_collider: out of range: a body, field or collider")
+        actual[expected.len() + 3]
+            .starts_with("18: inputs[1].add_collider: out of range: a body, field, joint or collider")
     );
     assert!(actual[expected.len() + 4].starts_with("19: inputs[2].add_collider.shape.circle.radius: out of range"));
     assert!(actual[expected.len() + 5].starts_with("20: inputs[3].set.contacts.substeps: out of range"));
@@ -154,7 +155,7 @@ fn every_mistake_in_a_fluid_is_told_at_its_field() {
 }
 
 /// The mistake in each entry, alone in a list of a scene on the second line.
-fn told_alone(list: &str, entries: &[String]) -> Vec<String> {
+pub(crate) fn told_alone(list: &str, entries: &[String]) -> Vec<String> {
     let alone = entries.iter().map(|entry| {
         let told = lines(&format!("{{\"{list}\": [\n{entry}]}}"));
         assert_eq!(told.len(), 1, "{told:#?}");

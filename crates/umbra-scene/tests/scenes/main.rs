@@ -7,5 +7,6 @@ mod cases;
 mod contacts;
 mod damping;
 mod errors;
+mod joints;
 mod scenes;
 mod text;

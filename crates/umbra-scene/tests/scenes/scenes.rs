@@ -199,6 +199,34 @@ pub(crate) const RICH: &str = r#"{
   "plot": {"view": [[-9, -9], [9, 9]], "trails": ["c", "k"], "exposures": 3}
 }"#;
 
+/// A scene with everything that joints have, which worlds of floats do not have.
+pub(crate) const JOINTED: &str = r#"{
+  "ticks": 20, "gravity": [0, -10],
+  "bodies": [
+    {"name": "post", "kind": "static", "position": [-1, 0]},
+    {"repeat": {"i": 4}, "name": "link-{i}", "position": [{"i": 1}, 0], "colliders": [{"shape": {"capsule": {"length": 0.8, "radius": 0.125}}}]},
+    {"name": "wheel", "position": [0, -5], "angle": 2, "colliders": [{"shape": {"circle": {"radius": 0.5}}}]}
+  ],
+  "joints": [
+    {"name": "hinge", "bodies": ["post", "link-0"], "point": [-0.5, 0], "revolute": {"limits": [-1, 1.5], "motor": {"speed": 2, "max_force": 20},
+      "spring": {"hertz": 2, "damping_ratio": 0.5, "rest": 0.25, "max_force": 9}, "friction": 0.125}},
+    {"repeat": {"i": 2}, "name": "weld-{i}", "bodies": ["link-{i}", "link-{i+1}"], "point": [{"start": 0.5, "i": 1}, 0], "weld": {}},
+    {"name": "soft", "ends": [{"body": "link-2", "point": [0.5, 0]}, {"body": "link-3", "point": [-0.5, 0]}], "angles": [0.5, -0.25],
+      "weld": {"spring": {"hertz": 3}}, "collide_connected": true, "key": 3, "user_data": 18446744073709551615},
+    {"name": "rod", "bodies": [null, "wheel"], "points": [[0, -2], [0.25, -5]], "distance": {}, "break_force": 5000, "events": true},
+    {"bodies": ["wheel", null], "points": [[0, -5], [3, -9]], "distance": {"length": 4.5}, "enabled": false, "break_force": null}
+  ],
+  "inputs": [
+    {"at": 1, "joint": "hinge", "set": {"motor": null}},
+    {"at": 2, "joint": "hinge", "set": {"kind": {"revolute": {"limits": [0, 0]}}, "motor": {"max_force": 3}, "break_force": 100}},
+    {"from": 3, "to": 5, "joint": "soft", "do": "disable"},
+    {"at": 6, "joint": "soft", "do": "enable", "set": {"break_force": null, "kind": {"distance": {"length": 0.5}}}},
+    {"at": 7, "joint": "rod", "do": "remove"},
+    {"at": 8, "add_joint": {"name": "late", "ends": ["wheel", [0, -5]], "revolute": {"friction": 2}}},
+    {"at": 9, "joint": "late", "set": {"motor": {"speed": -1, "max_force": 5}}}
+  ]
+}"#;
+
 /// Puts something else in the place of a few characters.
 fn mutate(text: &str, at: usize, cut: usize, put: &str) -> String {
     let chars: Vec<char> = text.chars().collect();
@@ -241,11 +269,12 @@ fn the_rich_scene_is_one() {
 
 /// The words that fuzzing puts into scenes are those that the format has.
 #[test]
-fn the_rich_scene_has_every_field() {
+fn the_rich_scenes_have_every_field() {
     let words = include_str!("../../../../fuzz/dictionaries/scene.txt").lines().filter(|line| line.ends_with(":\""));
     let fields: Vec<String> = words.map(|line| line[1..line.len() - 2].replace("\\\"", "\"")).collect();
     assert!(fields.len() > 100, "{}", fields.len());
-    let missing: Vec<&String> = fields.iter().filter(|field| !RICH.contains(&***field)).collect();
+    let has = |field: &str| RICH.contains(field) || JOINTED.contains(field);
+    let missing: Vec<&String> = fields.iter().filter(|field| !has(field)).collect();
     assert!(missing.is_empty(), "{missing:?}");
 }
 
@@ -272,12 +301,13 @@ proptest! {
 
     #[test]
     fn a_mutated_scene_does_no_harm(
+        rich in prop::sample::select(vec![RICH, JOINTED]),
         changes in prop::collection::vec((0usize..8_000, 0usize..4, prop::sample::select(vec![
             "", "", "-", "0", "1e9", "0.5", "1e-40", "{", "}", "[", "]", "\"", ",", ":", "null", "{i}", "x", "c", "\n",
             "\"mass\": 0,", "99999999999999999999", "\\u0000", "\\n", "\"at\": 0,",
         ])), 1..4),
     ) {
-        let text = changes.iter().fold(RICH.to_owned(), |text, &(at, cut, put)| mutate(&text, at, cut, put));
+        let text = changes.iter().fold(rich.to_owned(), |text, &(at, cut, put)| mutate(&text, at, cut, put));
         // A text that ends too soon may do so after its last line.
         let lines = text.matches('\n').count() + 1;
         for error in try_out(&text).err().iter().flat_map(SceneErrors::errors) {

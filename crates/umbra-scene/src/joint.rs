@@ -1,0 +1,259 @@
+//! Reading joints. The slot of a handle in them is an index in the scene's list of bodies.
+
+use alloc::string::String;
+
+use super::error::{Coded, Place, Refused};
+use super::field::{Names, end, named, symbol};
+use super::node::{Kind, Node, Result};
+use super::object::Object;
+use umbra_physics::{
+    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Quantity, Revolute,
+    Vec2, Weld, World,
+};
+
+/// A joint of a scene.
+///
+/// ```
+/// use umbra_physics::{Fx, JointKind, JointLimits, fx};
+/// use umbra_scene::{Scene, SceneJoint};
+///
+/// let scene = Scene::parse(r#"{"bodies": [{"name": "gate", "position": [1, 0]}], "joints": [
+///     {"name": "hinge", "bodies": [null, "gate"], "point": [0, 0], "revolute": {"limits": [0, 1.5]}}]}"#)?;
+/// let SceneJoint { name, def, .. } = &scene.joints[0];
+/// let JointKind::Revolute(revolute) = def.kind else { unreachable!() };
+/// assert_eq!(revolute.limits, Some(JointLimits { lower: fx!(0), upper: fx!(1.5) }));
+/// assert_eq!((name.as_deref(), scene.build::<Fx>()?.joint_count()), (Some("hinge"), 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneJoint {
+    /// The name, if inputs are to change it. No other joint of the scene has it.
+    pub name: Option<String>,
+    /// The definition. Its handles are indices in [`Scene::bodies`](super::Scene::bodies).
+    pub def: JointDef,
+    /// The place in the text.
+    pub place: Place,
+}
+
+/// The world at the start, in which points of joints are found on bodies, and the handles of the scene's bodies in it.
+pub(super) struct Start<'a> {
+    pub(super) world: &'a World,
+    pub(super) handles: &'a [BodyId],
+}
+
+/// The kinds of joints.
+const KINDS: [&str; 3] = ["revolute", "weld", "distance"];
+
+/// Reads a joint. Without a start its ends are needed in the axes of its bodies.
+pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Result<SceneJoint> {
+    let name = object.or("name", None, |node| node.string().map(Some));
+    let flag = |name, otherwise| object.or(name, otherwise, Node::boolean);
+    let [collide_connected, enabled, events] =
+        [flag("collide_connected", false), flag("enabled", true), flag("events", false)];
+    let break_force = object.or("break_force", None, break_force);
+    let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
+    let is_rod = object.has("distance");
+    let placed = placed(object, names, start, is_rod);
+    // A rod between two points is as long as they are apart, unless it says so itself.
+    let length = placed.as_ref().ok().and_then(|def| match def.kind {
+        JointKind::Distance(Distance { length, .. }) => Some(length),
+        _ => None,
+    });
+    let kind = kind(object, length);
+    object.finish()?;
+    let JointDef { ends, angles, .. } = placed?;
+    let def = JointDef { ends, angles, kind: kind?, collide_connected, enabled, break_force, events, key, user_data };
+    Ok(SceneJoint { name, def, place: object.node.place() })
+}
+
+/// The ends of a joint: `bodies` with points of the world, or `ends` in the axes of bodies.
+fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>, is_rod: bool) -> Result<JointDef> {
+    let (way, node) = object.one_of(&["bodies", "ends"])?;
+    if way == "ends" {
+        let [first, second] = node.tuple()?.map(|node: Node<'_>| end(&node, names));
+        let angles = object.or("angles", [Fx::ZERO; 2], numbers);
+        return Ok(JointDef { angles, ..JointDef::new([first?, second?], JointKind::default()) });
+    }
+    let Some(start) = start else {
+        // Known, so that the one error is told alone.
+        _ = (object.get("point"), object.get("points"));
+        return Err(node.fault("points of the world are found on bodies at the start alone: give `ends`"));
+    };
+    let [first, second] = node.tuple()?.map(|node: Node<'_>| match node.kind() {
+        Kind::Null => Ok(None),
+        Kind::Text => named(&node, names, "body").map(|index| Some(symbol(index))),
+        _ => Err(node.wrong_kind("the name of a body, or null for the world")),
+    });
+    let points = if is_rod {
+        object.need("points", |node| {
+            let [from, to] = node.tuple()?.map(|node: Node<'_>| node.point());
+            Ok([from?, to?])
+        })
+    } else {
+        object.need("point", Node::point).map(|point| [point; 2])
+    };
+    let (symbols, points) = ([first?, second?], points?);
+    start.joint(object.at(&["point", "points"]), symbols, points, is_rod)
+}
+
+impl Start<'_> {
+    /// A joint at points of the world.
+    fn joint(
+        &self,
+        node: &Node<'_>,
+        symbols: [Option<BodyId>; 2],
+        [from, to]: [Vec2; 2],
+        is_rod: bool,
+    ) -> Result<JointDef> {
+        let mut handles = [None; 2];
+        for (handle, symbol) in handles.iter_mut().zip(symbols) {
+            let Some(symbol) = symbol else { continue };
+            // A body that was refused has its error there.
+            *handle = Some(*self.handles.get(symbol.parts().0 as usize).ok_or_else(Refused::default)?);
+        }
+        let [first, second] = handles;
+        let def = if is_rod {
+            JointDef::between(self.world, first, from, second, to)
+        } else {
+            JointDef::at(self.world, first, second, from)
+        };
+        let mut def = def.map_err(|error| node.fault(error))?;
+        for (end, symbol) in def.ends.iter_mut().zip(symbols) {
+            if let (End::Body(attachment), Some(symbol)) = (end, symbol) {
+                attachment.body = symbol;
+            }
+        }
+        Ok(def)
+    }
+}
+
+/// The kind of a joint, with its values. A rod needs a length where none is given here.
+pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind> {
+    let (word, node) = object.one_of(&KINDS)?;
+    let inner = node.object()?;
+    match word {
+        "revolute" => {
+            let revolute = Revolute {
+                limits: object_or_none(&inner, "limits", limits),
+                motor: object_or_none(&inner, "motor", motor),
+                spring: object_or_none(&inner, "spring", spring),
+                friction: inner.or("friction", Fx::ZERO, Node::number),
+            };
+            inner.finish()?;
+            let only_friction = Revolute { friction: revolute.friction, ..Revolute::default() };
+            check(&inner, JointKind::Revolute(only_friction), &["friction"])?;
+            Ok(JointKind::Revolute(revolute))
+        }
+        "weld" => {
+            let weld = Weld { spring: object_or_none(&inner, "spring", spring) };
+            inner.finish()?;
+            Ok(JointKind::Weld(weld))
+        }
+        _ => {
+            let length = match length {
+                Some(length) => Ok(inner.or("length", length, Node::number)),
+                None => inner.need("length", Node::number),
+            };
+            inner.finish()?;
+            let kind = JointKind::Distance(Distance::rod(length?));
+            // What the points make is refused by the world, at the points.
+            if inner.has("length") {
+                check(&inner, kind, &["length"])?;
+            }
+            Ok(kind)
+        }
+    }
+}
+
+/// A value that may be left out or `null`.
+fn object_or_none<T>(object: &Object<'_>, name: &'static str, read: fn(&Node<'_>) -> Result<T>) -> Option<T> {
+    object.or(name, None, |node| optional(node, read))
+}
+
+fn optional<T>(node: &Node<'_>, read: fn(&Node<'_>) -> Result<T>) -> Result<Option<T>> {
+    if node.kind() == Kind::Null { Ok(None) } else { read(node).map(Some) }
+}
+
+/// Refuses a kind out of range, at the first of these fields that is there.
+fn check(object: &Object<'_>, kind: JointKind, fields: &[&str]) -> Result<()> {
+    kind.check().map_err(|error| object.at(fields).fault(error))
+}
+
+fn numbers(node: &Node<'_>) -> Result<[Fx; 2]> {
+    let [first, second] = node.tuple()?.map(|node: Node<'_>| node.number());
+    Ok([first?, second?])
+}
+
+/// The lowest and the highest angle.
+fn limits(node: &Node<'_>) -> Result<JointLimits> {
+    let [lower, upper] = numbers(node)?;
+    let limits = JointLimits { lower, upper };
+    let kind: JointKind = JointKind::Revolute(Revolute { limits: Some(limits), ..Revolute::default() });
+    kind.check().map_err(|error| node.fault(error))?;
+    Ok(limits)
+}
+
+fn read_motor(object: &Object<'_>) -> Result<JointMotor> {
+    let speed = object.or("speed", Fx::ZERO, Node::number);
+    let max_force = object.need("max_force", Node::number);
+    object.finish()?;
+    Ok(JointMotor { speed, max_force: max_force? })
+}
+
+/// A motor, all of whose values are in range.
+fn motor(node: &Node<'_>) -> Result<JointMotor> {
+    let object = node.object()?;
+    let motor = read_motor(&object)?;
+    let kind: JointKind = JointKind::Revolute(Revolute { motor: Some(motor), ..Revolute::default() });
+    let field = match kind.check() {
+        Err(Error::OutOfRange { quantity: Quantity::MotorSpeed }) => "speed",
+        _ => "max_force",
+    };
+    check(&object, kind, &[field])?;
+    Ok(motor)
+}
+
+/// A motor, or `null` for none.
+pub(super) fn optional_motor(node: &Node<'_>) -> Result<Option<JointMotor>> {
+    optional(node, motor)
+}
+
+/// A spring that turns, all of whose values are in range.
+fn spring(node: &Node<'_>) -> Result<JointSpring> {
+    let object = node.object()?;
+    let hertz = object.need("hertz", Node::number);
+    let damping_ratio = object.or("damping_ratio", Fx::ONE, Node::number);
+    let rest = object.or("rest", Fx::ZERO, Node::number);
+    let max_force = object.or("max_force", None, |node| node.number().map(Some));
+    object.finish()?;
+    let spring = JointSpring { hertz: hertz?, damping_ratio, rest, max_force };
+    let kind: JointKind = JointKind::Weld(Weld { spring: Some(spring) });
+    let field = match kind.check() {
+        Err(Error::OutOfRange { quantity: Quantity::SpringFrequency }) => "hertz",
+        Err(Error::OutOfRange { quantity: Quantity::DampingRatio }) => "damping_ratio",
+        Err(Error::OutOfRange { quantity: Quantity::JointAngle }) => "rest",
+        _ => "max_force",
+    };
+    check(&object, kind, &[field])?;
+    Ok(spring)
+}
+
+/// The mean force over a step at which a joint breaks, or `null` for never.
+pub(super) fn break_force(node: &Node<'_>) -> Result<Option<Fx>> {
+    let force = optional(node, |node| node.number())?;
+    let is_in_range = force.is_none_or(|force| force >= Fx::ZERO);
+    if is_in_range { Ok(force) } else { Err(node.fault(Error::OutOfRange { quantity: Quantity::BreakForce })) }
+}
+
+/// Puts an error of the engine's at the field of the joint that it is about.
+pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
+    let node = object.at(&["ends", "points", "point"]);
+    let bodies = object.at(&["bodies", "ends"]);
+    match error {
+        Error::SameBody { .. } => bodies.fault(Coded(error.code(), "both ends of the joint are on the same body")),
+        Error::NothingToMove => bodies.fault(error),
+        Error::OutOfRange { quantity: Quantity::JointLength } => object.at(&["points"]).fault(error),
+        Error::OutOfRange { quantity: Quantity::Position | Quantity::JointPoint } => node.fault(error),
+        _ => object.node.fault(error),
+    }
+}

@@ -1,0 +1,101 @@
+//! Writing joints.
+
+use alloc::string::String;
+
+use super::json::{Fields, list, null, text};
+use super::{Scene, SceneJoint};
+use umbra_physics::{Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
+
+impl Scene {
+    pub(super) fn scene_joint(&self, joint: &SceneJoint) -> String {
+        self.joint(joint.name.as_deref().map_or_else(Fields::default, Fields::of_name), &joint.def)
+    }
+
+    pub(super) fn joint(&self, mut object: Fields, def: &JointDef) -> String {
+        let [first, second] = &def.ends;
+        object.put("ends", list([self.end(first), self.end(second)]));
+        object.unless(def.angles == [Fx::ZERO; 2], "angles", list(def.angles));
+        kind_into(&mut object, &def.kind);
+        object.unless(!def.collide_connected, "collide_connected", true);
+        object.unless(def.enabled, "enabled", false);
+        if let Some(force) = def.break_force {
+            object.put("break_force", force);
+        }
+        object.unless(!def.events, "events", true);
+        object.unless(def.key == 0, "key", def.key);
+        object.unless(def.user_data == 0, "user_data", def.user_data);
+        object.line()
+    }
+
+    /// `null` for what the scene does not have: nothing is read as a name of another.
+    fn joint_name(&self, joint: JointId) -> String {
+        let name = self.joints.get(joint.parts().0 as usize).and_then(|joint| joint.name.as_deref());
+        name.map_or_else(null, text)
+    }
+
+    pub(super) fn do_to_joint(&self, object: &mut Fields, joint: JointId, what: &str) {
+        object.put("joint", self.joint_name(joint));
+        object.put("do", text(what));
+    }
+
+    pub(super) fn set_joint(&self, object: &mut Fields, joint: JointId, property: &str, value: String) {
+        object.put("joint", self.joint_name(joint));
+        object.put("set", Fields::of(property, value));
+    }
+}
+
+pub(super) fn kind_text(kind: &JointKind) -> String {
+    let mut object = Fields::default();
+    kind_into(&mut object, kind);
+    object.line()
+}
+
+fn kind_into(object: &mut Fields, kind: &JointKind) {
+    let mut values = Fields::default();
+    let name = match kind {
+        JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
+            if let Some(JointLimits { lower, upper }) = limits {
+                values.put("limits", list([lower, upper]));
+            }
+            if let Some(motor) = motor {
+                values.put("motor", motor_text(motor));
+            }
+            if let Some(spring) = spring {
+                values.put("spring", spring_text(spring));
+            }
+            values.unless(*friction == Fx::ZERO, "friction", friction);
+            "revolute"
+        }
+        JointKind::Weld(Weld { spring }) => {
+            if let Some(spring) = spring {
+                values.put("spring", spring_text(spring));
+            }
+            "weld"
+        }
+        JointKind::Distance(Distance { length, .. }) => {
+            values.put("length", length);
+            "distance"
+        }
+        // All there are stand above: `tests/layers.rs` compares the lists.
+        _ => "unknown",
+    };
+    object.put(name, values.line());
+}
+
+pub(super) fn motor_text(motor: &JointMotor) -> String {
+    let mut object = Fields::default();
+    object.unless(motor.speed == Fx::ZERO, "speed", motor.speed);
+    object.put("max_force", motor.max_force);
+    object.line()
+}
+
+fn spring_text(spring: &JointSpring) -> String {
+    let mut object = Fields::default();
+    object.put("hertz", spring.hertz);
+    object.unless(spring.damping_ratio == Fx::ONE, "damping_ratio", spring.damping_ratio);
+    object.unless(spring.rest == Fx::ZERO, "rest", spring.rest);
+    if let Some(force) = spring.max_force {
+        object.put("max_force", force);
+    }
+    object.line()
+}

@@ -1,0 +1,188 @@
+//! Joints in scenes.
+
+use umbra_physics::{Attachment, Distance, End, Fx, JointDef, JointKind, JointMotor, World, fx, vec2};
+use umbra_scene::{Scene, SceneRun};
+
+use crate::errors::{lines, told_alone};
+use crate::scenes::JOINTED;
+
+fn advance(run: &mut SceneRun<'_, Fx>, tick: u64) {
+    while run.tick() < tick {
+        assert!(run.advance().expect("its inputs are accepted").faults.is_empty());
+    }
+}
+
+/// The definition of the joint of this name.
+fn def(run: &SceneRun<'_, Fx>, name: &str) -> Option<JointDef> {
+    let labels = run.labels();
+    run.world().joints().find(|joint| labels.joint(joint.id()) == Some(name)).map(|joint| *joint.def())
+}
+
+#[test]
+fn inputs_change_joints_at_their_ticks() {
+    let scene = Scene::parse(JOINTED).expect("it is one");
+    assert_eq!((scene.starting_joints, scene.joints.len()), (6, 7));
+    let mut run = scene.start::<Fx>().expect("it starts");
+    let revolute = |run: &SceneRun<'_, Fx>, name| match def(run, name).expect("it is there").kind {
+        JointKind::Revolute(revolute) => revolute,
+        other => panic!("{other:?}"),
+    };
+    advance(&mut run, 1);
+    assert_eq!(revolute(&run, "hinge").motor, Some(JointMotor { speed: fx!(2), max_force: fx!(20) }));
+    advance(&mut run, 2);
+    assert_eq!(revolute(&run, "hinge").motor, None);
+    advance(&mut run, 3);
+    let brake = JointMotor { speed: fx!(0), max_force: fx!(3) };
+    assert_eq!((revolute(&run, "hinge").motor, revolute(&run, "hinge").spring), (Some(brake), None));
+    assert_eq!(def(&run, "hinge").expect("it is there").break_force, Some(fx!(100)));
+    assert!(def(&run, "soft").expect("it is there").enabled);
+    advance(&mut run, 4);
+    assert!(!def(&run, "soft").expect("it is there").enabled);
+    advance(&mut run, 7);
+    let soft = def(&run, "soft").expect("it is there");
+    assert_eq!((soft.enabled, soft.kind), (true, JointKind::Distance(Distance::rod(fx!(0.5)))));
+    assert!(def(&run, "rod").is_some() && def(&run, "late").is_none());
+    advance(&mut run, 20);
+    assert!(def(&run, "rod").is_none() && def(&run, "late").is_some());
+    assert_eq!(run.world().joint_count(), 6);
+}
+
+#[test]
+fn points_of_the_world_are_those_that_programs_give() {
+    let scene = Scene::parse(JOINTED).expect("it is one");
+    let world: World = scene.build().expect("it starts");
+    let bodies: Vec<_> = world.bodies().map(|body| body.id()).collect();
+    let [post, link, .., wheel] = bodies[..] else { unreachable!() };
+    let joints: Vec<JointDef> = world.joints().map(|joint| *joint.def()).collect();
+    let hinge = JointDef::at(&world, post, link, vec2(fx!(-0.5), 0)).expect("near them");
+    assert_eq!((joints[0].ends, joints[0].angles), (hinge.ends, hinge.angles));
+    let rod = JointDef::between(&world, None, vec2(0, -2), wheel, vec2(fx!(0.25), -5)).expect("near it");
+    assert!(joints.contains(&JointDef { break_force: Some(fx!(5000)), events: true, ..rod }));
+    let tilted = r#"{"bodies": [{"name": "a", "angle": 2}, {"name": "b", "angle": -0.5, "position": [3, 1]}],
+        "joints": [{"bodies": ["a", "b"], "point": [1, 2], "weld": {}}]}"#;
+    let world: World = Scene::parse(tilted).expect("a scene").build().expect("it starts");
+    let [a, b] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
+    let weld = JointDef::at(&world, a, b, vec2(1, 2)).expect("near them");
+    let joint = world.joints().next().expect("it is there");
+    assert_eq!((joint.def().ends, joint.def().angles, joint.angle()), (weld.ends, weld.angles, fx!(0)));
+}
+
+#[test]
+fn a_world_of_floats_refuses_joints_at_their_place() {
+    let scene =
+        Scene::parse("{\"bodies\": [{\"name\": \"a\"}],\n\"joints\": [{\"ends\": [\"a\", [0, 0]], \"weld\": {}}]}");
+    let scene = scene.expect("a scene");
+    let ends = [End::Body(Attachment::centre(umbra_physics::BodyId::from_parts(0, 0))), End::World(vec2(0, 0))];
+    assert_eq!((scene.joints[0].def.ends, &scene.joints[0].name), (ends, &None));
+    let error = scene.start::<f64>().expect_err("it has no joints");
+    assert_eq!((error.place.line, &*error.place.field, error.code()), (2, "joints[0]", 149), "{error}");
+}
+
+#[test]
+fn every_mistake_in_a_joint_is_told_at_its_field() {
+    let joint = |rest: &str| format!("{{\"ends\": [[0, 0], [1, 0]], {rest}}}");
+    let revolute = |rest: &str| joint(&format!("\"revolute\": {{{rest}}}"));
+    let joints = [
+        joint(r#""name": "a""#),
+        joint(r#""weld": {}, "revolute": {}"#),
+        joint(r#""weld": {}"#),
+        joint(r#""weld": {}, "angles": [1]"#),
+        joint(r#""weld": {}, "colide_connected": true"#),
+        joint(r#""weld": {}, "break_force": -1"#),
+        joint(r#""weld": {}, "bodies": [null, null]"#),
+        joint(r#""distance": {}"#),
+        joint(r#""distance": {"length": 0}"#),
+        revolute(r#""limits": [1]"#),
+        revolute(r#""limits": [1, -1]"#),
+        revolute(r#""limits": [-1, 200000]"#),
+        revolute(r#""friction": -1"#),
+        revolute(r#""motor": {"speed": 1}"#),
+        revolute(r#""motor": {"speed": 2000000, "max_force": 1}"#),
+        revolute(r#""motor": {"max_force": -1}"#),
+        revolute(r#""motor": 3"#),
+        revolute(r#""spring": {}"#),
+        revolute(r#""spring": {"frequency": 1}"#),
+        revolute(r#""spring": {"hertz": -1}"#),
+        revolute(r#""spring": {"hertz": 1, "damping_ratio": 2000}"#),
+        revolute(r#""spring": {"hertz": 1, "rest": -200000}"#),
+        revolute(r#""spring": {"hertz": 1, "max_force": -1}"#),
+    ];
+    let told = told_alone("joints", &joints);
+    let expected = [
+        ": one of the fields revolute, weld, distance is missing [E505]",
+        ".weld: `revolute` is given already: give only one of the two [E500]",
+        ".ends: neither end of the joint is on a dynamic body: a joint needs a body that it can move [E148]",
+        ".angles: expected a list of 2 values, found 1 [E502]",
+        ".colide_connected: unknown field: did you mean `collide_connected`? [E503]",
+        ".break_force: out of range: expected a force of at least zero at which a joint breaks [E101]",
+        ".ends: `bodies` is given already: give only one of the two [E500]",
+        ".distance: the field `length` is missing [E505]",
+        ".distance.length: out of range: expected a distance of a joint from 2^-7 to 2^20 m [E101]",
+        ".revolute.limits: expected a list of 2 values, found 1 [E502]",
+        ".revolute.limits: out of range: expected limits of a joint of which the upper one is not below the lower one [E101]",
+        ".revolute.limits: out of range: expected an angle of a joint within ±2^17 rad [E101]",
+        ".revolute.friction: out of range: expected a force or torque in a joint of at least zero [E101]",
+        ".revolute.motor: the field `max_force` is missing [E505]",
+        ".revolute.motor.speed: out of range: expected a speed of a joint's motor within ±2^20 rad/s [E101]",
+        ".revolute.motor.max_force: out of range: expected a force or torque in a joint of at least zero [E101]",
+        ".revolute.motor: expected an object, found a number [E502]",
+        ".revolute.spring: the field `hertz` is missing [E505]",
+        ".revolute.spring.frequency: unknown field: did you mean `hertz`? [E503]",
+        ".revolute.spring.hertz: out of range: expected a frequency of a joint's spring from 0 to 10^6 Hz [E101]",
+        ".revolute.spring.damping_ratio: out of range: expected a damping ratio of a joint's spring from 0 to 1024 [E101]",
+        ".revolute.spring.rest: out of range: expected an angle of a joint within ±2^17 rad [E101]",
+        ".revolute.spring.max_force: out of range: expected a force or torque in a joint of at least zero [E101]",
+    ];
+    assert_eq!(told, expected.map(|told| format!("2: joints[0]{told}")), "{told:#?}");
+}
+
+#[test]
+fn every_mistake_in_the_ends_of_a_joint_is_told_at_its_field() {
+    let text = r#"{"bodies": [{"name": "a"}, {"name": "b", "mass": 0}],
+"joints": [
+  {"bodies": ["a", "c"], "point": [0, 0], "weld": {}},
+  {"bodies": ["a", "a"], "point": [0, 0], "weld": {}},
+  {"bodies": ["a", null], "point": [5000, 0], "weld": {}},
+  {"bodies": ["a", null], "points": [[0, 0], [1, 0]], "weld": {}},
+  {"bodies": ["a", null], "points": [[0, 0], [0, 0]], "distance": {}},
+  {"bodies": ["a", 3], "point": [0, 0], "weld": {}},
+  {"bodies": ["a", "b"], "point": [0, 0], "weld": {}},
+  {"name": "hinge", "ends": ["a", [2000000000, 0]], "weld": {}},
+  {"name": "hinge", "ends": ["a", [0, 0]], "weld": {}},
+  {"name": "hinge", "ends": ["a", [0, 0]], "weld": {}}],
+"inputs": [
+  {"at": 1, "joint": "hing", "do": "remove"},
+  {"at": 1, "joint": "hinge", "do": "wake"},
+  {"at": 1, "joint": "hinge", "set": {"kind": {"distance": {}}}},
+  {"at": 1, "joint": "hinge", "set": {"motor": {"max_force": -1}}},
+  {"at": 1, "add_joint": {"bodies": ["a", null], "point": [0, 0], "weld": {}}},
+  {"from": 1, "to": 2, "add_joint": {"ends": ["a", [0, 0]], "weld": {}}}]}"#;
+    let told = lines(text);
+    let expected = [
+        "1: bodies[1].mass: out of range: expected a mass from 2^-16 to 2^24 kg [E101]",
+        "3: joints[0].bodies[1]: there is no body \"c\" [E507]",
+        "4: joints[1].bodies: both ends of the joint are on the same body [E112]",
+        "5: joints[2].point: out of range: expected a point of a joint within ±2^12 m of its body's centre of mass, a component [E101]",
+        "6: joints[3].points: unknown field: did you mean `point`? [E503]",
+        "7: joints[4].points: out of range: expected a distance of a joint from 2^-7 to 2^20 m [E101]",
+        "8: joints[5].bodies[1]: expected the name of a body, or null for the world, found a number [E502]",
+        "10: joints[7].ends: out of range: expected a position within ±2^30 m [E101]",
+        "11: joints[8].name: there is a joint \"hinge\" already: choose another name [E506]",
+        "12: joints[9].name: there is a joint \"hinge\" already: choose another name [E506]",
+        "14: inputs[0].joint: there is no joint \"hing\": did you mean \"hinge\"? [E507]",
+        "15: inputs[1].do: expected one of remove, disable, enable, found \"wake\" [E502]",
+        "16: inputs[2].set.kind.distance: the field `length` is missing [E505]",
+        "17: inputs[3].set.motor.max_force: out of range: expected a force or torque in a joint of at least zero [E101]",
+        "18: inputs[4].add_joint.bodies: points of the world are found on bodies at the start alone: give `ends` [E500]",
+        "19: inputs[5].add_joint: out of range: a body, field, joint or collider with a name is added once: give `at` with one tick [E508]",
+    ];
+    assert_eq!(told, expected, "{told:#?}");
+    let motor = r#"{"bodies": [{"name": "a"}], "joints": [{"name": "w", "ends": ["a", [0, 0]], "weld": {}}],
+"inputs": [{"at": 1, "joint": "w", "set": {"motor": {"max_force": 1}}},
+  {"at": 2, "joint": "w", "do": "remove"}, {"at": 3, "joint": "w", "do": "enable"}]}"#;
+    let expected = [
+        "2: inputs[0].set.motor: at tick 1: the joint is of a kind that has no motor [E214]",
+        "3: inputs[2].do: at tick 3: the joint does not exist at that tick [E147]",
+    ];
+    assert_eq!(lines(motor), expected);
+}
