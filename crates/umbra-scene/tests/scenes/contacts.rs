@@ -91,7 +91,9 @@ fn without_image<S: Scalar>(run: &SceneRun<'_, S>, axis: usize) -> usize {
 #[test]
 fn the_scenes_of_bodies_that_touch_are_those_that_are_tested_here() {
     let touches = |body: &SceneBody| body.colliders.iter().any(|collider| collider.def.filter.mask != 0);
-    let touching = scenes().into_iter().filter(|(_, scene)| scene.bodies.iter().any(touches));
+    // Those with joints have tests of their own.
+    let touching =
+        scenes().into_iter().filter(|(_, scene)| scene.joints.is_empty() && scene.bodies.iter().any(touches));
     assert_eq!(touching.map(|(name, _)| name).collect::<Vec<_>>(), NAMES);
 }
 

@@ -1,14 +1,18 @@
 //! Joints in scenes.
 
-use umbra_physics::{Attachment, Distance, End, Fx, JointDef, JointKind, JointMotor, World, fx, vec2};
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{
+    Activity, Attachment, BodyKind, Distance, End, Fx, JointDef, JointKind, JointMotor, Revolute, World, fx, vec2,
+};
 use umbra_scene::{Scene, SceneRun};
 
 use crate::errors::{lines, told_alone};
-use crate::scenes::JOINTED;
+use crate::scenes::{JOINTED, scenes};
 
 fn advance(run: &mut SceneRun<'_, Fx>, tick: u64) {
     while run.tick() < tick {
-        assert!(run.advance().expect("its inputs are accepted").faults.is_empty());
+        let faults = run.advance().expect("its inputs are accepted").faults.to_vec();
+        assert!(faults.is_empty(), "tick {}: {faults:?}", run.tick());
     }
 }
 
@@ -185,4 +189,56 @@ fn every_mistake_in_the_ends_of_a_joint_is_told_at_its_field() {
         "3: inputs[2].do: at tick 3: the joint does not exist at that tick [E147]",
     ];
     assert_eq!(lines(motor), expected);
+}
+
+/// Runs a scene to its end, at which all its bodies sleep; the widest that a hinge gives way on the way, m, and the highest speed, m/s.
+fn come_to_rest(run: &mut SceneRun<'_, Fx>, ticks: u64) -> (f64, f64) {
+    let (mut gap, mut speed) = (0.0f64, 0.0f64);
+    for tick in 1..=ticks {
+        advance(run, tick);
+        gap = run.world().joints().map(|joint| joint.length().to_f64()).fold(gap, f64::max);
+        speed = run.world().bodies().map(|body| body.velocity().length().to_f64()).fold(speed, f64::max);
+    }
+    let dynamic = run.world().bodies().filter(|body| body.kind() == BodyKind::Dynamic);
+    assert_eq!(dynamic.filter(|body| body.activity() != Activity::Asleep).count(), 0, "they lie still");
+    (gap, speed)
+}
+
+#[test]
+fn the_scenes_with_joints_are_those_that_are_tested_here() {
+    let jointed = scenes().into_iter().filter(|(_, scene)| !scene.joints.is_empty());
+    assert_eq!(jointed.map(|(name, _)| name).collect::<Vec<_>>(), ["bridge", "ragdolls"]);
+}
+
+#[test]
+fn the_ball_rolls_over_the_bridge() {
+    let scene = &scenes()["bridge"];
+    let mut run = scene.start::<Fx>().expect("it starts");
+    let (gap, speed) = come_to_rest(&mut run, scene.ticks);
+    assert!(gap < 0.02 && speed < 6.0, "{gap} m, {speed} m/s");
+    let place = |name: &str| {
+        let body = run.world().bodies().find(|body| run.name(body.id()) == name);
+        body.expect("it is there").position()
+    };
+    assert!(place("ball").x > place("right bank").x, "{} is not beyond {}", place("ball"), place("right bank"));
+    // The bridge hangs in the middle, and its two halves as far apart as they were.
+    let middle = [place("plank-6"), place("plank-7")];
+    assert!(middle.iter().all(|at| at.y < fx!(-1) && at.y > fx!(-1.25)) && middle[1].x - middle[0].x > fx!(0.99));
+}
+
+#[test]
+fn the_ragdolls_stumble_down_the_stairs_and_lie_still() {
+    let scene = &scenes()["ragdolls"];
+    let mut run = scene.start::<Fx>().expect("it starts");
+    let (gap, speed) = come_to_rest(&mut run, scene.ticks);
+    assert!(gap < 0.02 && speed < 10.0, "{gap} m, {speed} m/s");
+    for joint in run.world().joints() {
+        let JointKind::Revolute(Revolute { limits: Some(limits), .. }) = joint.def().kind else { unreachable!() };
+        let over = (joint.angle() - limits.upper).max(limits.lower - joint.angle());
+        assert!(over < fx!(0.02), "{over} rad beyond the limits");
+    }
+    // Down at least two of the steps, and none through the floor.
+    let heads = run.world().bodies().filter(|body| run.name(body.id()).starts_with("head"));
+    let heights: Vec<f64> = heads.map(|head| head.position().y.to_f64()).collect();
+    assert!(heights.iter().all(|y| (-2.4..-0.2).contains(y)), "{heights:?}");
 }
