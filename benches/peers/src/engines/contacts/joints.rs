@@ -27,7 +27,13 @@ impl Joints {
                 Some(_) => JointKind::Distance { length: Fx::number(joint.length()) },
             };
             let ends = [a, b].map(|i| i as u32);
-            new.joints.push(Joint { bodies: ends, anchors: [Vec2::ZERO; 2], kind, impulses: Impulses::default() });
+            new.joints.push(Joint {
+                bodies: ends,
+                anchors: [Vec2::ZERO; 2],
+                kind,
+                axis: None,
+                impulses: Impulses::default(),
+            });
             new.pairs.push([ends[0].min(ends[1]), ends[0].max(ends[1])]);
         }
         new.pairs.sort_unstable();
