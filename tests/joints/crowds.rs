@@ -237,3 +237,36 @@ fn a_tank_drives_on_its_track_and_rests() {
     println!("tank: at {x}, gap {widest}, fastest {fastest}");
     assert!(x > fx!(8) && widest < fx!(0.05) && fastest < fx!(0.05), "{x}, {widest}, {fastest}");
 }
+
+/// Planks between two banks with friction in every hinge, or with brakes: whatever the torque, no hinge opens, and nothing starts by itself.
+#[test]
+fn a_bridge_with_friction_between_two_banks_holds() {
+    for (friction, is_brake) in [(0, false), (1, false), (100, false), (500, false), (5_000, false), (500, true)] {
+        let force = Fx::from_ratio(friction, 1_000);
+        let mut world = falling();
+        let mut last: Option<BodyId> = None;
+        for i in 0..=14 {
+            let next = (i < 14).then(|| {
+                let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a shape");
+                let collider = ColliderDef { density: fx!(4), ..ColliderDef::new(shape) };
+                let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
+                let plank = BodyDef { position, colliders: vec![collider], ..BodyDef::dynamic() };
+                world.add_body(plank).expect("a body")
+            });
+            let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
+            let motor = is_brake.then_some(JointMotor { speed: fx!(0), max_force: force });
+            let friction = if is_brake { fx!(0) } else { force };
+            let kind = JointKind::Revolute(Revolute { friction, motor, ..Revolute::default() });
+            world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+            last = next;
+        }
+        let mut widest = fx!(0);
+        for _ in 0..600 {
+            world.step();
+            widest = widest.max(gap(&world));
+        }
+        let fastest = world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max);
+        println!("friction {force}, brake {is_brake}: gap {widest}, speed {fastest}");
+        assert!(widest < fx!(0.005) && fastest < fx!(0.3), "{force}, {is_brake}: {widest}, {fastest}");
+    }
+}

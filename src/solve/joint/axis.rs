@@ -20,7 +20,9 @@
 //!
 //! So limits and a motor have no order among them, both limits change places in a mirror, and one impulse tells the state of all: a pass
 //! only asks on which step or level the row ends. It takes the step that the joint alone would end on; if the impulse then lies beyond the
-//! step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more ([`AxisRow::revise`]).
+//! step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more ([`AxisRow::revise`]). Where rows
+//! move on still, all keep the impulses that they have reached, within their ranges, and the points are solved once more with these: points
+//! that counted on more than a row can give would come apart, and a chain between two supports explodes.
 //!
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
 //! their force.
@@ -98,6 +100,8 @@ enum Place {
     Level(usize),
     /// A level on which the spring is at its largest force, with the sign of its impulse.
     Strained(usize, i64),
+    /// The impulse that the row has at the end, whatever its velocity.
+    Settled(i64),
 }
 
 /// A row at the end of a pass, to be reached by the change Δ of its impulse with the change Δw of its velocity: Δ = `change` − `slope`·Δw.
@@ -442,6 +446,7 @@ impl AxisRow {
             Place::Strained(level, sign) => {
                 Aim::Impulse { change: self.levels[level] + sign * self.spring - impulse, is_elastic: false }
             }
+            Place::Settled(settled) => Aim::Impulse { change: settled - impulse, is_elastic: false },
         }
     }
 
@@ -470,10 +475,16 @@ impl AxisRow {
                     self.place
                 }
             }
+            Place::Settled(_) => self.place,
         };
         let has_left = place != self.place;
         self.place = place;
         has_left
+    }
+
+    /// Ends the search for a place: the row keeps its impulse at the end of a pass, within the range of its place.
+    pub(super) fn settle(&mut self, impulse: i64) {
+        self.place = Place::Settled(self.finish(impulse));
     }
 
     /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.
@@ -492,6 +503,7 @@ impl AxisRow {
                 self.levels[level] + self.spring_impulse
             }
             Place::Level(_) | Place::Strained(..) => impulse,
+            Place::Settled(settled) => settled,
         };
         impulse.clamp(-IMPULSE, IMPULSE)
     }
@@ -538,7 +550,20 @@ impl Block {
         let velocity = self.velocity(2, self.velocities(rows));
         let limit = i128::from(i64::MAX);
         let velocity = (i128::from(velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64;
-        let impulse = (i128::from(self.impulses[2]) + push).clamp(-limit, limit) as i64;
+        let impulse = self.pushed(push);
         self.axis.as_mut().is_some_and(|axis| axis.revise(velocity, impulse))
+    }
+
+    /// Settles the axis at its impulse with a change.
+    pub(super) fn settle_axis(&mut self, push: i128) {
+        let impulse = self.pushed(push);
+        if let Some(axis) = &mut self.axis {
+            axis.settle(impulse);
+        }
+    }
+
+    /// The impulse of the axis with a change.
+    fn pushed(&self, push: i128) -> i64 {
+        (i128::from(self.impulses[2]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
     }
 }

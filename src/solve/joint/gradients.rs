@@ -89,8 +89,8 @@ struct Loop {
     has_axes: bool,
 }
 
-/// The largest number of times that a loop is solved in a pass, until no axis leaves its place.
-const ROUNDS: usize = 2;
+/// The largest number of times that a loop is solved in a pass: until no axis leaves its place, and the last one with all axes settled.
+const ROUNDS: usize = 4;
 
 /// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
 fn divided(value: i128, divisor: i64) -> i128 {
@@ -185,11 +185,16 @@ impl Loops {
                 for block in blocks.iter_mut() {
                     block.begin_axis(rows, if is_biased { Some(soft.rate.into()) } else { None });
                 }
-                for _ in 0..ROUNDS {
+                for round in 0..ROUNDS {
                     give(joints, blocks, rows, soft, moved, bodies.clone());
                     iterate(joints, blocks, moved, bodies.clone());
-                    if !revise_axes(joints, blocks, rows, moved, bodies.clone()) {
+                    if round + 1 == ROUNDS || !revise_axes(joints, blocks, rows, moved, bodies.clone()) {
                         break;
+                    }
+                    if round + 2 == ROUNDS {
+                        for (joint, block) in joints.iter().zip(blocks.iter_mut()) {
+                            block.settle_axis(lowered(joint.solution[2].into(), FINER_STILL));
+                        }
                     }
                 }
             } else {

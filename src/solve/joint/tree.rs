@@ -83,8 +83,8 @@ const IMPULSE: i128 = 1 << 60;
 /// ropes on a floor shake.
 const RATE: i64 = 107_374_182;
 
-/// The largest number of times that a tree is solved in a pass, until no axis leaves its place.
-const ROUNDS: usize = 2;
+/// The largest number of times that a tree is solved in a pass: until no axis leaves its place, and the last one with all axes settled.
+const ROUNDS: usize = 4;
 
 /// The compliance of a joint over its inverse mass, as minus log2; and in trees among other constraints, under heavy loads.
 const COMPLIANCE: i32 = 11;
@@ -168,13 +168,16 @@ impl Trees {
             }
             if tree.has_axes {
                 begin_axes(nodes, blocks, rows, is_biased);
-                for _ in 0..ROUNDS {
+                for round in 0..ROUNDS {
                     if set_aims(nodes, blocks, rows) {
                         factor(nodes, begin, blocks);
                     }
                     eliminate(nodes, begin);
-                    if !revise_axes(nodes, blocks, rows) {
+                    if round + 1 == ROUNDS || !revise_axes(nodes, blocks, rows) {
                         break;
+                    }
+                    if round + 2 == ROUNDS {
+                        settle_axes(nodes, blocks);
                     }
                 }
             } else {
@@ -235,6 +238,12 @@ fn begin_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows, is_biased: bool
     }
 }
 
+/// The change of an axis in a round.
+struct AxisChange {
+    velocity: i64,
+    impulse: i128,
+}
+
 /// Sets the aims of axes in a round. Returns true if the matrices change by it.
 fn set_aims(nodes: &mut [Node], blocks: &[Block], rows: &Rows) -> bool {
     let mut have_changed = false;
@@ -244,22 +253,39 @@ fn set_aims(nodes: &mut [Node], blocks: &[Block], rows: &Rows) -> bool {
     have_changed
 }
 
+/// The change of the axis between a node and its parent, or in the middle of which the node is the first end; `None` if nothing acts on it,
+/// and for the second end.
+fn axis_change(nodes: &[Node], index: usize) -> Option<AxisChange> {
+    let node = &nodes[index];
+    let angle = node.angle?;
+    let (mut push, mut change, mut bits) = (i128::from(angle.push), angle.change, node.push_shift);
+    if node.is_half {
+        let second = nodes[index + 1].angle?;
+        // Halves turn and push in opposite directions.
+        (push, change, bits) = (push - i128::from(second.push), change - second.change, bits + 1);
+    }
+    let sign = if node.side == 0 { -1 } else { 1 };
+    Some(AxisChange { velocity: sign * change, impulse: i128::from(sign) * shifted(push, bits) })
+}
+
 /// Moves axes on that have left their places. Returns true if there is one.
 fn revise_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows) -> bool {
     let mut have_left = false;
     for (index, node) in nodes.iter().enumerate() {
-        let Some(angle) = node.angle else { continue };
-        let (mut push, mut change, mut bits) = (i128::from(angle.push), angle.change, node.push_shift);
-        if node.is_half {
-            let Some(second) = nodes[index + 1].angle else { continue };
-            // Halves turn and push in opposite directions.
-            (push, change, bits) = (push - i128::from(second.push), change - second.change, bits + 1);
+        if let Some(change) = axis_change(nodes, index) {
+            have_left |= blocks[node.block as usize].revise_axis(rows, change.velocity, change.impulse);
         }
-        let sign = if node.side == 0 { -1 } else { 1 };
-        have_left |=
-            blocks[node.block as usize].revise_axis(rows, sign * change, i128::from(sign) * shifted(push, bits));
     }
     have_left
+}
+
+/// Settles all axes at the impulses of the last round.
+fn settle_axes(nodes: &[Node], blocks: &mut [Block]) {
+    for (index, node) in nodes.iter().enumerate() {
+        if let Some(change) = axis_change(nodes, index) {
+            blocks[node.block as usize].settle_axis(change.impulse);
+        }
+    }
 }
 
 /// Units from the centre, the node `centre`, to the leaves.
