@@ -378,7 +378,7 @@ fn no_kilobyte_of_commands_costs_more_than_ten_steps_and_no_call_more_than_what_
                 // In a scene a body and an input each.
                 let each = number(many) / f64::from(grown());
                 assert!(
-                    each <= if name.starts_with("a_scene") { 100_000.0 } else { 25_000.0 },
+                    each <= if name.starts_with("a_scene") { 100_000.0 } else { 26_000.0 },
                     "{name}: {each} for one"
                 );
             }

@@ -127,7 +127,7 @@ typedef struct UmbraWorldDef {
     UmbraFx angular_kept_per_second;
 } UmbraWorldDef;
 
-// Result of a command: nothing, a body, a field, or a collider.
+// Result of a command: nothing, a body, a field, a collider, or a joint.
 typedef uint32_t UmbraCreatedKind;
 
 // Result of an input.
@@ -138,7 +138,7 @@ typedef struct UmbraInputResult {
     uint32_t sequence;
     // `UMBRA_OK`, or why it was refused: then it changed nothing.
     UmbraStatus status;
-    // Body, field or collider that the input created.
+    // Body, field, collider or joint that the input created.
     UmbraCreatedKind created;
     // The handle of the created thing, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
@@ -578,6 +578,94 @@ typedef struct UmbraExplosion {
     uint32_t reserved;
 } UmbraExplosion;
 
+// A kind of joint: one of the three below.
+typedef uint32_t UmbraJointKind;
+
+// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
+// `umbra_joint_def_revolute`, `umbra_joint_def_weld` and `umbra_joint_def_distance` fill it in.
+typedef struct UmbraJointDef {
+    // The kind.
+    UmbraJointKind kind;
+    // 1 if the two bodies touch each other all the same. Default 0.
+    uint32_t collide_connected;
+    // 0 for a joint that does nothing until it is enabled. Default 1.
+    uint32_t is_enabled;
+    // 1 to report when the joint breaks. Default 0.
+    uint32_t events;
+    // 1 if `lower` and `upper` are limits. Default 0.
+    uint32_t has_limits;
+    // 1 if there is a motor. Default 0.
+    uint32_t has_motor;
+    // 1 if there is a spring. Default 0.
+    uint32_t has_spring;
+    // 0.
+    uint32_t reserved;
+    // The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
+    uint64_t bodies[2];
+    // Points of the bodies in their own axes from their centres of mass, or of the world, m.
+    struct UmbraVec2 points[2];
+    // The angles of the joint's frame in the axes of both ends, rad.
+    UmbraFx angles[2];
+    // The lowest angle, within ±2^17 rad.
+    UmbraFx lower;
+    // The highest angle, likewise.
+    UmbraFx upper;
+    // The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s.
+    UmbraFx motor_speed;
+    // The largest torque of a motor, from 0, N·m.
+    UmbraFx motor_max_force;
+    // The frequency of a spring without damping, 0 to 10^6 Hz.
+    UmbraFx spring_hertz;
+    // The damping of a spring over critical damping, 0 to 1024. Default 1.
+    UmbraFx spring_damping_ratio;
+    // The angle of a spring at rest, within ±2^17 rad.
+    UmbraFx spring_rest;
+    // The largest torque of a spring, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    UmbraFx spring_max_force;
+    // The largest torque of friction, from 0, N·m.
+    UmbraFx friction;
+    // The length of a rod, 2^-7 to 2^20 m. Default 1.
+    UmbraFx length;
+    // The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
+    UmbraFx break_force;
+    // Number of the caller's own, by which joints are listed.
+    uint64_t key;
+    // Number of the caller's own.
+    uint64_t user_data;
+} UmbraJointDef;
+
+// What a joint is at and what it does.
+typedef struct UmbraJointState {
+    // The two ends in the world, m.
+    struct UmbraVec2 points[2];
+    // The distance of the ends, m.
+    UmbraFx length;
+    // The angle from the frame of the first end to that of the second one, rad.
+    UmbraFx angle;
+    // The speed of the angle, rad/s.
+    UmbraFx speed;
+    // The force on the second end in the last step, N.
+    struct UmbraVec2 force;
+    // The torque on the second end in the last step, N·m.
+    UmbraFx torque;
+    // 1 if the joint is broken.
+    uint32_t is_broken;
+    // 1 if steps keep the joint: it is enabled and not broken, and its bodies take part.
+    uint32_t is_active;
+} UmbraJointState;
+
+// A joint that broke.
+typedef struct UmbraJointBroke {
+    // The joint.
+    uint64_t joint;
+    // The key of the joint.
+    uint64_t key;
+    // The bodies at its ends, or `UMBRA_NO_HANDLE` for the world.
+    uint64_t bodies[2];
+    // The mean force on the second end over the step, N.
+    struct UmbraVec2 force;
+} UmbraJointBroke;
+
 // A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must
 // not call functions that change the world.
 typedef uint32_t (*UmbraPredicate)(void *context, uint64_t collider, uint64_t user_data);
@@ -769,7 +857,7 @@ typedef struct UmbraReplayLimits {
 // The call was carried out.
 #define UMBRA_OK 0
 
-// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 197.
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 213.
 #define UMBRA_ERROR_OUT_OF_RANGE 101
 
 // The handle names no body: it was removed, or never there.
@@ -831,6 +919,15 @@ typedef struct UmbraReplayLimits {
 
 // Two segments of the chain cross or touch.
 #define UMBRA_ERROR_CHAIN_CROSSES 130
+
+// The handle names no joint.
+#define UMBRA_ERROR_NO_SUCH_JOINT 147
+
+// Neither end of the joint is on a dynamic body.
+#define UMBRA_ERROR_NOTHING_TO_MOVE 148
+
+// The joint is of a kind that has no motor.
+#define UMBRA_ERROR_NO_MOTOR 214
 
 // The bytes are not a snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
@@ -955,6 +1052,9 @@ typedef struct UmbraReplayLimits {
 // A collider.
 #define UMBRA_CREATED_COLLIDER 3
 
+// A joint.
+#define UMBRA_CREATED_JOINT 4
+
 // Never moves.
 #define UMBRA_STATIC 0
 
@@ -1057,6 +1157,15 @@ typedef struct UmbraReplayLimits {
 
 // Does not wake a sleeping body, which then ignores the force.
 #define UMBRA_NO_WAKE 2
+
+// Both ends stay at one point, around which the bodies turn. Reads the limits, the motor, the spring and `friction`.
+#define UMBRA_REVOLUTE 0
+
+// The ends stay at a distance: a rigid rod. Reads `length`.
+#define UMBRA_DISTANCE 1
+
+// Both ends stay at one point and at one angle. Reads the spring, which stands in place of the rigid angle.
+#define UMBRA_WELD 2
 
 #ifdef __cplusplus
 extern "C" {
@@ -1588,6 +1697,76 @@ UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
 
 // Sets off an explosion, which wakes the bodies that it hits.
 UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExplosion *explosion);
+
+// Fills in the definition of a joint of a kind, with both ends at the origin of the world: set its bodies and points.
+UmbraStatus umbra_joint_def_default(UmbraJointKind kind, struct UmbraJointDef *def);
+
+// Fills in the definition of a revolute joint of two bodies at a point of the world, m; `UMBRA_NO_HANDLE` is the world. The angle of the
+// joint is 0 as the bodies stand.
+UmbraStatus umbra_joint_def_revolute(const struct UmbraWorld *world,
+                                     uint64_t first,
+                                     uint64_t second,
+                                     UmbraFx x,
+                                     UmbraFx y,
+                                     struct UmbraJointDef *def);
+
+// Fills in the definition of a weld of two bodies as they stand, at a point of the world, m; `UMBRA_NO_HANDLE` is the world.
+UmbraStatus umbra_joint_def_weld(const struct UmbraWorld *world,
+                                 uint64_t first,
+                                 uint64_t second,
+                                 UmbraFx x,
+                                 UmbraFx y,
+                                 struct UmbraJointDef *def);
+
+// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
+// It is as long as the points are apart.
+UmbraStatus umbra_joint_def_distance(const struct UmbraWorld *world,
+                                     uint64_t first,
+                                     UmbraFx from_x,
+                                     UmbraFx from_y,
+                                     uint64_t second,
+                                     UmbraFx to_x,
+                                     UmbraFx to_y,
+                                     struct UmbraJointDef *def);
+
+// Adds a joint; wakes its bodies, and ends contacts between them unless they are to touch each other.
+UmbraStatus umbra_world_add_joint(struct UmbraWorld *world, const struct UmbraJointDef *def, uint64_t *joint);
+
+// Removes a joint; wakes its bodies.
+UmbraStatus umbra_world_remove_joint(struct UmbraWorld *world, uint64_t joint);
+
+// Sets the kind of a joint and the values that the kind reads in `def`; wakes its bodies. The ends and the rest of the joint stay.
+UmbraStatus umbra_world_set_joint_kind(struct UmbraWorld *world,
+                                       uint64_t joint,
+                                       const struct UmbraJointDef *def);
+
+// Sets the motor of a revolute joint: its speed, rad/s, and its largest torque, N·m, or `UMBRA_NO_LIMIT` for no motor; wakes its bodies.
+UmbraStatus umbra_world_set_joint_motor(struct UmbraWorld *world,
+                                        uint64_t joint,
+                                        UmbraFx speed,
+                                        UmbraFx max_force);
+
+// Sets the mean force over a step above which a joint breaks, N, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
+UmbraStatus umbra_world_set_joint_break(struct UmbraWorld *world, uint64_t joint, UmbraFx force);
+
+// Enables a joint, or with 0 disables it; wakes its bodies. Either repairs a broken joint.
+UmbraStatus umbra_world_enable_joint(struct UmbraWorld *world, uint64_t joint, uint32_t is_enabled);
+
+// Reads the definition of a joint.
+UmbraStatus umbra_world_joint(const struct UmbraWorld *world, uint64_t joint, struct UmbraJointDef *def);
+
+// Reads where a joint is, its angle, its force and torque in the last step, and whether it is broken.
+UmbraStatus umbra_world_joint_state(const struct UmbraWorld *world, uint64_t joint, struct UmbraJointState *state);
+
+// The handles of all joints, sorted by their keys, then by themselves; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_joints(const struct UmbraWorld *world, uint64_t *joints, size_t capacity, size_t *count);
+
+// The joints with `events` that broke in the last step, sorted by their keys, then by their handles; a list as `umbra_world_outcomes`
+// gives it.
+UmbraStatus umbra_world_joints_broke(const struct UmbraWorld *world,
+                                     struct UmbraJointBroke *broke,
+                                     size_t capacity,
+                                     size_t *count);
 
 // Fills in a filter that lets all colliders through.
 UmbraStatus umbra_query_filter_default(struct UmbraQueryFilter *filter);

@@ -34,6 +34,7 @@ mod contact;
 mod event;
 mod field;
 mod force;
+mod joint;
 mod query;
 
 mod character;
@@ -55,6 +56,7 @@ pub use contact::*;
 pub use event::*;
 pub use field::*;
 pub use force::*;
+pub use joint::*;
 pub use memory::*;
 pub use number::*;
 pub use query::*;

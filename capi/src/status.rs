@@ -21,7 +21,7 @@ pub type UmbraStatus = i32;
 
 /// The call was carried out.
 pub const UMBRA_OK: UmbraStatus = 0;
-/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 197.
+/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 213.
 pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
 /// The handle names no body: it was removed, or never there.
 pub const UMBRA_ERROR_NO_SUCH_BODY: UmbraStatus = 102;
@@ -63,6 +63,12 @@ pub const UMBRA_ERROR_NO_SUCH_COLLIDER: UmbraStatus = 128;
 pub const UMBRA_ERROR_DYNAMIC_CHAIN: UmbraStatus = 129;
 /// Two segments of the chain cross or touch.
 pub const UMBRA_ERROR_CHAIN_CROSSES: UmbraStatus = 130;
+/// The handle names no joint.
+pub const UMBRA_ERROR_NO_SUCH_JOINT: UmbraStatus = 147;
+/// Neither end of the joint is on a dynamic body.
+pub const UMBRA_ERROR_NOTHING_TO_MOVE: UmbraStatus = 148;
+/// The joint is of a kind that has no motor.
+pub const UMBRA_ERROR_NO_MOTOR: UmbraStatus = 214;
 /// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// The bytes have another layout.

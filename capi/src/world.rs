@@ -12,6 +12,7 @@ use umbra_scene::{Scene, SceneRun};
 
 use crate::UMBRA_NO_HANDLE;
 use crate::collider::collider_word;
+use crate::joint::joint_word;
 use crate::memory::{fill, given, slice, text, write_text};
 use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
 use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
@@ -104,7 +105,7 @@ pub struct UmbraFault {
     pub reserved: u32,
 }
 
-/// Result of a command: nothing, a body, a field, or a collider.
+/// Result of a command: nothing, a body, a field, a collider, or a joint.
 pub type UmbraCreatedKind = u32;
 
 /// Nothing new.
@@ -115,6 +116,8 @@ pub const UMBRA_CREATED_BODY: UmbraCreatedKind = 1;
 pub const UMBRA_CREATED_FIELD: UmbraCreatedKind = 2;
 /// A collider.
 pub const UMBRA_CREATED_COLLIDER: UmbraCreatedKind = 3;
+/// A joint.
+pub const UMBRA_CREATED_JOINT: UmbraCreatedKind = 4;
 
 /// Result of an input.
 #[repr(C)]
@@ -126,7 +129,7 @@ pub struct UmbraInputResult {
     pub sequence: u32,
     /// `UMBRA_OK`, or why it was refused: then it changed nothing.
     pub status: UmbraStatus,
-    /// Body, field or collider that the input created.
+    /// Body, field, collider or joint that the input created.
     pub created: UmbraCreatedKind,
     /// The handle of the created thing, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
@@ -378,6 +381,7 @@ pub(crate) fn created(created: Created) -> (UmbraCreatedKind, u64) {
         Created::Body(body) => (UMBRA_CREATED_BODY, body_word(body)),
         Created::ForceField(field) => (UMBRA_CREATED_FIELD, field_word(field)),
         Created::Collider(collider) => (UMBRA_CREATED_COLLIDER, collider_word(collider)),
+        Created::Joint(joint) => (UMBRA_CREATED_JOINT, joint_word(joint)),
         _ => (UMBRA_CREATED_NOTHING, UMBRA_NO_HANDLE),
     }
 }

@@ -8,9 +8,10 @@ use std::ptr;
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
-    End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor, Integrator,
-    Locks, Mass, Material, MaterialPair, MixRule, OneWay, Random, Region, Shape, Snapshot, SpringConstants, TimeStep,
-    World, WorldDef, fx, vec2,
+    Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
+    Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
+    MaterialPair, MixRule, OneWay, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep, Weld, World,
+    WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -99,6 +100,7 @@ const BODY: BodyId = BodyId::from_parts(3, 2);
 const BODY_WORD: u64 = 2 << 32 | 3;
 const FIELD: FieldId = FieldId::from_parts(1, 7);
 const FIELD_WORD: u64 = 7 << 32 | 1;
+const JOINT: JointId = JointId::from_parts(1, 7);
 const ONE: i64 = UMBRA_ONE;
 
 fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
@@ -737,6 +739,13 @@ fn every_change_is_the_command_of_its_name() {
         };
         umbra_world_remove_material_pair(6, 7) => Command::SetMaterialPair { first: 6, second: 7, pair: None };
         umbra_world_remove_field(FIELD_WORD) => Command::RemoveField(FIELD);
+        umbra_world_remove_joint(FIELD_WORD) => Command::RemoveJoint(JOINT);
+        umbra_world_enable_joint(FIELD_WORD, 0) => Command::EnableJoint { joint: JOINT, enabled: false };
+        umbra_world_set_joint_break(FIELD_WORD, 7) => Command::SetJointBreak { joint: JOINT, force: Some(bits(7)) };
+        umbra_world_set_joint_break(FIELD_WORD, UMBRA_NO_LIMIT) => Command::SetJointBreak { joint: JOINT, force: None };
+        umbra_world_set_joint_motor(FIELD_WORD, 7, 8) =>
+            Command::SetJointMotor { joint: JOINT, motor: Some(JointMotor { speed: bits(7), max_force: bits(8) }) };
+        umbra_world_set_joint_motor(FIELD_WORD, 7, UMBRA_NO_LIMIT) => Command::SetJointMotor { joint: JOINT, motor: None };
         umbra_world_set_time_step(1001, 60_000) => Command::SetTimeStep(TimeStep::ratio(1001, 60_000));
         umbra_world_set_gravity(15, -16) => Command::SetGravity(pair(15, -16));
         umbra_world_set_kept_per_second(17, 18) => Command::SetDamping { linear: damping(17), angular: damping(18) };
@@ -829,9 +838,14 @@ fn every_change_is_the_command_of_its_name() {
     assert_eq!(add(&mut draft, &body_def()), Ok(UMBRA_NO_HANDLE));
     is(&draft, UMBRA_OK, Command::AddBody(BodyDef::dynamic()));
 
-    // All but the commands of joints, which are not in the C interface.
-    let expected = Command::NUMBERS.iter().copied().filter(|number| !(43..=47).contains(number));
-    assert_eq!(cases, expected.collect());
+    for (def, joint) in joints() {
+        assert_eq!(out(|id| umbra_world_add_joint(Some(&mut draft), Some(&def), id)), Ok(UMBRA_NO_HANDLE));
+        is(&draft, UMBRA_OK, Command::AddJoint(joint));
+        let status = umbra_world_set_joint_kind(Some(&mut draft), FIELD_WORD, Some(&def));
+        is(&draft, status, Command::SetJointKind { joint: JOINT, kind: joint.kind });
+    }
+
+    assert_eq!(cases, Command::NUMBERS.iter().copied().collect());
 
     assert_eq!(umbra_world_step(Some(&mut draft)), UMBRA_ERROR_BUSY);
     let place = world();
@@ -841,6 +855,163 @@ fn every_change_is_the_command_of_its_name() {
     });
     assert_eq!(refused, Err(UMBRA_ERROR_BAD_ARGUMENT));
     umbra_world_free(Some(draft));
+}
+
+/// Joints of every kind, with all their values.
+fn joints() -> Vec<(UmbraJointDef, JointDef)> {
+    let bits = Fx::from_bits;
+    let blank = |kind| out(|def| umbra_joint_def_default(kind, def)).expect("a definition");
+    let place = |x, y| umbra_physics::Vec2::new(bits(x), bits(y));
+    let at = |body, point| End::Body(Attachment { body: BodyId::from_parts(body, 0), point });
+    let plain = UmbraJointDef { bodies: [UMBRA_NO_HANDLE, 1], ..blank(UMBRA_REVOLUTE) };
+    let spring = JointSpring { hertz: bits(5), damping_ratio: bits(6), rest: bits(7), max_force: Some(bits(8)) };
+    let full = UmbraJointDef {
+        collide_connected: 1,
+        is_enabled: 0,
+        events: 1,
+        has_limits: 1,
+        has_motor: 1,
+        has_spring: 1,
+        bodies: [0, 1],
+        points: [UmbraVec2 { x: 1, y: 2 }, UmbraVec2 { x: 3, y: 4 }],
+        angles: [11, 12],
+        lower: -9,
+        upper: 10,
+        motor_speed: 13,
+        motor_max_force: 14,
+        spring_hertz: 5,
+        spring_damping_ratio: 6,
+        spring_rest: 7,
+        spring_max_force: 8,
+        friction: 15,
+        break_force: 16,
+        key: 17,
+        user_data: 18,
+        ..plain
+    };
+    let full_kind = JointKind::Revolute(Revolute {
+        limits: Some(JointLimits { lower: bits(-9), upper: bits(10) }),
+        motor: Some(JointMotor { speed: bits(13), max_force: bits(14) }),
+        spring: Some(spring),
+        friction: bits(15),
+    });
+    let full_joint = JointDef {
+        angles: [bits(11), bits(12)],
+        collide_connected: true,
+        enabled: false,
+        break_force: Some(bits(16)),
+        events: true,
+        key: 17,
+        user_data: 18,
+        ..JointDef::new([at(0, place(1, 2)), at(1, place(3, 4))], full_kind)
+    };
+    let ends = [End::World(place(0, 0)), at(1, place(0, 0))];
+    let weld = UmbraJointDef { kind: UMBRA_WELD, has_spring: 1, spring_hertz: ONE, ..plain };
+    let weld_spring = JointSpring::new(fx!(1), fx!(1));
+    vec![
+        (plain, JointDef::new(ends, JointKind::default())),
+        (full, full_joint),
+        (UmbraJointDef { kind: UMBRA_WELD, ..plain }, JointDef::new(ends, JointKind::Weld(Weld::default()))),
+        (weld, JointDef::new(ends, JointKind::Weld(Weld { spring: Some(weld_spring) }))),
+        (
+            UmbraJointDef { kind: UMBRA_DISTANCE, length: 3 * ONE, ..plain },
+            JointDef::new(ends, JointKind::Distance(Distance::rod(fx!(3)))),
+        ),
+    ]
+}
+
+#[test]
+fn joints_are_read_as_they_were_made() {
+    let mut world = world();
+    for _ in 0..2 {
+        add(&mut world, &body_def()).expect("a body");
+    }
+    let mut added = Vec::new();
+    for (def, _) in joints() {
+        // The others stand before the one with a key.
+        let id = out(|id| umbra_world_add_joint(Some(&mut world), Some(&def), id)).expect("a joint");
+        assert_eq!(out(|read| umbra_world_joint(Some(&world), id, read)), Ok(def));
+        added.push((def.key, id));
+    }
+    added.sort_unstable();
+    // SAFETY: the buffers are those of `list`.
+    let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
+    assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
+    assert_eq!(out(|def| umbra_joint_def_default(3, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    let weld = added
+        .iter()
+        .map(|(_, id)| *id)
+        .find(|&id| out(|def| umbra_world_joint(Some(&world), id, def)).is_ok_and(|def| def.kind == UMBRA_WELD));
+    let weld = weld.expect("there is one");
+    assert_eq!(umbra_world_set_joint_motor(Some(&mut world), weld, 0, 1), UMBRA_ERROR_NO_MOTOR);
+    assert_eq!(umbra_world_remove_joint(Some(&mut world), weld), UMBRA_OK);
+    assert_eq!(umbra_world_remove_joint(Some(&mut world), weld), UMBRA_ERROR_NO_SUCH_JOINT);
+    assert_eq!(out(|def| umbra_world_joint(Some(&world), weld, def)), Err(UMBRA_ERROR_NO_SUCH_JOINT));
+    let nothing = out(|def| umbra_joint_def_weld(Some(&world), UMBRA_NO_HANDLE, UMBRA_NO_HANDLE, 0, 0, def));
+    let nothing = nothing.expect("a definition");
+    let refused = out(|id| umbra_world_add_joint(Some(&mut world), Some(&nothing), id));
+    assert_eq!(refused, Err(UMBRA_ERROR_NOTHING_TO_MOVE));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn joints_pull_and_break_as_in_the_library() {
+    let mut here = world();
+    let mut rust_world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world");
+    assert_eq!(umbra_world_set_gravity(Some(&mut here), 0, -10 * ONE), UMBRA_OK);
+    let bodies = [0, 2].map(|x| {
+        let def = UmbraBodyDef { position: UmbraVec2 { x: x * ONE, y: -2 * ONE }, ..body_def() };
+        add(&mut here, &def).expect("a body")
+    });
+    let theirs =
+        [0, 2].map(|x| rust_world.add_body(BodyDef { position: vec2(x, -2), ..BodyDef::dynamic() }).expect("a body"));
+    let rod = out(|def| umbra_joint_def_distance(Some(&here), UMBRA_NO_HANDLE, 0, 0, bodies[0], 0, -2 * ONE, def));
+    let rod = UmbraJointDef { break_force: 15 * ONE, events: 1, key: 4, ..rod.expect("a definition") };
+    let hinge = out(|def| umbra_joint_def_revolute(Some(&here), bodies[0], bodies[1], ONE, -2 * ONE, def));
+    let weld = out(|def| umbra_joint_def_weld(Some(&here), bodies[0], bodies[1], ONE, -2 * ONE, def));
+    let (hinge, weld) = (hinge.expect("a definition"), weld.expect("a definition"));
+    assert_eq!(weld, UmbraJointDef { kind: UMBRA_WELD, ..hinge });
+    let [rod, hinge] =
+        [rod, hinge].map(|def| out(|id| umbra_world_add_joint(Some(&mut here), Some(&def), id)).expect("a joint"));
+    let def = JointDef::between(&rust_world, None, vec2(0, 0), theirs[0], vec2(0, -2)).expect("a definition");
+    let their_rod = JointDef { break_force: Some(fx!(15)), events: true, key: 4, ..def };
+    let their_rod = rust_world.add_joint(their_rod).expect("a joint");
+    let def = JointDef::at(&rust_world, theirs[0], theirs[1], vec2(1, -2)).expect("a definition");
+    let their_hinge = rust_world.add_joint(def).expect("a joint");
+    let mut broken = 0;
+    for _ in 0..60 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+        rust_world.step();
+        assert_eq!(state_hash(&here), rust_world.state_hash());
+        for (ours, theirs) in [(rod, their_rod), (hinge, their_hinge)] {
+            let joint = rust_world.joint(theirs).expect("it is there");
+            let expected = UmbraJointState {
+                points: joint.points().map(Into::into),
+                length: joint.length().to_bits(),
+                angle: joint.angle().to_bits(),
+                speed: joint.speed().to_bits(),
+                force: joint.force().into(),
+                torque: joint.torque().to_bits(),
+                is_broken: joint.is_broken().into(),
+                is_active: joint.is_active().into(),
+            };
+            assert_eq!(out(|state| umbra_world_joint_state(Some(&here), ours, state)), Ok(expected));
+        }
+        // SAFETY: the buffers are those of `list`.
+        let broke =
+            list(|buffer, capacity, count| unsafe { umbra_world_joints_broke(Some(&here), buffer, capacity, count) });
+        let expected = rust_world.last_report().joints_broke.iter().map(|broke| UmbraJointBroke {
+            joint: rod,
+            key: 4,
+            bodies: [UMBRA_NO_HANDLE, bodies[0]],
+            force: broke.force.into(),
+        });
+        let expected: Vec<_> = expected.collect();
+        broken += expected.len();
+        assert_eq!(broke, Ok(expected));
+    }
+    assert_eq!(broken, 1, "two bodies of a kilogram on a rod for one and a half");
+    umbra_world_free(Some(here));
 }
 
 #[test]
@@ -1493,7 +1664,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 52);
+    assert_eq!(count, 55);
 }
 
 /// The struct sizes of C, which the page in `examples/web` relies on too.

@@ -1,0 +1,469 @@
+//! Joints.
+
+use std::mem::MaybeUninit;
+
+use umbra_physics::{
+    Attachment, BodyId, Command, Distance, End, Fx, JointBroke, JointDef, JointId, JointKind, JointLimits, JointMotor,
+    JointSpring, Revolute, Vec2, Weld,
+};
+
+use crate::UMBRA_NO_HANDLE;
+use crate::body::UMBRA_NO_LIMIT;
+use crate::memory::{fill, given};
+use crate::number::{UmbraFx, UmbraVec2};
+use crate::status::{Refusal, Result, UmbraStatus, guard};
+use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
+
+/// A kind of joint: one of the three below.
+pub type UmbraJointKind = u32;
+
+/// Both ends stay at one point, around which the bodies turn. Reads the limits, the motor, the spring and `friction`.
+pub const UMBRA_REVOLUTE: UmbraJointKind = 0;
+/// The ends stay at a distance: a rigid rod. Reads `length`.
+pub const UMBRA_DISTANCE: UmbraJointKind = 1;
+/// Both ends stay at one point and at one angle. Reads the spring, which stands in place of the rigid angle.
+pub const UMBRA_WELD: UmbraJointKind = 2;
+
+/// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
+/// `umbra_joint_def_revolute`, `umbra_joint_def_weld` and `umbra_joint_def_distance` fill it in.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraJointDef {
+    /// The kind.
+    pub kind: UmbraJointKind,
+    /// 1 if the two bodies touch each other all the same. Default 0.
+    pub collide_connected: u32,
+    /// 0 for a joint that does nothing until it is enabled. Default 1.
+    pub is_enabled: u32,
+    /// 1 to report when the joint breaks. Default 0.
+    pub events: u32,
+    /// 1 if `lower` and `upper` are limits. Default 0.
+    pub has_limits: u32,
+    /// 1 if there is a motor. Default 0.
+    pub has_motor: u32,
+    /// 1 if there is a spring. Default 0.
+    pub has_spring: u32,
+    /// 0.
+    pub reserved: u32,
+    /// The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
+    pub bodies: [u64; 2],
+    /// Points of the bodies in their own axes from their centres of mass, or of the world, m.
+    pub points: [UmbraVec2; 2],
+    /// The angles of the joint's frame in the axes of both ends, rad.
+    pub angles: [UmbraFx; 2],
+    /// The lowest angle, within ±2^17 rad.
+    pub lower: UmbraFx,
+    /// The highest angle, likewise.
+    pub upper: UmbraFx,
+    /// The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s.
+    pub motor_speed: UmbraFx,
+    /// The largest torque of a motor, from 0, N·m.
+    pub motor_max_force: UmbraFx,
+    /// The frequency of a spring without damping, 0 to 10^6 Hz.
+    pub spring_hertz: UmbraFx,
+    /// The damping of a spring over critical damping, 0 to 1024. Default 1.
+    pub spring_damping_ratio: UmbraFx,
+    /// The angle of a spring at rest, within ±2^17 rad.
+    pub spring_rest: UmbraFx,
+    /// The largest torque of a spring, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    pub spring_max_force: UmbraFx,
+    /// The largest torque of friction, from 0, N·m.
+    pub friction: UmbraFx,
+    /// The length of a rod, 2^-7 to 2^20 m. Default 1.
+    pub length: UmbraFx,
+    /// The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
+    pub break_force: UmbraFx,
+    /// Number of the caller's own, by which joints are listed.
+    pub key: u64,
+    /// Number of the caller's own.
+    pub user_data: u64,
+}
+
+/// What a joint is at and what it does.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraJointState {
+    /// The two ends in the world, m.
+    pub points: [UmbraVec2; 2],
+    /// The distance of the ends, m.
+    pub length: UmbraFx,
+    /// The angle from the frame of the first end to that of the second one, rad.
+    pub angle: UmbraFx,
+    /// The speed of the angle, rad/s.
+    pub speed: UmbraFx,
+    /// The force on the second end in the last step, N.
+    pub force: UmbraVec2,
+    /// The torque on the second end in the last step, N·m.
+    pub torque: UmbraFx,
+    /// 1 if the joint is broken.
+    pub is_broken: u32,
+    /// 1 if steps keep the joint: it is enabled and not broken, and its bodies take part.
+    pub is_active: u32,
+}
+
+/// A joint that broke.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraJointBroke {
+    /// The joint.
+    pub joint: u64,
+    /// The key of the joint.
+    pub key: u64,
+    /// The bodies at its ends, or `UMBRA_NO_HANDLE` for the world.
+    pub bodies: [u64; 2],
+    /// The mean force on the second end over the step, N.
+    pub force: UmbraVec2,
+}
+
+/// A joint of a kind between nothing.
+const BLANK: UmbraJointDef = UmbraJointDef {
+    kind: UMBRA_REVOLUTE,
+    collide_connected: 0,
+    is_enabled: 1,
+    events: 0,
+    has_limits: 0,
+    has_motor: 0,
+    has_spring: 0,
+    reserved: 0,
+    bodies: [UMBRA_NO_HANDLE; 2],
+    points: [UmbraVec2 { x: 0, y: 0 }; 2],
+    angles: [0; 2],
+    lower: 0,
+    upper: 0,
+    motor_speed: 0,
+    motor_max_force: 0,
+    spring_hertz: 0,
+    spring_damping_ratio: Fx::ONE.to_bits(),
+    spring_rest: 0,
+    spring_max_force: UMBRA_NO_LIMIT,
+    friction: 0,
+    length: Fx::ONE.to_bits(),
+    break_force: UMBRA_NO_LIMIT,
+    key: 0,
+    user_data: 0,
+};
+
+pub(crate) const fn joint_word(joint: JointId) -> u64 {
+    let (slot, generation) = joint.parts();
+    word(slot, generation)
+}
+
+const fn joint_id(word: u64) -> JointId {
+    JointId::from_parts(word as u32, (word >> 32) as u32)
+}
+
+fn optional_body(word: u64) -> Option<BodyId> {
+    (word != UMBRA_NO_HANDLE).then(|| body_id(word))
+}
+
+fn optional_word(body: Option<BodyId>) -> u64 {
+    body.map_or(UMBRA_NO_HANDLE, body_word)
+}
+
+fn optional_force(bits: UmbraFx) -> Option<Fx> {
+    (bits != UMBRA_NO_LIMIT).then(|| Fx::from_bits(bits))
+}
+
+fn force_bits(force: Option<Fx>) -> UmbraFx {
+    force.map_or(UMBRA_NO_LIMIT, Fx::to_bits)
+}
+
+impl UmbraJointDef {
+    fn end(&self, index: usize) -> End {
+        let point = self.points[index].into();
+        match optional_body(self.bodies[index]) {
+            None => End::World(point),
+            Some(body) => End::Body(Attachment { body, point }),
+        }
+    }
+
+    fn motor(&self) -> JointMotor {
+        JointMotor { speed: Fx::from_bits(self.motor_speed), max_force: Fx::from_bits(self.motor_max_force) }
+    }
+
+    fn spring(&self) -> Option<JointSpring> {
+        (self.has_spring != 0).then(|| JointSpring {
+            hertz: Fx::from_bits(self.spring_hertz),
+            damping_ratio: Fx::from_bits(self.spring_damping_ratio),
+            rest: Fx::from_bits(self.spring_rest),
+            max_force: optional_force(self.spring_max_force),
+        })
+    }
+
+    fn joint_kind(&self) -> Result<JointKind> {
+        match self.kind {
+            UMBRA_REVOLUTE => Ok(JointKind::Revolute(Revolute {
+                limits: (self.has_limits != 0)
+                    .then(|| JointLimits { lower: Fx::from_bits(self.lower), upper: Fx::from_bits(self.upper) }),
+                motor: (self.has_motor != 0).then(|| self.motor()),
+                spring: self.spring(),
+                friction: Fx::from_bits(self.friction),
+            })),
+            UMBRA_DISTANCE => Ok(JointKind::Distance(Distance::rod(Fx::from_bits(self.length)))),
+            UMBRA_WELD => Ok(JointKind::Weld(Weld { spring: self.spring() })),
+            _ => Err(Refusal::bad("no kind of joint has this number")),
+        }
+    }
+
+    fn joint(&self) -> Result<JointDef> {
+        Ok(JointDef {
+            ends: [self.end(0), self.end(1)],
+            angles: self.angles.map(Fx::from_bits),
+            kind: self.joint_kind()?,
+            collide_connected: self.collide_connected != 0,
+            enabled: self.is_enabled != 0,
+            break_force: optional_force(self.break_force),
+            events: self.events != 0,
+            key: self.key,
+            user_data: self.user_data,
+        })
+    }
+
+    fn set_spring(&mut self, spring: Option<JointSpring>) {
+        let Some(JointSpring { hertz, damping_ratio, rest, max_force }) = spring else { return };
+        self.has_spring = 1;
+        (self.spring_hertz, self.spring_damping_ratio) = (hertz.to_bits(), damping_ratio.to_bits());
+        (self.spring_rest, self.spring_max_force) = (rest.to_bits(), force_bits(max_force));
+    }
+
+    fn of(joint: &JointDef) -> Result<Self> {
+        let mut def = Self {
+            collide_connected: joint.collide_connected.into(),
+            is_enabled: joint.enabled.into(),
+            events: joint.events.into(),
+            angles: joint.angles.map(Fx::to_bits),
+            break_force: force_bits(joint.break_force),
+            key: joint.key,
+            user_data: joint.user_data,
+            ..BLANK
+        };
+        for (index, end) in joint.ends.iter().enumerate() {
+            (def.bodies[index], def.points[index]) = match end {
+                End::World(point) => (UMBRA_NO_HANDLE, (*point).into()),
+                End::Body(at) => (body_word(at.body), at.point.into()),
+            };
+        }
+        match joint.kind {
+            JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
+                if let Some(JointLimits { lower, upper }) = limits {
+                    (def.has_limits, def.lower, def.upper) = (1, lower.to_bits(), upper.to_bits());
+                }
+                if let Some(JointMotor { speed, max_force }) = motor {
+                    (def.has_motor, def.motor_speed, def.motor_max_force) = (1, speed.to_bits(), max_force.to_bits());
+                }
+                def.set_spring(spring);
+                def.friction = friction.to_bits();
+            }
+            JointKind::Weld(Weld { spring }) => {
+                def.kind = UMBRA_WELD;
+                def.set_spring(spring);
+            }
+            JointKind::Distance(Distance { length, .. }) => {
+                (def.kind, def.length) = (UMBRA_DISTANCE, length.to_bits());
+            }
+            _ => return Err(Refusal::bad("this interface does not have the kind of this joint")),
+        }
+        Ok(def)
+    }
+}
+
+impl From<&JointBroke> for UmbraJointBroke {
+    fn from(broke: &JointBroke) -> Self {
+        Self {
+            joint: joint_word(broke.joint),
+            key: broke.key,
+            bodies: broke.bodies.map(optional_word),
+            force: broke.force.into(),
+        }
+    }
+}
+
+fn point(x: UmbraFx, y: UmbraFx) -> Vec2 {
+    Vec2::new(Fx::from_bits(x), Fx::from_bits(y))
+}
+
+/// Fills in the definition of a joint of a kind, with both ends at the origin of the world: set its bodies and points.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_default(
+    kind: UmbraJointKind,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (place, blank) = (given(def)?, UmbraJointDef { kind, ..BLANK });
+        blank.joint_kind()?;
+        place.write(blank);
+        Ok(())
+    })
+}
+
+/// Fills in the definition of a revolute joint of two bodies at a point of the world, m; `UMBRA_NO_HANDLE` is the world. The angle of the
+/// joint is 0 as the bodies stand.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_revolute(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    second: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        UmbraJointDef::of(&JointDef::at(world, optional_body(first), optional_body(second), point(x, y))?)
+    })
+}
+
+/// Fills in the definition of a weld of two bodies as they stand, at a point of the world, m; `UMBRA_NO_HANDLE` is the world.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_weld(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    second: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let joint = JointDef::at(world, optional_body(first), optional_body(second), point(x, y))?;
+        UmbraJointDef::of(&JointDef { kind: JointKind::Weld(Weld::default()), ..joint })
+    })
+}
+
+/// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
+/// It is as long as the points are apart.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_distance(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    from_x: UmbraFx,
+    from_y: UmbraFx,
+    second: u64,
+    to_x: UmbraFx,
+    to_y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let (from, to) = (point(from_x, from_y), point(to_x, to_y));
+        UmbraJointDef::of(&JointDef::between(world, optional_body(first), from, optional_body(second), to)?)
+    })
+}
+
+/// Adds a joint; wakes its bodies, and ends contacts between them unless they are to touch each other.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_add_joint(
+    world: Option<&mut UmbraWorld>,
+    def: Option<&UmbraJointDef>,
+    joint: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, def, place) = (given(world)?, given(def)?, given(joint)?);
+        place.write(created(world.execute(&Command::AddJoint(def.joint()?))?).1);
+        Ok(())
+    })
+}
+
+/// Removes a joint; wakes its bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_remove_joint(world: Option<&mut UmbraWorld>, joint: u64) -> UmbraStatus {
+    change(world, Command::RemoveJoint(joint_id(joint)))
+}
+
+/// Sets the kind of a joint and the values that the kind reads in `def`; wakes its bodies. The ends and the rest of the joint stay.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_joint_kind(
+    world: Option<&mut UmbraWorld>,
+    joint: u64,
+    def: Option<&UmbraJointDef>,
+) -> UmbraStatus {
+    change_by(world, || Ok(Command::SetJointKind { joint: joint_id(joint), kind: given(def)?.joint_kind()? }))
+}
+
+/// Sets the motor of a revolute joint: its speed, rad/s, and its largest torque, N·m, or `UMBRA_NO_LIMIT` for no motor; wakes its bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_joint_motor(
+    world: Option<&mut UmbraWorld>,
+    joint: u64,
+    speed: UmbraFx,
+    max_force: UmbraFx,
+) -> UmbraStatus {
+    let motor = optional_force(max_force).map(|max_force| JointMotor { speed: Fx::from_bits(speed), max_force });
+    change(world, Command::SetJointMotor { joint: joint_id(joint), motor })
+}
+
+/// Sets the mean force over a step above which a joint breaks, N, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_joint_break(
+    world: Option<&mut UmbraWorld>,
+    joint: u64,
+    force: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetJointBreak { joint: joint_id(joint), force: optional_force(force) })
+}
+
+/// Enables a joint, or with 0 disables it; wakes its bodies. Either repairs a broken joint.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_enable_joint(world: Option<&mut UmbraWorld>, joint: u64, is_enabled: u32) -> UmbraStatus {
+    change(world, Command::EnableJoint { joint: joint_id(joint), enabled: is_enabled != 0 })
+}
+
+/// Reads the definition of a joint.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_joint(
+    world: Option<&UmbraWorld>,
+    joint: u64,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| UmbraJointDef::of(world.joint(joint_id(joint))?.def()))
+}
+
+/// Reads where a joint is, its angle, its force and torque in the last step, and whether it is broken.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_joint_state(
+    world: Option<&UmbraWorld>,
+    joint: u64,
+    state: Option<&mut MaybeUninit<UmbraJointState>>,
+) -> UmbraStatus {
+    look(world, state, |world| {
+        let joint = world.joint(joint_id(joint))?;
+        Ok(UmbraJointState {
+            points: joint.points().map(Into::into),
+            length: joint.length().to_bits(),
+            angle: joint.angle().to_bits(),
+            speed: joint.speed().to_bits(),
+            force: joint.force().into(),
+            torque: joint.torque().to_bits(),
+            is_broken: joint.is_broken().into(),
+            is_active: joint.is_active().into(),
+        })
+    })
+}
+
+/// The handles of all joints, sorted by their keys, then by themselves; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_joints(
+    world: Option<&UmbraWorld>,
+    joints: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let all: Vec<u64> = given(world)?.world().joints().map(|joint| joint_word(joint.id())).collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(all.into_iter(), joints, capacity, count) }
+    })
+}
+
+/// The joints with `events` that broke in the last step, sorted by their keys, then by their handles; a list as `umbra_world_outcomes`
+/// gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_joints_broke(
+    world: Option<&UmbraWorld>,
+    broke: *mut UmbraJointBroke,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let rows = given(world)?.world().last_report().joints_broke.iter().map(UmbraJointBroke::from);
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, broke, capacity, count) }
+    })
+}
