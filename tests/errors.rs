@@ -298,8 +298,10 @@ fn the_document_has_each() {
         })
         .collect();
     let shown = |name: &'static str| if name.starts_with("Flaw::") { "SceneError" } else { name };
-    let (retired, rows): (Vec<_>, Vec<_>) =
+    let (retired, mut rows): (Vec<_>, Vec<_>) =
         rows.into_iter().partition(|(code, _)| RETIRED.iter().any(|(old, _)| old == code));
+    // Each section has later numbers at its end.
+    rows.sort_unstable_by_key(|(code, _)| *code);
     assert_eq!(rows, GIVEN.map(|(code, name)| (code, shown(name))));
     assert_eq!(retired, RETIRED);
     let said = |line: &str| line.rsplit(" | ").next().is_some_and(|said| said.trim_end_matches(" |").len() > 3);

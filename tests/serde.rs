@@ -25,7 +25,7 @@ use umbra_physics::{
     End, Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
     FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks, Mass,
     Material, MathError, MixRule, ParseFxError, Part, Quantity, Random, Region, Rot, Shape, SpringConstants, Stage,
-    StageKind, TimeStep, Turn, Vec2, World, WorldDef, fx, vec2,
+    StageKind, TimeStep, Turn, Vec2, Weld, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -322,7 +322,11 @@ fn every_variant_of_every_enum_comes_back() {
     let collider = Created::Collider(ColliderId::from_parts(2, 1));
     let joint = Created::Joint(JointId::from_parts(2, 1));
     every_variant([Created::Nothing, Created::Body(body(1)), Created::ForceField(field), collider, joint]);
-    every_variant::<JointKind>([JointKind::default(), JointKind::Distance(Distance::default())]);
+    every_variant::<JointKind>([
+        JointKind::default(),
+        JointKind::Distance(Distance::default()),
+        JointKind::Weld(Weld::default()),
+    ]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);
     every_variant(shapes());

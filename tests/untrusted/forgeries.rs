@@ -160,8 +160,9 @@ fn file(magic: &[u8; 8], chunks: &Chunks) -> Vec<u8> {
 
 /// Files of these chunks, with one in `step_by` bytes of one forged, or one left out, twice there or in the place of the next.
 fn forge_chunks(magic: &[u8; 8], whole: &Chunks, skip: [u8; 4], step_by: usize, mut see: impl FnMut(&[u8])) {
-    // Of a replay by day a quarter of the ticks.
-    let is_taken = |number: &usize| step_by < 37 || whole[*number].0 != *b"TICK" || number % 4 == 0;
+    // Of a replay by day a quarter of the ticks, wherever snapshots stand between them.
+    let ticks_before = |number: usize| whole[..number].iter().filter(|(tag, _)| tag == b"TICK").count();
+    let is_taken = |number: &usize| step_by < 37 || whole[*number].0 != *b"TICK" || ticks_before(*number) % 4 == 0;
     for number in (0..whole.len()).filter(is_taken) {
         let [mut less, mut more, mut swapped] = [(); 3].map(|()| whole.clone());
         let taken = less.remove(number);
