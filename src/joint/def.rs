@@ -78,10 +78,11 @@ pub enum JointKind<S = Fx> {
 /// the second one. Where they are against each other the limits hold: a motor stops at a limit and presses against it with its torque.
 ///
 /// ```
-/// use umbra_physics::{BodyDef, JointDef, JointKind, JointLimits, JointMotor, Revolute, World, WorldDef, fx, vec2};
+/// use umbra_physics::{BodyDef, JointDef, JointKind, JointLimits, JointMotor, Mass, Revolute, World, WorldDef, fx, vec2};
 ///
 /// let mut world = World::new(WorldDef::default())?;
-/// let gate = world.add_body(BodyDef { position: vec2(1, 0), ..BodyDef::dynamic() })?;
+/// let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+/// let gate = world.add_body(BodyDef { position: vec2(1, 0), mass, ..BodyDef::dynamic() })?;
 /// let hinge = JointDef::at(&world, None, gate, vec2(0, 0))?;
 /// // A gate that a motor opens by a quarter turn.
 /// let kind = JointKind::Revolute(Revolute {

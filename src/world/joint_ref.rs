@@ -146,11 +146,12 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     /// acts on the first one. It is the mean over the last sub-step, without the moment of [`force`](Self::force). *Error* 1 ulp.
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, JointDef, JointKind, World, WorldDef, Weld, fx, vec2};
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, Mass, Weld, World, WorldDef, fx, vec2};
     ///
     /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
     /// // A shelf of 1 kg on a wall, half a metre from its middle.
-    /// let shelf = world.add_body(BodyDef { position: vec2(fx!(0.5), 0), ..BodyDef::dynamic() })?;
+    /// let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    /// let shelf = world.add_body(BodyDef { position: vec2(fx!(0.5), 0), mass, ..BodyDef::dynamic() })?;
     /// let weld = JointDef { kind: JointKind::Weld(Weld::default()), ..JointDef::at(&world, None, shelf, vec2(0, 0))? };
     /// let weld = world.add_joint(weld)?;
     /// (0..30).for_each(|_| _ = world.step());

@@ -175,10 +175,11 @@ impl<S: Scalar> World<S> {
     /// [`Quantity::JointForce`].
     ///
     /// ```
-    /// use umbra_physics::{BodyDef, JointDef, JointMotor, World, WorldDef, fx, vec2};
+    /// use umbra_physics::{BodyDef, JointDef, JointMotor, Mass, World, WorldDef, fx, vec2};
     ///
     /// let mut world = World::new(WorldDef::default())?;
-    /// let wheel = world.add_body(BodyDef::dynamic())?;
+    /// let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    /// let wheel = world.add_body(BodyDef { mass, ..BodyDef::dynamic() })?;
     /// let axle = world.add_joint(JointDef::at(&world, None, wheel, vec2(0, 0))?)?;
     /// world.set_joint_motor(axle, Some(JointMotor { speed: fx!(-3), max_force: fx!(100) }))?;
     /// (0..10).for_each(|_| _ = world.step());
