@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{
     Attachment, BodyId, Command, Distance, End, Fx, JointBroke, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Revolute, Vec2, Weld,
+    JointSpring, Revolute, Vec2, Weld, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -79,7 +79,7 @@ pub struct UmbraJointDef {
     pub user_data: u64,
 }
 
-/// What a joint is at and what it does.
+/// The state of a joint: its place, its motion and its force.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraJointState {
@@ -282,6 +282,11 @@ fn point(x: UmbraFx, y: UmbraFx) -> Vec2 {
     Vec2::new(Fx::from_bits(x), Fx::from_bits(y))
 }
 
+/// The definition of a joint of two bodies at a point of the world.
+fn joint_at(world: &World, [first, second]: [u64; 2], point: Vec2, kind: JointKind) -> Result<UmbraJointDef> {
+    UmbraJointDef::of(&JointDef { kind, ..JointDef::at(world, optional_body(first), optional_body(second), point)? })
+}
+
 /// Fills in the definition of a joint of a kind, with both ends at the origin of the world: set its bodies and points.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_joint_def_default(
@@ -307,9 +312,7 @@ pub extern "C" fn umbra_joint_def_revolute(
     y: UmbraFx,
     def: Option<&mut MaybeUninit<UmbraJointDef>>,
 ) -> UmbraStatus {
-    look(world, def, |world| {
-        UmbraJointDef::of(&JointDef::at(world, optional_body(first), optional_body(second), point(x, y))?)
-    })
+    look(world, def, |world| joint_at(world, [first, second], point(x, y), JointKind::default()))
 }
 
 /// Fills in the definition of a weld of two bodies as they stand, at a point of the world, m; `UMBRA_NO_HANDLE` is the world.
@@ -322,10 +325,7 @@ pub extern "C" fn umbra_joint_def_weld(
     y: UmbraFx,
     def: Option<&mut MaybeUninit<UmbraJointDef>>,
 ) -> UmbraStatus {
-    look(world, def, |world| {
-        let joint = JointDef::at(world, optional_body(first), optional_body(second), point(x, y))?;
-        UmbraJointDef::of(&JointDef { kind: JointKind::Weld(Weld::default()), ..joint })
-    })
+    look(world, def, |world| joint_at(world, [first, second], point(x, y), JointKind::Weld(Weld::default())))
 }
 
 /// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.

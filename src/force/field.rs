@@ -302,7 +302,7 @@ impl<S: Scalar> End<S> {
         }
     }
 
-    /// The same place with another body; `None` where `map` gives none.
+    /// Returns the same place with the body that `map` gives for its body; `None` where it gives none.
     pub(crate) fn map_body(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
         Some(match self {
             Self::World(point) => Self::World(*point),

@@ -434,8 +434,7 @@ impl<S: Scalar> JointDef<S> {
         [self.ends[0].body(), self.ends[1].body()]
     }
 
-    /// The same joint with other bodies in place of the bodies that it names, as for the same things in another world; `None` where
-    /// `map` gives none.
+    /// Returns the joint with other bodies in place of the bodies that it names, as in another world; `None` where `map` gives none.
     pub(crate) fn map_bodies(&self, map: impl Fn(BodyId) -> Option<BodyId>) -> Option<Self> {
         let [first, second] = self.ends;
         Some(Self { ends: [first.map_body(&map)?, second.map_body(&map)?], ..*self })

@@ -153,7 +153,7 @@ codec_enum!(JointImpulses, "the number of the impulses of a joint", {
 pub(crate) struct JointStates {
     /// By the index of the joint in its set.
     pub(crate) list: Vec<JointState>,
-    /// The tick of the last step in which a joint had an impulse, or broke; 0 if there was none.
+    /// The tick of the last step in which a joint had an impulse, counted a turn or broke; 0 if there was none.
     pub(crate) pulled_at: u64,
 }
 

@@ -230,9 +230,9 @@ pub(super) fn make_one_soft<L: Lanes>(lanes: L, group: &mut Group) {
             (lanes.pair(&group.inverse_12[0], at), lanes.pair(&group.inverse_12[1], at));
         let (unit_1, unit_2) = lanes.pair(&group.inverse_units, at);
         // Words as long as two.
-        let one = lanes.splat(1);
-        let units = [lanes.times(unit_1, one), lanes.times(unit_2, one)];
-        let two = lanes.times(two, one);
+        let unity = lanes.splat(1);
+        let units = [lanes.times(unit_1, unity), lanes.times(unit_2, unity)];
+        let two = lanes.times(two, unity);
         let first = Adjugate::new(lanes, [lanes.plus(k11, soft_1), k22], k12);
         let [first_11, first_12, first_22] = first.factors(lanes, units, two);
         let second = Adjugate::new(lanes, [k11, lanes.plus(k22, soft_2)], k12);

@@ -106,8 +106,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
 
     /// The angle from the frame of the first end to the frame of the second one, rad. *Error* 1 ulp.
     ///
-    /// A weld, and a revolute joint with limits or a spring, counts whole turns, up to ±2^15; the angle of all others is from −π to π, and 0 for a
-    /// whole half turn.
+    /// A weld, and a revolute joint with limits or a spring, counts whole turns while it is active, up to ±2^15; the angle of all others is from −π
+    /// to π, and 0 for a whole half turn.
     #[must_use]
     pub fn angle(&self) -> S {
         let def = self.def();

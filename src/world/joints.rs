@@ -332,7 +332,7 @@ impl<S: Scalar> World<S> {
     fn fit_joint_state(&mut self, index: usize) {
         let kind = self.joints.def(index).kind;
         let state = &mut self.joint_states.list[index];
-        if kind.axis().is_none() && !matches!(kind, JointKind::Distance(_)) {
+        if kind.axis().is_none() {
             let [x, y, _] = state.impulses;
             state.set_impulses(Impulses { values: [x, y, 0], ..state.impulses() });
         }

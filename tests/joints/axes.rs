@@ -2,8 +2,9 @@
 
 use super::scenes::{falling, steps};
 use umbra_physics::{
-    Activity, BodyDef, BodyId, ColliderDef, Fx, FxFactor, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Mass, Revolute, Shape, Snapshot, Symmetry, Vec2, Weld, World, WorldDef, fx, vec2,
+    Activity, BodyDef, BodyId, ColliderDef, Command, Error, Fx, FxFactor, Inputs, Irreversible, JointDef, JointId,
+    JointKind, JointLimits, JointMotor, JointSpring, Mass, RecordOptions, Recorder, Replay, Revolute, Shape, Snapshot,
+    Symmetry, Vec2, Weld, World, WorldDef, fx, vec2,
 };
 
 /// A world without gravity with a wheel of 1 kg·m² on an axle.
@@ -258,4 +259,47 @@ fn a_slow_motor_keeps_its_wheel_awake() {
         .expect("a kind");
     steps(&mut world, 900);
     assert_eq!(world.body(hand).expect("a body").activity(), Activity::Asleep);
+}
+
+/// A step in which a whole turn was counted cannot be undone: the joint would not count back.
+#[test]
+fn a_step_that_counts_a_turn_cannot_be_undone() {
+    let limits = Some(JointLimits { lower: fx!(-1_000), upper: fx!(1_000) });
+    let (mut world, wheel, joint) = wheel(Revolute { limits, ..Revolute::default() });
+    world.set_sleep_after(None).expect("a number");
+    world.set_angular_velocity(wheel, fx!(10)).expect("a speed");
+    let (mut undone, mut refused) = (0, 0);
+    for _ in 0..120 {
+        let before = (world.state_hash(), angle(&world, joint));
+        world.step();
+        match world.step_back(&[]) {
+            Ok(()) => {
+                assert_eq!((world.state_hash(), angle(&world, joint)), before);
+                undone += 1;
+                world.step();
+            }
+            Err(error) => {
+                assert_eq!(error, Error::NotReversible { why: Irreversible::Joint });
+                refused += 1;
+            }
+        }
+    }
+    // Twenty radians are three turns, and the step after each starts from the state that it left.
+    assert_eq!((undone, refused), (114, 6));
+}
+
+/// A call sets the angle of a body between two steps, past half a turn: the snapshot of the tick has the turns before the call.
+#[test]
+fn a_recorded_angle_plays_again() {
+    let limits = Some(JointLimits { lower: fx!(-1_000), upper: fx!(1_000) });
+    let (mut world, wheel, joint) = wheel(Revolute { limits, ..Revolute::default() });
+    let mut recorder = Recorder::new(&world, RecordOptions { hash_every: 1, snapshot_every: 1 });
+    for tick in 0..8 {
+        let command = Command::SetAngle { body: wheel, angle: fx!(2) * tick };
+        recorder.execute(&mut world, &command).expect("an angle");
+        recorder.step(&mut world, &Inputs::new());
+    }
+    assert!((angle(&world, joint) - fx!(14)).abs() < fx!(0.001), "{}", angle(&world, joint));
+    let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("its own bytes");
+    assert_eq!(replay.verify(), Ok(()));
 }

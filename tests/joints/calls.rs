@@ -16,8 +16,8 @@ fn wrong_joints_are_refused() {
     let [a, b] = [0, 1].map(|x| point_mass(&mut world, vec2(x, 0)));
     let [ground, lift] = [BodyDef::fixed(), BodyDef::kinematic()].map(|def| world.add_body(def).expect("a body"));
     let nobody = BodyId::from_parts(99, 0);
-    let on = |body, point| End::Body(Attachment { body, point });
-    let centre = |body| on(body, vec2(0, 0));
+    let on_body = |body, point| End::Body(Attachment { body, point });
+    let centre = |body| on_body(body, vec2(0, 0));
     let pin = |ends| JointDef::new(ends, JointKind::default());
     let rod = |length| JointDef::new([centre(a), centre(b)], JointKind::Distance(Distance::rod(length)));
     let bent = |limits| {
@@ -33,7 +33,7 @@ fn wrong_joints_are_refused() {
         (pin([here, here]), Err(Error::NothingToMove)),
         (pin([centre(ground), here]), Err(Error::NothingToMove)),
         (pin([centre(ground), centre(lift)]), Err(Error::NothingToMove)),
-        (pin([centre(a), on(b, far)]), out_of_range(Quantity::JointPoint)),
+        (pin([centre(a), on_body(b, far)]), out_of_range(Quantity::JointPoint)),
         (pin([End::World(farther), centre(b)]), out_of_range(Quantity::Position)),
         (rod(limits::SIZE_MIN - Fx::DELTA), out_of_range(Quantity::JointLength)),
         (rod(limits::JOINT_LENGTH + Fx::DELTA), out_of_range(Quantity::JointLength)),

@@ -224,7 +224,7 @@ fn spring(node: &Node<'_>) -> Result<JointSpring> {
     let hertz = object.need("hertz", Node::number);
     let damping_ratio = object.or("damping_ratio", Fx::ONE, Node::number);
     let rest = object.or("rest", Fx::ZERO, Node::number);
-    let max_force = object.or("max_force", None, |node| node.number().map(Some));
+    let max_force = object.or("max_force", None, |node| optional(node, |node| node.number()));
     object.finish()?;
     let spring = JointSpring { hertz: hertz?, damping_ratio, rest, max_force };
     let kind: JointKind = JointKind::Weld(Weld { spring: Some(spring) });

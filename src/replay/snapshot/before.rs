@@ -106,7 +106,8 @@ impl BeforeCalls {
                 self.keep_colliders(world);
                 self.keep_joints(world);
             }
-            Command::SetKind { .. } | Command::Disable(_) => self.keep_joints(world),
+            // An angle that is set changes the whole turns of joints.
+            Command::SetKind { .. } | Command::Disable(_) | Command::SetAngle { .. } => self.keep_joints(world),
             Command::AddJoint(def) => {
                 self.keep_ends(world, def);
                 self.keep_colliders(world);

@@ -27,27 +27,19 @@
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
 //! their force.
 //!
-//! - *Solve pass*: a limit lets the row come as near as it is, and pushes it back by a part of the error. The spring's impulse is
+//! - *Solve pass*: a limit lets the row come as near as it is, and pushes it back by a part of the error. The impulse of a [spring](spring) is
 //!   −(d·w + e·v + s·c) for the velocity w at the end of the pass, v at the beginning of the sub-step and the error c at the beginning.
 //! - *Relax pass*: limits do not push back, and the impulse of the spring stays.
-//!
-//! With the length h of a sub-step, the natural frequency ω, the damping ratio ζ, E = e^(−ζhω) and the effective mass m of the row, one body
-//! moves as the exact solution says, in period and decay, and under a steady force it rests where it should:
-//!
-//! ```text
-//! Q = (1 − E)² + 4·E·sin²(hω·√(1 − ζ²)/2)      s = m·(hω)²      d = s/Q − m      e = m − E²·s/Q
-//! ```
-//!
-//! Above ζ = 1, Q = (1 − E₁)·(1 − E₂) for both exponents. From hω = 1/2 on the implicit values d = m·hω·(2ζ + hω) and e = 0 stand in their
-//! place, which are stable for all frequencies.
 
+mod spring;
+
+use self::spring::SpringFactors;
 use super::tree::FRACTION;
 use super::{Block, FAR, IMPULSE};
 use crate::fx::Fx;
-use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
-use crate::scalar::{FxFactor, exponential};
+use crate::scalar::FxFactor;
 use crate::solve::motion::Rows;
 use crate::solve::number::shifted;
 use crate::solve::unit::Clock;
@@ -199,74 +191,6 @@ fn effective_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option
                 .plus(mx.times(my).times(cross).times(cross));
             Some(numerator.over(first.plus(second).plus(moment(apart))))
         }
-    }
-}
-
-/// d, e and s of a spring over the effective mass of its row.
-struct SpringFactors {
-    damping: FxFactor,
-    start: FxFactor,
-    is_start_negative: bool,
-    stiffness: FxFactor,
-}
-
-impl SpringFactors {
-    const NONE: Self =
-        Self { damping: FxFactor::ZERO, start: FxFactor::ZERO, is_start_negative: false, stiffness: FxFactor::ZERO };
-
-    fn new(spring: &AxisSpring, clock: &Clock) -> Self {
-        let ratio = FxFactor::from_scalar(spring.damping_ratio);
-        let turns = FxFactor::from_scalar(spring.frequency).times(clock.substep);
-        let two = FxFactor::from_ratio(2, 1);
-        let angle = turns.times(FxFactor::PI).times(two);
-        if angle.is_zero() {
-            return Self::NONE;
-        }
-        let stiffness = angle.times(angle);
-        let factors = if angle > FxFactor::from_ratio(1, 2) {
-            Self { damping: angle.times(ratio.times(two).plus(angle)), stiffness, ..Self::NONE }
-        } else {
-            Self::exact(ratio, turns, angle)
-        };
-        // No stiffer than other rows.
-        let limit = FxFactor::from_ratio(1 << STIFFEST, 1);
-        if factors.damping <= limit {
-            return factors;
-        }
-        let share = limit.over(factors.damping);
-        Self { damping: limit, stiffness: factors.stiffness.times(share), start: factors.start.times(share), ..factors }
-    }
-
-    /// The factors of the exact solution. *Domain* hω above zero, at most 1/2.
-    fn exact(ratio: FxFactor, turns: FxFactor, angle: FxFactor) -> Self {
-        let decay = |exponent: FxFactor| exponential(exponent, false).unwrap_or(FxFactor::ZERO);
-        let lost = |decayed: FxFactor| FxFactor::ONE.minus(decayed);
-        let root = |value: FxFactor| {
-            value.to_scalar().and_then(Fx::checked_sqrt).map_or(FxFactor::ZERO, FxFactor::from_scalar)
-        };
-        let square = ratio.times(ratio);
-        let whole = decay(angle.times(ratio));
-        let q = if ratio <= FxFactor::ONE {
-            let half_turns = turns.times(root(FxFactor::ONE.minus(square))).times(FxFactor::from_ratio(1, 2));
-            // At most 1/(8π) turns.
-            let (sin, _) = sin_cos_turn(half_turns.to_fixed(64).unwrap_or(0) as u64);
-            let sin = FxFactor::new(sin.unsigned_abs().into(), 62);
-            let four = FxFactor::from_ratio(4, 1);
-            lost(whole).times(lost(whole)).plus(four.times(whole).times(sin).times(sin))
-        } else {
-            let fast = ratio.plus(root(square.minus(FxFactor::ONE)));
-            // The product of both is 1.
-            lost(decay(angle.times(fast))).times(lost(decay(angle.over(fast))))
-        };
-        let stiffness = angle.times(angle);
-        if q.is_zero() {
-            return Self { stiffness, ..Self::NONE };
-        }
-        let whole_mass = stiffness.over(q);
-        let kept = whole.times(whole).times(whole_mass);
-        let is_start_negative = kept > FxFactor::ONE;
-        let start = if is_start_negative { kept.minus(FxFactor::ONE) } else { lost(kept) };
-        Self { damping: whole_mass.minus(FxFactor::ONE), start, is_start_negative, stiffness }
     }
 }
 
@@ -519,8 +443,11 @@ impl Block {
         [first, second, third as i64]
     }
 
-    /// Takes note of the velocity of the axis at the beginning of a sub-step.
+    /// Takes note of the velocity of the axis at the beginning of a sub-step, which a spring asks for.
     pub(super) fn set_start(&mut self, rows: &Rows, is_first: bool) {
+        if self.axis.as_ref().is_none_or(|axis| axis.spring == 0) {
+            return;
+        }
         let velocities = match is_first {
             true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
             false => self.velocities(rows),

@@ -14,18 +14,19 @@
 //! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
 //! quotients of sums have 30 bits after the point and are below 2^10.
 
+mod axes;
+
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use super::axis::Aim;
+use self::axes::{give, revise_axes, settle_axes};
 use super::forest::Forest;
 use super::tree::{FRACTION, RESIDUAL};
 use super::{Block, FINER, LOWER};
-use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::matrix::{Inverse, Matrix};
 use crate::solve::motion::Rows;
-use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::number::{lowered, shifted, shifted_word};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -91,12 +92,6 @@ struct Loop {
 
 /// The largest number of times that a loop is solved in a pass: until no axis leaves its place, and the last one with all axes settled.
 const ROUNDS: usize = 4;
-
-/// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
-fn divided(value: i128, divisor: i64) -> i128 {
-    let divisor = i128::from(divisor);
-    value.signum() * ((2 * value.abs() + divisor) / (2 * divisor))
-}
 
 /// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
 fn quotient(a: i128, b: i128) -> i64 {
@@ -192,9 +187,7 @@ impl Loops {
                         break;
                     }
                     if round + 2 == ROUNDS {
-                        for (joint, block) in joints.iter().zip(blocks.iter_mut()) {
-                            block.settle_axis(lowered(joint.solution[2].into(), FINER_STILL));
-                        }
+                        settle_axes(joints, blocks);
                     }
                 }
             } else {
@@ -207,45 +200,6 @@ impl Loops {
         }
         cut
     }
-}
-
-/// Begins the iterations: sets the aims of axes, and gives the impulses of axes that do not follow from velocities.
-fn give(
-    joints: &mut [LoopJoint],
-    blocks: &[Block],
-    rows: &Rows,
-    soft: &SoftRow,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) {
-    for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.set_aim(block, rows, soft);
-    }
-    move_by(joints, blocks, moved, bodies);
-    for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.begin_round(block);
-    }
-}
-
-/// Moves axes on that have left their places. Returns true if there is one.
-fn revise_axes(
-    joints: &mut [LoopJoint],
-    blocks: &mut [Block],
-    rows: &Rows,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) -> bool {
-    for joint in joints.iter_mut() {
-        joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
-    }
-    move_by(joints, blocks, moved, bodies);
-    let mut have_left = false;
-    for (joint, block) in joints.iter().zip(blocks).filter(|(_, block)| block.axis.is_some()) {
-        let gives = joint.gives(block, 2);
-        let push = lowered(joint.solution[2].into(), FINER_STILL);
-        have_left |= block.revise_axis(rows, joint.velocity[2] - gives, push);
-    }
-    have_left
 }
 
 /// Finds the velocities of all rows by the directions.
@@ -339,60 +293,8 @@ impl LoopJoint {
             self.residual[row] = -within(sum, RESIDUAL);
         }
         let [first, second, _] = self.residual;
-        (self.start, self.residual[2]) = ([first, second], 0);
-        (self.axis_mass, self.given) = (0, 0);
+        (self.start, self.residual[2], self.axis_mass) = ([first, second], 0, 0);
         self.solution = [0; 3];
-        self.precondition(block);
-        self.direction = self.preconditioned;
-    }
-
-    /// Sets the aim of the axis in a round, and takes the impulse that is given as the direction.
-    fn set_aim(&mut self, block: &Block, rows: &Rows, soft: &SoftRow) {
-        (self.axis_mass, self.axis_compliance, self.given) = (0, 0, 0);
-        let [first, second] = self.start;
-        self.residual = [first, second, 0];
-        if let (Some(aim), Some(axis)) = (block.aim(rows), &block.axis) {
-            let mass = block.element(0, 2, 2) + block.element(1, 2, 2);
-            let bits = block.mass_bits + FINER - FRACTION;
-            match aim {
-                Aim::Velocity { velocity, gives_way } => {
-                    self.axis_compliance = lowered(mass * i128::from(soft.compliance), 30) as i64;
-                    let mut sum = i128::from(shifted_word(velocity, 30 - FRACTION));
-                    if gives_way {
-                        sum += shifted(i128::from(self.axis_compliance) * i128::from(block.impulses[2]), bits);
-                    }
-                    self.residual[2] = -within(sum, RESIDUAL);
-                    self.axis_mass = mass as i64 + self.axis_compliance;
-                }
-                Aim::Impulse { change, is_elastic } => {
-                    // A spring that gives way by more than 2^8 times the inverse mass has no damping to speak of.
-                    let scale = block.mass_exponent + block.mass_bits + FINER;
-                    let softness = if axis.damping.is_zero() { None } else { Some(FxFactor::ONE.over(axis.damping)) };
-                    let softness = softness.filter(|&softness| is_elastic && exponent(softness) + scale < 54);
-                    match softness {
-                        Some(softness) => {
-                            self.axis_compliance = fixed(softness, scale);
-                            let sum = shifted(i128::from(self.axis_compliance) * i128::from(change), bits);
-                            self.residual[2] = within(sum, RESIDUAL);
-                            self.axis_mass = mass as i64 + self.axis_compliance;
-                        }
-                        None => self.given = within(i128::from(change) << FINER_STILL, DIRECTION),
-                    }
-                }
-            }
-        }
-        self.direction = [0, 0, self.given];
-    }
-
-    /// Begins a round, once the velocities by given impulses are known.
-    fn begin_round(&mut self, block: &Block) {
-        for row in 0..3 {
-            if row < 2 || self.axis_mass > 0 {
-                let residual = i128::from(self.residual[row]) - i128::from(self.velocity[row]);
-                self.residual[row] = within(residual, RESIDUAL);
-            }
-        }
-        self.solution = [0, 0, self.given];
         self.precondition(block);
         self.direction = self.preconditioned;
     }
@@ -404,13 +306,7 @@ impl LoopJoint {
         let [x, y, turn] = self.residual.map(i128::from);
         let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
         let [x, y] = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
-        let mut third = 0;
-        if self.axis_mass > 0 {
-            // Below 2^36 · 2^62.
-            let up = block.mass_bits + FINER + FINER_STILL - FRACTION;
-            third = within(divided(turn << up, self.axis_mass), DIRECTION);
-        }
-        self.preconditioned = [x, y, third];
+        self.preconditioned = [x, y, self.precondition_axis(block, turn)];
     }
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.

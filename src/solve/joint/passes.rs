@@ -183,7 +183,7 @@ impl Joints {
 
     /// Begins a sub-step, before bodies take up the changes of their free flight.
     pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
-        for block in self.blocks.iter_mut().filter(|block| block.axis.is_some()) {
+        for block in &mut self.blocks {
             block.set_start(rows, is_first);
         }
     }

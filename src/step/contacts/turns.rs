@@ -37,8 +37,13 @@ impl<S: Scalar> Step<'_, S> {
             });
             let before = [0, 1].map(|side| starts[side].map_or(now[side], |start| start.angle.to_turn()));
             let (from, to) = (link.angle(before), link.angle(now));
-            let turns = &mut self.contacts.joint_states.list[index].turns;
-            *turns = turns_after(*turns, from, to, second - first);
+            let states = &mut *self.contacts.joint_states;
+            let turns = &mut states.list[index].turns;
+            let turns_now = turns_after(*turns, from, to, second - first);
+            if turns_now != *turns {
+                // A step that is undone would not count back.
+                (*turns, states.pulled_at) = (turns_now, self.settings.tick);
+            }
         }
     }
 

@@ -227,10 +227,10 @@ fn axes_keep_angular_momentum() {
         world.set_axis(axis);
         (world.bodies[0].spin, world.bodies[1].spin) = (1.5, -0.5);
         let momentum = |world: &World| {
-            let one = |body: &Body| {
+            let body_momentum = |body: &Body| {
                 body.inertia * body.spin + body.mass * (body.at[0] * body.velocity[1] - body.at[1] * body.velocity[0])
             };
-            world.bodies.iter().map(one).sum::<f64>()
+            world.bodies.iter().map(body_momentum).sum::<f64>()
         };
         world.step();
         let start = momentum(&world);

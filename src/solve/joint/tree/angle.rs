@@ -103,10 +103,7 @@ impl AngleRow {
     /// Sets the ratios for the parent, once t and the spring of the point are known. `c` and `turn` are c' and 1/c''.
     pub(super) fn factor(&mut self, c: i64, turn: Reciprocal, node: &Node) {
         self.kept = if turn.is_zero() { 1 << RATIO } else { within(turn.times(c, RATIO), 1 << RATIO) };
-        let part = |element: i64| lowered(product(element, node.compliance), SOFT - PART) as i64;
-        let (xx, xy, yy) = (part(node.spring.xx), part(node.spring.xy), part(node.spring.yy));
-        let [x, y] = node.t;
-        let given_way = [product(xx, x) + product(xy, y), product(xy, x) + product(yy, y)];
+        let given_way = node.spring.given_way(node.compliance).times(node.t);
         self.w = [0, 1].map(|i| within(i128::from(node.t[i]) - lowered(given_way[i], PART), IMPULSE));
         self.moment = self.w.map(|w| within(lowered(product(self.kappa, w), RATIO + self.node_length), MOMENT));
     }

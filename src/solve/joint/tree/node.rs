@@ -285,8 +285,8 @@ impl Node {
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
-            let given = self.angle.map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
-            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT) + i128::from(given), IMPULSE);
+            let torque = self.angle.map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
+            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT) + i128::from(torque), IMPULSE);
             let left = [0, 1].map(|i| i128::from(f[i]) - lowered(product(self.t[i], self.tau), RATIO));
             let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
             // At most 2^12 times as large.

@@ -171,11 +171,17 @@ impl Symmetric {
         [reciprocal.times_double(by_x, TO_IMPULSE, SPEED), reciprocal.times_double(by_y, TO_IMPULSE, SPEED)]
     }
 
+    /// The product with a compliance, in 2^-[`PART`].
+    #[inline(always)]
+    pub(super) fn given_way(&self, compliance: i64) -> Self {
+        let part = |value: i64| lowered(product(value, compliance), SOFT - PART) as i64;
+        Self { xx: part(self.xx), xy: part(self.xy), yy: part(self.yy) }
+    }
+
     /// S = (E⁻¹ + γ)⁻¹
     #[inline(always)]
     pub(super) fn softened(&self, compliance: i64) -> Self {
-        let part = |value: i64| lowered(product(value, compliance), SOFT - PART) as i64;
-        let g = Self { xx: part(self.xx), xy: part(self.xy), yy: part(self.yy) };
+        let g = self.given_way(compliance);
         // In 2^-2·PART.
         let sum = (1 << (2 * PART)) + ((i128::from(g.xx) + i128::from(g.yy)) << PART) + g.determinant();
         // γ det(E) in 2^-PART, from the determinant: rounded alike after a quarter turn.
