@@ -144,7 +144,9 @@ pub use force::{
 };
 pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
-pub use joint::{Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
+pub use joint::{
+    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Revolute, Weld, Wheel,
+};
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use query::ShapeHit;
 pub use replay::{

@@ -167,6 +167,10 @@ fn hash_of(state: &Value) -> u64 {
                     .map(|name| hashed.extend(impulses[name].bytes()))
                     .into_iter()
                     .collect(),
+                "Slider" => ["turns", "along", "across", "torque"]
+                    .map(|name| hashed.extend(impulses[name].bytes()))
+                    .into_iter()
+                    .collect(),
                 _ => {
                     hashed.extend([0; 2]);
                     hashed.extend(impulses["along"].bytes());

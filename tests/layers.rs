@@ -441,7 +441,7 @@ const KNOWN: [(&str, &str, &[&str]); 4] = [
     ("src/world/commands.rs", "Command", &["umbra-scene/src/text.rs"]),
     ("src/force/field.rs", "FieldKind", &["umbra-scene/src/text.rs"]),
     ("src/shape/mod.rs", "Geometry", &["umbra-scene/src/shape.rs"]),
-    ("src/joint/def.rs", "JointKind", &["umbra-scene/src/text/joint.rs"]),
+    ("src/joint/kind.rs", "JointKind", &["umbra-scene/src/text/joint.rs"]),
 ];
 
 #[test]

@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{
     Attachment, BodyId, Command, Distance, End, Fx, JointBroke, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Revolute, Vec2, Weld, World,
+    JointSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -14,18 +14,26 @@ use crate::number::{UmbraFx, UmbraVec2};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
 
-/// A kind of joint: one of the three below.
+/// A kind of joint: one of those below.
 pub type UmbraJointKind = u32;
 
 /// Both ends stay at one point, around which the bodies turn. Reads the limits, the motor, the spring and `friction`.
 pub const UMBRA_REVOLUTE: UmbraJointKind = 0;
-/// The ends stay at a distance: a rigid rod. Reads `length`.
+/// The ends stay at a distance: a rigid rod with two limits that are the same, a rope, or a spring. Reads the limits, the motor, the spring and
+/// `friction`.
 pub const UMBRA_DISTANCE: UmbraJointKind = 1;
 /// Both ends stay at one point and at one angle. Reads the spring, which stands in place of the rigid angle.
 pub const UMBRA_WELD: UmbraJointKind = 2;
+/// The second end slides along the x axis of the frame of the first one, and the bodies do not turn against each other. Reads the limits, the
+/// motor, the spring and `friction`, along the axis.
+pub const UMBRA_PRISMATIC: UmbraJointKind = 3;
+/// The second end slides along the x axis of the frame of the first one, and turns. Reads the limits and the spring along the axis, the motor and
+/// `friction` of the turn.
+pub const UMBRA_WHEEL: UmbraJointKind = 4;
 
 /// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-/// `umbra_joint_def_revolute`, `umbra_joint_def_weld` and `umbra_joint_def_distance` fill it in.
+/// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic` and `umbra_joint_def_wheel` fill
+/// it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraJointDef {
@@ -51,26 +59,24 @@ pub struct UmbraJointDef {
     pub points: [UmbraVec2; 2],
     /// The angles of the joint's frame in the axes of both ends, rad.
     pub angles: [UmbraFx; 2],
-    /// The lowest angle, within ±2^17 rad.
+    /// The lowest angle, within ±2^17 rad, or distance, within ±2^20 m.
     pub lower: UmbraFx,
-    /// The highest angle, likewise.
+    /// The highest one, likewise.
     pub upper: UmbraFx,
-    /// The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s.
+    /// The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s or m/s.
     pub motor_speed: UmbraFx,
-    /// The largest torque of a motor, from 0, N·m.
+    /// The largest torque or force of a motor, from 0.
     pub motor_max_force: UmbraFx,
     /// The frequency of a spring without damping, 0 to 10^6 Hz.
     pub spring_hertz: UmbraFx,
     /// The damping of a spring over critical damping, 0 to 1024. Default 1.
     pub spring_damping_ratio: UmbraFx,
-    /// The angle of a spring at rest, within ±2^17 rad.
+    /// The angle or the distance of a spring at rest, like the limits.
     pub spring_rest: UmbraFx,
-    /// The largest torque of a spring, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    /// The largest torque or force of a spring, from 0, or `UMBRA_NO_LIMIT`, the default.
     pub spring_max_force: UmbraFx,
-    /// The largest torque of friction, from 0, N·m.
+    /// The largest torque or force of friction, from 0.
     pub friction: UmbraFx,
-    /// The length of a rod, 2^-7 to 2^20 m. Default 1.
-    pub length: UmbraFx,
     /// The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     pub break_force: UmbraFx,
     /// Number of the caller's own, by which joints are listed.
@@ -87,6 +93,8 @@ pub struct UmbraJointState {
     pub points: [UmbraVec2; 2],
     /// The distance of the ends, m.
     pub length: UmbraFx,
+    /// The way of the second end along the axis of a prismatic or a wheel joint, m; of other kinds the distance.
+    pub translation: UmbraFx,
     /// The angle from the frame of the first end to that of the second one, rad.
     pub angle: UmbraFx,
     /// The speed of the angle, rad/s.
@@ -137,7 +145,6 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     spring_rest: 0,
     spring_max_force: UMBRA_NO_LIMIT,
     friction: 0,
-    length: Fx::ONE.to_bits(),
     break_force: UMBRA_NO_LIMIT,
     key: 0,
     user_data: 0,
@@ -177,8 +184,14 @@ impl UmbraJointDef {
         }
     }
 
-    fn motor(&self) -> JointMotor {
-        JointMotor { speed: Fx::from_bits(self.motor_speed), max_force: Fx::from_bits(self.motor_max_force) }
+    fn limits(&self) -> Option<JointLimits> {
+        let [lower, upper] = [self.lower, self.upper].map(Fx::from_bits);
+        (self.has_limits != 0).then_some(JointLimits { lower, upper })
+    }
+
+    fn motor(&self) -> Option<JointMotor> {
+        let [speed, max_force] = [self.motor_speed, self.motor_max_force].map(Fx::from_bits);
+        (self.has_motor != 0).then_some(JointMotor { speed, max_force })
     }
 
     fn spring(&self) -> Option<JointSpring> {
@@ -191,18 +204,16 @@ impl UmbraJointDef {
     }
 
     fn joint_kind(&self) -> Result<JointKind> {
-        match self.kind {
-            UMBRA_REVOLUTE => Ok(JointKind::Revolute(Revolute {
-                limits: (self.has_limits != 0)
-                    .then(|| JointLimits { lower: Fx::from_bits(self.lower), upper: Fx::from_bits(self.upper) }),
-                motor: (self.has_motor != 0).then(|| self.motor()),
-                spring: self.spring(),
-                friction: Fx::from_bits(self.friction),
-            })),
-            UMBRA_DISTANCE => Ok(JointKind::Distance(Distance::rod(Fx::from_bits(self.length)))),
-            UMBRA_WELD => Ok(JointKind::Weld(Weld { spring: self.spring() })),
-            _ => Err(Refusal::bad("no kind of joint has this number")),
-        }
+        let (limits, motor, spring) = (self.limits(), self.motor(), self.spring());
+        let friction = Fx::from_bits(self.friction);
+        Ok(match self.kind {
+            UMBRA_REVOLUTE => JointKind::Revolute(Revolute { limits, motor, spring, friction }),
+            UMBRA_DISTANCE => JointKind::Distance(Distance { limits, motor, spring, friction }),
+            UMBRA_WELD => JointKind::Weld(Weld { spring }),
+            UMBRA_PRISMATIC => JointKind::Prismatic(Prismatic { limits, motor, spring, friction }),
+            UMBRA_WHEEL => JointKind::Wheel(Wheel { limits, spring, motor, friction }),
+            _ => return Err(Refusal::bad("no kind of joint has this number")),
+        })
     }
 
     fn joint(&self) -> Result<JointDef> {
@@ -226,6 +237,16 @@ impl UmbraJointDef {
         (self.spring_rest, self.spring_max_force) = (rest.to_bits(), force_bits(max_force));
     }
 
+    fn set_parts(&mut self, limits: Option<JointLimits>, motor: Option<JointMotor>, friction: Fx) {
+        if let Some(JointLimits { lower, upper }) = limits {
+            (self.has_limits, self.lower, self.upper) = (1, lower.to_bits(), upper.to_bits());
+        }
+        if let Some(JointMotor { speed, max_force }) = motor {
+            (self.has_motor, self.motor_speed, self.motor_max_force) = (1, speed.to_bits(), max_force.to_bits());
+        }
+        self.friction = friction.to_bits();
+    }
+
     fn of(joint: &JointDef) -> Result<Self> {
         let mut def = Self {
             collide_connected: joint.collide_connected.into(),
@@ -243,26 +264,33 @@ impl UmbraJointDef {
                 End::Body(at) => (body_word(at.body), at.point.into()),
             };
         }
-        match joint.kind {
+        let spring = match joint.kind {
             JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
-                if let Some(JointLimits { lower, upper }) = limits {
-                    (def.has_limits, def.lower, def.upper) = (1, lower.to_bits(), upper.to_bits());
-                }
-                if let Some(JointMotor { speed, max_force }) = motor {
-                    (def.has_motor, def.motor_speed, def.motor_max_force) = (1, speed.to_bits(), max_force.to_bits());
-                }
-                def.set_spring(spring);
-                def.friction = friction.to_bits();
+                def.set_parts(limits, motor, friction);
+                spring
             }
             JointKind::Weld(Weld { spring }) => {
                 def.kind = UMBRA_WELD;
-                def.set_spring(spring);
+                spring
             }
-            JointKind::Distance(Distance { length, .. }) => {
-                (def.kind, def.length) = (UMBRA_DISTANCE, length.to_bits());
+            JointKind::Distance(Distance { limits, motor, spring, friction }) => {
+                def.kind = UMBRA_DISTANCE;
+                def.set_parts(limits, motor, friction);
+                spring
+            }
+            JointKind::Prismatic(Prismatic { limits, motor, spring, friction }) => {
+                def.kind = UMBRA_PRISMATIC;
+                def.set_parts(limits, motor, friction);
+                spring
+            }
+            JointKind::Wheel(Wheel { limits, spring, motor, friction }) => {
+                def.kind = UMBRA_WHEEL;
+                def.set_parts(limits, motor, friction);
+                spring
             }
             _ => return Err(Refusal::bad("this interface does not have the kind of this joint")),
-        }
+        };
+        def.set_spring(spring);
         Ok(def)
     }
 }
@@ -328,6 +356,56 @@ pub extern "C" fn umbra_joint_def_weld(
     look(world, def, |world| joint_at(world, [first, second], point(x, y), JointKind::Weld(Weld::default())))
 }
 
+/// The definition of a joint of two bodies at a point of the world, along an axis.
+fn joint_along(
+    world: &World,
+    [first, second]: [u64; 2],
+    point: Vec2,
+    axis: Vec2,
+    kind: JointKind,
+) -> Result<UmbraJointDef> {
+    let def = JointDef::along(world, optional_body(first), optional_body(second), point, axis)?;
+    UmbraJointDef::of(&JointDef { kind, ..def })
+}
+
+/// Fills in the definition of a prismatic joint of two bodies at a point of the world, m, along an axis in the world, which turns with the first
+/// body; `UMBRA_NO_HANDLE` is the world. The way and the angle of the joint are 0 as the bodies stand.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_prismatic(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    second: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    axis_x: UmbraFx,
+    axis_y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let kind = JointKind::Prismatic(Prismatic::default());
+        joint_along(world, [first, second], point(x, y), point(axis_x, axis_y), kind)
+    })
+}
+
+/// Fills in the definition of a wheel joint of a car and a wheel at its hub, a point of the world, m, along the axis of the suspension in the
+/// world, which turns with the car. The way of the joint is 0 as the bodies stand.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_wheel(
+    world: Option<&UmbraWorld>,
+    car: u64,
+    wheel: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    axis_x: UmbraFx,
+    axis_y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let kind = JointKind::Wheel(Wheel::default());
+        joint_along(world, [car, wheel], point(x, y), point(axis_x, axis_y), kind)
+    })
+}
+
 /// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
 /// It is as long as the points are apart.
 #[unsafe(no_mangle)]
@@ -377,7 +455,8 @@ pub extern "C" fn umbra_world_set_joint_kind(
     change_by(world, || Ok(Command::SetJointKind { joint: joint_id(joint), kind: given(def)?.joint_kind()? }))
 }
 
-/// Sets the motor of a revolute joint: its speed, rad/s, and its largest torque, N·m, or `UMBRA_NO_LIMIT` for no motor; wakes its bodies.
+/// Sets the motor of a joint: its speed, rad/s or m/s, and its largest torque, N·m, or force, N, or `UMBRA_NO_LIMIT` for no motor; wakes its
+/// bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_joint_motor(
     world: Option<&mut UmbraWorld>,
@@ -385,8 +464,13 @@ pub extern "C" fn umbra_world_set_joint_motor(
     speed: UmbraFx,
     max_force: UmbraFx,
 ) -> UmbraStatus {
-    let motor = optional_force(max_force).map(|max_force| JointMotor { speed: Fx::from_bits(speed), max_force });
-    change(world, Command::SetJointMotor { joint: joint_id(joint), motor })
+    guard(|| {
+        let (world, joint) = (given(world)?, joint_id(joint));
+        let motor = optional_force(max_force).map(|max_force| JointMotor { speed: Fx::from_bits(speed), max_force });
+        let command = world.world().joint_motor_command(joint, motor)?;
+        world.execute(&command)?;
+        Ok(())
+    })
 }
 
 /// Sets the mean force over a step above which a joint breaks, N, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
@@ -427,6 +511,7 @@ pub extern "C" fn umbra_world_joint_state(
         Ok(UmbraJointState {
             points: joint.points().map(Into::into),
             length: joint.length().to_bits(),
+            translation: joint.translation().to_bits(),
             angle: joint.angle().to_bits(),
             speed: joint.speed().to_bits(),
             force: joint.force().into(),

@@ -10,8 +10,8 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep, Weld, World,
-    WorldDef, fx, vec2,
+    MaterialPair, MixRule, OneWay, Prismatic, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep, Weld,
+    Wheel, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -908,14 +908,26 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
     let ends = [End::World(place(0, 0)), at(1, place(0, 0))];
     let weld = UmbraJointDef { kind: UMBRA_WELD, has_spring: 1, spring_hertz: ONE, ..plain };
     let weld_spring = JointSpring::new(fx!(1), fx!(1));
+    let limits = Some(JointLimits { lower: fx!(-1), upper: fx!(1) });
+    let prismatic = JointKind::Prismatic(Prismatic { limits, friction: bits(4), ..Prismatic::default() });
+    let motor = Some(JointMotor { speed: bits(5), max_force: fx!(0) });
+    let wheel = JointKind::Wheel(Wheel { spring: Some(weld_spring), motor, ..Wheel::default() });
     vec![
         (plain, JointDef::new(ends, JointKind::default())),
         (full, full_joint),
         (UmbraJointDef { kind: UMBRA_WELD, ..plain }, JointDef::new(ends, JointKind::Weld(Weld::default()))),
         (weld, JointDef::new(ends, JointKind::Weld(Weld { spring: Some(weld_spring) }))),
         (
-            UmbraJointDef { kind: UMBRA_DISTANCE, length: 3 * ONE, ..plain },
+            UmbraJointDef { kind: UMBRA_DISTANCE, has_limits: 1, lower: 3 * ONE, upper: 3 * ONE, ..plain },
             JointDef::new(ends, JointKind::Distance(Distance::rod(fx!(3)))),
+        ),
+        (
+            UmbraJointDef { kind: UMBRA_PRISMATIC, has_limits: 1, lower: -ONE, upper: ONE, friction: 4, ..plain },
+            JointDef::new(ends, prismatic),
+        ),
+        (
+            UmbraJointDef { kind: UMBRA_WHEEL, has_spring: 1, spring_hertz: ONE, has_motor: 1, motor_speed: 5, ..plain },
+            JointDef::new(ends, wheel),
         ),
     ]
 }
@@ -937,7 +949,7 @@ fn joints_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
-    assert_eq!(out(|def| umbra_joint_def_default(3, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_joint_def_default(5, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     let weld = added
         .iter()
         .map(|(_, id)| *id)
@@ -988,6 +1000,7 @@ fn joints_pull_and_break_as_in_the_library() {
             let expected = UmbraJointState {
                 points: joint.points().map(Into::into),
                 length: joint.length().to_bits(),
+                translation: joint.translation().to_bits(),
                 angle: joint.angle().to_bits(),
                 speed: joint.speed().to_bits(),
                 force: joint.force().into(),

@@ -13,6 +13,7 @@ use crate::body::Activity;
 use crate::collide::Pose;
 use crate::collider::{Collider, OutlineId, OutlineRef};
 use crate::fx::Fx;
+use crate::limits;
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::slots::NONE;
@@ -234,6 +235,27 @@ impl Flights {
     /// Returns true if a body follows another one.
     pub(super) fn any_followers(&self) -> bool {
         !self.followers.is_empty()
+    }
+
+    /// The offset from a point of a body to a point of another one, for their arms, in 2^-32 m.
+    pub(super) fn offset(&self, [first, second]: [u32; 2], [from, to]: [Vec2; 2]) -> [i128; 2] {
+        let [a, b] = [first, second].map(|flight| self.flights[flight as usize].position);
+        let part = |start: Fx, from: Fx, end: Fx, to: Fx| {
+            let [start, from, end, to] = [start, from, end, to].map(|part| i128::from(part.to_bits()));
+            end + to - start - from
+        };
+        [part(a.x, from.x, b.x, to.x), part(a.y, from.y, b.y, to.y)]
+    }
+
+    /// Extends the radius of a body to the point at an offset from one of its own, and by a quarter beyond for the way of the step.
+    pub(super) fn reach_point(&mut self, flight: u32, arm: Vec2, offset: [i128; 2]) {
+        // Points are within 2^31 m of each other: the sum is below 2^66 units.
+        let size = |arm: Fx, offset: i128| i128::from(arm.to_bits().unsigned_abs()) + offset.abs();
+        let reach = size(arm.x, offset[0]) + size(arm.y, offset[1]);
+        let reach = reach + (reach >> 2);
+        let reach = Fx::from_bits(reach.min(limits::JOINT_LENGTH.to_bits().into()) as i64);
+        let radius = &mut self.flights[flight as usize].radius;
+        *radius = (*radius).max(reach);
     }
 
     /// Gives a body that cannot turn at least the radius of the body that it is joined to.

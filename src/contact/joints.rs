@@ -17,7 +17,7 @@ use crate::fx::Fx;
 use crate::joint::{JointStates, Place, position};
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
-use crate::solve::{Axis, ContactSolver, Impulses, Joint};
+use crate::solve::{Axis, ContactSolver, Impulses, Joint, JointKind};
 
 /// An end of a joint on a body: its flight, and the arm from its centre of mass, m.
 #[derive(Clone, Copy)]
@@ -102,12 +102,19 @@ impl JointList {
         let bodies = [first.flight, second.flight];
         let state = &scene.joints.states[index as usize];
         let impulses = state.impulses();
+        let anchors = [first.arm, second.arm];
+        let offset = flights.offset(bodies, anchors);
+        let mut kind = link.kind;
+        if let JointKind::Slider { angle } = &mut kind {
+            *angle = Turn::from_bits(first.angle.to_bits().wrapping_add(angle.to_bits()));
+            flights.reach_point(first.flight, anchors[0], offset);
+        }
         let axis = link.axis.map(|axis| {
             flights.widen_fixed(bodies);
             Axis { position: position(link.angle([first.angle, second.angle]), state.turns), ..axis }
         });
-        let anchors = [first.arm, second.arm];
-        self.solver_joints.push(Joint { bodies, anchors, kind: link.kind, axis, impulses });
+        let slide = link.slide.map(|slide| Axis { position: kind.way(offset), ..slide });
+        self.solver_joints.push(Joint { bodies, anchors, kind, axis, slide, impulses });
         self.starts.push(impulses);
         self.indices.push(index);
     }

@@ -345,7 +345,7 @@ impl fmt::Display for Error {
             Self::NothingToMove => {
                 f.write_str("neither end of the joint is on a dynamic body: a joint needs a body that it can move")
             }
-            Self::NoMotor { joint } => write!(f, "a joint without a motor: {joint}; revolute joints have one"),
+            Self::NoMotor { joint } => write!(f, "a joint without a motor of this kind: {joint}"),
             Self::FloatJoint => f.write_str("a world of floats has no joints: only worlds of `Fx` do"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),

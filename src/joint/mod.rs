@@ -1,17 +1,21 @@
-//! Joints: two points of bodies that stay together, or at a distance.
+//! Joints: two points of bodies that stay together, at a distance, or on an axis.
 //!
-//! - `def`: the definition of a joint as data, and its checks.
+//! - `def`: the definition of a joint as data, and its checks; `kind` the kinds of joints, `parts` limits, motors and springs.
 //! - `link`: a joint as steps see it, in fixed point whatever the scalar of the world is.
 //! - `set`: the joints of a world and their handles. No step changes a definition: copies of a world share the set.
 //! - `state`: what steps change of a joint, which each world has for itself: impulses, and whether it is broken.
 
 mod def;
+mod kind;
 mod link;
+mod parts;
 mod set;
 mod state;
 
+pub use def::JointDef;
 pub(crate) use def::check_break_force;
-pub use def::{Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
+pub use kind::{Distance, JointKind, Prismatic, Revolute, Weld, Wheel};
 pub(crate) use link::{Joined, Place};
+pub use parts::{JointLimits, JointMotor, JointSpring};
 pub(crate) use set::JointSet;
 pub(crate) use state::{JointState, JointStates, exceeds, position, turns_after};

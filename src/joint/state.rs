@@ -13,8 +13,8 @@ use crate::solve::Impulses;
 /// The state of a joint: the impulses that the next step starts from, and whether it is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct JointState {
-    /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and of the axis; of a distance
-    /// joint along the line from the first end to the second, and 0.
+    /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and around; of prismatic and
+    /// wheel joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and 0.
     pub(crate) impulses: [i64; 3],
     /// Whole turns of the angle, beside the nearest turn; 0 where none are counted.
     pub(crate) turns: i16,
@@ -83,8 +83,9 @@ impl JointState {
             "impulses",
             &match kind {
                 JointKind::Distance(_) => JointImpulses::Distance { along: x },
+                _ if kind.is_slider() => JointImpulses::Slider { along: x, across: y, torque, turns },
                 _ if kind.axis().is_some() => JointImpulses::Axis { x, y, torque, turns },
-                JointKind::Revolute(_) | JointKind::Weld(_) => JointImpulses::Revolute { x, y },
+                _ => JointImpulses::Revolute { x, y },
             },
         );
     }
@@ -97,6 +98,11 @@ impl JointState {
         let has_axis = kind.axis().is_some();
         let (impulses, turns) = match (kind, JointImpulses::read(reader)?) {
             (JointKind::Distance(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
+            (JointKind::Prismatic(_) | JointKind::Wheel(_), JointImpulses::Slider { along, across, torque, turns })
+                if (along == 0 || kind.slide().is_some()) && (torque == 0 || has_axis) =>
+            {
+                ([along, across, torque], turns)
+            }
             (JointKind::Revolute(_) | JointKind::Weld(_), JointImpulses::Axis { x, y, torque, turns }) if has_axis => {
                 ([x, y, torque], turns)
             }
@@ -140,12 +146,14 @@ enum JointImpulses {
     Revolute { x: i64, y: i64 },
     Distance { along: i64 },
     Axis { x: i64, y: i64, torque: i64, turns: i16 },
+    Slider { along: i64, across: i64, torque: i64, turns: i16 },
 }
 
 codec_enum!(JointImpulses, "the number of the impulses of a joint", {
     0 => Revolute { x, y },
     1 => Distance { along },
     2 => Axis { x, y, torque, turns },
+    3 => Slider { along, across, torque, turns },
 });
 
 /// The state of the joints of a world that steps change.

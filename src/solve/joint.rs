@@ -1,9 +1,18 @@
 //! Joints: points of two bodies that stay together, or at a distance.
 //!
-//! A joint is one or two rows: a *revolute* joint keeps both components of the offset of its points at zero, a *distance* joint keeps the
-//! length of the offset. Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the
-//! axes. Arms turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the step: frozen, a rod
-//! that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
+//! A joint has up to three rows in a frame: along its two axes, and around. Each row is free, or *held* at zero, or has a [law](axis) of limits,
+//! motor, friction and spring:
+//!
+//! | kind | frame | along | across | around |
+//! |---|---|---|---|---|
+//! | `Revolute` | the world's axes | held | held | law |
+//! | `Distance` | the line between the points | held at a length | | |
+//! | `Line` | the line between the points | law | | |
+//! | `Slider` | turns with the first body | law | held | law |
+//!
+//! Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the axes, of a slider at the second
+//! point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
+//! step: frozen, a rod that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
 //!
 //! - *Solve pass*: the rows aim at the velocity that takes a part of the error away, and at the second-order term of the motion: bodies move
 //!   on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it by h·ω²·r/2.
@@ -36,6 +45,7 @@
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
 mod axis;
+mod effective;
 mod forest;
 mod gradients;
 mod passes;
@@ -43,6 +53,8 @@ mod passes;
 mod tests;
 mod tree;
 mod turn;
+
+use alloc::vec::Vec;
 
 use self::axis::AxisRow;
 use self::turn::Side;
@@ -54,8 +66,10 @@ use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
 use crate::kernel::simd::GAIN_BITS;
 use crate::kernel::sqrt::direction;
+use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
-use crate::scalar::FxFactor;
+use crate::scalar::{FxFactor, Turn};
+use crate::slots::NONE;
 
 pub use self::axis::{Axis, AxisSpring};
 pub(super) use self::passes::Joints;
@@ -86,12 +100,37 @@ pub enum JointKind {
         /// m, up to 2^20; positive.
         length: Fx,
     },
+    /// The distance of the anchors, which is free but for the law of its slide.
+    Line,
+    /// The second anchor on a line through the first one, along an axis that turns with the first body.
+    Slider {
+        /// The angle of the axis at the start of the step.
+        angle: Turn,
+    },
 }
 
 impl JointKind {
     /// Returns true if the impulses of both are of the same rows.
     pub(crate) fn has_rows_of(self, kind: Self) -> bool {
-        core::mem::discriminant(&self) == core::mem::discriminant(&kind)
+        let is_along = |kind| matches!(kind, Self::Distance { .. } | Self::Line);
+        core::mem::discriminant(&self) == core::mem::discriminant(&kind) || is_along(self) && is_along(kind)
+    }
+}
+
+impl JointKind {
+    /// The way along the axis of a slider, or the length of another joint, for the offset of its points in 2^-32 m: to nearest.
+    pub(crate) fn way(self, offset: [i128; 2]) -> Fx {
+        // Within 2^31 m.
+        let [x, y] = offset.map(|part| part.clamp(-(1 << 62), 1 << 62));
+        let way = match self {
+            Self::Slider { angle } => {
+                let (sin, cos) = sin_cos_turn(angle.to_bits());
+                // The length is below 2^63.
+                lowered(x * i128::from(cos) + y * i128::from(sin), 62) as i64
+            }
+            _ => length_of(x as i64, y as i64),
+        };
+        Fx::from_bits(way)
     }
 }
 
@@ -105,11 +144,15 @@ pub struct Joint {
     pub anchors: [Vec2; 2],
     /// The quantity that it keeps.
     pub kind: JointKind,
-    /// The axis of a revolute joint, if something acts on it. A body that cannot turn then has at least the [`radius`](Flight::radius) of the
-    /// other body.
+    /// The law of the angle of a revolute joint or a slider, if something acts on it. A body that cannot turn then has at least the
+    /// [`radius`](Flight::radius) of the other body.
     pub axis: Option<Axis>,
+    /// The law of the distance along the axis of a slider or along a line, if something acts on it. The radius of the first body of a slider
+    /// reaches the second anchor.
+    pub slide: Option<Axis>,
     /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then the impulses of this step.
-    /// Of a revolute joint along x and y, and of its axis, N·m·s; of a distance joint along the line from the first anchor to the second.
+    /// Of a revolute joint along x and y, and around, N·m·s; of a slider along and across its axis, and around; of the other kinds along the line
+    /// from the first anchor to the second.
     pub impulses: Impulses,
 }
 
@@ -129,13 +172,49 @@ impl Joint {
         let error = match self.kind {
             JointKind::Revolute => x.abs().max(y.abs()),
             JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
+            JointKind::Line => 0,
+            JointKind::Slider { angle } => {
+                let [ux, uy] = direction_of(angle).map(i128::from);
+                lowered(ux * i128::from(y) - uy * i128::from(x), 30).unsigned_abs() as i64
+            }
         };
         let repair = clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1;
-        match &self.axis {
-            Some(axis) => repair.max(axis.speed(self.bodies.map(|body| &flights[body as usize]))),
-            None => repair,
-        }
+        let turning = axis_length(self.bodies.map(|body| &flights[body as usize]));
+        let speed = |law: &Option<Axis>, length: Option<i32>| match (law, length) {
+            (Some(law), Some(length)) => law.speed(length),
+            _ => 0,
+        };
+        repair.max(speed(&self.axis, turning)).max(speed(&self.slide, Some(0)))
     }
+}
+
+/// The direction at an angle, in 2^-30.
+fn direction_of(angle: Turn) -> [i64; 2] {
+    let (sin, cos) = sin_cos_turn(angle.to_bits());
+    [cos, sin].map(|part| lowered(part.into(), 32) as i64)
+}
+
+/// log2 of the length at which the velocities of the angle between two bodies are taken, m: of the shorter body that can turn. `None` if none
+/// can.
+fn axis_length(flights: [&Flight; 2]) -> Option<i32> {
+    let turning = flights.into_iter().filter(|flight| !flight.inverse_inertia.is_zero());
+    turning.map(|flight| flight.length()).min()
+}
+
+/// The axes of the rows of a joint.
+#[derive(Clone, Copy, Debug)]
+enum Frame {
+    /// Along x and y.
+    World,
+    /// Along the offset of the points.
+    Line,
+    /// Along a direction that turns with the first body: at the start, in 2^-30.
+    Body([i64; 2]),
+}
+
+/// The component of a vector along a direction in 2^-30.
+fn along([ux, uy]: [i64; 2], [x, y]: [i64; 2]) -> i64 {
+    lowered(i128::from(ux) * i128::from(x) + i128::from(uy) * i128::from(y), 30) as i64
 }
 
 /// The length of a vector, to nearest. *Domain* of [`direction`]; zero is fine.
@@ -149,11 +228,17 @@ pub(super) struct Block {
     /// Index of the joint.
     pub(super) joint: u32,
     sides: [Side; 2],
-    /// The number of rows: the third one is the axis.
-    count: usize,
-    axis: Option<AxisRow>,
-    /// The length that a distance joint keeps.
-    length: Option<i64>,
+    frame: Frame,
+    /// The rows that the joint holds at zero.
+    held: [bool; 2],
+    /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
+    laws: [u32; 3],
+    /// True for rows that are not free.
+    is_active: [bool; 3],
+    /// log2 of the length at which the velocities of the third row are taken, m.
+    axis_length: i32,
+    /// The length that the first row is counted from: the length that it is held at, or the length at the start.
+    length: i64,
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
     /// The number of sub-steps, and of moves of the bodies so far.
@@ -184,7 +269,7 @@ pub(super) struct Block {
 }
 
 impl Block {
-    /// Prepares a joint that can move a body, in the unit of its island.
+    /// Prepares a joint that can move a body, in the unit of its island, and adds its laws.
     fn new(
         index: usize,
         input: &StepInput<'_>,
@@ -192,46 +277,68 @@ impl Block {
         rows: [u32; 2],
         shares: [i64; 2],
         unit: i32,
+        laws: &mut Vec<AxisRow>,
     ) -> Self {
         let StepInput { clock, flights, joints, .. } = *input;
         let joint = &joints[index];
         let scale = MASS_BITS - largest_exponent(bodies).unwrap_or(0);
-        let sides = [0, 1].map(|k| {
+        let mut sides = [0, 1].map(|k| {
             let flight = &flights[joint.bodies[k] as usize];
             Side::new(flight, rows[k], shares[k], joint.anchors[k], scale, unit, clock)
         });
+        let flights = joint.bodies.map(|body| &flights[body as usize]);
+        let offset_bits = joint.offset(input.flights);
+        let offset = offset_bits.map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
+        let is_slider = matches!(joint.kind, JointKind::Slider { .. });
+        if is_slider {
+            sides[0].reach(offset);
+        }
         // Locks may leave nothing that it moves.
         let mut largest_mass = (sides[0].largest_mass() + sides[1].largest_mass()).max(1);
-        let flights = joint.bodies.map(|body| &flights[body as usize]);
-        if joint.axis.is_some() {
+        if is_slider || joint.axis.is_some() {
             largest_mass = largest_mass.max(sides[0].masses[2] + sides[1].masses[2]);
         }
-        let mass_bits = bits_of(largest_mass);
-        let offset = joint.offset(input.flights).map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
+        // The arm of a slider may grow to twice its length in the step.
+        let mass_bits = bits_of(largest_mass) + if is_slider { 2 } else { 0 };
         let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
-        let axis = match joint.kind {
-            JointKind::Revolute => AxisRow::new(joint, flights, clock, unit, mass_exponent),
-            JointKind::Distance { .. } => None,
+        let axis_length = axis_length(flights).unwrap_or(0);
+        let mut add = |law: Option<&Axis>, mass: Option<FxFactor>, length: i32| {
+            let (Some(law), Some(mass)) = (law, mass) else { return NONE };
+            laws.push(AxisRow::new(law, mass, length, clock, unit, mass_exponent));
+            laws.len() as u32 - 1
         };
-        let (length, count) = match joint.kind {
-            JointKind::Revolute => (None, if axis.is_some() { 3 } else { 2 }),
-            JointKind::Distance { length } => (Some(clock.length(length, unit).clamp(0, FAR) as i64), 1),
+        let slide = add(joint.slide.as_ref(), joint.effective_mass(flights, offset_bits), 0);
+        let axis = add(joint.axis.as_ref(), joint.effective_inertia(flights), axis_length);
+        let (frame, held, length) = match joint.kind {
+            JointKind::Revolute => (Frame::World, [true; 2], 0),
+            JointKind::Distance { length } => {
+                (Frame::Line, [true, false], clock.length(length, unit).clamp(0, FAR) as i64)
+            }
+            JointKind::Line => (Frame::Line, [false; 2], length_of(offset[0], offset[1])),
+            JointKind::Slider { angle } => {
+                let direction = direction_of(angle);
+                (Frame::Body(direction), [false, true], along(direction, offset))
+            }
         };
-        let axis_length = axis.as_ref().map_or(0, |axis| axis.length);
-        // The axis turns a body by the length at which its velocities are taken, over the length of the body.
+        let laws = [slide, NONE, axis];
+        // The third row turns a body by the length at which its velocities are taken, over the length of the body.
         let turning = flights.map(|flight| 1 << (30 - (flight.length() - axis_length).clamp(0, 30)));
+        let is_active = [0, 1, 2].map(|row| laws[row] != NONE || row < 2 && held[row]);
         let warm = |row: usize, length: i32| {
-            let impulse = if row < count { joint.impulses.values[row] } else { 0 };
+            let impulse = if is_active[row] { joint.impulses.values[row] } else { 0 };
             let bits = (exponent + length).saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
             shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
         };
         Self {
             joint: index as u32,
             sides,
-            count,
-            axis,
+            frame,
+            held,
+            laws,
+            is_active,
+            axis_length,
             length,
             base,
             substeps: clock.substeps as i32,
@@ -259,10 +366,15 @@ impl Block {
     }
 
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
-    fn advance(&mut self, rows: &Rows) -> u64 {
+    fn advance(&mut self, rows: &Rows, laws: &mut [AxisRow]) -> u64 {
         (0..4).for_each(|i| self.weighted[i] += self.applied[i] + self.change[i]);
         self.moves += 1;
-        self.turn(rows)
+        self.turn(rows, laws)
+    }
+
+    /// Returns true if the joint holds a length, and nothing else.
+    fn is_rod(&self) -> bool {
+        self.held == [true, false]
     }
 
     /// The velocities of the sides.
@@ -271,13 +383,13 @@ impl Block {
         [0, 1].map(|k| rows.velocity(self.sides[k].row))
     }
 
-    /// The velocities of the rows of points, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the second-order
-    /// term.
+    /// The velocities of the rows that are held, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the
+    /// second-order term.
     #[inline(always)]
     fn residual(&self, rows: &Rows, rate: Option<i64>) -> [i64; 2] {
         let velocities = self.velocities(rows);
         let mut residual = [0; 2];
-        for (row, sum) in residual.iter_mut().enumerate().take(self.count) {
+        for (row, sum) in residual.iter_mut().enumerate().filter(|&(row, _)| self.held[row]) {
             *sum = self.velocity(row, velocities);
             if let Some(rate) = rate {
                 *sum += rate * self.errors[row] + self.second_order(row, velocities);
@@ -288,16 +400,16 @@ impl Block {
 
     /// Changes the impulses of the rows. Returns the number of impulses that were cut off.
     #[inline(always)]
-    fn change(&mut self, changes: [i128; 3]) -> u64 {
+    fn change(&mut self, changes: [i128; 3], laws: &mut [AxisRow]) -> u64 {
         let mut cut = 0;
         let mut applied = [0; 3];
-        for row in 0..self.count {
+        for row in (0..3).filter(|&row| self.is_active[row]) {
             let before = self.impulses[row];
             let wanted = i128::from(before) + changes[row];
             let mut after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
             cut += u64::from(i128::from(after) != wanted);
-            if let (2, Some(axis)) = (row, &mut self.axis) {
-                after = axis.finish(after);
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                after = law.finish(after);
             }
             (self.impulses[row], applied[row]) = (after, after - before);
         }
@@ -313,7 +425,7 @@ impl Block {
 
     /// Adds impulses of the rows to the change of the sub-step.
     fn push(&mut self, impulses: [i64; 3]) {
-        for (row, impulse) in impulses.into_iter().enumerate().take(self.count) {
+        for (row, impulse) in impulses.into_iter().enumerate().filter(|&(row, _)| self.is_active[row]) {
             let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
             for (sum, factor) in self.change.iter_mut().zip([ux, uy, ka, kb]) {
                 *sum += i128::from(impulse) * i128::from(factor);

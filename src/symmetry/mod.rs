@@ -160,6 +160,13 @@ impl Symmetry {
         }
     }
 
+    /// The signs along and across the axis of a joint: the axis of the image has its angle in the image of the body's axes, at which it points
+    /// along the image of the axis, or the other way.
+    fn frame_signs(&self) -> [i64; 2] {
+        let quarters = [[self.matrix[0][0], self.matrix[1][1]], [self.matrix[1][0], -self.matrix[0][1]]];
+        quarters[usize::from(self.quarters)].map(i64::from)
+    }
+
     /// The image of an angular velocity, torque or angular impulse.
     #[must_use]
     pub fn angular_velocity(&self, value: Fx) -> Option<Fx> {
@@ -288,6 +295,11 @@ impl CommandMap<Fx> for Image<'_> {
 
     fn pseudoscalar(&mut self, value: Fx) -> Result<Fx, NoImage> {
         self.0.angular_velocity(value).ok_or(NoImage)
+    }
+
+    fn along(&mut self, value: Fx) -> Result<Fx, NoImage> {
+        let [along, _] = self.0.frame_signs();
+        if along < 0 { value.checked_neg().ok_or(NoImage) } else { Ok(value) }
     }
 
     fn locks(&mut self, locks: Locks) -> Result<Locks, NoImage> {

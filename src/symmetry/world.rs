@@ -54,12 +54,17 @@ impl Symmetry {
             let def = Image(self).joint_def(*world.joints.def(index)).ok()?;
             joints.replace(index, def);
             let state = &mut image.joint_states.list[index];
-            // The impulse of a distance joint is along the line between its ends.
-            if !matches!(def.kind, JointKind::Distance(_)) {
-                let [x, y, torque] = state.impulses;
-                let Vec2 { x, y } = self.signed(Vec2::new(x, y), i64::checked_neg)?;
-                state.impulses = [x, y, if self.mirrors() { torque.checked_neg()? } else { torque }];
-            }
+            let [x, y, torque] = state.impulses;
+            let Vec2 { x, y } = match def.kind {
+                // Along the line between its ends.
+                JointKind::Distance(_) => Vec2::new(x, y),
+                _ if def.kind.is_slider() => {
+                    let [along, across] = self.frame_signs();
+                    Vec2::new(along * x, across * y)
+                }
+                _ => self.signed(Vec2::new(x, y), i64::checked_neg)?,
+            };
+            state.impulses = [x, y, if self.mirrors() { torque.checked_neg()? } else { torque }];
             if self.mirrors() && def.kind.counts_turns() {
                 // Half a turn is the same angle either way round.
                 let is_half = world.joint_turn(index).to_bits() == 1 << 63;

@@ -10,13 +10,18 @@ use crate::contact::Exclusion;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::fx::Fx;
 use crate::integrate::Integrator;
-use crate::joint::{Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
+use crate::joint::{
+    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Revolute, Weld, Wheel,
+};
 use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
 use alloc::vec::Vec;
+
+/// A way in which a map takes a scalar.
+type MapScalar<M, S, T, E> = fn(&mut M, S) -> Result<T, E>;
 
 /// A change of all values of one role in a [`Command`](super::Command), for [`Command::map`](super::Command::map).
 ///
@@ -106,6 +111,11 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
 
     /// A scalar that changes its sign in a mirror: an angular velocity, torque or angular impulse.
     fn pseudoscalar(&mut self, value: S) -> Result<T, Self::Error> {
+        self.scalar(value)
+    }
+
+    /// A position or a velocity along the axis of a joint, which turns with its body.
+    fn along(&mut self, value: S) -> Result<T, Self::Error> {
         self.scalar(value)
     }
 
@@ -339,44 +349,75 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
 
     /// The kind of a joint.
     fn joint_kind(&mut self, kind: JointKind<S>) -> Result<JointKind<T>, Self::Error> {
+        let [around, along, plain] = [Self::pseudoscalar, Self::along, Self::scalar];
         Ok(match kind {
             JointKind::Revolute(Revolute { limits, motor, spring, friction }) => JointKind::Revolute(Revolute {
-                limits: limits.map(|limits| self.joint_limits(limits)).transpose()?,
-                motor: motor.map(|motor| self.joint_motor(motor)).transpose()?,
-                spring: spring.map(|spring| self.joint_spring(spring)).transpose()?,
+                limits: self.joint_limits(limits, around)?,
+                motor: self.joint_motor(motor, around)?,
+                spring: self.joint_spring(spring, around)?,
                 friction: self.scalar(friction)?,
             }),
-            JointKind::Weld(Weld { spring }) => {
-                JointKind::Weld(Weld { spring: spring.map(|spring| self.joint_spring(spring)).transpose()? })
-            }
-            JointKind::Distance(Distance { length }) => JointKind::Distance(Distance::rod(self.scalar(length)?)),
+            JointKind::Weld(Weld { spring }) => JointKind::Weld(Weld { spring: self.joint_spring(spring, around)? }),
+            JointKind::Distance(Distance { limits, motor, spring, friction }) => JointKind::Distance(Distance {
+                limits: self.joint_limits(limits, plain)?,
+                motor: self.joint_motor(motor, plain)?,
+                spring: self.joint_spring(spring, plain)?,
+                friction: self.scalar(friction)?,
+            }),
+            JointKind::Prismatic(Prismatic { limits, motor, spring, friction }) => JointKind::Prismatic(Prismatic {
+                limits: self.joint_limits(limits, along)?,
+                motor: self.joint_motor(motor, along)?,
+                spring: self.joint_spring(spring, along)?,
+                friction: self.scalar(friction)?,
+            }),
+            JointKind::Wheel(Wheel { limits, spring, motor, friction }) => JointKind::Wheel(Wheel {
+                limits: self.joint_limits(limits, along)?,
+                spring: self.joint_spring(spring, along)?,
+                motor: self.joint_motor(motor, around)?,
+                friction: self.scalar(friction)?,
+            }),
         })
     }
 
-    /// Limits of an angle. They change places where angles change their sign.
-    fn joint_limits(&mut self, limits: JointLimits<S>) -> Result<JointLimits<T>, Self::Error> {
-        let [lower, upper] = [self.pseudoscalar(limits.lower)?, self.pseudoscalar(limits.upper)?];
-        Ok(if upper < lower { JointLimits { lower: upper, upper: lower } } else { JointLimits { lower, upper } })
+    /// Limits of positions that are mapped so. They change places where positions change their sign.
+    fn joint_limits(
+        &mut self,
+        limits: Option<JointLimits<S>>,
+        position: MapScalar<Self, S, T, Self::Error>,
+    ) -> Result<Option<JointLimits<T>>, Self::Error> {
+        let Some(JointLimits { lower, upper }) = limits else { return Ok(None) };
+        let [lower, upper] = [position(self, lower)?, position(self, upper)?];
+        Ok(Some(if upper < lower { JointLimits { lower: upper, upper: lower } } else { JointLimits { lower, upper } }))
+    }
+
+    /// A motor whose speed is mapped so.
+    fn joint_motor(
+        &mut self,
+        motor: Option<JointMotor<S>>,
+        speed: MapScalar<Self, S, T, Self::Error>,
+    ) -> Result<Option<JointMotor<T>>, Self::Error> {
+        let Some(motor) = motor else { return Ok(None) };
+        Ok(Some(JointMotor { speed: speed(self, motor.speed)?, max_force: self.scalar(motor.max_force)? }))
     }
 
     /// A motor that turns.
-    fn joint_motor(&mut self, motor: JointMotor<S>) -> Result<JointMotor<T>, Self::Error> {
-        Ok(JointMotor { speed: self.pseudoscalar(motor.speed)?, max_force: self.scalar(motor.max_force)? })
+    fn turning_motor(&mut self, motor: Option<JointMotor<S>>) -> Result<Option<JointMotor<T>>, Self::Error> {
+        self.joint_motor(motor, Self::pseudoscalar)
     }
 
-    /// A motor that may be absent.
-    fn optional_joint_motor(&mut self, motor: Option<JointMotor<S>>) -> Result<Option<JointMotor<T>>, Self::Error> {
-        motor.map(|motor| self.joint_motor(motor)).transpose()
-    }
-
-    /// A spring that turns.
-    fn joint_spring(&mut self, spring: JointSpring<S>) -> Result<JointSpring<T>, Self::Error> {
-        Ok(JointSpring {
+    /// A spring whose position at rest is mapped so.
+    fn joint_spring(
+        &mut self,
+        spring: Option<JointSpring<S>>,
+        position: MapScalar<Self, S, T, Self::Error>,
+    ) -> Result<Option<JointSpring<T>>, Self::Error> {
+        let Some(spring) = spring else { return Ok(None) };
+        Ok(Some(JointSpring {
             hertz: self.scalar(spring.hertz)?,
             damping_ratio: self.scalar(spring.damping_ratio)?,
-            rest: self.pseudoscalar(spring.rest)?,
+            rest: position(self, spring.rest)?,
             max_force: self.optional_scalar(spring.max_force)?,
-        })
+        }))
     }
 
     /// A force or impulse, whose vectors are in this frame.

@@ -411,10 +411,11 @@ commands! { world:
     45 => SetJointKind { joint: JointId as joint(joint), kind: JointKind<S> as joint_kind(joint_kind) },
         check world.check_joint_kind(*joint, kind),
         execute world.set_joint_kind(*joint, *kind);
-    /// Calls [`World::set_joint_motor`].
-    48 => SetJointMotor { joint: JointId as joint(joint), motor: Option<JointMotor<S>> as optional_joint_motor(optional_joint_motor) },
-        check world.check_joint_motor(*joint, *motor).map(drop),
-        execute world.set_joint_motor(*joint, *motor);
+    /// Calls [`World::set_joint_motor`] of a joint whose motor turns its ends. A motor that pushes is a part of
+    /// [`SetJointKind`](Self::SetJointKind).
+    48 => SetJointMotor { joint: JointId as joint(joint), motor: Option<JointMotor<S>> as turning_motor(optional_joint_motor) },
+        check world.check_turning_motor(*joint, *motor),
+        execute world.set_turning_motor(*joint, *motor);
     /// Calls [`World::set_joint_break`].
     46 => SetJointBreak { joint: JointId as joint(joint), force: Option<S> as optional_scalar(break_force) },
         check world.check_joint_break(*joint, *force),

@@ -7,7 +7,7 @@ use crate::force::End;
 use crate::fx::Fx;
 use crate::joint::{JointDef, JointKind, position};
 use crate::math::Vec2;
-use crate::scalar::{Angle as _, Scalar, Wide as _};
+use crate::scalar::{Angle as _, FxWide, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
 
 /// A read-only view of a joint. `{:?}` prints its definition.
@@ -120,6 +120,33 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         frames[0].way_to(frames[1]).to_scalar().unwrap_or(S::ZERO)
     }
 
+    /// The angle of the axis of a prismatic or a wheel joint in the world.
+    fn axis_angle(&self) -> Turn {
+        let def = self.def();
+        self.world.joint_angle(def.bodies()[0], def.angles[0]).to_turn()
+    }
+
+    /// The way of the second end along the axis of a prismatic or a wheel joint, m; of the other kinds the [`length`](Self::length).
+    /// *Error* 2 ulp.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, Prismatic, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let slide = world.add_body(BodyDef { velocity: vec2(0, 3), ..BodyDef::dynamic() })?;
+    /// let rail = JointDef::along(&world, None, slide, vec2(0, 0), vec2(0, -1))?;
+    /// let rail = world.add_joint(JointDef { kind: JointKind::Prismatic(Prismatic::default()), ..rail })?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert!((world.joint(rail)?.translation() + fx!(3)).abs() < fx!(0.00001));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn translation(&self) -> S {
+        let [from, to] = self.points().map(|point| point.map(|part| i128::from(part.to_fx().to_bits())));
+        let kind = self.def().kind.for_solver(self.axis_angle());
+        S::from_fx(kind.way([to.x - from.x, to.y - from.y]))
+    }
+
     /// The speed of [`angle`](Self::angle), rad/s. *Error* 1 ulp.
     ///
     /// ```
@@ -179,6 +206,11 @@ impl<'a, S: Scalar> JointRef<'a, S> {
                 let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();
                 let part = |component: Fx| component.saturating_mul(first);
                 direction.map(part)
+            }
+            JointKind::Prismatic(_) | JointKind::Wheel(_) => {
+                let force = self.axis_angle().rotate(Vec2::new(first, second));
+                let part = |component: FxWide| component.to_scalar().unwrap_or(Fx::MAX);
+                force.map_or(Vec2::ZERO, |force| force.map(part))
             }
         };
         force.map(S::from_fx)

@@ -9,7 +9,8 @@ use crate::contact::sorted;
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End};
 use crate::fx::Fx;
-use crate::joint::{Distance, JointDef, JointKind, JointMotor, Revolute, check_break_force};
+use crate::joint::{Distance, JointDef, JointKind, JointMotor, Prismatic, Revolute, check_break_force};
+use crate::kernel::trig::atan2_turn;
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
@@ -52,6 +53,41 @@ impl<S: Scalar> JointDef<S> {
         Ok(Self { angles: [S::ZERO, angle], ..Self::new(ends, JointKind::Revolute(Revolute::default())) })
     }
 
+    /// A prismatic joint of two bodies at a point of the world, m, along a direction in the world; `None` is the world. The axis turns with the
+    /// first body. The translation and the angle of the joint are 0 as they stand.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::JointPoint`] for a point too far from a body.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, Prismatic, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let sled = world.add_body(BodyDef::dynamic())?;
+    /// // A rail that falls by one to one.
+    /// let rail = JointDef::along(&world, None, sled, vec2(0, 0), vec2(1, -1))?;
+    /// let rail = world.add_joint(JointDef { kind: JointKind::Prismatic(Prismatic::default()), ..rail })?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// let velocity = world.body(sled)?.velocity();
+    /// assert!((velocity - vec2(5, -5)).length() < fx!(0.0001));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn along(
+        world: &World<S>,
+        first: impl Into<Option<BodyId>>,
+        second: impl Into<Option<BodyId>>,
+        point: Vec2<S>,
+        direction: Vec2<S>,
+    ) -> Result<Self, Error> {
+        let first = first.into();
+        let def = Self::at(world, first, second, point)?;
+        let Vec2 { x, y } = direction.map(|part| part.to_fx().to_bits());
+        let axis = S::Angle::from_turn(Turn::from_bits(atan2_turn(y, x)));
+        let angle = world.joint_angle(first, S::ZERO).way_to(axis).to_scalar().unwrap_or(S::ZERO);
+        let angles = [angle, def.angles[1] + angle];
+        Ok(Self { angles, kind: JointKind::Prismatic(Prismatic::default()), ..def })
+    }
+
     /// A rigid rod between points of two bodies, given where they are in the world, m; `None` is the world. It is as long as they are apart.
     ///
     /// # Errors
@@ -78,6 +114,12 @@ impl<S: Scalar> JointDef<S> {
         let length = from.map(S::to_fx).checked_distance(to.map(S::to_fx)).unwrap_or(Fx::MAX);
         Ok(Self::new(ends, JointKind::Distance(Distance::rod(S::from_fx(length)))))
     }
+}
+
+/// The command that sets the motor of a joint, for its kind with the motor. Images of motors that turn are others than images of motors that push,
+/// which are told by their kind.
+fn motor_command<S: Scalar>(joint: JointId, motor: Option<JointMotor<S>>, kind: JointKind<S>) -> Command<S> {
+    if kind.motor_turns() { Command::SetJointMotor { joint, motor } } else { Command::SetJointKind { joint, kind } }
 }
 
 /// The end of a joint at a point of the world, on a body or on the world.
@@ -168,10 +210,10 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    /// Sets the motor of a revolute joint, `None` for no motor; wakes its bodies. The impulse that the joint starts from stays.
+    /// Sets the motor of a joint, `None` for no motor; wakes its bodies. The impulse that the joint starts from stays.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`]; [`Error::NoMotor`] for a joint of another kind; [`Error::OutOfRange`] with [`Quantity::MotorSpeed`] or
+    /// [`Error::NoSuchJoint`]; [`Error::NoMotor`] for a weld; [`Error::OutOfRange`] with [`Quantity::MotorSpeed`] or
     /// [`Quantity::JointForce`].
     ///
     /// ```
@@ -188,10 +230,33 @@ impl<S: Scalar> World<S> {
     /// ```
     pub fn set_joint_motor(&mut self, joint: JointId, motor: Option<JointMotor<S>>) -> Result<(), Error> {
         let (index, kind) = self.check_joint_motor(joint, motor)?;
+        let command = motor_command(joint, motor, kind);
         self.redefine_joint(index, |def| def.kind = kind)?;
-        self.journal.note(|| Command::SetJointMotor { joint, motor });
+        self.journal.note(|| command);
         self.fit_joint_state(index);
         Ok(())
+    }
+
+    /// The command that does what [`set_joint_motor`](Self::set_joint_motor) would do now, for inputs that go to other players.
+    ///
+    /// # Errors
+    /// As [`set_joint_motor`](Self::set_joint_motor).
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Command, JointDef, JointKind, JointMotor, Prismatic, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let cabin = world.add_body(BodyDef::dynamic())?;
+    /// let lift = world.add_joint(JointDef::along(&world, None, cabin, vec2(0, 0), vec2(0, 1))?)?;
+    /// let motor = Some(JointMotor { speed: fx!(1), max_force: fx!(100) });
+    /// let up = world.joint_motor_command(lift, motor)?;
+    /// assert!(matches!(up, Command::SetJointKind { kind: JointKind::Prismatic(Prismatic { motor: Some(_), .. }), .. }));
+    /// world.execute(&up)?;
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn joint_motor_command(&self, joint: JointId, motor: Option<JointMotor<S>>) -> Result<Command<S>, Error> {
+        let (_, kind) = self.check_joint_motor(joint, motor)?;
+        Ok(motor_command(joint, motor, kind))
     }
 
     /// Sets the mean force over a step, N, above which a joint breaks, `None` for never; wakes its bodies. A joint that is broken stays so.
@@ -278,9 +343,18 @@ impl<S: Scalar> World<S> {
         motor: Option<JointMotor<S>>,
     ) -> Result<(usize, JointKind<S>), Error> {
         let index = self.joints.find(joint)?;
-        let JointKind::Revolute(revolute) = self.joints.def(index).kind else { return Err(Error::NoMotor { joint }) };
-        let kind = JointKind::Revolute(Revolute { motor, ..revolute });
+        let kind = self.joints.def(index).kind.with_motor(motor).ok_or(Error::NoMotor { joint })?;
         kind.check().map(|()| (index, kind))
+    }
+
+    pub(super) fn check_turning_motor(&self, joint: JointId, motor: Option<JointMotor<S>>) -> Result<(), Error> {
+        let (_, kind) = self.check_joint_motor(joint, motor)?;
+        if kind.motor_turns() { Ok(()) } else { Err(Error::NoMotor { joint }) }
+    }
+
+    pub(super) fn set_turning_motor(&mut self, joint: JointId, motor: Option<JointMotor<S>>) -> Result<(), Error> {
+        self.check_turning_motor(joint, motor)?;
+        self.set_joint_motor(joint, motor)
     }
 
     pub(super) fn check_joint_break(&self, joint: JointId, force: Option<S>) -> Result<usize, Error> {
@@ -332,10 +406,14 @@ impl<S: Scalar> World<S> {
     fn fit_joint_state(&mut self, index: usize) {
         let kind = self.joints.def(index).kind;
         let state = &mut self.joint_states.list[index];
+        let mut values = state.impulses;
         if kind.axis().is_none() {
-            let [x, y, _] = state.impulses;
-            state.set_impulses(Impulses { values: [x, y, 0], ..state.impulses() });
+            values[2] = 0;
         }
+        if kind.is_slider() && kind.slide().is_none() {
+            values[0] = 0;
+        }
+        state.set_impulses(Impulses { values, ..state.impulses() });
         if !kind.counts_turns() {
             state.turns = 0;
         }

@@ -3,7 +3,7 @@
 use super::scenes::{falling, point_mass, steps};
 use umbra_physics::{
     Attachment, BodyDef, BodyId, BodyKind, Distance, End, Error, Event, Fx, JointDef, JointId, JointKind, JointLimits,
-    JointMotor, Quantity, Revolute, World, fx, limits, vec2,
+    JointMotor, Prismatic, Quantity, Revolute, Weld, World, fx, limits, vec2,
 };
 
 fn out_of_range<T>(quantity: Quantity) -> Result<T, Error> {
@@ -20,6 +20,11 @@ fn wrong_joints_are_refused() {
     let centre = |body| on_body(body, vec2(0, 0));
     let pin = |ends| JointDef::new(ends, JointKind::default());
     let rod = |length| JointDef::new([centre(a), centre(b)], JointKind::Distance(Distance::rod(length)));
+    let line = |distance| JointDef::new([centre(a), centre(b)], JointKind::Distance(distance));
+    let range = |lower, upper| Some(JointLimits { lower, upper });
+    let slider = |limits| {
+        JointDef::new([centre(a), centre(b)], JointKind::Prismatic(Prismatic { limits, ..Prismatic::default() }))
+    };
     let bent = |limits| {
         let kind = JointKind::Revolute(Revolute { limits: Some(limits), ..Revolute::default() });
         JointDef::new([centre(a), centre(b)], kind)
@@ -44,6 +49,12 @@ fn wrong_joints_are_refused() {
             out_of_range(Quantity::JointAngle),
         ),
         (bent(JointLimits::degrees(0, fx!(1e9))), out_of_range(Quantity::JointAngle)),
+        (line(Distance::rope(fx!(0))), out_of_range(Quantity::JointLength)),
+        (line(Distance { limits: range(fx!(-1), fx!(1)), ..Distance::default() }), out_of_range(Quantity::JointLength)),
+        (line(Distance::spring(fx!(-1), fx!(1), fx!(1))), out_of_range(Quantity::JointLength)),
+        (line(Distance { friction: fx!(-1), ..Distance::default() }), out_of_range(Quantity::JointForce)),
+        (slider(range(fx!(1), fx!(0))), out_of_range(Quantity::JointLimits)),
+        (slider(range(fx!(0), limits::JOINT_LENGTH + Fx::DELTA)), out_of_range(Quantity::JointLength)),
         (JointDef { break_force: Some(-Fx::DELTA), ..rod(fx!(1)) }, out_of_range(Quantity::BreakForce)),
     ];
     let before = world.state_hash();
@@ -63,7 +74,10 @@ fn wrong_joints_are_refused() {
     assert_eq!(world.joints_of(nobody).map(drop), Err(Error::NoSuchBody { body: nobody }));
     let known = world.joints().next().expect("a joint").id();
     assert_eq!(world.set_joint_motor(gone, None), Err(Error::NoSuchJoint { joint: gone }));
-    assert_eq!(world.set_joint_motor(known, None), Err(Error::NoMotor { joint: known }));
+    let weld = JointDef { kind: JointKind::Weld(Weld::default()), ..pin([centre(a), centre(b)]) };
+    let weld = world.add_joint(weld).expect("a joint");
+    assert_eq!(world.set_joint_motor(weld, None), Err(Error::NoMotor { joint: weld }));
+    assert_eq!(world.remove_joint(weld), Ok(()));
     let pin = world.joints().last().expect("a joint").id();
     let motor = JointMotor { speed: fx!(1), max_force: -Fx::DELTA };
     assert_eq!(world.set_joint_motor(pin, Some(motor)), out_of_range(Quantity::JointForce));

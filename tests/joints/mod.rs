@@ -9,4 +9,5 @@ mod crowds;
 mod motion;
 mod pairs;
 mod sleep;
+mod sliders;
 mod state;

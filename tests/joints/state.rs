@@ -4,7 +4,7 @@ use super::scenes::{bar, chain, falling, point_mass, steps};
 use crate::seeds::run_seed;
 use umbra_physics::{
     BodyDef, BodyId, Error, Fx, Irreversible, JointDef, JointKind, Owner, Random, Snapshot, Symmetry, TimeStep, Vec2,
-    Weld, World, WorldDef, fx, vec2,
+    Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
 fn through_bytes(world: &World) -> World {
@@ -49,7 +49,10 @@ fn the_state_of_a_joint_is_small() {
     assert_eq!(size(&world) - empty, definition + axis + 5 + 19);
     let rod = JointDef::between(&world, None, vec2(0, 0), body, vec2(1, 0)).expect("a rod");
     world.set_joint_kind(joint, rod.kind).expect("a kind");
-    assert_eq!(size(&world) - empty, definition + 8 + 5 + 11);
+    // Two limits.
+    assert_eq!(size(&world) - empty, definition + axis + 16 + 5 + 11);
+    world.set_joint_kind(joint, JointKind::Wheel(Wheel::default())).expect("a kind");
+    assert_eq!(size(&world) - empty, definition + axis + 5 + 29);
     world.set_joint_kind(joint, JointKind::Weld(Weld::default())).expect("a kind");
     assert_eq!(size(&world) - empty, definition + 1 + 5 + 29);
 }

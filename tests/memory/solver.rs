@@ -80,7 +80,14 @@ impl Scene {
 
     fn tie(&mut self, bodies: [u32; 2]) {
         let kind = JointKind::Distance { length: fx!(2) };
-        self.joints.push(Joint { bodies, anchors: [vec2(0, 0); 2], kind, axis: None, impulses: Impulses::default() });
+        self.joints.push(Joint {
+            bodies,
+            anchors: [vec2(0, 0); 2],
+            kind,
+            axis: None,
+            slide: None,
+            impulses: Impulses::default(),
+        });
     }
 }
 

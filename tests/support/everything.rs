@@ -12,8 +12,8 @@ use umbra_physics::{
     CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
     Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, JointDef, JointId,
     JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part,
-    Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld, World, WorldDef, fx,
-    vec2,
+    Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld, Wheel, World,
+    WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -150,6 +150,30 @@ fn rod() -> JointDef {
     JointDef { collide_connected: true, events: true, ..JointDef::new([first, second], kind) }
 }
 
+/// A slider of the body in slot 6 in the world, with all that can act along its axis.
+fn slider() -> JointDef {
+    let ends = [End::World(vec2(4, 4)), End::Body(Attachment::centre(BodyId::from_parts(6, 0)))];
+    let kind = JointKind::Prismatic(Prismatic {
+        limits: Some(JointLimits { lower: fx!(-1), upper: fx!(2) }),
+        motor: Some(JointMotor { speed: fx!(1), max_force: fx!(30) }),
+        spring: Some(JointSpring::new(fx!(2), fx!(0.5))),
+        friction: fx!(0.1),
+    });
+    JointDef { angles: [fx!(0.5), fx!(0)], ..JointDef::new(ends, kind) }
+}
+
+/// A wheel on its suspension, and a rope, between the bodies in slots 5 and 6.
+fn wheel_and_rope() -> [JointDef; 2] {
+    let wheel = Wheel {
+        limits: Some(JointLimits { lower: fx!(-0.2), upper: fx!(0.3) }),
+        spring: Some(JointSpring { max_force: Some(fx!(90)), ..JointSpring::new(fx!(3), fx!(0.7)) }),
+        motor: Some(JointMotor { speed: fx!(-2), max_force: fx!(4) }),
+        friction: fx!(0.2),
+    };
+    let rope = Distance { spring: Some(JointSpring::new(fx!(1), fx!(0))), ..Distance::rope(fx!(3)) };
+    [JointKind::Wheel(wheel), JointKind::Distance(rope)].map(|kind| JointDef { kind, ..rod() })
+}
+
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
 pub(crate) fn commands() -> Vec<Command> {
     let body = BodyId::from_parts(1, 0);
@@ -254,6 +278,10 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::AddJoint(driven_pin()),
         Command::AddJoint(JointDef { break_force: Some(fx!(2000)), ..rod() }),
         Command::SetJointKind { joint, kind: rod().kind },
+        Command::SetJointKind { joint, kind: slider().kind },
+        Command::SetJointKind { joint, kind: wheel_and_rope()[0].kind },
+        Command::SetJointKind { joint, kind: wheel_and_rope()[1].kind },
+        Command::SetJointKind { joint, kind: JointKind::Distance(Distance::spring(fx!(1), fx!(2), fx!(0))) },
         Command::SetJointKind { joint, kind: weld().kind },
         Command::SetJointKind { joint, kind: driven_pin().kind },
         Command::SetJointMotor {
@@ -301,10 +329,11 @@ pub(crate) fn world() -> World {
     }
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
-    for joint in [driven_pin(), rod(), pin()] {
+    let [wheel, rope] = wheel_and_rope();
+    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin()] {
         world.add_joint(joint).expect("a joint");
     }
-    world.remove_joint(JointId::from_parts(2, 0)).expect("it is there");
+    world.remove_joint(JointId::from_parts(5, 0)).expect("it is there");
     world.set_blob(b"some bytes of the game's").expect("few");
     world.add_body(BodyDef { gravity_scale: Fx::ZERO, force_groups: 0, ..BodyDef::dynamic() }).expect("a body");
     // One on its way, one that is disabled, one that is locked.

@@ -4,7 +4,8 @@ use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
     FxFactor, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Part, Random, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld,
+    MaterialPair, MixRule, OneWay, Part, Prismatic, Random, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2,
+    Weld, Wheel,
 };
 
 use super::layouts::Value;
@@ -271,7 +272,24 @@ fn joint_kind(value: &Value) -> JointKind {
             friction: number(&value["friction"]),
         }),
         "Weld" => JointKind::Weld(Weld { spring: value["spring"].option().map(joint_spring) }),
-        "Distance" => JointKind::Distance(Distance::rod(number(&value["length"]))),
+        "Distance" => JointKind::Distance(Distance {
+            limits: value["limits"].option().map(joint_limits),
+            motor: value["motor"].option().map(joint_motor),
+            spring: value["spring"].option().map(joint_spring),
+            friction: number(&value["friction"]),
+        }),
+        "Prismatic" => JointKind::Prismatic(Prismatic {
+            limits: value["limits"].option().map(joint_limits),
+            motor: value["motor"].option().map(joint_motor),
+            spring: value["spring"].option().map(joint_spring),
+            friction: number(&value["friction"]),
+        }),
+        "Wheel" => JointKind::Wheel(Wheel {
+            limits: value["limits"].option().map(joint_limits),
+            spring: value["spring"].option().map(joint_spring),
+            motor: value["motor"].option().map(joint_motor),
+            friction: number(&value["friction"]),
+        }),
         name => panic!("kind of joint {name}"),
     }
 }

@@ -7,8 +7,8 @@ use super::field::{Names, end, named, symbol};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
-    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Quantity, Revolute,
-    Vec2, Weld, World,
+    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Quantity,
+    Revolute, Vec2, Weld, Wheel, World,
 };
 
 /// A joint of a scene.
@@ -42,7 +42,18 @@ pub(super) struct Start<'a> {
 }
 
 /// The kinds of joints.
-const KINDS: [&str; 3] = ["revolute", "weld", "distance"];
+const KINDS: [&str; 5] = ["revolute", "weld", "distance", "prismatic", "wheel"];
+
+/// The points and the axis at which a joint is placed in the world.
+#[derive(Clone, Copy)]
+enum Placing {
+    /// One point.
+    At(Vec2),
+    /// One point, and the direction of an axis.
+    Along(Vec2, Vec2),
+    /// A point of each body.
+    Between(Vec2, Vec2),
+}
 
 /// Reads a joint. Without a start its ends are needed in the axes of its bodies.
 pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Result<SceneJoint> {
@@ -52,11 +63,10 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
         [flag("collide_connected", false), flag("enabled", true), flag("events", false)];
     let break_force = object.or("break_force", None, break_force);
     let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
-    let is_rod = object.has("distance");
-    let placed = placed(object, names, start, is_rod);
-    // A rod between two points is as long as they are apart, unless it says so itself.
+    let placed = placed(object, names, start);
+    // A rod between two points, and a spring at rest, is as long as they are apart, unless it says so itself.
     let length = placed.as_ref().ok().and_then(|def| match def.kind {
-        JointKind::Distance(Distance { length, .. }) => Some(length),
+        JointKind::Distance(Distance { limits: Some(limits), .. }) => Some(limits.upper),
         _ => None,
     });
     let kind = kind(object, length);
@@ -67,7 +77,7 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
 }
 
 /// The ends of a joint: `bodies` with points of the world, or `ends` in the axes of bodies.
-fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>, is_rod: bool) -> Result<JointDef> {
+fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Result<JointDef> {
     let (way, node) = object.one_of(&["bodies", "ends"])?;
     if way == "ends" {
         let [first, second] = node.tuple()?.map(|node: Node<'_>| end(&node, names));
@@ -76,7 +86,7 @@ fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>, is_rod:
     }
     let Some(start) = start else {
         // Known, so that the one error is told alone.
-        _ = (object.get("point"), object.get("points"));
+        _ = (object.get("point"), object.get("points"), object.get("axis"));
         return Err(node.fault("points of the world are found on bodies at the start alone: give `ends`"));
     };
     let [first, second] = node.tuple()?.map(|node: Node<'_>| match node.kind() {
@@ -84,27 +94,30 @@ fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>, is_rod:
         Kind::Text => named(&node, names, "body").map(|index| Some(symbol(index))),
         _ => Err(node.wrong_kind("the name of a body, or null for the world")),
     });
-    let points = if is_rod {
+    let placing = if object.has("distance") {
         object.need("points", |node| {
             let [from, to] = node.tuple()?.map(|node: Node<'_>| node.point());
-            Ok([from?, to?])
+            Ok(Placing::Between(from?, to?))
         })
+    } else if object.has("prismatic") || object.has("wheel") {
+        let (point, axis) = (object.need("point", Node::point), object.need("axis", axis));
+        point.and_then(|point| Ok(Placing::Along(point, axis?)))
     } else {
-        object.need("point", Node::point).map(|point| [point; 2])
+        object.need("point", Node::point).map(Placing::At)
     };
-    let (symbols, points) = ([first?, second?], points?);
-    start.joint(object.at(&["point", "points"]), symbols, points, is_rod)
+    let (symbols, placing) = ([first?, second?], placing?);
+    start.joint(object.at(&["point", "points"]), symbols, placing)
+}
+
+/// The direction of an axis.
+fn axis(node: &Node<'_>) -> Result<Vec2> {
+    let axis = node.point()?;
+    if axis == Vec2::ZERO { Err(node.fault("an axis without a direction")) } else { Ok(axis) }
 }
 
 impl Start<'_> {
     /// A joint at points of the world.
-    fn joint(
-        &self,
-        node: &Node<'_>,
-        symbols: [Option<BodyId>; 2],
-        [from, to]: [Vec2; 2],
-        is_rod: bool,
-    ) -> Result<JointDef> {
+    fn joint(&self, node: &Node<'_>, symbols: [Option<BodyId>; 2], placing: Placing) -> Result<JointDef> {
         let mut handles = [None; 2];
         for (handle, symbol) in handles.iter_mut().zip(symbols) {
             let Some(symbol) = symbol else { continue };
@@ -112,10 +125,10 @@ impl Start<'_> {
             *handle = Some(*self.handles.get(symbol.parts().0 as usize).ok_or_else(Refused::default)?);
         }
         let [first, second] = handles;
-        let def = if is_rod {
-            JointDef::between(self.world, first, from, second, to)
-        } else {
-            JointDef::at(self.world, first, second, from)
+        let def = match placing {
+            Placing::At(point) => JointDef::at(self.world, first, second, point),
+            Placing::Along(point, axis) => JointDef::along(self.world, first, second, point, axis),
+            Placing::Between(from, to) => JointDef::between(self.world, first, from, second, to),
         };
         let mut def = def.map_err(|error| node.fault(error))?;
         for (end, symbol) in def.ends.iter_mut().zip(symbols) {
@@ -134,43 +147,79 @@ pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind>
     match word {
         "revolute" => {
             let revolute = Revolute {
-                limits: object_or_none(&inner, "limits", limits),
+                limits: object_or_none(&inner, "limits", angles),
                 motor: object_or_none(&inner, "motor", motor),
-                spring: object_or_none(&inner, "spring", spring),
-                friction: inner.or("friction", Fx::ZERO, Node::number),
+                spring: object_or_none(&inner, "spring", |node| spring(node, None, turning_spring)),
+                friction: friction(&inner),
             };
             inner.finish()?;
-            let only_friction = Revolute { friction: revolute.friction, ..Revolute::default() };
-            check(&inner, JointKind::Revolute(only_friction), &["friction"])?;
             Ok(JointKind::Revolute(revolute))
         }
         "weld" => {
-            let weld = Weld { spring: object_or_none(&inner, "spring", spring) };
+            let weld = Weld { spring: object_or_none(&inner, "spring", |node| spring(node, None, turning_spring)) };
             inner.finish()?;
             Ok(JointKind::Weld(weld))
         }
-        _ => {
-            let length = match length {
-                Some(length) => Ok(inner.or("length", length, Node::number)),
-                None => inner.need("length", Node::number),
+        "prismatic" => {
+            let prismatic = Prismatic {
+                limits: object_or_none(&inner, "limits", ways),
+                motor: object_or_none(&inner, "motor", linear_motor),
+                spring: object_or_none(&inner, "spring", |node| spring(node, None, pushing_spring)),
+                friction: friction(&inner),
             };
             inner.finish()?;
-            let kind = JointKind::Distance(Distance::rod(length?));
-            // What the points make is refused by the world, at the points.
-            if inner.has("length") {
-                check(&inner, kind, &["length"])?;
-            }
-            Ok(kind)
+            Ok(JointKind::Prismatic(prismatic))
         }
+        "wheel" => {
+            let wheel = Wheel {
+                limits: object_or_none(&inner, "limits", ways),
+                spring: object_or_none(&inner, "spring", |node| spring(node, None, pushing_spring)),
+                motor: object_or_none(&inner, "motor", motor),
+                friction: friction(&inner),
+            };
+            inner.finish()?;
+            Ok(JointKind::Wheel(wheel))
+        }
+        _ => distance(&inner, length).map(JointKind::Distance),
     }
 }
 
+/// A distance joint: a rod of a length where nothing else is said.
+fn distance(inner: &Object<'_>, length: Option<Fx>) -> Result<Distance> {
+    let is_rod = !["limits", "motor", "spring", "friction"].iter().any(|name| inner.has(name));
+    if is_rod {
+        let length = match length {
+            Some(length) => Ok(inner.or("length", length, Node::number)),
+            None => inner.need("length", Node::number),
+        };
+        inner.finish()?;
+        let rod = Distance::rod(length?);
+        // What the points make is refused by the world, at the points.
+        if inner.has("length") {
+            check(inner, JointKind::Distance(rod), &["length"])?;
+        }
+        return Ok(rod);
+    }
+    let distance = Distance {
+        limits: object_or_none(inner, "limits", ways),
+        motor: object_or_none(inner, "motor", linear_motor),
+        spring: object_or_none(inner, "spring", |node| spring(node, length, pushing_spring)),
+        friction: friction(inner),
+    };
+    inner.finish()?;
+    let limits = Distance { limits: distance.limits, ..Distance::default() };
+    check(inner, JointKind::Distance(limits), &["limits"])?;
+    let spring = Distance { spring: distance.spring, ..Distance::default() };
+    check(inner, JointKind::Distance(spring), &["spring"])?;
+    Ok(distance)
+}
+
 /// A value that may be left out or `null`.
-fn object_or_none<T>(object: &Object<'_>, name: &'static str, read: fn(&Node<'_>) -> Result<T>) -> Option<T> {
+fn object_or_none<T>(object: &Object<'_>, name: &'static str, read: impl FnOnce(&Node<'_>) -> Result<T>) -> Option<T> {
     object.or(name, None, |node| optional(node, read))
 }
 
-fn optional<T>(node: &Node<'_>, read: fn(&Node<'_>) -> Result<T>) -> Result<Option<T>> {
+fn optional<T>(node: &Node<'_>, read: impl FnOnce(&Node<'_>) -> Result<T>) -> Result<Option<T>> {
     if node.kind() == Kind::Null { Ok(None) } else { read(node).map(Some) }
 }
 
@@ -184,27 +233,51 @@ fn numbers(node: &Node<'_>) -> Result<[Fx; 2]> {
     Ok([first?, second?])
 }
 
+/// The largest force or torque of friction.
+fn friction(object: &Object<'_>) -> Fx {
+    object.or("friction", Fx::ZERO, |node| {
+        let friction = node.number()?;
+        let kind: JointKind = JointKind::Revolute(Revolute { friction, ..Revolute::default() });
+        kind.check().map(|()| friction).map_err(|error| node.fault(error))
+    })
+}
+
 /// The lowest and the highest angle.
-fn limits(node: &Node<'_>) -> Result<JointLimits> {
+fn angles(node: &Node<'_>) -> Result<JointLimits> {
+    limits(node, |limits| JointKind::Revolute(Revolute { limits, ..Revolute::default() }))
+}
+
+/// The lowest and the highest way.
+fn ways(node: &Node<'_>) -> Result<JointLimits> {
+    limits(node, |limits| JointKind::Prismatic(Prismatic { limits, ..Prismatic::default() }))
+}
+
+/// Limits that are in range for a kind.
+fn limits(node: &Node<'_>, kind: fn(Option<JointLimits>) -> JointKind) -> Result<JointLimits> {
     let [lower, upper] = numbers(node)?;
     let limits = JointLimits { lower, upper };
-    let kind: JointKind = JointKind::Revolute(Revolute { limits: Some(limits), ..Revolute::default() });
-    kind.check().map_err(|error| node.fault(error))?;
+    kind(Some(limits)).check().map_err(|error| node.fault(error))?;
     Ok(limits)
 }
 
-fn read_motor(object: &Object<'_>) -> Result<JointMotor> {
+/// A motor that turns.
+fn motor(node: &Node<'_>) -> Result<JointMotor> {
+    motor_of(node, |motor| JointKind::Revolute(Revolute { motor, ..Revolute::default() }))
+}
+
+/// A motor that pushes.
+fn linear_motor(node: &Node<'_>) -> Result<JointMotor> {
+    motor_of(node, |motor| JointKind::Prismatic(Prismatic { motor, ..Prismatic::default() }))
+}
+
+/// A motor, all of whose values are in range for a kind.
+fn motor_of(node: &Node<'_>, kind: fn(Option<JointMotor>) -> JointKind) -> Result<JointMotor> {
+    let object = node.object()?;
     let speed = object.or("speed", Fx::ZERO, Node::number);
     let max_force = object.need("max_force", Node::number);
     object.finish()?;
-    Ok(JointMotor { speed, max_force: max_force? })
-}
-
-/// A motor, all of whose values are in range.
-fn motor(node: &Node<'_>) -> Result<JointMotor> {
-    let object = node.object()?;
-    let motor = read_motor(&object)?;
-    let kind: JointKind = JointKind::Revolute(Revolute { motor: Some(motor), ..Revolute::default() });
+    let motor = JointMotor { speed, max_force: max_force? };
+    let kind = kind(Some(motor));
     let field = match kind.check() {
         Err(Error::OutOfRange { quantity: Quantity::MotorSpeed }) => "speed",
         _ => "max_force",
@@ -213,25 +286,33 @@ fn motor(node: &Node<'_>) -> Result<JointMotor> {
     Ok(motor)
 }
 
-/// A motor, or `null` for none.
+/// A motor that turns, or `null` for none.
 pub(super) fn optional_motor(node: &Node<'_>) -> Result<Option<JointMotor>> {
     optional(node, motor)
 }
 
-/// A spring that turns, all of whose values are in range.
-fn spring(node: &Node<'_>) -> Result<JointSpring> {
+fn turning_spring(spring: JointSpring) -> JointKind {
+    JointKind::Weld(Weld { spring: Some(spring) })
+}
+
+fn pushing_spring(spring: JointSpring) -> JointKind {
+    JointKind::Prismatic(Prismatic { spring: Some(spring), ..Prismatic::default() })
+}
+
+/// A spring, all of whose values are in range for a kind; it may have another position at rest than 0.
+fn spring(node: &Node<'_>, rest: Option<Fx>, kind: fn(JointSpring) -> JointKind) -> Result<JointSpring> {
     let object = node.object()?;
     let hertz = object.need("hertz", Node::number);
     let damping_ratio = object.or("damping_ratio", Fx::ONE, Node::number);
-    let rest = object.or("rest", Fx::ZERO, Node::number);
+    let rest = object.or("rest", rest.unwrap_or_default(), Node::number);
     let max_force = object.or("max_force", None, |node| optional(node, |node| node.number()));
     object.finish()?;
     let spring = JointSpring { hertz: hertz?, damping_ratio, rest, max_force };
-    let kind: JointKind = JointKind::Weld(Weld { spring: Some(spring) });
+    let kind = kind(spring);
     let field = match kind.check() {
         Err(Error::OutOfRange { quantity: Quantity::SpringFrequency }) => "hertz",
         Err(Error::OutOfRange { quantity: Quantity::DampingRatio }) => "damping_ratio",
-        Err(Error::OutOfRange { quantity: Quantity::JointAngle }) => "rest",
+        Err(Error::OutOfRange { quantity: Quantity::JointAngle | Quantity::JointLength }) => "rest",
         _ => "max_force",
     };
     check(&object, kind, &[field])?;

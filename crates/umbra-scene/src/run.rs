@@ -253,7 +253,11 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
     }
 
     fn carry_out(&mut self, action: &SceneAction, driver: &mut impl Stepper<S>) -> Result<(), Error> {
-        let command = self.command(action)?;
+        let command = match self.command(action)? {
+            // Of a joint whose motor pushes it is another command.
+            Command::SetJointMotor { joint, motor } => self.world.joint_motor_command(joint, motor)?,
+            command => command,
+        };
         let created = driver.execute(&mut self.world, &command)?;
         match (action, created) {
             (SceneAction::AddBody(index), Created::Body(body)) => {

@@ -1,6 +1,6 @@
-//! The free axis of a joint: the angle about which its bodies turn, with limits, a motor, friction and a spring.
+//! The law of a free row of a joint - an angle, or a distance along an axis or a line - with limits, a motor, friction and a spring.
 //!
-//! All of them act along one row, and its impulse is one value: a function of the velocity of the row at the end of a pass that falls in
+//! All of them act along the one row, and its impulse is one value: a function of the velocity of the row at the end of a pass that falls in
 //! *steps*. Each limit, the motor and friction make a step, as high as their impulses go, at the velocity that they aim at; a spring makes a
 //! slope. Between two steps the impulse is on a *level*.
 //!
@@ -38,25 +38,23 @@ use super::tree::FRACTION;
 use super::{Block, FAR, IMPULSE};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
-use crate::math::Vec2;
 use crate::scalar::FxFactor;
-use crate::solve::motion::Rows;
+use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::shifted;
 use crate::solve::unit::Clock;
-use crate::solve::{Flight, Joint};
 
-/// The free axis of a joint, with all that acts along it.
+/// The free row of a joint, with all that acts along it: for an angle in rad, rad/s and N·m, for a distance in m, m/s and N.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Axis {
-    /// The position at the start of the step, rad.
+    /// The position at the start of the step.
     pub position: Fx,
-    /// The lowest and the highest position, rad; not in the wrong order.
+    /// The lowest and the highest position; not in the wrong order.
     pub limits: Option<[Fx; 2]>,
-    /// The velocity that a motor aims at, rad/s.
+    /// The velocity that a motor aims at.
     pub motor_speed: Fx,
-    /// The largest torque of the motor, N·m; zero without a motor.
+    /// The largest force of the motor; zero without a motor.
     pub motor_force: Fx,
-    /// The largest torque of friction, N·m.
+    /// The largest force of friction.
     pub friction: Fx,
     /// A spring, if there is one.
     pub spring: Option<AxisSpring>,
@@ -69,9 +67,9 @@ pub struct AxisSpring {
     pub frequency: Fx,
     /// Damping over critical damping.
     pub damping_ratio: Fx,
-    /// The position at rest, rad.
+    /// The position at rest.
     pub rest: Fx,
-    /// The largest torque, N·m.
+    /// The largest force.
     pub max_force: Fx,
 }
 
@@ -105,7 +103,7 @@ pub(super) enum Aim {
     Impulse { change: i64, is_elastic: bool },
 }
 
-/// The free axis of a joint as the passes see it.
+/// The law of a row as the passes see it.
 #[derive(Clone, Debug)]
 pub(super) struct AxisRow {
     /// log2 of the length at which velocities of the row are taken, m.
@@ -149,55 +147,9 @@ fn product(factor: (u64, i32), value: i128, limit: i64) -> i64 {
     mul_shift_64(value, mantissa, shift).unwrap_or(value.signum() * limit).clamp(-limit, limit) as i64
 }
 
-/// log2 of the length at which the velocities of a row between two bodies are taken, m: of the shorter body that can turn. `None` if none can.
-fn axis_length(flights: [&Flight; 2]) -> Option<i32> {
-    let turning = flights.into_iter().filter(|flight| !flight.inverse_inertia.is_zero());
-    turning.map(|flight| flight.length()).min()
-}
-
-/// The square of a component.
-fn square(component: Fx) -> FxFactor {
-    let size = FxFactor::from_scalar(component.abs());
-    size.times(size)
-}
-
-/// The effective mass of the angle between two bodies that are pinned together at these arms: 1/K in kg·m², for
-/// K = (I₁ + I₂ + μ|r₁ − r₂|²)/(I₁·I₂ + μ(I₁·r₂² + I₂·r₁²) + μ²(r₁ × r₂)²) and the reduced mass μ of both. `None` if none can turn.
-fn effective_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<FxFactor> {
-    // A locked axis of both takes part no more: there the pin alone decides.
-    let reduced = |sum: FxFactor| if sum.is_zero() { FxFactor::ZERO } else { FxFactor::ONE.over(sum) };
-    let [mx, my] = [
-        reduced(first.inverse_mass.x.plus(second.inverse_mass.x)),
-        reduced(first.inverse_mass.y.plus(second.inverse_mass.y)),
-    ];
-    // Motion along x turns an arm along y.
-    let moment = |arm: Vec2| mx.times(square(arm.y)).plus(my.times(square(arm.x)));
-    let inertia =
-        |flight: &Flight| (!flight.inverse_inertia.is_zero()).then(|| FxFactor::ONE.over(flight.inverse_inertia));
-    match [inertia(first), inertia(second)] {
-        [None, None] => None,
-        [Some(first), None] => Some(first.plus(moment(a))),
-        [None, Some(second)] => Some(second.plus(moment(b))),
-        [Some(first), Some(second)] => {
-            let apart = Vec2::new(a.x.saturating_sub(b.x), a.y.saturating_sub(b.y));
-            let product = |p: Fx, q: Fx| i128::from(p.to_bits()) * i128::from(q.to_bits());
-            // Arms are below 2^12.5 m: products in 2^-64 are below 2^90.
-            let cross = (product(a.x, b.y) - product(a.y, b.x)).unsigned_abs();
-            let cross = FxFactor::new(cross, 64);
-            let numerator = first
-                .times(second)
-                .plus(first.times(moment(b)))
-                .plus(second.times(moment(a)))
-                .plus(mx.times(my).times(cross).times(cross));
-            Some(numerator.over(first.plus(second).plus(moment(apart))))
-        }
-    }
-}
-
 impl Axis {
-    /// A speed that the motor or the spring may give the row, in 2^-32 m/s.
-    pub(super) fn speed(&self, flights: [&Flight; 2]) -> u128 {
-        let Some(length) = axis_length(flights) else { return 0 };
+    /// A speed that the motor or the spring may give the row, in 2^-32 m/s, for the length at which its velocities are taken.
+    pub(super) fn speed(&self, length: i32) -> u128 {
         let spring = self.spring.map_or(0, |spring| {
             let way = self.position.saturating_sub(spring.rest).to_bits().unsigned_abs();
             // 2π is below 8. Below 2^31 Hz and 2^63 units.
@@ -211,19 +163,10 @@ impl Axis {
 }
 
 impl AxisRow {
-    /// The row of a joint, with the unit of velocity 2^`unit` m/s and of impulses 2^`mass_exponent` kg of it; `None` if none of its bodies can
-    /// turn.
-    pub(super) fn new(
-        joint: &Joint,
-        flights: [&Flight; 2],
-        clock: &Clock,
-        unit: i32,
-        mass_exponent: i32,
-    ) -> Option<Self> {
-        let axis = joint.axis.as_ref()?;
-        let inertia = effective_inertia(flights, joint.anchors)?;
-        let length = axis_length(flights)?;
-        let (mantissa, shift) = inertia.parts();
+    /// A row with an effective mass, kg or kg·m², whose velocities are taken at 2^`length` m, with the unit of velocity 2^`unit` m/s and of
+    /// impulses 2^`mass_exponent` kg of it.
+    pub(super) fn new(axis: &Axis, mass: FxFactor, length: i32, clock: &Clock, unit: i32, mass_exponent: i32) -> Self {
+        let (mantissa, shift) = mass.parts();
         let mass = FxFactor::from_parts(mantissa, shift + 2 * length).unwrap_or(FxFactor::ZERO);
         let impulse_by = |factor: FxFactor, fraction: i32| {
             let (mantissa, shift) = factor.parts();
@@ -238,7 +181,7 @@ impl AxisRow {
         let speed = shifted(axis.motor_speed.to_bits().into(), 2 + unit - length).clamp(-FASTEST, FASTEST);
         let spring = axis.spring.as_ref().map_or(SpringFactors::NONE, |spring| SpringFactors::new(spring, clock));
         let damping = spring.damping.times(mass);
-        Some(Self {
+        Self {
             length,
             mass,
             damping,
@@ -262,7 +205,7 @@ impl AxisRow {
             place: Place::Level(0),
             spring_impulse: 0,
             is_biased: true,
-        })
+        }
     }
 
     /// Takes note of the way of the row since the start.
@@ -434,63 +377,66 @@ impl AxisRow {
 }
 
 impl Block {
-    /// The impulses by row: of the axis in N·m·s in place of N·s at its length, as near as the unit can have it.
+    /// The impulses by row: around in N·m·s in place of N·s at its length, as near as the unit can have it.
     pub(super) fn values(&self) -> [i64; 3] {
         let [first, second, third] = self.impulses;
-        let length = self.axis.as_ref().map_or(0, |axis| axis.length);
         // Within 2^50 units; lengths are within 2^13.
-        let third = shifted(third.into(), -length.clamp(-100, 40)).clamp(-(1 << 62), 1 << 62);
+        let third = shifted(third.into(), -self.axis_length.clamp(-100, 40)).clamp(-(1 << 62), 1 << 62);
         [first, second, third as i64]
     }
 
-    /// Takes note of the velocity of the axis at the beginning of a sub-step, which a spring asks for.
-    pub(super) fn set_start(&mut self, rows: &Rows, is_first: bool) {
-        if self.axis.as_ref().is_none_or(|axis| axis.spring == 0) {
-            return;
-        }
-        let velocities = match is_first {
-            true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
-            false => self.velocities(rows),
-        };
-        let velocity = self.velocity(2, velocities);
-        if let Some(axis) = &mut self.axis {
-            axis.start = velocity;
-        }
+    /// The velocity of a row that has a law, in 2^-30; in the solve pass with the second-order term of a distance.
+    fn law_velocity(&self, row: usize, velocities: [Vector; 2], is_biased: bool) -> i64 {
+        let velocity = self.velocity(row, velocities);
+        if row == 2 || !is_biased { velocity } else { velocity + self.second_order(row, velocities) }
     }
 
-    /// Begins a pass of the axis; with a rate, in 2^-30, the solve pass.
-    pub(super) fn begin_axis(&mut self, rows: &Rows, rate: Option<i64>) {
-        let (velocity, impulse) = (self.velocity(2, self.velocities(rows)), self.impulses[2]);
-        if let Some(axis) = &mut self.axis {
-            axis.begin(velocity, impulse, rate);
+    /// Takes note of the velocities at the beginning of a sub-step, which springs ask for.
+    pub(super) fn set_start(&self, rows: &Rows, laws: &mut [AxisRow], is_first: bool) {
+        for row in 0..3 {
+            let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| law.spring > 0) else { continue };
+            let velocities = match is_first {
+                true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
+                false => self.velocities(rows),
+            };
+            law.start = self.law_velocity(row, velocities, true);
         }
     }
 
-    /// The aim of a pass for the axis.
-    pub(super) fn aim(&self, rows: &Rows) -> Option<Aim> {
-        let velocity = self.velocity(2, self.velocities(rows));
-        self.axis.as_ref().map(|axis| axis.aim(velocity, self.impulses[2]))
+    /// Begins a pass of the laws; with a rate, in 2^-30, the solve pass.
+    pub(super) fn begin_laws(&self, rows: &Rows, laws: &mut [AxisRow], rate: Option<i64>) {
+        for row in 0..3 {
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                let velocity = self.law_velocity(row, self.velocities(rows), rate.is_some());
+                law.begin(velocity, self.impulses[row], rate);
+            }
+        }
     }
 
-    /// Moves the axis on if it has left its place by changes of its velocity, in 2^-[`FRACTION`], and of its impulse. Returns true if it has.
-    pub(super) fn revise_axis(&mut self, rows: &Rows, change: i64, push: i128) -> bool {
-        let velocity = self.velocity(2, self.velocities(rows));
+    /// The aim of a pass for a row; `None` for a row without a law.
+    pub(super) fn aim(&self, row: usize, rows: &Rows, laws: &[AxisRow]) -> Option<Aim> {
+        let law = laws.get(self.laws[row] as usize)?;
+        Some(law.aim(self.law_velocity(row, self.velocities(rows), law.is_biased), self.impulses[row]))
+    }
+
+    /// Moves a row on if it has left its place by changes of its velocity, in 2^-[`FRACTION`], and of its impulse. Returns true if it has.
+    pub(super) fn revise_law(&self, row: usize, rows: &Rows, laws: &mut [AxisRow], change: i64, push: i128) -> bool {
+        let Some(law) = laws.get_mut(self.laws[row] as usize) else { return false };
+        let velocity = self.law_velocity(row, self.velocities(rows), law.is_biased);
         let limit = i128::from(i64::MAX);
         let velocity = (i128::from(velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64;
-        let impulse = self.pushed(push);
-        self.axis.as_mut().is_some_and(|axis| axis.revise(velocity, impulse))
+        law.revise(velocity, self.pushed(row, push))
     }
 
-    /// Settles the axis at its impulse with a change.
-    pub(super) fn settle_axis(&mut self, push: i128) {
-        let impulse = self.pushed(push);
-        if let Some(axis) = &mut self.axis {
-            axis.settle(impulse);
+    /// Settles a row at its impulse with a change.
+    pub(super) fn settle_law(&self, row: usize, laws: &mut [AxisRow], push: i128) {
+        if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+            law.settle(self.pushed(row, push));
         }
     }
 
-    /// The impulse of the axis with a change.
-    fn pushed(&self, push: i128) -> i64 {
-        (i128::from(self.impulses[2]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
+    /// The impulse of a row with a change.
+    fn pushed(&self, row: usize, push: i128) -> i64 {
+        (i128::from(self.impulses[row]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
     }
 }

@@ -14,12 +14,13 @@
 //! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
 //! quotients of sums have 30 bits after the point and are below 2^10.
 
-mod axes;
+mod laws;
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
-use self::axes::{give, revise_axes, settle_axes};
+use self::laws::{give, revise_laws, settle_laws};
+use super::axis::AxisRow;
 use super::forest::Forest;
 use super::tree::{FRACTION, RESIDUAL};
 use super::{Block, FINER, LOWER};
@@ -50,16 +51,17 @@ struct LoopJoint {
     /// Elements 11, 12 and 22 of P, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity.
     inverse: [i64; 3],
     inverse_shift: i32,
-    /// γ of the points and of the axis, as factors of mass of the block.
-    compliance: i64,
-    axis_compliance: i64,
-    /// The inverse mass of the axis, with γ, likewise; zero while the axis has an impulse that is given.
-    axis_mass: i64,
-    /// The change of the impulse of the axis that is given.
-    given: i64,
+    /// True if the inverse is of both rows along the axes; else each row has a mass of its own.
+    is_pair: bool,
+    /// γ of the rows, as factors of mass of the block.
+    compliance: [i64; 3],
+    /// The inverse masses of rows that have one of their own, with γ, likewise; zero while a row has an impulse that is given.
+    mass: [i64; 3],
+    /// The changes of impulses that are given.
+    given: [i64; 3],
     /// log2 of the coarsest unit of impulses of the loop over the unit of the joint.
     coarser: i32,
-    /// The residual of the points at the beginning of the pass.
+    /// The residual of the rows that are held, at the beginning of the pass.
     start: [i64; 2],
     /// r, P r, the direction, and the sum of directions: the changes of impulses.
     residual: [i64; 3],
@@ -86,11 +88,11 @@ pub(super) struct Loops {
 struct Loop {
     joints: Range<usize>,
     bodies: Range<usize>,
-    /// True if something acts on the axis of one of its joints.
-    has_axes: bool,
+    /// True if a row of one of its joints has a law.
+    has_laws: bool,
 }
 
-/// The largest number of times that a loop is solved in a pass: until no axis leaves its place, and the last one with all axes settled.
+/// The largest number of times that a loop is solved in a pass: until no row leaves its place, and the last one with all laws settled.
 const ROUNDS: usize = 4;
 
 /// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
@@ -148,8 +150,8 @@ impl Loops {
                 }
                 joints.push(joint);
             }
-            let has_axes = blocks[range.clone()].iter().any(|block| block.axis.is_some());
-            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_axes });
+            let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
+            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_laws });
         }
         self.factor(blocks, soft);
     }
@@ -165,29 +167,36 @@ impl Loops {
 
     /// Changes the impulses of the joints of loops by a pass. Returns the number of impulses that were cut off.
     #[inline(always)]
-    pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, soft: &SoftRow, is_biased: bool) -> u64 {
+    pub(super) fn solve(
+        &mut self,
+        blocks: &mut [Block],
+        laws: &mut [AxisRow],
+        rows: &mut Rows,
+        soft: &SoftRow,
+        is_biased: bool,
+    ) -> u64 {
         let Self { joints, moved, loops, .. } = self;
         let first = blocks.len() - joints.len();
         let mut cut = 0;
-        for Loop { joints: range, bodies, has_axes } in loops.iter() {
+        for Loop { joints: range, bodies, has_laws } in loops.iter() {
             let blocks = &mut blocks[first..][range.clone()];
             let joints = &mut joints[range.clone()];
             let bodies = bodies.clone();
             for (joint, block) in joints.iter_mut().zip(&*blocks) {
                 joint.begin(block, rows, soft, is_biased);
             }
-            if *has_axes {
-                for block in blocks.iter_mut() {
-                    block.begin_axis(rows, if is_biased { Some(soft.rate.into()) } else { None });
+            if *has_laws {
+                for block in blocks.iter() {
+                    block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
                 }
                 for round in 0..ROUNDS {
-                    give(joints, blocks, rows, soft, moved, bodies.clone());
+                    give(joints, blocks, laws, rows, soft, moved, bodies.clone());
                     iterate(joints, blocks, moved, bodies.clone());
-                    if round + 1 == ROUNDS || !revise_axes(joints, blocks, rows, moved, bodies.clone()) {
+                    if round + 1 == ROUNDS || !revise_laws(joints, blocks, laws, rows, moved, bodies.clone()) {
                         break;
                     }
                     if round + 2 == ROUNDS {
-                        settle_axes(joints, blocks);
+                        settle_laws(joints, blocks, laws);
                     }
                 }
             } else {
@@ -195,7 +204,7 @@ impl Loops {
             }
             for (joint, block) in joints.iter().zip(blocks) {
                 let changes = joint.solution.map(|solution| lowered(solution.into(), FINER_STILL));
-                cut += block.change(changes) + block.give_gains(rows);
+                cut += block.change(changes, laws) + block.give_gains(rows);
             }
         }
         cut
@@ -259,15 +268,23 @@ impl Block {
 }
 
 impl LoopJoint {
-    /// Sets P and γ.
+    /// Sets P and γ of the rows that are held.
     fn invert(&mut self, block: &Block, compliance: i32) {
         let element = |i: usize, j: usize| block.element(0, i, j) + block.element(1, i, j);
-        let has_two_rows = block.length.is_none();
-        let k11 = element(0, 0);
-        let (k12, k22) = if has_two_rows { (element(0, 1), element(1, 1)) } else { (0, k11) };
-        self.compliance = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
+        self.is_pair = block.held == [true; 2];
+        if !self.is_pair {
+            for row in (0..2).filter(|&row| block.held[row]) {
+                let mass = element(row, row);
+                self.compliance[row] = shifted(2 * mass * i128::from(compliance), 31) as i64;
+                self.mass[row] = mass as i64 + self.compliance[row];
+            }
+            return;
+        }
+        let (k11, k12, k22) = (element(0, 0), element(0, 1), element(1, 1));
+        let softness = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
+        (self.compliance[0], self.compliance[1]) = (softness, softness);
         // Bodies that move along one axis only make the matrix singular.
-        let extra = if has_two_rows { (k11 + k22) >> 20 } else { 0 };
+        let extra = (k11 + k22) >> 20;
         let (k11, k22) = (k11 + extra, k22 + extra);
         // Down to 58 bits.
         let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
@@ -284,29 +301,41 @@ impl LoopJoint {
     #[inline(always)]
     fn begin(&mut self, block: &Block, rows: &Rows, soft: &SoftRow, is_biased: bool) {
         let residual = block.residual(rows, if is_biased { Some(soft.rate.into()) } else { None });
-        for (row, part) in residual.into_iter().enumerate() {
+        self.residual = [0; 3];
+        for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
             let mut sum = i128::from(shifted_word(part, 30 - FRACTION));
             if is_biased {
-                let soft = i128::from(self.compliance) * i128::from(block.impulses[row]);
+                let soft = i128::from(self.compliance[row]) * i128::from(block.impulses[row]);
                 sum += shifted(soft, block.mass_bits + FINER - FRACTION);
             }
             self.residual[row] = -within(sum, RESIDUAL);
         }
         let [first, second, _] = self.residual;
-        (self.start, self.residual[2], self.axis_mass) = ([first, second], 0, 0);
+        self.start = [first, second];
         self.solution = [0; 3];
         self.precondition(block);
         self.direction = self.preconditioned;
     }
 
+    /// True for rows whose velocities have a part in the solution.
+    #[inline(always)]
+    fn is_solved(&self, row: usize) -> bool {
+        self.is_pair && row < 2 || self.mass[row] > 0
+    }
+
     /// P r
     #[inline(always)]
     fn precondition(&mut self, block: &Block) {
-        let [e11, e12, e22] = self.inverse.map(i128::from);
-        let [x, y, turn] = self.residual.map(i128::from);
-        let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
-        let [x, y] = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
-        self.preconditioned = [x, y, self.precondition_axis(block, turn)];
+        let alone = |row: usize| self.precondition_alone(block, row);
+        self.preconditioned = if self.is_pair {
+            let [e11, e12, e22] = self.inverse.map(i128::from);
+            let [x, y, _] = self.residual.map(i128::from);
+            let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
+            let [x, y] = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+            [x, y, alone(2)]
+        } else {
+            [alone(0), alone(1), alone(2)]
+        };
     }
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
@@ -320,7 +349,7 @@ impl LoopJoint {
     #[inline(always)]
     fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let mut sums = [0; 4];
-        for row in 0..block.count {
+        for row in (0..3).filter(|&row| block.is_active[row]) {
             let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
             for (sum, factor) in sums.iter_mut().zip([ux, uy, ka, kb]) {
                 *sum += i128::from(self.direction[row]) * i128::from(factor);
@@ -351,7 +380,7 @@ impl LoopJoint {
         }
         let [a, b] = ends;
         let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
-        for row in 0..block.count {
+        for row in (0..3).filter(|&row| block.is_active[row]) {
             let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
             let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
             let sum = lowered(sum, 30 + MOVED - FRACTION) + i128::from(self.gives(block, row));
@@ -362,8 +391,7 @@ impl LoopJoint {
     /// The velocity by which a row gives way to the direction.
     #[inline(always)]
     fn gives(&self, block: &Block, row: usize) -> i64 {
-        let compliance = if row == 2 { self.axis_compliance } else { self.compliance };
-        let gives = i128::from(compliance) * i128::from(self.direction[row]);
+        let gives = i128::from(self.compliance[row]) * i128::from(self.direction[row]);
         within(shifted(gives, block.mass_bits + FINER + FINER_STILL - FRACTION), RESIDUAL)
     }
 
@@ -380,7 +408,7 @@ impl LoopJoint {
     #[inline(always)]
     fn lower_residual(&mut self, block: &Block, step: i64) {
         for row in 0..3 {
-            if row < 2 || self.axis_mass > 0 {
+            if self.is_solved(row) {
                 let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
                 self.residual[row] = within(residual, RESIDUAL);
             }

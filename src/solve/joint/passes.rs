@@ -4,6 +4,7 @@
 
 use alloc::vec::Vec;
 
+use super::axis::AxisRow;
 use super::forest::Forest;
 use super::gradients::Loops;
 use super::tree::Trees;
@@ -25,6 +26,8 @@ use crate::solve::{Flight, Impulses, StepInput};
 pub(in crate::solve) struct Joints {
     forest: Forest,
     pub(in crate::solve) blocks: Vec<Block>,
+    /// The laws of the rows of blocks, in their order.
+    laws: Vec<AxisRow>,
     trees: Trees,
     loops: Loops,
     /// The softness of loops.
@@ -91,17 +94,18 @@ impl Loads {
 impl Joints {
     #[cfg(test)]
     pub(in crate::solve) fn capacity(&self) -> usize {
-        let Self { forest, blocks, trees, loops, counts, touched, held, .. } = self;
-        let parts = [forest.capacity(), blocks.capacity(), trees.capacity(), loops.capacity()];
+        let Self { forest, blocks, laws, trees, loops, counts, touched, held, .. } = self;
+        let parts = [forest.capacity(), blocks.capacity(), laws.capacity(), trees.capacity(), loops.capacity()];
         parts.iter().sum::<usize>() + counts.capacity() + touched.capacity() + held.capacity()
     }
 
     /// Prepares the joints.
     pub(in crate::solve) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
-        let Self { forest, blocks, trees, loops, soft, counts, touched, loads, .. } = self;
+        let Self { forest, blocks, laws, trees, loops, soft, counts, touched, loads, .. } = self;
         let StepInput { softness, flights, joints, .. } = *input;
         forest.update(flights, joints);
         blocks.clear();
+        laws.clear();
         touched.clear();
         if joints.is_empty() {
             trees.clear();
@@ -126,14 +130,14 @@ impl Joints {
             let rows = joint.bodies.map(|body| bodies.row(input, body, unit));
             let ends = joint.bodies.map(|body| &bodies.bodies[body as usize]);
             let shares = joint.bodies.map(|body| counts[body as usize].into());
-            blocks.push(Block::new(index as usize, input, ends, rows, shares, unit));
+            blocks.push(Block::new(index as usize, input, ends, rows, shares, unit, laws));
         }
         // An error that is cut off now is so after the first move, and counted there.
         blocks.iter_mut().for_each(|block| {
-            block.turn(&bodies.rows);
+            block.turn(&bodies.rows, laws);
         });
         loads.find(input, forest, graph);
-        trees.set(input, forest, blocks, bodies, |body| loads.is_heavy(graph.island_of(body)));
+        trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
         loops.set(forest, blocks, &bodies.rows, soft);
     }
 
@@ -183,8 +187,8 @@ impl Joints {
 
     /// Begins a sub-step, before bodies take up the changes of their free flight.
     pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
-        for block in &mut self.blocks {
-            block.set_start(rows, is_first);
+        for block in &self.blocks {
+            block.set_start(rows, &mut self.laws, is_first);
         }
     }
 
@@ -210,7 +214,7 @@ impl Joints {
         }
         let mut cut = 0;
         for block in &mut self.blocks {
-            cut += block.advance(rows);
+            cut += block.advance(rows, &mut self.laws);
         }
         self.trees.factor(&self.blocks);
         self.loops.factor(&self.blocks, &self.soft);
@@ -222,8 +226,8 @@ impl Joints {
     /// Solves trees and loops.
     #[inline(always)]
     fn pass<L: Lanes>(&mut self, rows: &mut Rows, lanes: L, is_biased: bool) -> u64 {
-        let Self { blocks, trees, loops, soft, touched, .. } = self;
-        let cut = trees.solve(blocks, rows, is_biased) + loops.solve(blocks, rows, soft, is_biased);
+        let Self { blocks, laws, trees, loops, soft, touched, .. } = self;
+        let cut = trees.solve(blocks, laws, rows, is_biased) + loops.solve(blocks, laws, rows, soft, is_biased);
         cut + rows.apply_gains(lanes, touched)
     }
 

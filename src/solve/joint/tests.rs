@@ -6,5 +6,6 @@ mod exact;
 mod forest;
 mod quality;
 mod scene;
+mod slides;
 mod twin;
 mod world;

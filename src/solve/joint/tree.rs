@@ -38,14 +38,17 @@
 //! Every shift of a value that changes its sign in a mirror rounds to nearest, halves away from zero; formulas are symmetric in x and y.
 
 mod angle;
+mod frame;
 mod node;
 mod symmetric;
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use self::frame::FrameRows;
 use self::node::Node;
 use super::Block;
+use super::axis::AxisRow;
 use super::forest::Forest;
 use crate::slots::NONE;
 use crate::solve::StepInput;
@@ -95,6 +98,7 @@ const LOADED_COMPLIANCE: i32 = 7;
 pub(super) struct Trees {
     /// Beside the places of the forest.
     nodes: Vec<Node>,
+    frames: Vec<FrameRows>,
     trees: Vec<Tree>,
 }
 
@@ -104,19 +108,20 @@ struct Tree {
     nodes: Range<usize>,
     /// True if one of its bodies is in a contact.
     touches: bool,
-    /// True if something acts on the axis of one of its joints.
-    has_axes: bool,
+    /// True if a row of one of its joints has a law.
+    has_laws: bool,
 }
 
 impl Trees {
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
-        self.nodes.capacity() + self.trees.capacity()
+        self.nodes.capacity() + self.frames.capacity() + self.trees.capacity()
     }
 
     /// Forgets the trees of the step before.
     pub(super) fn clear(&mut self) {
         self.nodes.clear();
+        self.frames.clear();
         self.trees.clear();
     }
 
@@ -126,11 +131,12 @@ impl Trees {
         input: &StepInput<'_>,
         forest: &Forest,
         blocks: &[Block],
+        laws: &[AxisRow],
         bodies: &BodyRows,
         is_loaded: impl Fn(u32) -> bool,
     ) {
         self.clear();
-        let Self { nodes, trees } = self;
+        let Self { nodes, frames, trees } = self;
         let length = |body: u32| bodies.bodies[body as usize].length;
         nodes.extend(forest.places.iter().map(|place| Node::new(place, input.flights, length)));
         for range in &forest.trees {
@@ -138,9 +144,10 @@ impl Trees {
                 forest.places[range.clone()].iter().any(|place| place.body != NONE && is_loaded(place.body));
             set_units(nodes, range.start, range.end - 1);
             let bits = if is_loaded { LOADED_COMPLIANCE } else { COMPLIANCE };
-            set_joints(nodes, range.start, range.end - 1, blocks, bits);
-            let has_axes = nodes[range.clone()].iter().any(|node| node.angle.is_some());
-            trees.push(Tree { nodes: range.clone(), touches: false, has_axes });
+            set_joints(nodes, frames, range.clone(), blocks, laws, bits);
+            let has_law = |node: &Node| node.parent != NONE && blocks[node.block as usize].laws != [NONE; 3];
+            let has_laws = nodes[range.clone()].iter().any(has_law);
+            trees.push(Tree { nodes: range.clone(), touches: false, has_laws });
         }
         for tree in input.contacts.iter().flat_map(|contact| contact.bodies).filter_map(|body| forest.tree_of(body)) {
             trees[tree].touches = true;
@@ -151,14 +158,20 @@ impl Trees {
     /// Finds the matrices where the bodies are.
     #[inline(always)]
     pub(super) fn factor(&mut self, blocks: &[Block]) {
-        factor(&mut self.nodes, 0, blocks);
+        factor(&mut self.nodes, &mut self.frames, 0, blocks);
     }
 
     /// Changes the impulses of the joints of trees by a pass. The relax pass is for trees that touch other bodies: an exact solution leaves
     /// it nothing to do, and with it a rod that spins on a pin would gain 5 % of its energy in 100 s. Returns the number of impulses that were cut off.
     #[inline(always)]
-    pub(super) fn solve(&mut self, blocks: &mut [Block], rows: &mut Rows, is_biased: bool) -> u64 {
-        let Self { nodes, trees } = self;
+    pub(super) fn solve(
+        &mut self,
+        blocks: &mut [Block],
+        laws: &mut [AxisRow],
+        rows: &mut Rows,
+        is_biased: bool,
+    ) -> u64 {
+        let Self { nodes, frames, trees } = self;
         let mut cut = 0;
         for tree in trees.iter().filter(|tree| is_biased || tree.touches) {
             let begin = tree.nodes.start;
@@ -166,24 +179,24 @@ impl Trees {
             for node in nodes.iter_mut() {
                 node.begin_pass(blocks, rows, is_biased);
             }
-            if tree.has_axes {
-                begin_axes(nodes, blocks, rows, is_biased);
+            if tree.has_laws {
+                begin_laws(nodes, blocks, laws, rows, is_biased);
                 for round in 0..ROUNDS {
-                    if set_aims(nodes, blocks, rows) {
-                        factor(nodes, begin, blocks);
+                    if set_aims(nodes, frames, blocks, laws, rows) {
+                        factor(nodes, frames, begin, blocks);
                     }
-                    eliminate(nodes, begin);
-                    if round + 1 == ROUNDS || !revise_axes(nodes, blocks, rows) {
+                    eliminate(nodes, frames, begin);
+                    if round + 1 == ROUNDS || !revise_laws(nodes, frames, blocks, laws, rows) {
                         break;
                     }
                     if round + 2 == ROUNDS {
-                        settle_axes(nodes, blocks);
+                        settle_laws(nodes, frames, blocks, laws);
                     }
                 }
             } else {
-                eliminate(nodes, begin);
+                eliminate(nodes, frames, begin);
             }
-            cut += push(nodes, blocks, rows);
+            cut += push(nodes, frames, blocks, laws, rows);
         }
         cut
     }
@@ -191,99 +204,107 @@ impl Trees {
 
 /// Finds the matrices of nodes, of which the first one has the number `begin`.
 #[inline(always)]
-fn factor(nodes: &mut [Node], begin: usize, blocks: &[Block]) {
+fn factor(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block]) {
     for node in nodes.iter_mut() {
         node.begin(blocks);
     }
     for index in 0..nodes.len() {
         let (before, after) = nodes.split_at_mut(index + 1);
         let node = &mut before[index];
-        node.factor();
+        node.factor(frames);
         if node.parent != NONE {
-            node.join(&mut after[node.parent as usize - begin - index - 1]);
+            node.join(frames, &mut after[node.parent as usize - begin - index - 1]);
         }
     }
 }
 
 /// Solves a tree: from the leaves to the centre and back.
 #[inline(always)]
-fn eliminate(nodes: &mut [Node], begin: usize) {
+fn eliminate(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize) {
     for node in nodes.iter_mut() {
         (node.f, node.torque) = ([0; 2], 0);
     }
     for index in 0..nodes.len() - 1 {
         let (before, after) = nodes.split_at_mut(index + 1);
         let node = &mut before[index];
-        let (impulse, torque) = node.pass_down();
+        let (impulse, torque) = node.pass_down(frames);
         let parent = &mut after[node.parent as usize - begin - index - 1];
         parent.take(impulse, node.joint_unit, node.parent_point);
-        if let Some(angle) = &node.angle {
-            parent.take_torque(angle, torque, node.joint_unit);
-        }
+        parent.take_torque(node, frames, torque);
     }
     let centre = nodes.len() - 1;
-    nodes[centre].pass_down();
+    nodes[centre].pass_down(frames);
     nodes[centre].turn_back();
     for index in (0..centre).rev() {
         let (before, after) = nodes.split_at_mut(index + 1);
         let parent = &after[before[index].parent as usize - begin - index - 1];
-        before[index].pass_up(parent.velocity, parent.spin);
+        before[index].pass_up(frames, parent.velocity, parent.spin);
     }
 }
 
-/// Begins a pass of all axes.
-fn begin_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows, is_biased: bool) {
-    for node in nodes.iter().filter(|node| node.angle.is_some()) {
-        blocks[node.block as usize].begin_axis(rows, if is_biased { Some(RATE) } else { None });
+/// Begins a pass of all laws.
+fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Rows, is_biased: bool) {
+    for node in nodes.iter().filter(|node| node.parent != NONE) {
+        blocks[node.block as usize].begin_laws(rows, laws, if is_biased { Some(RATE) } else { None });
     }
 }
 
-/// The change of an axis in a round.
-struct AxisChange {
-    velocity: i64,
-    impulse: i128,
-}
-
-/// Sets the aims of axes in a round. Returns true if the matrices change by it.
-fn set_aims(nodes: &mut [Node], blocks: &[Block], rows: &Rows) -> bool {
+/// Sets the aims of laws in a round. Returns true if the matrices change by it.
+fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow], rows: &Rows) -> bool {
     let mut have_changed = false;
     for node in nodes {
-        have_changed |= node.set_aim(blocks, rows);
+        have_changed |= node.set_aims(frames, blocks, laws, rows);
     }
     have_changed
 }
 
-/// The change of the axis between a node and its parent, or in the middle of which the node is the first end; `None` if nothing acts on it,
-/// and for the second end.
-fn axis_change(nodes: &[Node], index: usize) -> Option<AxisChange> {
-    let node = &nodes[index];
-    let angle = node.angle?;
-    let (mut push, mut change, mut bits) = (i128::from(angle.push), angle.change, node.push_shift);
-    if node.is_half {
-        let second = nodes[index + 1].angle?;
-        // Halves turn and push in opposite directions.
-        (push, change, bits) = (push - i128::from(second.push), change - second.change, bits + 1);
-    }
-    let sign = if node.side == 0 { -1 } else { 1 };
-    Some(AxisChange { velocity: sign * change, impulse: i128::from(sign) * shifted(push, bits) })
+/// The change of a row in a round.
+struct RowChange {
+    velocity: i64,
+    impulse: i128,
 }
 
-/// Moves axes on that have left their places. Returns true if there is one.
-fn revise_axes(nodes: &[Node], blocks: &mut [Block], rows: &Rows) -> bool {
+/// The change of a row with a law of the joint between a node and its parent, or in the middle of which the node is the first end; `None` for a
+/// row without a law, and for the second end.
+fn row_change(nodes: &[Node], frames: &[FrameRows], index: usize, block: &Block, row: usize) -> Option<RowChange> {
+    let node = &nodes[index];
+    if block.laws[row] == NONE {
+        return None;
+    }
+    let (velocity, impulse) = node.row_change(frames, row)?;
+    let (mut velocity, mut impulse, mut bits) = (velocity, i128::from(impulse), node.push_shift);
+    if node.is_half {
+        // Halves move and push in opposite directions.
+        let (second_velocity, second_impulse) =
+            nodes.get(index + 1).filter(|second| second.is_half)?.row_change(frames, row)?;
+        (velocity, impulse, bits) = (velocity - second_velocity, impulse - i128::from(second_impulse), bits + 1);
+    }
+    let sign = if node.side == 0 { -1 } else { 1 };
+    Some(RowChange { velocity: sign * velocity, impulse: i128::from(sign) * shifted(impulse, bits) })
+}
+
+/// Moves rows on that have left their places. Returns true if there is one.
+fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow], rows: &Rows) -> bool {
     let mut have_left = false;
-    for (index, node) in nodes.iter().enumerate() {
-        if let Some(change) = axis_change(nodes, index) {
-            have_left |= blocks[node.block as usize].revise_axis(rows, change.velocity, change.impulse);
+    for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
+        let block = &blocks[node.block as usize];
+        for row in 0..3 {
+            if let Some(change) = row_change(nodes, frames, index, block, row) {
+                have_left |= block.revise_law(row, rows, laws, change.velocity, change.impulse);
+            }
         }
     }
     have_left
 }
 
-/// Settles all axes at the impulses of the last round.
-fn settle_axes(nodes: &[Node], blocks: &mut [Block]) {
-    for (index, node) in nodes.iter().enumerate() {
-        if let Some(change) = axis_change(nodes, index) {
-            blocks[node.block as usize].settle_axis(change.impulse);
+/// Settles all laws at the impulses of the last round.
+fn settle_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow]) {
+    for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
+        let block = &blocks[node.block as usize];
+        for row in 0..3 {
+            if let Some(change) = row_change(nodes, frames, index, block, row) {
+                block.settle_law(row, laws, change.impulse);
+            }
         }
     }
 }
@@ -305,24 +326,31 @@ fn set_units(nodes: &mut [Node], begin: usize, centre: usize) {
 }
 
 /// Sets the values that follow from the masses at both ends of joints.
-fn set_joints(nodes: &mut [Node], begin: usize, centre: usize, blocks: &[Block], bits: i32) {
-    for index in begin..centre {
+fn set_joints(
+    nodes: &mut [Node],
+    frames: &mut Vec<FrameRows>,
+    range: Range<usize>,
+    blocks: &[Block],
+    laws: &[AxisRow],
+    bits: i32,
+) {
+    let centre = range.end - 1;
+    for index in range.start..centre {
         // Both children of the middle of a joint are at its ends.
         let opposite = if nodes[index].is_half { 2 * centre - 3 - index } else { nodes[index].parent as usize };
         let (low, high) = nodes.split_at_mut(index.max(opposite));
         let (first, second) = (&mut low[index.min(opposite)], &mut high[0]);
         let (node, opposite_node) = if index < opposite { (first, second) } else { (second, first) };
-        node.set_joint(opposite_node, &blocks[node.block as usize], bits);
+        node.set_joint(opposite_node, &blocks[node.block as usize], laws, bits, frames);
     }
 }
 
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
-fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
+fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], rows: &mut Rows) -> u64 {
     let mut cut = 0;
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
-        let angle_push = |node: &Node| node.angle.map_or(0, |angle| i128::from(angle.push));
-        let mut push = [i128::from(node.push[0]), i128::from(node.push[1]), angle_push(node)];
+        let mut push = node.impulses(frames).map(i128::from);
         let mut bits = node.push_shift;
         if node.is_half {
             let second = &nodes[index + 1];
@@ -331,13 +359,13 @@ fn push(nodes: &[Node], blocks: &mut [Block], rows: &mut Rows) -> u64 {
                 continue;
             }
             // The mean of both halves of the joint.
-            let [x, y] = second.push.map(i128::from);
-            push = [push[0] - x, push[1] - y, push[2] - angle_push(second)];
+            let second_push = second.impulses(frames).map(i128::from);
+            push = [0, 1, 2].map(|row| push[row] - second_push[row]);
             bits += 1;
         }
         let sign = if node.side == 0 { -1 } else { 1 };
         let block = &mut blocks[node.block as usize];
-        cut += block.change(push.map(|part| sign * shifted(part, bits))) + block.give_gains(rows);
+        cut += block.change(push.map(|part| sign * shifted(part, bits)), laws) + block.give_gains(rows);
     }
     cut
 }

@@ -1,6 +1,7 @@
 //! Arms, axes and errors of joints where the bodies are.
 
-use super::{Block, ERROR};
+use super::axis::AxisRow;
+use super::{Block, ERROR, FAR, Frame, along};
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
@@ -54,19 +55,30 @@ impl Side {
 
     /// A bound, from above, on the mass factor of any row at the arm.
     pub(super) fn largest_mass(&self) -> i64 {
-        let [x, y] = self.unit_start.map(i128::from);
+        let [x, y] = self.unit_arm.map(i128::from);
         let [mx, my, angular] = self.masses;
         mx + my + shifted(i128::from(angular) * (x * x + y * y), 60) as i64
     }
 
-    /// Turns the arm by an angular displacement since the start.
-    fn turn_by(&mut self, displacement: i32) {
+    /// Turns the arm by an angular displacement since the start. Returns the sine and the cosine of its angle, in 2^-62.
+    fn turn_by(&mut self, displacement: i32) -> (i64, i64) {
         let (mantissa, shift) = self.turn;
         // Whole turns do not matter.
         let turn = mul_shift_64(displacement.into(), mantissa, shift).unwrap_or(0) as u64;
         let (sin, cos) = sin_cos_turn(turn);
         self.arm = turned(self.start, sin, cos);
         self.unit_arm = turned(self.unit_start, sin, cos);
+        (sin, cos)
+    }
+
+    /// Takes the arm to the other point, which is off by this much.
+    pub(super) fn reach(&mut self, offset: [i64; 2]) {
+        let (mantissa, shift) = self.angle;
+        let limit = 1_i128 << 30;
+        for (arm, offset) in self.unit_arm.iter_mut().zip(offset) {
+            let part = mul_shift_64(offset.into(), mantissa, shift).unwrap_or(i128::from(offset.signum()) * limit);
+            *arm = (i128::from(*arm) + part).clamp(-limit, limit) as i64;
+        }
     }
 
     /// The cross product of the arm with an axis.
@@ -78,40 +90,53 @@ impl Side {
 
 impl Block {
     /// Updates arms, axes and errors to the poses of the bodies. Returns the number of errors that were cut off.
-    pub(super) fn turn(&mut self, rows: &Rows) -> u64 {
+    pub(super) fn turn(&mut self, rows: &Rows, laws: &mut [AxisRow]) -> u64 {
         let moved = [0, 1].map(|k| {
             let Side { row, shift, .. } = &self.sides[k];
             let [x, y, turn, _] = rows.displacement(*row);
             let shift = shift.map(|s| part(s, self.moves, self.substeps));
             [x - shift[0], y - shift[1], turn - shift[2]]
         });
-        for (side, moved) in self.sides.iter_mut().zip(moved) {
-            side.turn_by(moved[2]);
+        let mut sin_cos = [(0, 0); 2];
+        for ((side, moved), sin_cos) in self.sides.iter_mut().zip(moved).zip(&mut sin_cos) {
+            *sin_cos = side.turn_by(moved[2]);
         }
         let [a, b] = &self.sides;
         let offset = [0, 1].map(|i| {
             let way = i64::from(moved[1][i]) - i64::from(moved[0][i]);
             self.base[i] + way + b.arm[i] - a.arm[i]
         });
-        let wanted = match self.length {
-            None => offset,
-            Some(length) => {
+        let wanted = match self.frame {
+            Frame::World => offset,
+            Frame::Line => {
                 let (axis, distance) = if offset == [0; 2] { ([0; 2], 0) } else { direction(offset[0], offset[1]) };
                 self.axes[0] = axis.map(i64::from);
                 self.distance = distance as i64;
-                [self.distance - length, 0]
+                [self.distance - self.length, 0]
+            }
+            Frame::Body(axis) => {
+                let (sin, cos) = sin_cos[0];
+                let axis = turned(axis, sin, cos);
+                let across = [-axis[1], axis[0]];
+                (self.axes[0], self.axes[1]) = (axis, across);
+                self.sides[0].reach(offset);
+                [along(axis, offset) - self.length, along(across, offset)]
             }
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
-        if let Some(axis) = &mut self.axis {
+        if let Some(law) = laws.get_mut(self.laws[0] as usize) {
+            law.set_way(wanted[0].clamp(-FAR as i64, FAR as i64));
+        }
+        if let Some(law) = laws.get_mut(self.laws[2] as usize) {
             let [across_a, across_b] = self.crosses[2];
             // Each below 2^61.
-            axis.set_way(shifted_word(across_b * i64::from(moved[1][2]) - across_a * i64::from(moved[0][2]), 30));
+            law.set_way(shifted_word(across_b * i64::from(moved[1][2]) - across_a * i64::from(moved[0][2]), 30));
         }
-        for row in 0..self.count.min(2) {
+        for row in (0..2).filter(|&row| self.is_active[row]) {
             self.crosses[row] = [0, 1].map(|k| self.sides[k].across(self.axes[row]));
         }
-        u64::from(self.errors != wanted)
+        let is_cut = |row: usize| self.held[row] && self.errors[row] != wanted[row];
+        u64::from(is_cut(0) || is_cut(1))
     }
 
     /// The angle that a body turns in a sub-step at an angular velocity, in 2^-30 rad within ±0.1 rad.
@@ -137,7 +162,33 @@ impl Block {
             let shifts = [a, b].map(|[x, y, turn]| [x, y, turn, 0]);
             along -= self.velocity(row, shifts) / i64::from(self.substeps);
         }
-        if self.length.is_none() { along } else { along + self.rod_turns(velocities) }
+        match self.frame {
+            Frame::World => along,
+            Frame::Line => along + self.rod_turns(velocities),
+            Frame::Body(_) => along + self.axis_turns(row, velocities),
+        }
+    }
+
+    /// The part of the second-order term that the turn of the axis of a slider has, for the angle φ of the first body, in 2^-30: across the axis
+    /// −φ·(velocity along it), along the axis φ·(velocity across it) − φ²/2·(offset along it).
+    fn axis_turns(&self, row: usize, velocities: [Vector; 2]) -> i64 {
+        let angle = i128::from(self.angle_of(0, velocities[0][2]));
+        // Of the points: the first one is at its own end. Velocities are below 2^30.5.
+        let points = [0, 1].map(|k| {
+            let ([x, y], [vx, vy, spin, _]) = (self.sides[k].arm.map(i128::from), velocities[k]);
+            let turn = i128::from(self.angle_of(k, spin));
+            [(i128::from(vx) << 30) - turn * y, (i128::from(vy) << 30) + turn * x]
+        });
+        let [ux, uy] = self.axes[1 - row].map(i128::from);
+        let velocity = shifted(ux * (points[1][0] - points[0][0]) + uy * (points[1][1] - points[0][1]), 30);
+        let by_velocity = shifted(angle * velocity, 30);
+        if row == 1 {
+            return -by_velocity as i64;
+        }
+        // The error is counted from the offset at the start, which is within 2^60: with the square of an angle below 2^114.
+        let offset = i128::from(self.length) + i128::from(self.errors[0]);
+        let by_offset = shifted(angle * angle * offset, 31).clamp(-(1 << 58), 1 << 58);
+        (by_velocity - by_offset) as i64
     }
 
     /// φ²·l/2 for the angle φ that a rod of length l turns in the sub-step, in 2^-30; φ is at most 0.1 rad.

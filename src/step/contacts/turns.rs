@@ -9,6 +9,7 @@ use crate::contact::Start;
 use crate::fx::Fx;
 use crate::joint::turns_after;
 use crate::kernel::wide::mul_shift_64;
+use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle as _, Scalar, Turn};
 
 /// 1/2π in 2^-66.
@@ -47,19 +48,29 @@ impl<S: Scalar> Step<'_, S> {
         }
     }
 
-    /// Keeps bodies awake that a motor turns, at half of its speed at least: slow clocks would stop. A motor that is held may sleep.
+    /// Keeps bodies awake that a motor turns or pushes, at half of its speed at least: slow clocks would stop. A motor that is held may sleep.
     pub(super) fn keep_driven_awake(&mut self, memory: &ContactMemory<S>) {
         for (index, flights) in memory.pipeline.joints().ends() {
-            let Some(axis) = self.contacts.joints.link(index as usize).axis.filter(|axis| axis.motor_speed != Fx::ZERO)
-            else {
+            let link = self.contacts.joints.link(index as usize);
+            let [turning, pushing] =
+                [link.axis, link.slide].map(|law| law.map_or(Fx::ZERO, |law| law.motor_speed.abs()));
+            if turning == Fx::ZERO && pushing == Fx::ZERO {
                 continue;
-            };
+            }
             let starts = flights.map(|flight| memory.starts.get(flight as usize));
             let motion = &mut self.bodies.columns.motion;
-            let [first, second] = starts
-                .map(|start| start.map_or(Fx::ZERO, |start| motion.angular_velocity[start.dense].value().to_fx()));
-            // Speeds are within 2^20 rad/s.
-            let is_driven = (second - first).abs() + (second - first).abs() >= axis.motor_speed.abs();
+            let velocities = starts.map(|start| {
+                start.map_or([Fx::ZERO; 3], |start| {
+                    let Vec2 { x, y } = motion.velocity.get(start.dense);
+                    [x, y, motion.angular_velocity[start.dense]].map(|part| part.value().to_fx())
+                })
+            });
+            // Speeds are within 2^20 m/s and rad/s.
+            let is_half = |part: usize, speed: Fx| {
+                let difference = (velocities[1][part] - velocities[0][part]).abs();
+                speed > Fx::ZERO && difference + difference >= speed
+            };
+            let is_driven = is_half(2, turning) || is_half(0, pushing) || is_half(1, pushing);
             for start in starts.into_iter().flatten().filter(|_| is_driven) {
                 motion.ticks_at_rest[start.dense] = 0;
             }

@@ -3,14 +3,23 @@
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, JointDef,
-    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Random, Revolute, Shape,
-    TimeStep, Vec2, Weld, WorldDef, fx, limits,
+    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Prismatic, Random, Revolute,
+    Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
 
 /// Angles far beyond whole turns.
 pub(super) const ANGLE: Fx = Fx::MAX;
+
+impl<C: Choices + ?Sized> Generator<'_, C> {
+    /// Half of the time none.
+    fn joint_limits(&mut self) -> Option<JointLimits> {
+        let has_limits = self.choices.one_in(2);
+        let [first, second] = [(); 2].map(|()| self.signed(fx!(2), limits::JOINT_ANGLE));
+        has_limits.then_some(JointLimits { lower: first.min(second), upper: first.max(second) })
+    }
+}
 
 impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
     /// One of the bodies; of a wild taste, now and then one that never was.
@@ -88,26 +97,47 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             let max_force = if source.choices.one_in(2) { None } else { Some(source.not_negative(fx!(50), Fx::MAX)) };
             JointSpring { hertz, damping_ratio, rest, max_force }
         };
-        match self.choices.choose(8) {
-            0..2 => return JointKind::default(),
+        let friction = self.not_negative(fx!(2), Fx::MAX);
+        match self.choices.choose(10) {
+            0..2 => JointKind::default(),
             2 => {
                 let spring = if self.choices.one_in(2) { Some(spring(self)) } else { None };
-                return JointKind::Weld(Weld { spring });
+                JointKind::Weld(Weld { spring })
             }
-            3..6 => {
-                let has_limits = self.choices.one_in(2);
-                let [first, second] = [(); 2].map(|()| self.signed(fx!(2), limits::JOINT_ANGLE));
-                let limits = JointLimits { lower: first.min(second), upper: first.max(second) };
-                return JointKind::Revolute(Revolute {
-                    limits: has_limits.then_some(limits),
-                    motor: self.optional_joint_motor(),
-                    spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
-                    friction: self.not_negative(fx!(2), Fx::MAX),
+            3..6 => JointKind::Revolute(Revolute {
+                limits: self.joint_limits(),
+                motor: self.optional_joint_motor(),
+                spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
+                friction,
+            }),
+            6 => JointKind::Prismatic(Prismatic {
+                limits: self.joint_limits(),
+                motor: self.optional_joint_motor(),
+                spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
+                friction,
+            }),
+            7 => JointKind::Wheel(Wheel {
+                limits: self.joint_limits(),
+                motor: self.optional_joint_motor(),
+                spring: if self.choices.one_in(2) { Some(spring(self)) } else { None },
+                friction,
+            }),
+            8 => {
+                let size =
+                    |value: Fx| value.checked_abs().unwrap_or(Fx::MAX).clamp(limits::SIZE_MIN, limits::JOINT_LENGTH);
+                let limits = self.joint_limits().map(|JointLimits { lower, upper }| {
+                    let [first, second] = [size(lower), size(upper)];
+                    JointLimits { lower: first.min(second), upper: first.max(second) }
                 });
+                let spring = if self.choices.one_in(2) { Some(spring(self)) } else { None };
+                let spring = spring.map(|spring| JointSpring { rest: size(spring.rest), ..spring });
+                JointKind::Distance(Distance { limits, motor: self.optional_joint_motor(), spring, friction })
             }
-            _ => {}
+            _ => {
+                let length = self.number([fx!(0.25), fx!(8)], [limits::SIZE_MIN, limits::JOINT_LENGTH]);
+                JointKind::Distance(Distance::rod(length))
+            }
         }
-        JointKind::Distance(Distance::rod(self.number([fx!(0.25), fx!(8)], [limits::SIZE_MIN, limits::JOINT_LENGTH])))
     }
 
     /// Mostly none.

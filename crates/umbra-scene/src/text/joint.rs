@@ -4,7 +4,9 @@ use alloc::string::String;
 
 use super::json::{Fields, list, null, text};
 use super::{Scene, SceneJoint};
-use umbra_physics::{Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Revolute, Weld};
+use umbra_physics::{
+    Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Revolute, Weld, Wheel,
+};
 
 impl Scene {
     pub(super) fn scene_joint(&self, joint: &SceneJoint) -> String {
@@ -54,32 +56,76 @@ fn kind_into(object: &mut Fields, kind: &JointKind) {
     let mut values = Fields::default();
     let name = match kind {
         JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
-            if let Some(JointLimits { lower, upper }) = limits {
-                values.put("limits", list([lower, upper]));
-            }
-            if let Some(motor) = motor {
-                values.put("motor", motor_text(motor));
-            }
-            if let Some(spring) = spring {
-                values.put("spring", spring_text(spring));
-            }
-            values.unless(*friction == Fx::ZERO, "friction", friction);
+            parts_into(&mut values, limits, motor, spring, *friction);
             "revolute"
         }
         JointKind::Weld(Weld { spring }) => {
-            if let Some(spring) = spring {
-                values.put("spring", spring_text(spring));
-            }
+            parts_into(&mut values, &None, &None, spring, Fx::ZERO);
             "weld"
         }
-        JointKind::Distance(Distance { length, .. }) => {
-            values.put("length", length);
+        JointKind::Distance(Distance { limits, motor, spring, friction }) => {
+            match limits {
+                Some(limits) if *kind == JointKind::Distance(Distance::rod(limits.lower)) => {
+                    values.put("length", limits.lower);
+                }
+                _ => distance_into(&mut values, limits, motor, spring, *friction),
+            }
             "distance"
+        }
+        JointKind::Prismatic(Prismatic { limits, motor, spring, friction }) => {
+            parts_into(&mut values, limits, motor, spring, *friction);
+            "prismatic"
+        }
+        JointKind::Wheel(Wheel { limits, spring, motor, friction }) => {
+            parts_into(&mut values, limits, motor, spring, *friction);
+            "wheel"
         }
         // All there are stand above: `tests/layers.rs` compares the lists.
         _ => "unknown",
     };
     object.put(name, values.line());
+}
+
+/// The parts of a distance joint that is no rod, with a field that says so.
+fn distance_into(
+    values: &mut Fields,
+    limits: &Option<JointLimits>,
+    motor: &Option<JointMotor>,
+    spring: &Option<JointSpring>,
+    friction: Fx,
+) {
+    if limits.is_none() && motor.is_none() && spring.is_none() {
+        values.put("friction", friction);
+        return;
+    }
+    parts_into(values, limits, motor, &None, friction);
+    if let Some(spring) = spring {
+        let mut spring_values = spring_fields(spring);
+        // Left out, it would be the distance of the points.
+        if spring.rest == Fx::ZERO {
+            spring_values.put("rest", spring.rest);
+        }
+        values.put("spring", spring_values.line());
+    }
+}
+
+fn parts_into(
+    values: &mut Fields,
+    limits: &Option<JointLimits>,
+    motor: &Option<JointMotor>,
+    spring: &Option<JointSpring>,
+    friction: Fx,
+) {
+    if let Some(JointLimits { lower, upper }) = limits {
+        values.put("limits", list([lower, upper]));
+    }
+    if let Some(motor) = motor {
+        values.put("motor", motor_text(motor));
+    }
+    if let Some(spring) = spring {
+        values.put("spring", spring_fields(spring).line());
+    }
+    values.unless(friction == Fx::ZERO, "friction", friction);
 }
 
 pub(super) fn motor_text(motor: &JointMotor) -> String {
@@ -89,7 +135,7 @@ pub(super) fn motor_text(motor: &JointMotor) -> String {
     object.line()
 }
 
-fn spring_text(spring: &JointSpring) -> String {
+fn spring_fields(spring: &JointSpring) -> Fields {
     let mut object = Fields::default();
     object.put("hertz", spring.hertz);
     object.unless(spring.damping_ratio == Fx::ONE, "damping_ratio", spring.damping_ratio);
@@ -97,5 +143,5 @@ fn spring_text(spring: &JointSpring) -> String {
     if let Some(force) = spring.max_force {
         object.put("max_force", force);
     }
-    object.line()
+    object
 }

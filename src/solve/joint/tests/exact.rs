@@ -8,9 +8,9 @@ use super::world::{Body, World};
 use crate::cases::run_seed;
 use crate::fx::Fx;
 use crate::math::{Random, Vec2};
-use crate::scalar::{FxAccumulator, FxFactor};
+use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::solve::joint::{Axis, AxisSpring};
-use crate::solve::{Correction, Flight, Impulses, JointKind, Solver, Velocity};
+use crate::solve::{Correction, Flight, Impulses, Joint, JointKind, Solver, Velocity};
 
 /// A mirror image (x to −x) or a quarter turn counter-clockwise.
 #[derive(Clone, Copy, Debug)]
@@ -92,8 +92,19 @@ impl Image {
                 let [x, y] = self.vector([first, second]);
                 Impulses { values: [x, y, self.angle(third)], ..impulses }
             }
-            JointKind::Distance { .. } => impulses,
+            // The direction of a slider has an image.
+            JointKind::Slider { .. } => Impulses { values: [first, self.angle(second), self.angle(third)], ..impulses },
+            JointKind::Distance { .. } | JointKind::Line => impulses,
         }
+    }
+
+    fn kind(self, kind: JointKind) -> JointKind {
+        let JointKind::Slider { angle } = kind else { return kind };
+        let angle = match self {
+            Self::Mirror => (1_u64 << 63).wrapping_sub(angle.to_bits()),
+            Self::Turn => (1_u64 << 62).wrapping_add(angle.to_bits()),
+        };
+        JointKind::Slider { angle: Turn::from_bits(angle) }
     }
 
     fn axis(self, axis: &Axis) -> Axis {
@@ -109,6 +120,7 @@ impl Image {
         for joint in &mut image.joints {
             joint.anchors = joint.anchors.map(|anchor| self.pair(anchor));
             joint.impulses = self.impulses(joint.kind, joint.impulses);
+            joint.kind = self.kind(joint.kind);
             joint.axis = joint.axis.as_ref().map(|axis| self.axis(axis));
         }
         for contact in &mut image.contacts {
@@ -150,6 +162,9 @@ fn scenes(seed: u64, count: usize) -> Vec<Scene> {
             if i % 3 == 1 {
                 scene.make_hard(&mut random);
             }
+            if i % 8 > 4 {
+                scene.add_slides(&mut random);
+            }
             if i % 4 > 1 {
                 scene.add_axes(&mut random);
             }
@@ -177,10 +192,12 @@ fn bodies_of_a_joint_in_either_order_keep_the_bits() {
         let (corrections, impulses, cut) = scene.solve();
         let swapped_impulses = |kind: JointKind, impulses: Impulses| match kind {
             JointKind::Revolute => Impulses { values: impulses.values.map(|value| -value), ..impulses },
-            JointKind::Distance { .. } => impulses,
+            JointKind::Distance { .. } | JointKind::Line | JointKind::Slider { .. } => impulses,
         };
         let mut swapped_scene = scene.clone();
-        for joint in &mut swapped_scene.joints {
+        // The axis of a slider turns with its first body.
+        let is_slider = |joint: &&mut Joint| matches!(joint.kind, JointKind::Slider { .. });
+        for joint in swapped_scene.joints.iter_mut().filter(|joint| !is_slider(joint)) {
             joint.bodies.reverse();
             joint.anchors.reverse();
             joint.impulses = swapped_impulses(joint.kind, joint.impulses);

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use super::world::{fx, inverse, vec2};
 use crate::math::{Random, TimeStep, Vec2};
-use crate::scalar::FxFactor;
+use crate::scalar::{FxFactor, Turn};
 use crate::solve::joint::{Axis, AxisSpring};
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
 
@@ -58,6 +58,29 @@ fn impulses(random: &mut Random, is_warm: bool) -> Impulses {
     if is_warm { Impulses { values: [value(), value(), 0], exponent: -30 } } else { Impulses::default() }
 }
 
+/// Limits, a motor, friction and a spring, each with one half of all seeds.
+fn axis(random: &mut Random, position: f64) -> Axis {
+    let mut any = || signed(random) > 0.0;
+    let [has_limits, is_locked, has_motor, has_friction, has_spring] = [(); 5].map(|()| any());
+    let mut value = |size: f64| size * signed(random);
+    let middle = position + value(0.2);
+    let size = if is_locked { 0.0 } else { value(0.2).abs() };
+    let spring = AxisSpring {
+        frequency: fx(value(6.0).abs()),
+        damping_ratio: fx(value(2.0).abs()),
+        rest: fx(value(0.5)),
+        max_force: fx(if is_locked { 2.0 } else { 2000.0 }),
+    };
+    Axis {
+        position: fx(position),
+        limits: has_limits.then(|| [fx(middle - size), fx(middle + size)]),
+        motor_speed: fx(value(5.0)),
+        motor_force: fx(if has_motor { value(20.0).abs() } else { 0.0 }),
+        friction: fx(if has_friction { value(2.0).abs() } else { 0.0 }),
+        spring: has_spring.then_some(spring),
+    }
+}
+
 impl Scene {
     /// Bodies, of which the first `fixed` are fixed and move, with joints whose errors are up to some centimetres.
     pub(super) fn random(random: &mut Random, [bodies, fixed]: [usize; 2], joints: usize, contacts: usize) -> Self {
@@ -69,7 +92,8 @@ impl Scene {
             let anchors = [(); 2].map(|()| vec2([0.5 * signed(random), 0.5 * signed(random)]));
             let is_warm = signed(random) > 0.0;
             let kind = JointKind::Distance { length: fx(1.0) };
-            let mut joint = Joint { bodies: ends, anchors, kind, axis: None, impulses: impulses(random, is_warm) };
+            let mut joint =
+                Joint { bodies: ends, anchors, kind, axis: None, slide: None, impulses: impulses(random, is_warm) };
             let [x, y] = joint.offset(&scene.flights).map(|c| c as f64 / 2f64.powi(32));
             if signed(random) > 0.0 {
                 joint.kind = JointKind::Distance { length: fx(x.hypot(y) + 0.02 * signed(random)) };
@@ -139,29 +163,37 @@ impl Scene {
         }
     }
 
-    /// Gives most revolute joints an axis with limits, a motor, friction and a spring, each in half of them.
-    pub(super) fn add_axes(&mut self, random: &mut Random) {
-        for joint in self.joints.iter_mut().filter(|joint| matches!(joint.kind, JointKind::Revolute)) {
-            let mut any = || signed(random) > 0.0;
-            let [has_limits, is_locked, has_motor, has_friction, has_spring] = [(); 5].map(|()| any());
-            let mut value = |size: f64| size * signed(random);
-            let position = value(0.5);
-            let middle = position + value(0.2);
-            let size = if is_locked { 0.0 } else { value(0.2).abs() };
-            let spring = AxisSpring {
-                frequency: fx(value(6.0).abs()),
-                damping_ratio: fx(value(2.0).abs()),
-                rest: fx(value(0.5)),
-                max_force: fx(if is_locked { 2.0 } else { 2000.0 }),
+    /// Turns half of the joints into sliders and lines with a law of the distance.
+    pub(super) fn add_slides(&mut self, random: &mut Random) {
+        let flights = &mut self.flights;
+        for joint in &mut self.joints {
+            if signed(random) > 0.0 {
+                continue;
+            }
+            let [x, y] = joint.offset(flights).map(|c| c as f64 / 2f64.powi(32));
+            let position = match joint.kind {
+                JointKind::Revolute => {
+                    let angle = 3.0 * signed(random);
+                    joint.kind = JointKind::Slider { angle: Turn::from_radians(fx(angle)) };
+                    let radius = &mut flights[joint.bodies[0] as usize].radius;
+                    *radius = (*radius).max(fx(2.0 * (x.hypot(y) + 1.0)));
+                    x * angle.cos() + y * angle.sin()
+                }
+                _ => {
+                    joint.kind = JointKind::Line;
+                    x.hypot(y)
+                }
             };
-            joint.axis = Some(Axis {
-                position: fx(position),
-                limits: has_limits.then(|| [fx(middle - size), fx(middle + size)]),
-                motor_speed: fx(value(5.0)),
-                motor_force: fx(if has_motor { value(20.0).abs() } else { 0.0 }),
-                friction: fx(if has_friction { value(2.0).abs() } else { 0.0 }),
-                spring: has_spring.then_some(spring),
-            });
+            joint.slide = Some(axis(random, position));
+        }
+    }
+
+    /// Gives most joints of angles limits, a motor, friction and a spring, each in half of them.
+    pub(super) fn add_axes(&mut self, random: &mut Random) {
+        let has_angle = |joint: &&mut Joint| matches!(joint.kind, JointKind::Revolute | JointKind::Slider { .. });
+        for joint in self.joints.iter_mut().filter(has_angle) {
+            let position = 0.5 * signed(random);
+            joint.axis = Some(axis(random, position));
             if joint.impulses != Impulses::default() {
                 joint.impulses.values[2] = (signed(random) * 2f64.powi(22)) as i64;
             }

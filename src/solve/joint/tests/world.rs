@@ -5,7 +5,7 @@ use alloc::vec::Vec;
 
 use crate::fx::Fx;
 use crate::math::{TimeStep, Vec2};
-use crate::scalar::{FxAccumulator, FxFactor};
+use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::solve::joint::Axis;
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
 
@@ -98,8 +98,11 @@ pub(super) struct Link {
     pub(super) points: [[f64; 2]; 2],
     /// `None`: a revolute joint.
     pub(super) length: Option<f64>,
-    /// The axis of the angle from the first body to the second; its position is set in each step.
+    /// The angle of the axis of a slider in the axes of the first body.
+    pub(super) slider: Option<f64>,
+    /// The laws of the angle from the first body to the second, and of the way along the axis or the line; their positions are set in each step.
     pub(super) axis: Option<Axis>,
+    pub(super) slide: Option<Axis>,
     /// The angle at the start.
     pub(super) start_angle: f64,
     pub(super) impulses: Impulses,
@@ -143,7 +146,9 @@ impl World {
             bodies: [a, b],
             points,
             length,
+            slider: None,
             axis: None,
+            slide: None,
             start_angle,
             impulses: Impulses::default(),
         });
@@ -154,9 +159,31 @@ impl World {
         self.link(a, b, [at; 2], None);
     }
 
+    /// A joint whose second point slides along an axis through the first point, at an angle in the world.
+    pub(super) fn slider(&mut self, a: usize, b: usize, at: [f64; 2], angle: f64) {
+        self.link(a, b, [at; 2], None);
+        self.links.last_mut().expect("a joint").slider = Some(angle - self.bodies[a].angle);
+    }
+
     /// The last joint gets an axis.
     pub(super) fn set_axis(&mut self, axis: Axis) {
         self.links.last_mut().expect("a joint").axis = Some(axis);
+    }
+
+    /// The last joint gets a slide; a rod becomes a line with it.
+    pub(super) fn set_slide(&mut self, slide: Axis) {
+        self.links.last_mut().expect("a joint").slide = Some(slide);
+    }
+
+    /// The offset of the points along and across the axis of a slider; of a line its length.
+    pub(super) fn offset(&self, link: &Link) -> [f64; 2] {
+        let Link { bodies: ends, points, slider, .. } = *link;
+        let [a, b] = [0, 1].map(|k| self.bodies[ends[k]].point(points[k]));
+        let [x, y] = [b[0] - a[0], b[1] - a[1]];
+        match slider {
+            Some(angle) => rotated(-angle - self.bodies[ends[0]].angle, [x, y]),
+            None => [x.hypot(y), 0.0],
+        }
     }
 
     /// The angle of a joint since it was made.
@@ -193,12 +220,18 @@ impl World {
 
     pub(super) fn joint(&self, link: &Link) -> Joint {
         let anchor = |k: usize| vec2(rotated(self.bodies[link.bodies[k]].angle, link.points[k]));
-        let kind = link.length.map_or(JointKind::Revolute, |length| JointKind::Distance { length: fx(length) });
         let bodies = link.bodies.map(|body| body as u32);
         let [a, b] = link.bodies;
+        let kind = match (link.length, link.slider) {
+            (Some(_), _) if link.slide.is_some() => JointKind::Line,
+            (Some(length), _) => JointKind::Distance { length: fx(length) },
+            (None, Some(angle)) => JointKind::Slider { angle: Turn::from_radians(fx(angle + self.bodies[a].angle)) },
+            (None, None) => JointKind::Revolute,
+        };
         let position = fx(self.bodies[b].angle - self.bodies[a].angle - link.start_angle);
         let axis = link.axis.map(|axis| Axis { position, ..axis });
-        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, axis, impulses: link.impulses }
+        let slide = link.slide.map(|slide| Axis { position: fx(self.offset(link)[0]), ..slide });
+        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, axis, slide, impulses: link.impulses }
     }
 
     /// The two lowest corners of a box near the floor, which is body 0.
@@ -274,7 +307,13 @@ impl World {
     }
 
     pub(super) fn step(&mut self) {
-        let flights: Vec<Flight> = self.bodies.iter().map(|body| self.flight(body)).collect();
+        let mut flights: Vec<Flight> = self.bodies.iter().map(|body| self.flight(body)).collect();
+        for link in self.links.iter().filter(|link| link.slider.is_some()) {
+            let [x, y] = self.offset(link);
+            let [px, py] = link.points[0];
+            let radius = &mut flights[link.bodies[0]].radius;
+            *radius = (*radius).max(fx(2.0 * (x.hypot(y) + px.hypot(py))));
+        }
         let mut joints: Vec<Joint> = self.links.iter().map(|link| self.joint(link)).collect();
         let bodies = self.bodies.iter().enumerate();
         let mut contacts: Vec<Contact> = bodies.filter_map(|(i, body)| self.contact(i, body)).collect();
@@ -317,8 +356,12 @@ impl World {
     /// The largest error of the distance between the points of a joint.
     pub(super) fn worst_gap(&self) -> f64 {
         let gap = |link: &Link| {
-            let [a, b] = [0, 1].map(|k| self.bodies[link.bodies[k]].point(link.points[k]));
-            ((b[0] - a[0]).hypot(b[1] - a[1]) - link.length.unwrap_or(0.0)).abs()
+            let [along, across] = self.offset(link);
+            match (link.slider, link.slide) {
+                (Some(_), _) => across.abs(),
+                (None, Some(_)) => 0.0,
+                (None, None) => (along - link.length.unwrap_or(0.0)).abs(),
+            }
         };
         self.links.iter().map(gap).fold(0.0, f64::max)
     }

@@ -21,7 +21,7 @@ use super::symmetric::{Reciprocal, dot, product, to_impulse, within};
 use super::{FRACTION, IMPULSE, PART, RATIO, RESIDUAL, SOFT, SPEED, UNIT};
 use crate::scalar::FxFactor;
 use crate::solve::joint::Block;
-use crate::solve::joint::axis::{Aim, STIFFEST};
+use crate::solve::joint::axis::{Aim, AxisRow, STIFFEST};
 use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
 
 /// The bits of κ.
@@ -52,8 +52,8 @@ pub(super) struct AngleRow {
 
 impl AngleRow {
     /// The row of the axis of a joint between a node and its parent, or the middle of the joint.
-    pub(super) fn new(block: &Block, node: &Node, opposite: &Node) -> Option<Self> {
-        let axis = block.axis.as_ref()?;
+    pub(super) fn new(block: &Block, laws: &[AxisRow], node: &Node, opposite: &Node) -> Option<Self> {
+        let axis = laws.get(block.laws[2] as usize)?;
         let above = |length: i32| (length - axis.length).max(0);
         let is_half = i32::from(node.is_half);
         // A half is twice as stiff.

@@ -1,6 +1,9 @@
 //! Nodes of trees: matrices and pushes on the way to the centre and back.
 
+use alloc::vec::Vec;
+
 use super::angle::AngleRow;
+use super::frame::FrameRows;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, scaled, to_impulse, turned, within};
 use super::{
     COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
@@ -9,8 +12,9 @@ use crate::math::Vec2;
 use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::Flight;
-use crate::solve::joint::Block;
+use crate::solve::joint::axis::AxisRow;
 use crate::solve::joint::forest::Place;
+use crate::solve::joint::{Block, Frame};
 use crate::solve::motion::Rows;
 use crate::solve::number::{bits_of, exponent, fixed, lowered, shifted, shifted_word};
 
@@ -24,6 +28,8 @@ pub(super) struct Node {
     pub(super) side: usize,
     pub(super) is_body: bool,
     pub(super) is_rod: bool,
+    /// The number of the frame of the joint, if rows of it along the axes have laws or are free; else [`NONE`].
+    pub(super) frame: u32,
     /// True if the parent is the middle of the joint.
     pub(super) is_half: bool,
     /// log2 of the length of the body, m.
@@ -85,6 +91,7 @@ impl Node {
             block: place.block,
             side: place.side,
             is_body: place.body != NONE,
+            frame: NONE,
             ..Self::default()
         };
         if node.is_body {
@@ -125,7 +132,14 @@ impl Node {
 
     /// Sets the values that follow from the masses at the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
     /// body at the other end, and units.
-    pub(super) fn set_joint(&mut self, opposite: &Self, block: &Block, bits: i32) {
+    pub(super) fn set_joint(
+        &mut self,
+        opposite: &Self,
+        block: &Block,
+        laws: &[AxisRow],
+        bits: i32,
+        frames: &mut Vec<FrameRows>,
+    ) {
         self.joint_unit = if self.is_body { self.unit.min(opposite.unit) } else { opposite.unit };
         let mut inverse =
             shifted(opposite.mobility(block.sides[1 - self.side].unit_arm), opposite.unit - self.joint_unit);
@@ -134,10 +148,15 @@ impl Node {
         }
         let bits = if self.is_half { bits + 1 } else { bits };
         self.compliance = within(shifted(inverse, bits), 1 << (SOFT - MASS)).max(1);
-        self.is_rod = block.length.is_some();
+        self.is_rod = block.is_rod();
         self.give_shift = SOFT + self.joint_unit - block.mass_exponent - FRACTION;
         self.push_shift = block.mass_exponent - self.joint_unit - COARSER;
-        self.angle = AngleRow::new(block, self, opposite);
+        if !block.is_rod() && !matches!(block.frame, Frame::World) {
+            self.frame = frames.len() as u32;
+            frames.push(FrameRows::new(block, laws, self, opposite));
+        } else {
+            self.angle = AngleRow::new(block, laws, self, opposite);
+        }
     }
 
     /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
@@ -155,7 +174,11 @@ impl Node {
 
     /// Eliminates the rotation, and finds the spring that the parent sees.
     #[inline(always)]
-    pub(super) fn factor(&mut self) {
+    pub(super) fn factor(&mut self, frames: &mut [FrameRows]) {
+        if let Some(frame) = frames.get_mut(self.frame as usize) {
+            frame.factor(self);
+            return;
+        }
         if !self.is_body && self.parent != NONE {
             let spring = Reciprocal::new(self.compliance).times(1 << 60, SOFT - 60) as i64;
             (self.spring, self.rod_spring) = (Symmetric::isotropic(spring), spring);
@@ -214,7 +237,11 @@ impl Node {
 
     /// Adds the spring to the parent.
     #[inline(always)]
-    pub(super) fn join(&self, parent: &mut Self) {
+    pub(super) fn join(&self, frames: &[FrameRows], parent: &mut Self) {
+        if let Some(frame) = frames.get(self.frame as usize) {
+            frame.join(self, parent);
+            return;
+        }
         let spring = match (self.is_rod, self.is_half) {
             (false, _) => self.spring,
             // Pushes are along the rod: across it any spring will do.
@@ -253,7 +280,7 @@ impl Node {
         let block = &blocks[self.block as usize];
         let residual = block.residual(rows, if is_biased { Some(RATE) } else { None });
         let bits = UNIT - FRACTION + i32::from(self.is_half);
-        for (row, part) in residual.into_iter().enumerate() {
+        for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
             let mut sum = i128::from(shifted_word(part, bits));
             if is_biased {
                 sum += shifted(product(self.compliance, block.impulses[row]), self.give_shift);
@@ -263,12 +290,23 @@ impl Node {
         }
     }
 
-    /// Sets the aim of the axis of the joint to the parent in a pass. Returns true if the matrices change by it.
-    pub(super) fn set_aim(&mut self, blocks: &[Block], rows: &Rows) -> bool {
-        let Some(mut angle) = self.angle else { return false };
+    /// Sets the aims of the laws of the joint to the parent in a pass. Returns true if the matrices change by it.
+    pub(super) fn set_aims(
+        &mut self,
+        frames: &mut [FrameRows],
+        blocks: &[Block],
+        laws: &[AxisRow],
+        rows: &Rows,
+    ) -> bool {
+        if self.parent == NONE {
+            return false;
+        }
         let block = &blocks[self.block as usize];
-        let impulse = block.impulses[2];
-        let has_changed = block.aim(rows).is_some_and(|aim| angle.set_aim(aim, impulse, self));
+        if let Some(frame) = frames.get_mut(self.frame as usize) {
+            return frame.set_aims(block, laws, rows, self);
+        }
+        let Some(mut angle) = self.angle else { return false };
+        let has_changed = block.aim(2, rows, laws).is_some_and(|aim| angle.set_aim(aim, block.impulses[2], self));
         self.angle = Some(angle);
         has_changed
     }
@@ -281,7 +319,10 @@ impl Node {
 
     /// On the way to the centre: the impulses that are left at the joint, which go to the parent, and the torque of its axis.
     #[inline(always)]
-    pub(super) fn pass_down(&mut self) -> ([i64; 2], i64) {
+    pub(super) fn pass_down(&mut self, frames: &mut [FrameRows]) -> ([i64; 2], i64) {
+        if let Some(frame) = frames.get_mut(self.frame as usize) {
+            return frame.pass_down(self);
+        }
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
@@ -320,14 +361,23 @@ impl Node {
 
     /// Adds the torque of the axis of a child.
     #[inline(always)]
-    pub(super) fn take_torque(&mut self, child: &AngleRow, torque: i64, joint_unit: i32) {
-        self.torque += i128::from(child.on_parent(torque, self.unit - joint_unit));
+    pub(super) fn take_torque(&mut self, child: &Self, frames: &[FrameRows], torque: i64) {
+        let down = self.unit - child.joint_unit;
+        if let Some(frame) = frames.get(child.frame as usize) {
+            self.torque += i128::from(frame.on_parent(torque, down));
+        } else if let Some(angle) = &child.angle {
+            self.torque += i128::from(angle.on_parent(torque, down));
+        }
     }
 
     /// On the way back: the change of the impulse of the joint, and of the velocity of the node, by the velocity of the parent.
     #[inline(always)]
-    pub(super) fn pass_up(&mut self, parent_velocity: [i64; 2], parent_spin: i64) {
+    pub(super) fn pass_up(&mut self, frames: &mut [FrameRows], parent_velocity: [i64; 2], parent_spin: i64) {
         let at = moved(parent_velocity, parent_spin, self.parent_point);
+        if let Some(frame) = frames.get_mut(self.frame as usize) {
+            frame.pass_up(self, at, parent_spin);
+            return;
+        }
         if self.is_rod {
             let (along, across) = (self.axis, turned(self.axis));
             let [g, g_across] = self.g;
@@ -357,6 +407,23 @@ impl Node {
             if let Some(angle) = &mut self.angle {
                 angle.finish(angle_spin, if self.is_body { self.spin } else { 0 });
             }
+        }
+    }
+
+    /// The changes of the impulses of the rows of the joint.
+    #[inline(always)]
+    pub(super) fn impulses(&self, frames: &[FrameRows]) -> [i64; 3] {
+        match frames.get(self.frame as usize) {
+            Some(frame) => frame.push,
+            None => [self.push[0], self.push[1], self.angle.map_or(0, |angle| angle.push)],
+        }
+    }
+
+    /// The changes of the velocity and of the impulse of a row that may have a law.
+    pub(super) fn row_change(&self, frames: &[FrameRows], row: usize) -> Option<(i64, i64)> {
+        match frames.get(self.frame as usize) {
+            Some(frame) => Some((frame.change[row], frame.push[row])),
+            None => self.angle.filter(|_| row == 2).map(|angle| (angle.change, angle.push)),
         }
     }
 

@@ -1,0 +1,107 @@
+//! Effective masses of the rows that have laws: with them springs have their frequencies, and rows their stiffness.
+
+use super::{FAR, Joint, JointKind, direction_of};
+use crate::fx::Fx;
+use crate::kernel::sqrt::direction;
+use crate::math::Vec2;
+use crate::scalar::FxFactor;
+use crate::solve::Flight;
+
+/// The square of a component.
+fn square(component: Fx) -> FxFactor {
+    let size = FxFactor::from_scalar(component.abs());
+    size.times(size)
+}
+
+/// The square of a number in 2^-bits.
+fn square_of_bits(value: i128, bits: i32) -> FxFactor {
+    let size = FxFactor::new(value.unsigned_abs(), bits);
+    size.times(size)
+}
+
+/// The inertia of a body; `None` if it cannot turn.
+fn inertia(flight: &Flight) -> Option<FxFactor> {
+    (!flight.inverse_inertia.is_zero()).then(|| FxFactor::ONE.over(flight.inverse_inertia))
+}
+
+/// The effective mass of the angle between two bodies that are pinned together at these arms: 1/K in kg·m², for
+/// K = (I₁ + I₂ + μ|r₁ − r₂|²)/(I₁·I₂ + μ(I₁·r₂² + I₂·r₁²) + μ²(r₁ × r₂)²) and the reduced mass μ of both. `None` if none can turn.
+fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<FxFactor> {
+    // A locked axis of both takes part no more: there the pin alone decides.
+    let reduced = |sum: FxFactor| if sum.is_zero() { FxFactor::ZERO } else { FxFactor::ONE.over(sum) };
+    let [mx, my] = [
+        reduced(first.inverse_mass.x.plus(second.inverse_mass.x)),
+        reduced(first.inverse_mass.y.plus(second.inverse_mass.y)),
+    ];
+    // Motion along x turns an arm along y.
+    let moment = |arm: Vec2| mx.times(square(arm.y)).plus(my.times(square(arm.x)));
+    match [inertia(first), inertia(second)] {
+        [None, None] => None,
+        [Some(first), None] => Some(first.plus(moment(a))),
+        [None, Some(second)] => Some(second.plus(moment(b))),
+        [Some(first), Some(second)] => {
+            let apart = Vec2::new(a.x.saturating_sub(b.x), a.y.saturating_sub(b.y));
+            let product = |p: Fx, q: Fx| i128::from(p.to_bits()) * i128::from(q.to_bits());
+            // Arms are below 2^12.5 m: products in 2^-64 are below 2^90.
+            let cross = (product(a.x, b.y) - product(a.y, b.x)).unsigned_abs();
+            let cross = FxFactor::new(cross, 64);
+            let numerator = first
+                .times(second)
+                .plus(first.times(moment(b)))
+                .plus(second.times(moment(a)))
+                .plus(mx.times(my).times(cross).times(cross));
+            Some(numerator.over(first.plus(second).plus(moment(apart))))
+        }
+    }
+}
+
+impl Joint {
+    /// The effective mass of the angle, kg·m²; `None` if no body can turn.
+    pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
+        if !matches!(self.kind, JointKind::Slider { .. }) {
+            return pinned_inertia(flights, self.anchors);
+        }
+        let sum = flights[0].inverse_inertia.plus(flights[1].inverse_inertia);
+        (!sum.is_zero()).then(|| FxFactor::ONE.over(sum))
+    }
+
+    /// The effective mass of the distance along the axis or the line for the offset of the anchors, in 2^-32 m: kg. `None` if nothing can move.
+    ///
+    /// It is 1/K, for the velocity K along the axis by an impulse. The angle of a slider that is locked takes its part: for the reduced mass μ,
+    /// both moments of inertia I, and the offset of the centres with s along the axis and D in all, it is μ(I + μs²)/(I + μD²).
+    pub(super) fn effective_mass(&self, flights: [&Flight; 2], offset: [i128; 2]) -> Option<FxFactor> {
+        let offset = offset.map(|part| part.clamp(-FAR, FAR));
+        let [ux, uy] = match self.kind {
+            JointKind::Slider { angle } => direction_of(angle),
+            _ if offset == [0; 2] => return None,
+            _ => direction(offset[0] as i64, offset[1] as i64).0.map(i64::from),
+        };
+        let [xx, yy] = [ux, uy].map(|part| square_of_bits(part.into(), 30));
+        let linear = flights.map(|flight| xx.times(flight.inverse_mass.x).plus(yy.times(flight.inverse_mass.y)));
+        let arms = self.anchors.map(|anchor| [anchor.x, anchor.y].map(|part| i128::from(part.to_bits())));
+        let is_slider = matches!(self.kind, JointKind::Slider { .. });
+        let is_locked =
+            is_slider && self.axis.and_then(|axis| axis.limits).is_some_and(|[lower, upper]| lower == upper);
+        let mut inverse = linear[0].plus(linear[1]);
+        if is_locked {
+            if inverse.is_zero() {
+                return None;
+            }
+            let reduced = FxFactor::ONE.over(inverse);
+            let [Some(first), Some(second)] = flights.map(inertia) else { return Some(reduced) };
+            let inertia = first.plus(second);
+            // Below 2^61 and 2^91.
+            let [x, y] = [0, 1].map(|i| offset[i] + arms[0][i] - arms[1][i]);
+            let along = square_of_bits(i128::from(ux) * x + i128::from(uy) * y, 62);
+            let distance = square_of_bits(x, 32).plus(square_of_bits(y, 32));
+            let turned = inertia.plus(reduced.times(along)).over(inertia.plus(reduced.times(distance)));
+            return Some(reduced.times(turned));
+        }
+        for (side, flight) in flights.into_iter().enumerate() {
+            let reach = |i: usize| arms[side][i] + if is_slider && side == 0 { offset[i] } else { 0 };
+            let cross = reach(0) * i128::from(uy) - reach(1) * i128::from(ux);
+            inverse = inverse.plus(square_of_bits(cross, 62).times(flight.inverse_inertia));
+        }
+        (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
+    }
+}

@@ -1,0 +1,144 @@
+//! The laws of joints in loops: a row of the system where a law holds a velocity or a spring bends, and an impulse that is given where a force is
+//! at its largest.
+
+use core::ops::Range;
+
+use super::{DIRECTION, FINER_STILL, LoopJoint, move_by, within};
+use crate::scalar::FxFactor;
+use crate::slots::NONE;
+use crate::solve::joint::axis::{Aim, AxisRow};
+use crate::solve::joint::tree::{FRACTION, RESIDUAL};
+use crate::solve::joint::{Block, FINER};
+use crate::solve::motion::Rows;
+use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::unit::SoftRow;
+
+/// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
+fn divided(value: i128, divisor: i64) -> i128 {
+    let divisor = i128::from(divisor);
+    value.signum() * ((2 * value.abs() + divisor) / (2 * divisor))
+}
+
+/// Begins the iterations: sets the aims of laws, and gives the impulses that do not follow from velocities.
+pub(super) fn give(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    laws: &[AxisRow],
+    rows: &Rows,
+    soft: &SoftRow,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) {
+    for (joint, block) in joints.iter_mut().zip(blocks) {
+        joint.set_aims(block, laws, rows, soft);
+    }
+    move_by(joints, blocks, moved, bodies);
+    for (joint, block) in joints.iter_mut().zip(blocks) {
+        joint.begin_round(block);
+    }
+}
+
+/// Moves rows on that have left their places. Returns true if there is one.
+pub(super) fn revise_laws(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    laws: &mut [AxisRow],
+    rows: &Rows,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) -> bool {
+    for joint in joints.iter_mut() {
+        joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
+    }
+    move_by(joints, blocks, moved, bodies);
+    let mut have_left = false;
+    for (joint, block) in joints.iter().zip(blocks) {
+        for row in (0..3).filter(|&row| block.laws[row] != NONE) {
+            let gives = joint.gives(block, row);
+            let push = lowered(joint.solution[row].into(), FINER_STILL);
+            have_left |= block.revise_law(row, rows, laws, joint.velocity[row] - gives, push);
+        }
+    }
+    have_left
+}
+
+/// Settles all laws at the impulses of the last round.
+pub(super) fn settle_laws(joints: &[LoopJoint], blocks: &[Block], laws: &mut [AxisRow]) {
+    for (joint, block) in joints.iter().zip(blocks) {
+        for row in (0..3).filter(|&row| block.laws[row] != NONE) {
+            block.settle_law(row, laws, lowered(joint.solution[row].into(), FINER_STILL));
+        }
+    }
+}
+
+impl LoopJoint {
+    /// Sets the aims of the laws in a round, and takes the impulses that are given as the direction.
+    fn set_aims(&mut self, block: &Block, laws: &[AxisRow], rows: &Rows, soft: &SoftRow) {
+        let [first, second] = self.start;
+        self.residual = [first, second, 0];
+        self.given = [0; 3];
+        for row in 0..3 {
+            let Some(law) = laws.get(block.laws[row] as usize) else { continue };
+            if let Some(aim) = block.aim(row, rows, laws) {
+                (self.mass[row], self.compliance[row], self.residual[row]) = (0, 0, 0);
+                self.set_aim(block, law, row, aim, soft);
+            }
+        }
+        self.direction = self.given;
+    }
+
+    /// Sets the aim of a law in a round.
+    fn set_aim(&mut self, block: &Block, law: &AxisRow, row: usize, aim: Aim, soft: &SoftRow) {
+        let mass = block.element(0, row, row) + block.element(1, row, row);
+        let bits = block.mass_bits + FINER - FRACTION;
+        match aim {
+            Aim::Velocity { velocity, gives_way } => {
+                self.compliance[row] = lowered(mass * i128::from(soft.compliance), 30) as i64;
+                let mut sum = i128::from(shifted_word(velocity, 30 - FRACTION));
+                if gives_way {
+                    sum += shifted(i128::from(self.compliance[row]) * i128::from(block.impulses[row]), bits);
+                }
+                self.residual[row] = -within(sum, RESIDUAL);
+                self.mass[row] = mass as i64 + self.compliance[row];
+            }
+            Aim::Impulse { change, is_elastic } => {
+                // A spring that gives way by more than 2^8 times the inverse mass has no damping to speak of.
+                let scale = block.mass_exponent + block.mass_bits + FINER;
+                let softness = if law.damping.is_zero() { None } else { Some(FxFactor::ONE.over(law.damping)) };
+                let softness = softness.filter(|&softness| is_elastic && exponent(softness) + scale < 54);
+                match softness {
+                    Some(softness) => {
+                        self.compliance[row] = fixed(softness, scale);
+                        let sum = shifted(i128::from(self.compliance[row]) * i128::from(change), bits);
+                        self.residual[row] = within(sum, RESIDUAL);
+                        self.mass[row] = mass as i64 + self.compliance[row];
+                    }
+                    None => self.given[row] = within(i128::from(change) << FINER_STILL, DIRECTION),
+                }
+            }
+        }
+    }
+
+    /// Begins a round, once the velocities by given impulses are known.
+    fn begin_round(&mut self, block: &Block) {
+        for row in 0..3 {
+            if self.is_solved(row) {
+                let residual = i128::from(self.residual[row]) - i128::from(self.velocity[row]);
+                self.residual[row] = within(residual, RESIDUAL);
+            }
+        }
+        self.solution = self.given;
+        self.precondition(block);
+        self.direction = self.preconditioned;
+    }
+
+    /// The part of P r of a row that has a mass of its own.
+    pub(super) fn precondition_alone(&self, block: &Block, row: usize) -> i64 {
+        if self.mass[row] == 0 {
+            return 0;
+        }
+        // Below 2^36 · 2^62.
+        let up = block.mass_bits + FINER + FINER_STILL - FRACTION;
+        within(divided(i128::from(self.residual[row]) << up, self.mass[row]), DIRECTION)
+    }
+}
