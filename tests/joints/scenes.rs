@@ -1,6 +1,6 @@
 //! Worlds with joints.
 
-use umbra_physics::{BodyDef, BodyId, JointDef, JointId, Shape, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{BodyDef, BodyId, JointDef, JointId, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2};
 
 /// Gravity of 10 m/s² downwards.
 pub(crate) fn falling() -> World {
@@ -33,4 +33,23 @@ pub(crate) fn chain(world: &mut World, links: i32) -> (Vec<BodyId>, Vec<JointId>
 
 pub(crate) fn steps(world: &mut World, count: usize) {
     (0..count).for_each(|_| _ = world.step());
+}
+
+/// Asserts that images and copies of a world go on in the same bits.
+pub(crate) fn assert_images_and_copies(world: fn() -> World) {
+    for symmetry in [Symmetry::MIRROR, Symmetry::DIAGONAL, Symmetry::TURN] {
+        let mut world = world();
+        let mut image = symmetry.world(&world).expect("an image");
+        for tick in 0..400 {
+            let expected = symmetry.world(&world).expect("an image").state_hash();
+            assert_eq!(expected, image.state_hash(), "{symmetry:?}, tick {tick}");
+            if tick % 50 == 20 {
+                let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes").into_world();
+                assert_eq!(copy.state_hash(), world.state_hash());
+                world = copy;
+            }
+            world.step();
+            image.step();
+        }
+    }
 }
