@@ -40,6 +40,7 @@ pub(crate) use lanes::{LANE_CORNERS, LaneKind, LaneManifold, LaneManifolds, Lane
 pub use margin::Margin;
 pub use place::Pose;
 pub use placed::Cores;
+pub(crate) use placed::PlacedMotion;
 
 use crate::fx::Fx;
 use crate::limits::CORNERS;

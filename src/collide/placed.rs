@@ -1,7 +1,10 @@
 //! Outlines in world axes, each turned once for all its pairs.
 
+mod apart;
+
 use alloc::vec::Vec;
 
+pub(crate) use self::apart::PlacedMotion;
 use super::cores::across;
 use super::lanes::{CollidePairs, LANE_CORNERS, LaneKind, LaneManifolds, LanePairs, LaneShape, Polygons, Tables};
 use super::link::{collide_surfaces, swapped};

@@ -10,7 +10,7 @@ use super::reach::Reach;
 use super::slot_table::SlotTable;
 use super::{Correction, Scene, Start};
 use crate::body::Activity;
-use crate::collide::Pose;
+use crate::collide::{PlacedMotion, Pose};
 use crate::collider::{Collider, OutlineId, OutlineRef};
 use crate::fx::Fx;
 use crate::limits;
@@ -309,6 +309,27 @@ impl Flights {
             },
             None => free,
         }
+    }
+
+    /// The motion of an outline of this extent in ulps, which is placed at the moment of manifolds, with the changes of its body's way by
+    /// impulses, if there are any.
+    #[inline(always)]
+    pub(super) fn placed_motion(&self, index: u32, corrections: &[Correction], extent: i64) -> PlacedMotion {
+        let ulps = |vector: Vec2| [vector.x.to_bits(), vector.y.to_bits()];
+        let Flight { position, displacement, rotation, .. } = &self.flights[index as usize];
+        let mut motion = PlacedMotion {
+            centre: ulps(*position),
+            way: ulps(*displacement),
+            rotation: rotation.to_bits(),
+            placed_rotation: self.body(index).way.rotation.to_bits(),
+            extent,
+        };
+        if let Some(change) = corrections.get(index as usize) {
+            let [x, y] = ulps(change.displacement.map(FxAccumulator::value));
+            motion.way = [motion.way[0].saturating_add(x), motion.way[1].saturating_add(y)];
+            motion.rotation = motion.rotation.saturating_add(change.rotation.value().to_bits());
+        }
+        motion
     }
 
     /// The flight of the body in a slot, if it has one.

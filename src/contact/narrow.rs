@@ -322,10 +322,24 @@ impl Narrow {
 
     /// Returns true if two actors, which did not press each other in the step before, surely do not [meet](Self::meet).
     #[inline(always)]
-    pub(super) fn stay_apart(&self, actors: [usize; 2]) -> bool {
+    pub(super) fn stay_apart(&self, flights: &Flights, actors: [usize; 2]) -> bool {
         let [a, b] = actors.map(|actor| self.actors.get(actor));
         let reaches = actors.map(|actor| self.actors.reach(actor));
-        a.is_alone && b.is_alone && self.is_asked([a.kind, b.kind], &reaches) && self.actors.stay_apart(actors)
+        a.is_alone
+            && b.is_alone
+            && self.is_asked([a.kind, b.kind], &reaches)
+            && (self.actors.stay_apart(actors) || self.outlines_stay_apart(flights, actors))
+    }
+
+    /// Returns true if the outlines of two actors surely do not touch on their free flights.
+    #[inline(always)]
+    fn outlines_stay_apart(&self, flights: &Flights, actors: [usize; 2]) -> bool {
+        let [a, b] = actors.map(|actor| self.actors.get(actor));
+        if a.core == NONE || b.core == NONE {
+            return false;
+        }
+        let motions = [a, b].map(|actor| flights.placed_motion(actor.flight, &[], actor.extent));
+        self.cores.stay_apart([a.core as usize, b.core as usize], &motions)
     }
 
     /// Finds where the outlines of a pair, which are these actors, meet; `None` if they do not meet in the step. `pressed` is true if they
@@ -380,6 +394,16 @@ impl Narrow {
         let reach = outlines[0].radius.saturating_add(outlines[1].radius);
         if legs[0].stays_apart(&legs[1], reach.to_bits()) {
             return None;
+        }
+        if pair.into_iter().all(|side| !side.collider.def.shape.is_chain()) {
+            let motion = |side: usize| {
+                flights.placed_motion(pair[side].flight, paths.corrections, outlines[side].radius.to_bits())
+            };
+            let motions = [motion(0), motion(1)];
+            let cores = pair.map(|side| self.core(paths.scene, flights, resting, side));
+            if self.cores.stay_apart(cores, &motions) {
+                return None;
+            }
         }
         let forms = [form(pair[0].collider, &outlines[0]), form(pair[1].collider, &outlines[1])];
         let pieces = [from_ref(&legs[0]), from_ref(&legs[1])];

@@ -54,7 +54,7 @@ impl Pipeline {
                 continue;
             }
             let pressed = record.is_some_and(|record| !scene.contacts.records[record].is_slack());
-            if !pressed && narrow.stay_apart([first, second]) {
+            if !pressed && narrow.stay_apart(flights, [first, second]) {
                 continue;
             }
             let place = narrow.push_pair([first, second], pressed);
