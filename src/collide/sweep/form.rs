@@ -201,26 +201,32 @@ impl PlacedForm {
     /// moment.
     ///
     /// # Ranges
-    /// Corners are below 2^49.5 ulps, angles below 2^46: the product is below 2^126. Corners within 2^32 ulps have heights below 2^62.1, to
-    /// which an angle below 2^43 adds half as much: the sum is below 2^62.7.
+    /// Corners are below 2^49.5 ulps, angles below 2^46: the product is below 2^126.
     pub(super) fn highest_after(&self, n: [i32; 2], turn: i64) -> i128 {
         let across = [n[1], -n[0]];
-        let corners = self.distinct_corners();
-        if self.reach < NEAR && turn.abs() < HALF {
-            let (n, across) = (n.map(i64::from), across.map(i64::from));
-            let mut highest = i64::MIN;
-            for &[x, y] in corners {
-                let height = n[0] * x + n[1] * y;
-                let way = i128::from(across[0] * x + across[1] * y) * i128::from(turn);
-                highest = highest.max(height + (way >> 44) as i64);
-                if self.is_symmetric {
-                    highest = highest.max(((-way) >> 44) as i64 - height);
-                }
-            }
-            return highest.into();
-        }
         let at = |&corner: &[i64; 2]| height(n, corner) + ((height(across, corner) * i128::from(turn)) >> 44);
         self.corners().iter().map(at).max().unwrap_or(0)
+    }
+
+    /// The corners along a unit vector, for many angles; none where heights do not fit words, or corners are many.
+    #[inline(always)]
+    pub(super) fn swing(&self, n: [i32; 2]) -> Option<Swing> {
+        let corners = self.distinct_corners();
+        if self.reach >= NEAR || corners.len() > SWING_CORNERS {
+            return None;
+        }
+        let [x, y] = n.map(i64::from);
+        let mut swing = Swing {
+            count: corners.len(),
+            heights: [0; SWING_CORNERS],
+            ways: [0; SWING_CORNERS],
+            is_symmetric: self.is_symmetric,
+        };
+        for ((&[corner_x, corner_y], height), way) in corners.iter().zip(&mut swing.heights).zip(&mut swing.ways) {
+            *height = x * corner_x + y * corner_y;
+            *way = y * corner_x - x * corner_y;
+        }
+        Some(swing)
     }
 
     pub(super) fn corners(&self) -> &[[i64; 2]] {
@@ -230,6 +236,40 @@ impl PlacedForm {
     /// Outward unit normals of the edges, 2^-30.
     pub(super) fn normals(&self) -> &[[i32; 2]] {
         &self.normals[..self.counts[1]]
+    }
+}
+
+/// The most distinct corners of a [`Swing`].
+const SWING_CORNERS: usize = 8;
+
+/// The heights of the distinct corners of an outline along a unit vector, and their ways by a radian.
+pub(super) struct Swing {
+    count: usize,
+    /// 2^-30 ulps: below 2^62.1, as in [`PlacedForm::heights`].
+    heights: [i64; SWING_CORNERS],
+    ways: [i64; SWING_CORNERS],
+    is_symmetric: bool,
+}
+
+impl Swing {
+    /// [`PlacedForm::highest_after`]; none from half a radian on.
+    ///
+    /// # Ranges
+    /// An angle below 2^43 adds at most half as much to a height: the sum is below 2^62.7.
+    #[inline(always)]
+    pub(super) fn highest_after(&self, turn: i64) -> Option<i128> {
+        if turn.abs() >= HALF {
+            return None;
+        }
+        let mut highest = i64::MIN;
+        for (&height, &way) in self.heights.iter().zip(&self.ways).take(self.count) {
+            let way = i128::from(way) * i128::from(turn);
+            highest = highest.max(height + (way >> 44) as i64);
+            if self.is_symmetric {
+                highest = highest.max(((-way) >> 44) as i64 - height);
+            }
+        }
+        Some(highest.into())
     }
 }
 
@@ -265,7 +305,11 @@ mod tests {
                     .corners()
                     .iter()
                     .map(|&corner| height(n, corner) + ((height([n[1], -n[0]], corner) * i128::from(turn)) >> 44));
-                assert_eq!(Some(placed.highest_after(n, turn)), after.max());
+                let highest = after.max();
+                assert_eq!(Some(placed.highest_after(n, turn)), highest);
+                let swing = placed.swing(n).and_then(|swing| swing.highest_after(turn));
+                assert_eq!(swing.is_some(), placed.reach < NEAR && turn.abs() < HALF);
+                assert!(swing.is_none() || swing == highest);
             }
         }
     }

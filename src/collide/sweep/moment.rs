@@ -1,5 +1,9 @@
 //! Two outlines at a moment of their paths: how far apart they are, and for how long they surely stay so.
 
+mod measure;
+mod time;
+
+use self::measure::Known;
 use super::form::{Form, PlacedForm, height, square};
 use super::path::{self, END, Leg};
 use crate::kernel::sqrt::direction;
@@ -22,6 +26,7 @@ pub(crate) struct Moment {
     /// From the centre of the first outline to the centre of the second one.
     pub(super) offset: [i128; 2],
     radius: i64,
+    at: u64,
     /// The moment at which a piece of either path ends.
     pub(super) until: u64,
     /// The outer side of a segment of a chain that meets a segment: it has no other side to be told by, and directions to its inner side do not
@@ -32,6 +37,7 @@ pub(crate) struct Moment {
     /// Of another moment until [`measure`](Self::measure).
     widest: Widest,
     is_measured: bool,
+    known: Known,
 }
 
 impl Default for Moment {
@@ -42,11 +48,13 @@ impl Default for Moment {
             legs: [leg; 2],
             offset: [0; 2],
             radius: 0,
+            at: 0,
             until: 0,
             front: None,
             across: None,
             widest: Widest::NONE,
             is_measured: false,
+            known: Known::default(),
         }
     }
 }
@@ -92,6 +100,17 @@ pub(super) struct Gap {
     distance: i128,
 }
 
+/// The vector from a corner of the first outline to a corner of the second one.
+#[inline(always)]
+fn between(offset: [i64; 2], a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
+    [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]]
+}
+
+/// The product of two words.
+fn product(a: u64, b: u64) -> u128 {
+    u128::from(a) * u128::from(b)
+}
+
 /// n·p in units of p, rounded down. *Domain* |p| < 2^72: products are below 2^103.
 pub(super) fn along(n: [i32; 2], p: [i128; 2]) -> i128 {
     (i128::from(n[0]) * p[0] + i128::from(n[1]) * p[1]) >> 30
@@ -119,8 +138,9 @@ impl Moment {
         self.placed[1].set(forms[1], b, at);
         self.legs = [*a, *b];
         self.radius = forms[0].radius + forms[1].radius;
-        self.until = until_a.min(until_b);
+        (self.at, self.until) = (at, until_a.min(until_b));
         self.across = unit([0, 1].map(|k| b.way[k] - a.way[k])).map(|[x, y]| [-y, x]);
+        self.known.clear();
         self.complete(forms);
     }
 
@@ -130,6 +150,7 @@ impl Moment {
             self.set(forms, paths, at);
             return;
         }
+        self.at = at;
         for ((placed, form), leg) in self.placed.iter_mut().zip(forms).zip(&self.legs) {
             placed.advance(form, leg, at);
         }
@@ -169,8 +190,8 @@ impl Moment {
         [gap(n, offset, highest_a, lowest_b), gap(n.map(|part| -part), -offset, -lowest_a, -highest_b)]
     }
 
-    /// The distances along the directions that may separate best: of all edges, and between the corners that are nearest to each other.
-    #[inline(always)]
+    /// Visits the distances along the directions that may separate best: of all edges, and between the corners that are nearest to each other.
+    #[cold]
     fn each_gap(&self, mut visit: impl FnMut(&Gap)) {
         for side in 0..2 {
             let placed = &self.placed[side];
@@ -182,53 +203,35 @@ impl Moment {
                 }
             }
         }
-        // The offset is cut to words, which changes it only for outlines that are never near; corners are below 2^50.
-        let offset = self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64);
+        let offset = self.near_offset();
         let [a, b] = [0, 1].map(|side: usize| self.placed[side].corners());
-        let between = |a: [i64; 2], b: [i64; 2]| [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]];
-        let mut nearest = u128::MAX;
-        let (mut shortest, mut count) = ([[0; 2]; KEPT], 0);
-        for &a in a {
-            for &b in b {
-                let d = between(a, b);
-                let square = square(d);
-                if square < nearest {
-                    (nearest, count) = (square, 0);
-                }
-                if square == nearest {
-                    if let Some(place) = shortest.get_mut(count) {
-                        *place = d;
-                    }
-                    count += 1;
-                }
-            }
-        }
-        let mut visit_along = |d: [i64; 2]| {
-            if let Some(n) = unit(d.map(i128::from)) {
-                visit(&self.gaps(n)[0]);
-            }
-        };
-        if let Some(shortest) = shortest.get(..count) {
-            shortest.iter().for_each(|&d| visit_along(d));
-            return;
-        }
-        let all = a.iter().flat_map(|&a| b.iter().map(move |&b| between(a, b)));
-        all.filter(|&d| square(d) == nearest).for_each(visit_along);
-    }
-
-    /// Finds the largest distance along a direction.
-    pub(super) fn measure(&mut self) {
-        if self.is_measured {
-            return;
-        }
-        let mut widest = Widest::NONE;
-        self.each_gap(|gap| {
-            if self.is_allowed(gap.n) {
-                widest.add(gap);
+        let squares = a.iter().flat_map(|&a| b.iter().map(move |&b| square(between(offset, a, b))));
+        self.each_nearest(squares.min().unwrap_or(0), |d| {
+            if let Some(gap) = self.gap_along(d) {
+                visit(&gap);
             }
         });
-        self.widest = widest;
-        self.is_measured = true;
+    }
+
+    /// The offset, cut to words, which changes it only for outlines that are never near; corners are below 2^50.
+    #[inline(always)]
+    fn near_offset(&self) -> [i64; 2] {
+        self.offset.map(|part| part.clamp(-(1 << 62), 1 << 62) as i64)
+    }
+
+    /// Visits the vectors between two corners whose square is this one.
+    fn each_nearest(&self, nearest: u128, visit: impl FnMut([i64; 2])) {
+        let offset = self.near_offset();
+        let [a, b] = [0, 1].map(|side: usize| self.placed[side].corners());
+        let all = a.iter().flat_map(|&a| b.iter().map(move |&b| between(offset, a, b)));
+        all.filter(|&d| square(d) == nearest).for_each(visit);
+    }
+
+    /// The distance along a vector, if it has a direction that counts.
+    #[inline(always)]
+    fn gap_along(&self, d: [i64; 2]) -> Option<Gap> {
+        let [gap, _] = self.gaps(unit(d.map(i128::from))?);
+        self.is_allowed(gap.n).then_some(gap)
     }
 
     /// Visits the directions of the largest distance, all that tie. *Domain* a moment that was [measured](Self::measure).
@@ -254,125 +257,6 @@ impl Moment {
     pub(super) fn distance(&self) -> i128 {
         self.widest_distance().unwrap_or(-(1 << 80))
     }
-
-    /// The longest step that a direction across the way proves safe.
-    pub(super) fn longest_across(&self, depth: i64, room: u64, guess: u64) -> u64 {
-        let Some(across) = self.across else { return 0 };
-        let gaps = self.gaps(across);
-        let allowed = gaps.iter().filter(|gap| self.is_allowed(gap.n));
-        allowed.map(|gap| self.time(gap, depth, room, guess)).max().unwrap_or(0)
-    }
-
-    /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
-    fn turn_speed(&self, side: usize) -> i128 {
-        let turns = self.legs[side].spin.unsigned_abs();
-        if turns == 0 {
-            return 0;
-        }
-        // Below 2^50 in units of 2^-32 turns, 2^85 in 2^-64 rad; corners are below 2^49.
-        let radians = ((((turns >> 32) + 1) * TAU) >> 32) + 1;
-        (((radians * self.placed[side].reach.unsigned_abs() as u128) >> 32) + 2) as i128
-    }
-
-    /// The angle that a body turns in a part of the tick, in 2^-44 rad, rounded up by at most 8; `None` above half a turn.
-    fn angle(&self, side: usize, time: u64) -> Option<i64> {
-        let turns = self.legs[side].spin.unsigned_abs();
-        let time = u128::from(time);
-        // Whole turns below 2^18, and the rest.
-        let turned = (((turns >> 64) * time) << 2) + (((turns & u128::from(u64::MAX)) * time) >> 62);
-        // From 2^-64 turns to 2^-44 rad: below 2^43 · 2^35.
-        (turned < 1 << 63).then(|| (((((turned >> 20) + 1) * TAU) >> 32) + 1) as i64)
-    }
-
-    /// The time for which the distance along a direction surely stays above −depth, at most `room`.
-    pub(super) fn time(&self, gap: &Gap, depth: i64, room: u64, guess: u64) -> u64 {
-        let free = gap.distance + i128::from(depth - ROUNDING - (self.radius >> 26));
-        if free <= 0 {
-            return 0;
-        }
-        let [a, b] = &self.legs;
-        // Rounded up.
-        let closing = -along(gap.n, [0, 1].map(|k| b.way[k] - a.way[k]));
-        let bounds = [0, 1].map(|side| {
-            // By how much the farthest corner may reach farther out; a unit vector is off by 2^-29.
-            let reach = self.placed[side].reach;
-            let reach = reach + (reach >> 28) + 2;
-            let more = if side == 0 { reach - gap.support_a } else { reach + gap.support_b };
-            (self.turn_speed(side), i128::from(more.max(0)))
-        });
-        let time = bounded(free, closing, bounds).min(room);
-        if time == room || bounds.iter().all(|(speed, bound)| *speed == 0 || *bound == 0) {
-            return time;
-        }
-        let stays = |time: u64| self.stays_apart(gap, free, closing, time);
-        if stays(room) {
-            return room;
-        }
-        let mut next = room.min(guess) >> 1;
-        while next > time && next > SHORTEST {
-            if stays(next) {
-                let more = next + (next >> 1);
-                return if more < room && stays(more) { more } else { next };
-            }
-            next >>= 1;
-        }
-        time
-    }
-
-    /// Returns true if a distance along a direction stays below `free` for some time, as far as the speeds of corners and the bound of
-    /// their acceleration say. This bound is convex in the time and zero at first, so that it holds all the time if it holds at the end.
-    fn stays_apart(&self, gap: &Gap, free: i128, closing: i128, time: u64) -> bool {
-        let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
-        let farther = |side: usize, turn: i64| {
-            let (placed, leg) = (&self.placed[side], &self.legs[side]);
-            if leg.spin == 0 {
-                return 0;
-            }
-            let n = if side == 0 { gap.n } else { gap.n.map(|part| -part) };
-            let size = i128::from(turn);
-            let highest = placed.highest_after(n, if leg.spin < 0 { -turn } else { turn });
-            let support = if side == 0 { gap.support_a } else { -gap.support_b };
-            // Rounded up: the product above, the angle, and half of its square.
-            let rounding = i128::from(2 + (placed.reach >> 40));
-            let square = ((size * size) >> 44) + 1;
-            (highest >> 30) - i128::from(support) + rounding + ((square * i128::from(placed.reach + 2)) >> 45) + 1
-        };
-        // Below 2^66 · 2^58, rounded up.
-        let part = i128::from(if closing > 0 { (time >> 4) + 1 } else { time >> 4 });
-        let closed = ((closing * part) >> 58) + 1;
-        farther(0, turn_a) + farther(1, turn_b) + closed < free
-    }
-}
-
-/// The time for which `closing·t + Σ min(speed·t, bound)` stays below `free`, rounded down.
-fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
-    // distance / speed. Both are cut to 64 bits, the speed rounded up.
-    let time = |distance: i128, speed: i128| {
-        if speed <= 0 || distance >= speed {
-            return END;
-        }
-        if distance <= 0 {
-            return 0;
-        }
-        let right = (128 - speed.leading_zeros()).saturating_sub(64);
-        (((distance.unsigned_abs() >> right) << 62) / ((speed.unsigned_abs() >> right) + 1)) as u64
-    };
-    // A rotation is at its bound from some time on.
-    let [first, second] = bounds.map(|(speed, bound)| {
-        let bound = if speed == 0 { 0 } else { bound };
-        (time(bound, speed.max(1)), speed, bound)
-    });
-    let (first, second) = if first.0 <= second.0 { (first, second) } else { (second, first) };
-    // The sum is concave: where it stops growing below `free`, it stays there. Each line is an upper bound of it.
-    let joint_time = time(free, closing + first.1 + second.1);
-    if joint_time <= first.0 {
-        return joint_time;
-    }
-    let second_time = time(free - first.2, closing + second.1);
-    if second_time <= second.0 {
-        return second_time.max(first.0);
-    }
-    time(free - first.2 - second.2, closing).max(second.0)
 }
 
 #[cfg(test)]
@@ -381,8 +265,9 @@ mod tests {
     use core::slice::from_ref;
 
     use super::*;
+    use crate::cases::{run_seed, times};
     use crate::fx;
-    use crate::math::vec2;
+    use crate::math::{Random, vec2};
     use crate::shape::{Outline, Shape};
 
     /// Two polygons in one place, with eight edges that turns by a quarter and mirror images take to each other: along the normals of all sixteen
@@ -408,5 +293,45 @@ mod tests {
         let mut turned: Vec<_> = directions.iter().map(|&[x, y]| [-y, x]).collect();
         turned.sort_unstable();
         assert_eq!(directions, turned);
+    }
+
+    /// Boxes, polygons and discs that fly past each other and turn, measured at moments that follow each other, and at each alone.
+    #[test]
+    fn a_moment_that_follows_another_has_the_widest_directions_of_the_moment_alone() {
+        let mut random = Random::seeded(run_seed(53));
+        let triangle = Shape::polygon(&[vec2(-1, -1), vec2(2, 0), vec2(0, 1)]);
+        let shapes = [Shape::circle(fx!(0.5)), Shape::rectangle(1, 1), Shape::rectangle(8, fx!(0.5)), triangle];
+        let shapes = shapes.map(|shape| shape.expect("a shape"));
+        let outlines = shapes.each_ref().map(|shape| shape.outlines().first().expect("an outline"));
+        let directions = |moment: &mut Moment| {
+            moment.measure();
+            let mut directions = Vec::new();
+            moment.each_widest(|gap| directions.push((gap.n, gap.distance)));
+            directions.sort_unstable();
+            directions
+        };
+        let (mut moment, mut alone) = (Moment::default(), Moment::default());
+        for _ in 0..times(4_000) {
+            let pair = [0, 1].map(|_| outlines[random.bits() as usize % outlines.len()]);
+            let forms = pair.map(|outline| Form::new(outline, outline.width(), false));
+            let forms = [&forms[0], &forms[1]];
+            // Upright at a quarter of the places, so that directions tie.
+            let (bits, spin_bits) = (24 + random.bits() as u32 % 11, 40 + random.bits() as u32 % 24);
+            let legs = [0, 1].map(|_| {
+                let mut part = |bits: u32| random.bits() as i64 >> (63 - bits);
+                let (centre, way) = ([part(33), part(33)], [part(bits), part(bits)].map(i128::from));
+                let angle = if part(1) == 0 { 0 } else { part(63) as u64 };
+                Leg::new(centre, way, Turn::from_bits(angle), part(spin_bits).into())
+            });
+            let paths = [from_ref(&legs[0]), from_ref(&legs[1])];
+            let mut at = 0;
+            moment.set(forms, paths, at);
+            for _ in 0..6 {
+                alone.set(forms, paths, at);
+                assert_eq!(directions(&mut moment), directions(&mut alone), "{legs:?} {at}");
+                at += (END - at) >> (1 + random.bits() % 8);
+                moment.advance(forms, paths, at);
+            }
+        }
     }
 }
