@@ -118,7 +118,7 @@ impl Sweep<'_> {
     /// Returns true if an outline is behind a segment of a chain, by more than it may overlap it.
     fn is_behind(&self, moment: &Moment) -> bool {
         [0, 1].into_iter().filter(|&side| self.forms[side].is_link).any(|side| {
-            let (segment, outline) = (&moment.placed[side], &moment.placed[1 - side]);
+            let (segment, outline) = (&moment.places.placed[side], &moment.places.placed[1 - side]);
             let sign = if side == 0 { 1 } else { -1 };
             let corners = outline.corners();
             let count = corners.len() as i128;
@@ -126,7 +126,7 @@ impl Sweep<'_> {
             let [from, to] = [segment.corners()[0], segment.corners()[1]];
             let sum = [0, 1].map(|k| {
                 let total: i128 = corners.iter().map(|corner| i128::from(corner[k])).sum();
-                2 * total + (2 * sign * moment.offset[k] - i128::from(from[k]) - i128::from(to[k])) * count
+                2 * total + (2 * sign * moment.places.offset[k] - i128::from(from[k]) - i128::from(to[k])) * count
             });
             along(segment.normals()[0], sum) < -2 * i128::from(self.width() >> 3) * count
         })

@@ -18,20 +18,26 @@ pub(super) const TAU: u128 = 26_986_075_410;
 /// The shortest step: 2^-40 of a tick.
 pub(super) const SHORTEST: u64 = END >> 40;
 
-/// Two outlines at a moment. Sweeps use its memory again.
+/// Two outlines where they are at a moment.
 #[derive(Clone, Debug)]
-pub(crate) struct Moment {
+pub(super) struct Places {
     pub(super) placed: [PlacedForm; 2],
-    legs: [Leg; 2],
     /// From the centre of the first outline to the centre of the second one.
     pub(super) offset: [i128; 2],
     radius: i64,
-    at: u64,
-    /// The moment at which a piece of either path ends.
-    pub(super) until: u64,
     /// The outer side of a segment of a chain that meets a segment: it has no other side to be told by, and directions to its inner side do not
     /// count.
     front: Option<[i32; 2]>,
+}
+
+/// Two outlines at a moment. Sweeps use its memory again.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    pub(super) places: Places,
+    legs: [Leg; 2],
+    at: u64,
+    /// The moment at which a piece of either path ends.
+    pub(super) until: u64,
     /// A direction across the way that they go against each other, if they do not go together.
     across: Option<[i32; 2]>,
     /// Of another moment until [`measure`](Self::measure).
@@ -44,13 +50,10 @@ impl Default for Moment {
     fn default() -> Self {
         let leg = Leg::new([0; 2], [0; 2], Turn::default(), 0);
         Self {
-            placed: [PlacedForm::NONE; 2],
+            places: Places { placed: [PlacedForm::NONE; 2], offset: [0; 2], radius: 0, front: None },
             legs: [leg; 2],
-            offset: [0; 2],
-            radius: 0,
             at: 0,
             until: 0,
-            front: None,
             across: None,
             widest: Widest::NONE,
             is_measured: false,
@@ -106,6 +109,12 @@ fn between(offset: [i64; 2], a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
     [offset[0] + b[0] - a[0], offset[1] + b[1] - a[1]]
 }
 
+/// A bound of the length of a vector: for its sides a ≥ b the square of a + b/2 is at least the square of the length. It is less than the
+/// length by rounding alone.
+fn length([x, y]: [i128; 2]) -> i128 {
+    x.abs().max(y.abs()) + x.abs().min(y.abs()) / 2
+}
+
 /// The product of two words.
 fn product(a: u64, b: u64) -> u128 {
     u128::from(a) * u128::from(b)
@@ -134,10 +143,10 @@ impl Moment {
     /// Brings two outlines on the pieces of their paths to a moment.
     pub(super) fn set(&mut self, forms: [&Form<'_>; 2], paths: [&[Leg]; 2], at: u64) {
         let [(a, until_a), (b, until_b)] = paths.map(|legs| path::leg(legs, at));
-        self.placed[0].set(forms[0], a, at);
-        self.placed[1].set(forms[1], b, at);
+        self.places.placed[0].set(forms[0], a, at);
+        self.places.placed[1].set(forms[1], b, at);
         self.legs = [*a, *b];
-        self.radius = forms[0].radius + forms[1].radius;
+        self.places.radius = forms[0].radius + forms[1].radius;
         (self.at, self.until) = (at, until_a.min(until_b));
         self.across = unit([0, 1].map(|k| b.way[k] - a.way[k])).map(|[x, y]| [-y, x]);
         self.known.clear();
@@ -151,12 +160,20 @@ impl Moment {
             return;
         }
         self.at = at;
-        for ((placed, form), leg) in self.placed.iter_mut().zip(forms).zip(&self.legs) {
+        for ((placed, form), leg) in self.places.placed.iter_mut().zip(forms).zip(&self.legs) {
             placed.advance(form, leg, at);
         }
         self.complete(forms);
     }
 
+    /// Completes what follows from the places of the outlines.
+    fn complete(&mut self, forms: [&Form<'_>; 2]) {
+        self.places.complete(forms);
+        self.is_measured = false;
+    }
+}
+
+impl Places {
     /// Completes what follows from the places of the outlines.
     fn complete(&mut self, forms: [&Form<'_>; 2]) {
         let [from, to] = [self.placed[0].centre, self.placed[1].centre];
@@ -166,7 +183,6 @@ impl Moment {
             (_, true) if forms[0].width == 0 => Some(self.placed[1].normals()[0].map(|part| -part)),
             _ => None,
         };
-        self.is_measured = false;
     }
 
     /// Returns true if a direction counts.
@@ -233,7 +249,9 @@ impl Moment {
         let [gap, _] = self.gaps(unit(d.map(i128::from))?);
         self.is_allowed(gap.n).then_some(gap)
     }
+}
 
+impl Moment {
     /// Visits the directions of the largest distance, all that tie. *Domain* a moment that was [measured](Self::measure).
     pub(super) fn each_widest(&self, mut visit: impl FnMut(&Gap)) {
         let widest = &self.widest;
@@ -241,8 +259,8 @@ impl Moment {
             gaps.iter().for_each(visit);
             return;
         }
-        self.each_gap(|gap| {
-            if self.is_allowed(gap.n) && Some(gap.distance) == widest.distance {
+        self.places.each_gap(|gap| {
+            if self.places.is_allowed(gap.n) && Some(gap.distance) == widest.distance {
                 visit(gap);
             }
         });

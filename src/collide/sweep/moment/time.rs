@@ -2,13 +2,13 @@
 
 use super::super::form::Swing;
 use super::super::path::END;
-use super::{Gap, Moment, ROUNDING, SHORTEST, TAU, along, product};
+use super::{Gap, Moment, ROUNDING, SHORTEST, TAU, along, length, product};
 
 impl Moment {
     /// The longest step that a direction across the way proves safe.
     pub(in super::super) fn longest_across(&mut self, depth: i64, room: u64, guess: u64) -> u64 {
         let Some(across) = self.across else { return 0 };
-        let gaps = self.gaps(across);
+        let gaps = self.places.gaps(across);
         let overlap = -gaps[0].distance.max(gaps[1].distance) - i128::from(depth);
         // The way does not change this distance, but for rounding: where turns do not open the gap, the direction says nothing more.
         if overlap > 0
@@ -17,14 +17,14 @@ impl Moment {
             self.across = None;
             return 0;
         }
-        let allowed = gaps.iter().filter(|gap| self.is_allowed(gap.n));
+        let allowed = gaps.iter().filter(|gap| self.places.is_allowed(gap.n));
         allowed.map(|gap| self.time(gap, depth, room, guess)).max().unwrap_or(0)
     }
 
     /// A bound of the way of the two bodies against each other in a tick, ulps: below 2^66.
     pub(super) fn way(&self) -> i128 {
         let [a, b] = &self.legs;
-        (b.way[0] - a.way[0]).abs() + (b.way[1] - a.way[1]).abs()
+        length([0, 1].map(|k| b.way[k] - a.way[k]))
     }
 
     /// A bound of the distance by which a body's rotation moves a corner in a tick, ulps.
@@ -32,7 +32,7 @@ impl Moment {
         match self.radians(side) {
             0 => 0,
             // Corners are below 2^49.
-            radians => ((product(radians, self.placed[side].reach.unsigned_abs()) >> 32) + 2) as i128,
+            radians => ((product(radians, self.places.placed[side].reach.unsigned_abs()) >> 32) + 2) as i128,
         }
     }
 
@@ -56,7 +56,7 @@ impl Moment {
 
     /// The time for which the distance along a direction surely stays above −depth, at most `room`.
     pub(in super::super) fn time(&self, gap: &Gap, depth: i64, room: u64, guess: u64) -> u64 {
-        let free = gap.distance + i128::from(depth - ROUNDING - (self.radius >> 26));
+        let free = gap.distance + i128::from(depth - ROUNDING - (self.places.radius >> 26));
         if free <= 0 {
             return 0;
         }
@@ -65,7 +65,7 @@ impl Moment {
         let closing = -along(gap.n, [0, 1].map(|k| b.way[k] - a.way[k]));
         let bounds = [0, 1].map(|side| {
             // By how much the farthest corner may reach farther out; a unit vector is off by 2^-29.
-            let reach = self.placed[side].reach;
+            let reach = self.places.placed[side].reach;
             let reach = reach + (reach >> 28) + 2;
             let more = if side == 0 { reach - gap.support_a } else { reach + gap.support_b };
             (self.turn_speed(side), i128::from(more.max(0)))
@@ -74,12 +74,20 @@ impl Moment {
         if time == room || bounds.iter().all(|(speed, bound)| *speed == 0 || *bound == 0) {
             return time;
         }
+        // Turns take corners back by at most as much as they take them farther out: the least way that closes in the tick, and what it has to
+        // close, with room for rounding, of levers too.
+        let closed =
+            free + 32 + i128::from((self.places.placed[0].reach + self.places.placed[1].reach) >> 26) + (closing >> 56);
+        let least_closing = i64::try_from(closing - bounds[0].0 - bounds[1].0).unwrap_or(0).max(0);
         let normals = [gap.n, gap.n.map(|part| -part)];
         let swings = [0, 1].map(|side| match self.legs[side].spin {
             0 => None,
-            _ => self.placed[side].swing(normals[side]),
+            _ => self.places.placed[side].swing(normals[side]),
         });
-        let stays = |time: u64| self.stays_apart(gap, &swings, free, closing, time);
+        let stays = |time: u64| {
+            let is_closed = (i128::from(least_closing) * i128::from(time)) >> 62 >= closed;
+            !is_closed && self.stays_apart(gap, &swings, free, closing, time)
+        };
         if stays(room) {
             return room;
         }
@@ -99,7 +107,7 @@ impl Moment {
     fn stays_apart(&self, gap: &Gap, swings: &[Option<Swing>; 2], free: i128, closing: i128, time: u64) -> bool {
         let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
         let farther = |side: usize, turn: i64| {
-            let (placed, leg) = (&self.placed[side], &self.legs[side]);
+            let (placed, leg) = (&self.places.placed[side], &self.legs[side]);
             if leg.spin == 0 {
                 return 0;
             }
