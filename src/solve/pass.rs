@@ -31,7 +31,7 @@ use super::cut::{cut_friction, cut_normal, warm_start_one};
 use super::group::Group;
 use super::matrix::make_one_soft;
 use super::motion::Rows;
-use crate::kernel::simd::{GROUP, Job, Lanes};
+use crate::kernel::simd::{GROUP, Gathered, Job, Lanes};
 
 /// The largest bias of a contact that is still open: points farther apart do not meet in a sub-step.
 pub(super) const SPECULATIVE: i32 = 1 << 29;
@@ -262,6 +262,24 @@ fn limited<L: Lanes, const AIM: u8>(
     (lanes.wide(&m1, 0), lanes.wide(&m2, 0), cut)
 }
 
+/// The separations where both bodies are, which stay there up to the next sub-step's solve pass: later passes read them again.
+#[inline(always)]
+fn separations<L: Lanes>(
+    lanes: L,
+    group: &mut Group,
+    at: usize,
+    [a, b]: [&Gathered<L::Narrow>; 2],
+) -> (L::Narrow, L::Narrow) {
+    let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
+    let moved = dot(lanes, lanes.pair(&group.normal, at), d);
+    let turned = (a.displacement[2], b.displacement[2]);
+    let (s1, s2) = lanes.pair(&group.separation, at);
+    let s1 = lanes.plus(s1, along_row(lanes, moved, lanes.pair(&group.arms[0], at), turned));
+    let s2 = lanes.plus(s2, along_row(lanes, moved, lanes.pair(&group.arms[1], at), turned));
+    lanes.put_pair(&mut group.separation_now, at, (s1, s2));
+    (s1, s2)
+}
+
 /// Both normal rows of contacts as one block; friction after them when they are relaxed.
 #[inline(always)]
 fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) -> u64 {
@@ -277,14 +295,8 @@ fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows,
         let (s1, s2) = lanes.pair(&group.separation_now, at);
         soft(lanes, group, at, [s1, s2], [r1, r2], [l1, l2])
     } else {
-        let d = (lanes.minus(b.displacement[0], a.displacement[0]), lanes.minus(b.displacement[1], a.displacement[1]));
-        let moved = dot(lanes, n, d);
-        let turned = (a.displacement[2], b.displacement[2]);
-        let (s1, s2) = lanes.pair(&group.separation, at);
-        let s1 = lanes.plus(s1, along_row(lanes, moved, arms1, turned));
-        let s2 = lanes.plus(s2, along_row(lanes, moved, arms2, turned));
-        // Bodies stay where they are up to the next sub-step's solve pass.
-        lanes.put_pair(&mut group.separation_now, at, (s1, s2));
+        let (s1, s2) =
+            if AIM == RELAX { separations(lanes, group, at, [&a, &b]) } else { lanes.pair(&group.separation_now, at) };
         let (_, impact_speed) = lanes.pair(&group.surface, at);
         let aims = [rigid_bias(lanes, s1, r1, impact_speed), rigid_bias(lanes, s2, r2, impact_speed)];
         (rigid(lanes, group, at), aims)
