@@ -16,6 +16,14 @@ pub(super) fn turned([x, y]: [i64; 2], sin: i64, cos: i64) -> [i64; 2] {
     [part(product(x, cos) - product(y, sin)), part(product(x, sin) + product(y, cos))]
 }
 
+/// A vector (x, y) and (−x, y) [turned], by the same products.
+fn turned_beside([x, y]: [i64; 2], sin: i64, cos: i64) -> [[i64; 2]; 2] {
+    let product = |a: i64, b: i64| i128::from(a) * i128::from(b);
+    let [x_cos, x_sin, y_cos, y_sin] = [product(x, cos), product(x, sin), product(y, cos), product(y, sin)];
+    let part = |sum: i128| odd_shift(sum, 62) as i64;
+    [[part(x_cos - y_sin), part(x_sin + y_cos)], [part(-x_cos - y_sin), part(y_cos - x_sin)]]
+}
+
 /// n·p in units of 2^-30 of p's unit.
 pub(super) fn height(n: [i32; 2], p: [i64; 2]) -> i128 {
     i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
@@ -45,6 +53,14 @@ fn is_symmetric(vectors: &[Vec2]) -> bool {
     first.len() == second.len() && first.iter().zip(second).all(|(&a, &b)| ulps(a) == ulps(b).map(|part| -part))
 }
 
+/// Returns true if the first corners and normals of four are the corners and normals of a rectangle that is not turned.
+fn is_upright(corners: &[Vec2], normals: &[Vec2]) -> bool {
+    let ([first, second, _, _], [n1, n2, _, _]) = (corners, normals) else { return false };
+    let ([x1, y1], [x2, y2]) = (ulps(*first), ulps(*second));
+    let ([nx, ny], across) = (ulps(*n1), ulps(*n2));
+    [x2, y2] == [-x1, y1] && across == [-ny, nx]
+}
+
 /// A vector in ulps.
 fn ulps(vector: Vec2) -> [i64; 2] {
     [vector.x.to_bits(), vector.y.to_bits()]
@@ -62,6 +78,8 @@ pub(crate) struct Form<'a> {
     reach: i64,
     /// It looks alike at half a turn: the second halves of its corners and of its normals are the first halves, negated.
     is_symmetric: bool,
+    /// Besides, it is a rectangle that is not turned.
+    is_upright: bool,
     /// The least distance of two parallel lines that the outline is between.
     pub(crate) width: i64,
     /// A segment of a chain.
@@ -75,12 +93,14 @@ impl<'a> Form<'a> {
         let normals = if corners.len() == 1 { &[] } else { outline.normals() };
         let reach = root(corners.iter().map(|&corner| square(ulps(corner))).max().unwrap_or(0));
         let is_symmetric = is_symmetric(corners) && is_symmetric(normals);
+        let is_upright = is_symmetric && is_upright(corners, normals);
         Self {
             corners,
             normals,
             radius: outline.radius().to_bits(),
             reach,
             is_symmetric,
+            is_upright,
             width: width.to_bits(),
             is_link,
         }
@@ -132,13 +152,21 @@ impl PlacedForm {
         // All is rounded oddly: what is the negative of something else stays so.
         let parts = if self.is_symmetric { 2 } else { 1 };
         let [corners, normals] = self.counts.map(|count| count / parts);
-        for (place, &corner) in self.corners.iter_mut().zip(&form.corners[..corners]) {
-            let [x, y] = turned(ulps(corner), sin, cos);
-            *place = [x + arm[0], y + arm[1]];
-        }
-        for (place, &normal) in self.normals.iter_mut().zip(&form.normals[..normals]) {
-            // From 2^-32 to 2^-30.
-            *place = turned(ulps(normal), sin, cos).map(|part| odd_shift(part.into(), 2) as i32);
+        // From 2^-32 to 2^-30.
+        let turned_normal = |normal: Vec2| turned(ulps(normal), sin, cos).map(|part| odd_shift(part.into(), 2) as i32);
+        if self.is_symmetric && form.is_upright {
+            let [x, y] = ulps(form.corners[0]);
+            [self.corners[0], self.corners[1]] = turned_beside([x, y], sin, cos);
+            let [nx, ny] = turned_normal(form.normals[0]);
+            [self.normals[0], self.normals[1]] = [[nx, ny], [-ny, nx]];
+        } else {
+            for (place, &corner) in self.corners.iter_mut().zip(&form.corners[..corners]) {
+                let [x, y] = turned(ulps(corner), sin, cos);
+                *place = [x + arm[0], y + arm[1]];
+            }
+            for (place, &normal) in self.normals.iter_mut().zip(&form.normals[..normals]) {
+                *place = turned_normal(normal);
+            }
         }
         if self.is_symmetric {
             for i in 0..corners {
@@ -220,11 +248,18 @@ impl PlacedForm {
             count: corners.len(),
             heights: [0; SWING_CORNERS],
             ways: [0; SWING_CORNERS],
+            farthest_way: 0,
             is_symmetric: self.is_symmetric,
         };
+        let mut highest = i64::MIN;
         for ((&[corner_x, corner_y], height), way) in corners.iter().zip(&mut swing.heights).zip(&mut swing.ways) {
             *height = x * corner_x + y * corner_y;
             *way = y * corner_x - x * corner_y;
+            let is_opposite = self.is_symmetric && *height < 0;
+            let (high, way) = if is_opposite { (-*height, -*way) } else { (*height, *way) };
+            if high > highest {
+                (highest, swing.farthest_way) = (high, way);
+            }
         }
         Some(swing)
     }
@@ -248,6 +283,8 @@ pub(super) struct Swing {
     /// 2^-30 ulps: below 2^62.1, as in [`PlacedForm::heights`].
     heights: [i64; SWING_CORNERS],
     ways: [i64; SWING_CORNERS],
+    /// The way of the corner that is highest.
+    pub(super) farthest_way: i64,
     is_symmetric: bool,
 }
 
@@ -292,11 +329,14 @@ mod tests {
         for shape in shapes.map(|shape| shape.expect("a shape")) {
             let outline = shape.outlines().first().expect("an outline");
             let form = Form::new(outline, fx!(1), false);
-            assert_eq!(form.is_symmetric, outline.corners().len() == 4);
+            assert_eq!([form.is_symmetric, form.is_upright], [outline.corners().len() == 4; 2]);
             for _ in 0..times(1000) {
                 let leg = Leg::new([0; 2], [0; 2], Turn::from_bits(random.bits()), 1 << 60);
                 let mut placed = PlacedForm::NONE;
                 placed.set(&form, &leg, 0);
+                let mut turned = PlacedForm::NONE;
+                turned.set(&Form { is_upright: false, ..form }, &leg, 0);
+                assert_eq!((placed.corners(), placed.normals()), (turned.corners(), turned.normals()));
                 let n = direction(random.bits() as i64 >> 8, random.bits() as i64 >> 8 | 1).0;
                 let heights = placed.corners().iter().map(|&corner| height(n, corner));
                 assert_eq!(placed.heights(n), [heights.clone().min(), heights.max()].map(|end| end.expect("a corner")));

@@ -18,14 +18,16 @@ pub(super) struct Known {
     /// The drift from the start of the tick to the moment of the squares, and to the last moment that was measured.
     square_drift: i64,
     drift: i64,
-    /// The drift after which squares are found anew, ulps: of the order of the outlines.
+    /// The drift up to which the list of near corners holds, ulps: of the order of the outlines.
     far: i64,
     /// By distinct normal: the larger distance along it and its opposite, less the drift up to the moment when it was measured last.
     distances: Vec<i64>,
-    /// By pair of corners: the square of their distance at an earlier moment.
+    /// By pair of corners: the square of their distance at the moment of the squares.
     squares: Vec<u128>,
-    /// A bound of the least distance of two corners at the last moment.
+    /// A bound of the least distance of two corners then.
     shortest: i64,
+    /// The pairs of corners that may be nearest as long as the list holds; empty before it is needed.
+    near: Vec<[u8; 2]>,
 }
 
 /// What has to be measured at a moment.
@@ -33,10 +35,8 @@ struct Rest {
     drift: i64,
     /// Normals are left out whose known distance is less.
     least: i64,
-    /// Pairs of corners are left out whose known square is more.
-    limit: u128,
-    /// The squares are found anew.
-    is_anew: bool,
+    /// All pairs of corners are looked at.
+    has_all_corners: bool,
 }
 
 impl Known {
@@ -53,16 +53,13 @@ impl Known {
     /// Begins with two outlines that drift at this [rate](Moment::rate): all has to be measured.
     fn start(&mut self, rate: Option<[i64; 2]>, at: u64, placed: &[PlacedForm; 2]) -> Rest {
         let normals = placed[0].distinct_normals().len() + placed[1].distinct_normals().len();
-        let pairs = placed[0].corners().len() * placed[1].corners().len();
         self.is_filled = rate.is_some();
         [self.rate, self.rounding] = rate.unwrap_or_default();
         self.square_drift = self.drift_to(at);
         self.far = (placed[0].reach + placed[1].reach) >> 4;
         self.distances.clear();
         self.distances.resize(normals, 0);
-        self.squares.clear();
-        self.squares.resize(pairs, 0);
-        Rest { drift: self.square_drift, least: i64::MIN, limit: u128::MAX, is_anew: true }
+        Rest { drift: self.square_drift, least: i64::MIN, has_all_corners: true }
     }
 
     /// What has to be measured at a later moment, for the largest distance at the last one.
@@ -72,15 +69,11 @@ impl Known {
     fn rest(&mut self, distance: i64, at: u64) -> Rest {
         let drift = self.drift_to(at);
         let passed = drift - self.drift;
-        let is_anew = drift - self.square_drift > self.far;
-        let limit = if is_anew {
+        let has_all_corners = drift - self.square_drift > self.far;
+        if has_all_corners {
             self.square_drift = drift;
-            u128::MAX
-        } else {
-            let limit = self.shortest + passed + drift - self.square_drift + 2 * self.rounding;
-            product(limit.unsigned_abs(), limit.unsigned_abs())
-        };
-        Rest { drift, least: distance - passed - drift - 2 * self.rounding, limit, is_anew }
+        }
+        Rest { drift, least: distance - passed - drift - 2 * self.rounding, has_all_corners }
     }
 }
 
@@ -157,40 +150,71 @@ impl Known {
     fn measure_corners(&mut self, places: &Places, rest: &Rest, widest: &mut Widest) {
         let [a, b] = [0, 1].map(|side: usize| places.placed[side].corners());
         let offset = places.near_offset();
-        let mut squares = self.squares.iter_mut();
-        let mut nearest = u128::MAX;
-        let (mut shortest, mut count) = ([[0; 2]; KEPT], 0);
-        for &a in a {
-            for (&b, known_square) in b.iter().zip(&mut squares) {
-                if *known_square > rest.limit {
-                    continue;
-                }
-                let d = between(offset, a, b);
-                let square = square(d);
-                if rest.is_anew {
-                    *known_square = square;
-                }
-                if square < nearest {
-                    (nearest, count) = (square, 0);
-                }
-                if square == nearest {
-                    if let Some(place) = shortest.get_mut(count) {
-                        *place = d;
-                    }
-                    count += 1;
+        let mut nearest = Nearest { square: u128::MAX, shortest: [[0; 2]; KEPT], count: 0 };
+        if rest.has_all_corners {
+            self.squares.clear();
+            self.near.clear();
+            for &a in a {
+                for &b in b {
+                    self.squares.push(nearest.add(between(offset, a, b)));
                 }
             }
+            self.shortest = length(nearest.shortest[0].map(i128::from)).min(1 << 60) as i64;
+        } else {
+            if self.near.is_empty() {
+                self.list_near(b.len());
+            }
+            for &[i, j] in &self.near {
+                nearest.add(between(offset, a[usize::from(i)], b[usize::from(j)]));
+            }
         }
-        let [x, y] = shortest[0].map(i64::abs);
-        self.shortest = x.max(y).saturating_add(x.min(y) / 2);
         let mut add_along = |d: [i64; 2]| {
             if let Some(gap) = places.gap_along(d) {
                 widest.add(&gap);
             }
         };
-        match shortest.get(..count) {
+        match nearest.shortest.get(..nearest.count) {
             Some(shortest) => shortest.iter().for_each(|&d| add_along(d)),
-            None => places.each_nearest(nearest, add_along),
+            None => places.each_nearest(nearest.square, add_along),
         }
+    }
+
+    /// Lists the pairs of corners that may be nearest as long as the drift is not [`far`](Self::far), from the squares: the least distance grows
+    /// by that at most, and each other one shrinks by it.
+    fn list_near(&mut self, count: usize) {
+        let limit = (self.shortest + 2 * self.far + 2 * self.rounding).unsigned_abs();
+        let limit = product(limit, limit);
+        for (pair, &square) in self.squares.iter().enumerate() {
+            if square <= limit {
+                // There are at most 64 corners.
+                self.near.push([pair / count, pair % count].map(|corner| corner as u8));
+            }
+        }
+    }
+}
+
+/// The vectors between the corners that are nearest to each other.
+struct Nearest {
+    square: u128,
+    /// The first ones of these.
+    shortest: [[i64; 2]; KEPT],
+    count: usize,
+}
+
+impl Nearest {
+    /// Adds a vector between two corners, and returns its square.
+    #[inline(always)]
+    fn add(&mut self, d: [i64; 2]) -> u128 {
+        let square = square(d);
+        if square < self.square {
+            (self.square, self.count) = (square, 0);
+        }
+        if square == self.square {
+            if let Some(place) = self.shortest.get_mut(self.count) {
+                *place = d;
+            }
+            self.count += 1;
+        }
+        square
     }
 }

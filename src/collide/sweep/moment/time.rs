@@ -4,6 +4,27 @@ use super::super::form::Swing;
 use super::super::path::END;
 use super::{Gap, Moment, ROUNDING, SHORTEST, TAU, along, length, product};
 
+/// How a gap closes in a tick.
+struct Closing {
+    /// What is free of it, ulps.
+    free: i128,
+    /// What the way of the bodies against each other closes.
+    way: i128,
+    /// The corners along the direction, of bodies that turn.
+    swings: [Option<Swing>; 2],
+    /// What the way and the farthest corners close, if these go on straight: all corners together close no less.
+    straight: i64,
+    /// What is free, with room for rounding, of levers too.
+    far: i128,
+}
+
+impl Closing {
+    /// Returns true if the farthest corners alone close the gap in some time.
+    fn is_closed(&self, time: u64) -> bool {
+        (i128::from(self.straight) * i128::from(time)) >> 62 >= self.far
+    }
+}
+
 impl Moment {
     /// The longest step that a direction across the way proves safe.
     pub(in super::super) fn longest_across(&mut self, depth: i64, room: u64, guess: u64) -> u64 {
@@ -74,20 +95,8 @@ impl Moment {
         if time == room || bounds.iter().all(|(speed, bound)| *speed == 0 || *bound == 0) {
             return time;
         }
-        // Turns take corners back by at most as much as they take them farther out: the least way that closes in the tick, and what it has to
-        // close, with room for rounding, of levers too.
-        let closed =
-            free + 32 + i128::from((self.places.placed[0].reach + self.places.placed[1].reach) >> 26) + (closing >> 56);
-        let least_closing = i64::try_from(closing - bounds[0].0 - bounds[1].0).unwrap_or(0).max(0);
-        let normals = [gap.n, gap.n.map(|part| -part)];
-        let swings = [0, 1].map(|side| match self.legs[side].spin {
-            0 => None,
-            _ => self.places.placed[side].swing(normals[side]),
-        });
-        let stays = |time: u64| {
-            let is_closed = (i128::from(least_closing) * i128::from(time)) >> 62 >= closed;
-            !is_closed && self.stays_apart(gap, &swings, free, closing, time)
-        };
+        let closing = self.closing(gap, free, closing);
+        let stays = |time: u64| !closing.is_closed(time) && self.stays_apart(gap, &closing, time);
         if stays(room) {
             return room;
         }
@@ -102,9 +111,41 @@ impl Moment {
         time
     }
 
-    /// Returns true if a distance along a direction stays below `free` for some time, as far as the speeds of corners and the bound of
+    /// How a gap closes, of which so much is free, where the way closes so much in a tick.
+    fn closing(&self, gap: &Gap, free: i128, way: i128) -> Closing {
+        let normals = [gap.n, gap.n.map(|part| -part)];
+        let swings = [0, 1].map(|side| match self.legs[side].spin {
+            0 => None,
+            _ => self.places.placed[side].swing(normals[side]),
+        });
+        let straight = way + self.farthest_way(0, &swings[0]) + self.farthest_way(1, &swings[1]);
+        let reaches = self.places.placed[0].reach + self.places.placed[1].reach;
+        Closing {
+            free,
+            way,
+            swings,
+            straight: i64::try_from(straight.max(0)).unwrap_or(0),
+            far: free + 32 + i128::from(reaches >> 26) + (way.max(0) >> 56),
+        }
+    }
+
+    /// The way of the corner that is farthest along a direction, if it goes on straight at the speed of its body's rotation, ulps; of outlines
+    /// without a swing a lower bound.
+    fn farthest_way(&self, side: usize, swing: &Option<Swing>) -> i128 {
+        match swing {
+            Some(swing) => {
+                // Below 2^62.1 · 2^53.
+                let way = (i128::from(swing.farthest_way) * i128::from(self.radians(side))) >> 62;
+                if self.legs[side].spin < 0 { -way } else { way }
+            }
+            None => -self.turn_speed(side),
+        }
+    }
+
+    /// Returns true if the way that closes a gap stays below what is free for some time, as far as the speeds of corners and the bound of
     /// their acceleration say. This bound is convex in the time and zero at first, so that it holds all the time if it holds at the end.
-    fn stays_apart(&self, gap: &Gap, swings: &[Option<Swing>; 2], free: i128, closing: i128, time: u64) -> bool {
+    fn stays_apart(&self, gap: &Gap, closing: &Closing, time: u64) -> bool {
+        let &Closing { free, way, ref swings, .. } = closing;
         let (Some(turn_a), Some(turn_b)) = (self.angle(0, time), self.angle(1, time)) else { return false };
         let farther = |side: usize, turn: i64| {
             let (placed, leg) = (&self.places.placed[side], &self.legs[side]);
@@ -125,11 +166,11 @@ impl Moment {
             (highest >> 30) - i128::from(support) + rounding + bend as i128 + 1
         };
         // Below 2^66 · 2^58, rounded up.
-        let part = i128::from(if closing > 0 { (time >> 4) + 1 } else { time >> 4 });
+        let part = i128::from(if way > 0 { (time >> 4) + 1 } else { time >> 4 });
         // Products of words are much faster.
-        let closed = match i64::try_from(closing) {
-            Ok(closing) => (i128::from(closing) * part) >> 58,
-            Err(_) => (closing * part) >> 58,
+        let closed = match i64::try_from(way) {
+            Ok(way) => (i128::from(way) * part) >> 58,
+            Err(_) => (way * part) >> 58,
         };
         let closed = closed + 1;
         farther(0, turn_a) + farther(1, turn_b) + closed < free
@@ -165,4 +206,54 @@ fn bounded(free: i128, closing: i128, bounds: [(i128, i128); 2]) -> u64 {
         return second_time.max(first.0);
     }
     time(free - first.2 - second.2, closing).max(second.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use core::slice::from_ref;
+
+    use super::*;
+    use crate::cases::{run_seed, times};
+    use crate::collide::sweep::{Form, Leg};
+    use crate::fx;
+    use crate::math::{Random, vec2};
+    use crate::scalar::Turn;
+    use crate::shape::Shape;
+
+    /// Boxes, polygons and discs on all kinds of ways, which turn by up to a turn, and times up to the tick.
+    #[test]
+    fn gaps_that_the_farthest_corners_close_do_not_stay_open() {
+        let mut random = Random::seeded(run_seed(59));
+        let triangle = Shape::polygon(&[vec2(-1, -1), vec2(2, 0), vec2(0, 1)]);
+        let shapes = [Shape::circle(fx!(0.5)), Shape::rectangle(1, 1), Shape::rectangle(900, fx!(0.5)), triangle];
+        let shapes = shapes.map(|shape| shape.expect("a shape"));
+        let outlines = shapes.each_ref().map(|shape| shape.outlines().first().expect("an outline"));
+        let mut moment = Moment::default();
+        let (mut closed, mut open) = (0, 0);
+        for _ in 0..times(10_000) {
+            let pair = [0, 1].map(|_| outlines[random.bits() as usize % outlines.len()]);
+            let forms = pair.map(|outline| Form::new(outline, outline.width(), false));
+            let (bits, spin_bits) = (24 + random.bits() as u32 % 16, 40 + random.bits() as u32 % 24);
+            let legs = [0, 1].map(|_| {
+                let mut part = |bits: u32| random.bits() as i64 >> (63 - bits);
+                let (centre, way) = ([part(34), part(34)], [part(bits), part(bits)].map(i128::from));
+                Leg::new(centre, way, Turn::from_bits(part(63) as u64), part(spin_bits).into())
+            });
+            moment.set([&forms[0], &forms[1]], [from_ref(&legs[0]), from_ref(&legs[1])], 0);
+            moment.measure();
+            let mut widest = None;
+            moment.each_widest(|gap| widest = Some(*gap));
+            let Some(gap) = widest else { continue };
+            let way = -along(gap.n, [0, 1].map(|k| legs[1].way[k] - legs[0].way[k]));
+            let closing = moment.closing(&gap, gap.distance.max(1), way);
+            for _ in 0..8 {
+                let time = END >> (random.bits() % 24);
+                let stays = moment.stays_apart(&gap, &closing, time);
+                assert!(!(stays && closing.is_closed(time)), "{legs:?} {time}");
+                open += usize::from(stays);
+                closed += usize::from(closing.is_closed(time));
+            }
+        }
+        assert!(closed > 0 && open > 0, "{closed} {open}");
+    }
 }
