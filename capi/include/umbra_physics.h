@@ -578,11 +578,12 @@ typedef struct UmbraExplosion {
     uint32_t reserved;
 } UmbraExplosion;
 
-// A kind of joint: one of the three below.
+// A kind of joint: one of those below.
 typedef uint32_t UmbraJointKind;
 
 // A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-// `umbra_joint_def_revolute`, `umbra_joint_def_weld` and `umbra_joint_def_distance` fill it in.
+// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic` and `umbra_joint_def_wheel` fill
+// it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
 typedef struct UmbraJointDef {
     // The kind.
     UmbraJointKind kind;
@@ -606,26 +607,24 @@ typedef struct UmbraJointDef {
     struct UmbraVec2 points[2];
     // The angles of the joint's frame in the axes of both ends, rad.
     UmbraFx angles[2];
-    // The lowest angle, within ±2^17 rad.
+    // The lowest angle, within ±2^17 rad, or distance, within ±2^20 m.
     UmbraFx lower;
-    // The highest angle, likewise.
+    // The highest one, likewise.
     UmbraFx upper;
-    // The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s.
+    // The speed that a motor aims at, of the second end against the first one, within ±2^20 rad/s or m/s.
     UmbraFx motor_speed;
-    // The largest torque of a motor, from 0, N·m.
+    // The largest torque or force of a motor, from 0.
     UmbraFx motor_max_force;
     // The frequency of a spring without damping, 0 to 10^6 Hz.
     UmbraFx spring_hertz;
     // The damping of a spring over critical damping, 0 to 1024. Default 1.
     UmbraFx spring_damping_ratio;
-    // The angle of a spring at rest, within ±2^17 rad.
+    // The angle or the distance of a spring at rest, like the limits.
     UmbraFx spring_rest;
-    // The largest torque of a spring, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    // The largest torque or force of a spring, from 0, or `UMBRA_NO_LIMIT`, the default.
     UmbraFx spring_max_force;
-    // The largest torque of friction, from 0, N·m.
+    // The largest torque or force of friction, from 0.
     UmbraFx friction;
-    // The length of a rod, 2^-7 to 2^20 m. Default 1.
-    UmbraFx length;
     // The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     UmbraFx break_force;
     // Number of the caller's own, by which joints are listed.
@@ -634,12 +633,14 @@ typedef struct UmbraJointDef {
     uint64_t user_data;
 } UmbraJointDef;
 
-// What a joint is at and what it does.
+// The state of a joint: its place, its motion and its force.
 typedef struct UmbraJointState {
     // The two ends in the world, m.
     struct UmbraVec2 points[2];
     // The distance of the ends, m.
     UmbraFx length;
+    // The way of the second end along the axis of a prismatic or a wheel joint, m; of other kinds the distance.
+    UmbraFx translation;
     // The angle from the frame of the first end to that of the second one, rad.
     UmbraFx angle;
     // The speed of the angle, rad/s.
@@ -1161,11 +1162,20 @@ typedef struct UmbraReplayLimits {
 // Both ends stay at one point, around which the bodies turn. Reads the limits, the motor, the spring and `friction`.
 #define UMBRA_REVOLUTE 0
 
-// The ends stay at a distance: a rigid rod. Reads `length`.
+// The ends stay at a distance: a rigid rod with two limits that are the same, a rope, or a spring. Reads the limits, the motor, the spring and
+// `friction`.
 #define UMBRA_DISTANCE 1
 
 // Both ends stay at one point and at one angle. Reads the spring, which stands in place of the rigid angle.
 #define UMBRA_WELD 2
+
+// The second end slides along the x axis of the frame of the first one, and the bodies do not turn against each other. Reads the limits, the
+// motor, the spring and `friction`, along the axis.
+#define UMBRA_PRISMATIC 3
+
+// The second end slides along the x axis of the frame of the first one, and turns. Reads the limits and the spring along the axis, the motor and
+// `friction` of the turn.
+#define UMBRA_WHEEL 4
 
 #ifdef __cplusplus
 extern "C" {
@@ -1718,6 +1728,28 @@ UmbraStatus umbra_joint_def_weld(const struct UmbraWorld *world,
                                  UmbraFx y,
                                  struct UmbraJointDef *def);
 
+// Fills in the definition of a prismatic joint of two bodies at a point of the world, m, along an axis in the world, which turns with the first
+// body; `UMBRA_NO_HANDLE` is the world. The way and the angle of the joint are 0 as the bodies stand.
+UmbraStatus umbra_joint_def_prismatic(const struct UmbraWorld *world,
+                                      uint64_t first,
+                                      uint64_t second,
+                                      UmbraFx x,
+                                      UmbraFx y,
+                                      UmbraFx axis_x,
+                                      UmbraFx axis_y,
+                                      struct UmbraJointDef *def);
+
+// Fills in the definition of a wheel joint of a car and a wheel at its hub, a point of the world, m, along the axis of the suspension in the
+// world, which turns with the car. The way of the joint is 0 as the bodies stand.
+UmbraStatus umbra_joint_def_wheel(const struct UmbraWorld *world,
+                                  uint64_t car,
+                                  uint64_t wheel,
+                                  UmbraFx x,
+                                  UmbraFx y,
+                                  UmbraFx axis_x,
+                                  UmbraFx axis_y,
+                                  struct UmbraJointDef *def);
+
 // Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
 // It is as long as the points are apart.
 UmbraStatus umbra_joint_def_distance(const struct UmbraWorld *world,
@@ -1740,7 +1772,8 @@ UmbraStatus umbra_world_set_joint_kind(struct UmbraWorld *world,
                                        uint64_t joint,
                                        const struct UmbraJointDef *def);
 
-// Sets the motor of a revolute joint: its speed, rad/s, and its largest torque, N·m, or `UMBRA_NO_LIMIT` for no motor; wakes its bodies.
+// Sets the motor of a joint: its speed, rad/s or m/s, and its largest torque, N·m, or force, N, or `UMBRA_NO_LIMIT` for no motor; wakes its
+// bodies.
 UmbraStatus umbra_world_set_joint_motor(struct UmbraWorld *world,
                                         uint64_t joint,
                                         UmbraFx speed,

@@ -10,8 +10,8 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Prismatic, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep, Weld,
-    Wheel, World, WorldDef, fx, vec2,
+    MaterialPair, MixRule, OneWay, Prismatic, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep,
+    Weld, Wheel, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -926,7 +926,14 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
             JointDef::new(ends, prismatic),
         ),
         (
-            UmbraJointDef { kind: UMBRA_WHEEL, has_spring: 1, spring_hertz: ONE, has_motor: 1, motor_speed: 5, ..plain },
+            UmbraJointDef {
+                kind: UMBRA_WHEEL,
+                has_spring: 1,
+                spring_hertz: ONE,
+                has_motor: 1,
+                motor_speed: 5,
+                ..plain
+            },
             JointDef::new(ends, wheel),
         ),
     ]

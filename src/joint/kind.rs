@@ -312,7 +312,7 @@ impl<S: Scalar> JointKind<S> {
         check(spring.is_none_or(|spring| is_length(spring.rest)), Quantity::JointLength)
     }
 
-    /// All that acts along the axis or the line of the joint.
+    /// The parts along the axis or the line of the joint.
     fn along(&self) -> Parts<S> {
         match *self {
             Self::Distance(Distance { limits, motor, spring, friction })
@@ -324,7 +324,7 @@ impl<S: Scalar> JointKind<S> {
         }
     }
 
-    /// All that acts on the angle of the joint.
+    /// The parts that act on the angle of the joint.
     fn around(&self) -> Parts<S> {
         match *self {
             Self::Revolute(Revolute { limits, motor, spring, friction }) => Parts { limits, motor, spring, friction },

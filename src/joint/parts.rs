@@ -80,7 +80,7 @@ pub(super) enum Unit {
     Metres,
 }
 
-/// All that acts along one row of a joint.
+/// The parts of a joint that act along one row.
 #[derive(Clone, Copy)]
 pub(super) struct Parts<S> {
     pub(super) limits: Option<JointLimits<S>>,

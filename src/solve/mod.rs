@@ -111,6 +111,8 @@ pub struct SolverOptions {
     pub restitution_speed: Fx,
     /// Relax passes of a sub-step, 1 to 65.
     pub relax_passes: u32,
+    /// Times that joints and contacts are solved in turn in a sub-step, from 1; for worlds whose islands all have both.
+    pub joint_rounds: u32,
 }
 
 impl Default for SolverOptions {
@@ -124,6 +126,7 @@ impl Default for SolverOptions {
             push_speed: fx!(3),
             restitution_speed: fx!(1),
             relax_passes: 1,
+            joint_rounds: 1,
         }
     }
 }
@@ -374,7 +377,7 @@ impl Solver {
     /// The sub-steps, after [`prepare`](Self::prepare). Returns the number of values that were cut off.
     pub fn run_passes(&mut self, time_step: TimeStep, options: &SolverOptions, contacts: &[Contact]) -> u64 {
         let clock = Clock::new(time_step, options.substeps);
-        simd::run(SubSteps { solver: self, clock: &clock, relax_passes: options.relax_passes, contacts })
+        simd::run(SubSteps { solver: self, clock: &clock, options, contacts })
     }
 
     /// A pass over the contacts of all phases.
@@ -418,7 +421,7 @@ impl Solver {
 struct SubSteps<'a> {
     solver: &'a mut Solver,
     clock: &'a Clock,
-    relax_passes: u32,
+    options: &'a SolverOptions,
     contacts: &'a [Contact],
 }
 
@@ -427,7 +430,7 @@ impl Job for SubSteps<'_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self, lanes: L) -> u64 {
-        let Self { solver, clock, relax_passes, contacts } = self;
+        let Self { solver, clock, options, contacts } = self;
         let n = clock.substeps;
         let mut cut = 0;
         for k in 1..=n {
@@ -441,14 +444,17 @@ impl Job for SubSteps<'_> {
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);
             }
-            cut += solver.joints.solve(&mut solver.bodies.rows, lanes);
-            follow(&mut solver.bodies);
-            cut += solver.pass(Pass::Solve, lanes);
+            cut += solver.joints.warm_start(&mut solver.bodies.rows, lanes);
+            for _ in 0..options.joint_rounds {
+                cut += solver.joints.solve(&mut solver.bodies.rows, lanes);
+                follow(&mut solver.bodies);
+                cut += solver.pass(Pass::Solve, lanes);
+            }
             Advance { rows: &mut solver.bodies.rows }.run(lanes);
             cut += solver.joints.relax(&mut solver.bodies.rows, lanes);
             follow(&mut solver.bodies);
             cut += solver.pass(Pass::Relax, lanes);
-            for _ in 1..relax_passes {
+            for _ in 1..options.relax_passes {
                 cut += solver.pass(Pass::RelaxAgain, lanes);
             }
         }

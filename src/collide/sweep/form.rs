@@ -76,7 +76,7 @@ pub(crate) struct Form<'a> {
     pub(super) radius: i64,
     /// The largest distance of a corner from the centre of mass.
     reach: i64,
-    /// It looks alike at half a turn: the second halves of its corners and of its normals are the first halves, negated.
+    /// True for an outline that looks alike at half a turn: the second halves of its corners and of its normals are the first halves, negated.
     is_symmetric: bool,
     /// Besides, it is a rectangle that is not turned.
     is_upright: bool,
@@ -149,7 +149,7 @@ impl PlacedForm {
             return;
         }
         let (sin, cos) = sin_cos_turn(leg.angle(at).to_bits());
-        // All is rounded oddly: what is the negative of something else stays so.
+        // All is rounded oddly: negatives stay negatives.
         let parts = if self.is_symmetric { 2 } else { 1 };
         let [corners, normals] = self.counts.map(|count| count / parts);
         // From 2^-32 to 2^-30.

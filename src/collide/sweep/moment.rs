@@ -40,7 +40,7 @@ pub(crate) struct Moment {
     pub(super) until: u64,
     /// A direction across the way that they go against each other, if they do not go together.
     across: Option<[i32; 2]>,
-    /// Of another moment until [`measure`](Self::measure).
+    /// The distances of another moment until [`measure`](Self::measure).
     widest: Widest,
     is_measured: bool,
     known: Known,
@@ -166,7 +166,7 @@ impl Moment {
         self.complete(forms);
     }
 
-    /// Completes what follows from the places of the outlines.
+    /// Completes the values that follow from the places of the outlines.
     fn complete(&mut self, forms: [&Form<'_>; 2]) {
         self.places.complete(forms);
         self.is_measured = false;
@@ -174,7 +174,7 @@ impl Moment {
 }
 
 impl Places {
-    /// Completes what follows from the places of the outlines.
+    /// Completes the values that follow from the places of the outlines.
     fn complete(&mut self, forms: [&Form<'_>; 2]) {
         let [from, to] = [self.placed[0].centre, self.placed[1].centre];
         self.offset = [0, 1].map(|k| i128::from(to[k]) - i128::from(from[k]));

@@ -192,9 +192,9 @@ impl Joints {
         }
     }
 
-    /// The passes of a sub-step before the contacts are solved. Returns the number of values that were cut off.
+    /// Begins the solve pass of a sub-step with the impulses of the one before. Returns the number of values that were cut off.
     #[inline(always)]
-    pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
+    pub(in crate::solve) fn warm_start<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
         if self.blocks.is_empty() {
             return 0;
         }
@@ -202,8 +202,13 @@ impl Joints {
         for block in &mut self.blocks {
             cut += block.warm_start(rows);
         }
-        cut += rows.apply_gains(lanes, &self.touched);
-        cut + self.pass(rows, lanes, true)
+        cut + rows.apply_gains(lanes, &self.touched)
+    }
+
+    /// The pass before the contacts are solved. Returns the number of values that were cut off.
+    #[inline(always)]
+    pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
+        if self.blocks.is_empty() { 0 } else { self.pass(rows, lanes, true) }
     }
 
     /// The pass after the move of a sub-step, before the contacts are relaxed.

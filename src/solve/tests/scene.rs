@@ -127,8 +127,8 @@ impl Scene {
         let mut contacts = self.contacts.clone();
         solver.prepare(self.time_step, &self.options, &self.flights, &[], &contacts);
         let clock = Clock::new(self.time_step, self.options.substeps);
-        let relax_passes = self.options.relax_passes;
-        let cut = SubSteps { solver: &mut solver, clock: &clock, relax_passes, contacts: &contacts }.run(Portable);
+        let options = &self.options;
+        let cut = SubSteps { solver: &mut solver, clock: &clock, options, contacts: &contacts }.run(Portable);
         solver.finish(self.time_step, &self.options, &self.flights, &mut [], &mut contacts, &mut corrections);
         let impulses = contacts.iter().map(|contact| contact.impulses).collect();
         Solution { impulses, corrections, counts: SolverCounts { cut } }

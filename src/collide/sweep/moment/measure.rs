@@ -1,11 +1,11 @@
-//! What the moments of a sweep know from each other: which directions cannot be the widest, so that nothing is measured along them.
+//! Distances that carry over between the moments of a sweep: directions that cannot be the widest are not measured.
 
 use alloc::vec::Vec;
 
 use super::super::form::{PlacedForm, square};
 use super::{KEPT, Moment, Places, ROUNDING, Widest, between, length, product};
 
-/// What earlier moments of the same pieces of both paths say about a moment: the distance along a normal, or between two corners, changes by the
+/// Distances at earlier moments of the same pieces of both paths, as bounds for a later moment: the distance along a normal, or between two corners, changes by the
 /// drift from one moment to the other at most, and so does the largest distance of all.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Known {
@@ -13,7 +13,7 @@ pub(super) struct Known {
     is_filled: bool,
     /// The drift in a tick, ulps.
     rate: i64,
-    /// What rounding adds to a distance at most, ulps.
+    /// The most that rounding adds to a distance, ulps.
     rounding: i64,
     /// The drift from the start of the tick to the moment of the squares, and to the last moment that was measured.
     square_drift: i64,
@@ -30,7 +30,7 @@ pub(super) struct Known {
     near: Vec<[u8; 2]>,
 }
 
-/// What has to be measured at a moment.
+/// The measurements that are left at a moment.
 struct Rest {
     drift: i64,
     /// Normals are left out whose known distance is less.
@@ -62,7 +62,7 @@ impl Known {
         Rest { drift: self.square_drift, least: i64::MIN, has_all_corners: true }
     }
 
-    /// What has to be measured at a later moment, for the largest distance at the last one.
+    /// The measurements that are left at a later moment, for the largest distance at the last one.
     ///
     /// # Ranges
     /// All terms are below 2^59.
@@ -78,7 +78,7 @@ impl Known {
 }
 
 impl Moment {
-    /// By how much distances along normals and between corners change in a tick at most, and what rounding adds, ulps; `None` where that is too
+    /// By how much distances along normals and between corners change in a tick at most, and the part that rounding adds, ulps; `None` where this is too
     /// much to tell anything, and where not all directions count.
     ///
     /// # Ranges

@@ -6,15 +6,15 @@ use super::{Gap, Moment, ROUNDING, SHORTEST, TAU, along, length, product};
 
 /// How a gap closes in a tick.
 struct Closing {
-    /// What is free of it, ulps.
+    /// The free part of the gap, ulps.
     free: i128,
-    /// What the way of the bodies against each other closes.
+    /// The part that the way of the bodies against each other closes.
     way: i128,
     /// The corners along the direction, of bodies that turn.
     swings: [Option<Swing>; 2],
-    /// What the way and the farthest corners close, if these go on straight: all corners together close no less.
+    /// The part that the way and the farthest corners close, if these go on straight: all corners together close no less.
     straight: i64,
-    /// What is free, with room for rounding, of levers too.
+    /// The free part with room for rounding, of levers too.
     far: i128,
 }
 
@@ -142,7 +142,7 @@ impl Moment {
         }
     }
 
-    /// Returns true if the way that closes a gap stays below what is free for some time, as far as the speeds of corners and the bound of
+    /// Returns true if the way that closes a gap stays below the free part for some time, as far as the speeds of corners and the bound of
     /// their acceleration say. This bound is convex in the time and zero at first, so that it holds all the time if it holds at the end.
     fn stays_apart(&self, gap: &Gap, closing: &Closing, time: u64) -> bool {
         let &Closing { free, way, ref swings, .. } = closing;

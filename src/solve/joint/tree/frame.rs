@@ -158,7 +158,7 @@ impl FrameRows {
         shifted_word(self.kappa[2], 2 * self.node_length)
     }
 
-    /// Eliminates the node, and finds what its parent sees.
+    /// Eliminates the node, and finds the matrix V for its parent.
     pub(super) fn factor(&mut self, node: &Node) {
         let [along, across, _] = self.kappa;
         let around = self.turning_kappa();
