@@ -467,7 +467,9 @@ pub extern "C" fn umbra_world_set_joint_motor(
     guard(|| {
         let (world, joint) = (given(world)?, joint_id(joint));
         let motor = optional_force(max_force).map(|max_force| JointMotor { speed: Fx::from_bits(speed), max_force });
-        let command = world.world().joint_motor_command(joint, motor)?;
+        // A draft does not know the joint.
+        let turning = Command::SetJointMotor { joint, motor };
+        let command = world.world().joint_motor_command(joint, motor).unwrap_or(turning);
         world.execute(&command)?;
         Ok(())
     })

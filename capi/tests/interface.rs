@@ -1035,6 +1035,35 @@ fn joints_pull_and_break_as_in_the_library() {
 }
 
 #[test]
+fn sliders_and_wheels_have_their_axis_in_the_world() {
+    let mut here = world();
+    let bodies = [0, 2].map(|x| {
+        let def = UmbraBodyDef { position: UmbraVec2 { x: x * ONE, y: 0 }, ..body_def() };
+        add(&mut here, &def).expect("a body")
+    });
+    let slider = out(|def| umbra_joint_def_prismatic(Some(&here), UMBRA_NO_HANDLE, bodies[0], 0, 0, 0, ONE, def));
+    let wheel = out(|def| umbra_joint_def_wheel(Some(&here), bodies[0], bodies[1], 2 * ONE, 0, 0, ONE, def));
+    let (slider, wheel) = (slider.expect("a definition"), wheel.expect("a definition"));
+    assert_eq!((slider.kind, wheel.kind), (UMBRA_PRISMATIC, UMBRA_WHEEL));
+    let upwards = Fx::FRAC_PI_2.to_bits();
+    assert!((slider.angles[0] - upwards).abs() <= 1 && (wheel.angles[0] - upwards).abs() <= 1, "{slider:?}");
+    let [slider, wheel] =
+        [slider, wheel].map(|def| out(|id| umbra_world_add_joint(Some(&mut here), Some(&def), id)).expect("a joint"));
+    for joint in [slider, wheel] {
+        assert_eq!(umbra_world_set_joint_motor(Some(&mut here), joint, ONE, 100 * ONE), UMBRA_OK);
+    }
+    for _ in 0..60 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    let [slider, wheel] =
+        [slider, wheel].map(|id| out(|state| umbra_world_joint_state(Some(&here), id, state)).expect("a state"));
+    assert!((slider.translation - ONE).abs() < ONE / 20, "{slider:?}");
+    // The first body went up from the second one, which does not turn.
+    assert!((wheel.translation + ONE).abs() < ONE / 20, "{wheel:?}");
+    umbra_world_free(Some(here));
+}
+
+#[test]
 fn fields_are_read_as_they_were_made() {
     let mut world = world();
     for _ in 0..5 {

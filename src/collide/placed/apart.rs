@@ -54,7 +54,7 @@ impl PlacedMotion {
         let farthest = self.placed_rotation.saturating_abs().max(rest.saturating_abs());
         let all = self.rotation.saturating_abs();
         let reach = ((self.extent - radius) >> UNIT) + 1;
-        (farthest < RADIAN && all < RADIAN).then(|| [farthest, all].map(|angle| (angle * reach >> 32) + 1))
+        (farthest < RADIAN && all < RADIAN).then(|| [farthest, all].map(|angle| ((angle * reach) >> 32) + 1))
     }
 }
 
