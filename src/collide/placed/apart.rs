@@ -26,7 +26,7 @@ const UNIT: u32 = 10;
 /// The end of the range of lengths, units: 256 m.
 const FAR: i64 = 1 << 30;
 
-/// What gaps count less, units: 60 µm.
+/// Gaps count as less by this, units: 60 µm.
 const SLACK: i64 = 256;
 
 /// A radian, 2^-32 rad.
