@@ -102,6 +102,17 @@ impl ContactGroups {
         (place, &self.groups[place.group as usize], place.lane as usize)
     }
 
+    /// Adds the present impulses to the sums over sub-steps, or takes them off again, by the sign.
+    pub(super) fn add_applied(&mut self, sign: i64) {
+        for group in &mut self.groups {
+            for (applied, impulses) in group.applied.iter_mut().zip(&group.impulses) {
+                for (applied, impulse) in applied.iter_mut().zip(impulses) {
+                    *applied += sign * impulse;
+                }
+            }
+        }
+    }
+
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
         self.places.iter().map(|place| {

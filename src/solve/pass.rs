@@ -390,15 +390,14 @@ fn size<L: Lanes>(lanes: L, a: L::Wide) -> L::Wide {
     lanes.add(lanes.positive(a), lanes.positive(lanes.sub(lanes.sub(a, a), a)))
 }
 
-/// Adds an impulse of a sub-step to the sums: as the solve pass left it, with which the bodies moved, and as the relax passes leave it.
+/// Adds an impulse of a sub-step to the sums: as the solve pass left it, with which the bodies moved, and as the relax pass leaves it. Further
+/// relax passes have their impulses [added](super::groups::ContactGroups::add_applied) when all are done.
 #[inline(always)]
 fn add_up<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, at: usize, k: usize, before: L::Wide, after: L::Wide) {
-    let applied = lanes.wide(&group.applied[k], at);
     if AIM == RELAX_AGAIN {
-        lanes.store(&mut group.applied[k], at, lanes.add(applied, lanes.sub(after, before)));
         return;
     }
-    let weighted = lanes.wide(&group.weighted[k], at);
+    let (applied, weighted) = (lanes.wide(&group.applied[k], at), lanes.wide(&group.weighted[k], at));
     lanes.store(&mut group.weighted[k], at, lanes.add(weighted, lanes.add(applied, before)));
     lanes.store(&mut group.applied[k], at, lanes.add(applied, after));
 }
