@@ -4,9 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, DebugDraw, DrawOptions, End, FieldId, FieldKind,
-    Fx, FxFactor, Interpolation, Mass, Part, Pose, Region, Role, Rollback, Scalar, Shape, Snapshot, SpringConstants,
-    StepClock, TickFraction, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    Activity, Attachment, Blend, BodyClass, BodyDef, BodyId, BodyKind, DebugDraw, Distance, DrawOptions, End, FieldId,
+    FieldKind, Fx, FxFactor, Interpolation, JointDef, JointKind, JointLimits, Mass, Part, Pose, Prismatic, Region,
+    Role, Rollback, Scalar, Shape, Snapshot, SpringConstants, StepClock, TickFraction, TimeStep, Vec2, World, WorldDef,
+    fx, vec2,
 };
 
 fn world() -> World {
@@ -544,6 +545,57 @@ fn fields_come_as_they_were_added_then_bodies_and_then_velocities_by_slot() {
     assert_eq!(count(DrawOptions { bodies: false, ..all }), 7 + 4);
     assert_eq!(count(DrawOptions { fields: false, ..all }), 6 + 4);
     assert_eq!(count(DrawOptions::default()), 7 + 6);
+}
+
+/// A line between the ends and both ends of each joint, an axis where there is one, at the poses that are given and by the keys of joints.
+#[test]
+fn joints_are_drawn_by_their_ends_and_axes() {
+    let mut world = world();
+    let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    let [a, b] = [0, 3].map(|x| add(&mut world, BodyDef { position: vec2(x, 0), mass, ..BodyDef::dynamic() }));
+    let at = |body, x: i32| End::Body(Attachment { body, point: vec2(x, 0) });
+    let ends = [at(a, 1), at(b, -1)];
+    let limits = Some(JointLimits { lower: fx!(-1), upper: fx!(3) });
+    let rail = Prismatic { limits, ..Prismatic::default() };
+    let kinds = [
+        JointKind::default(),
+        JointKind::Weld(Default::default()),
+        JointKind::Distance(Distance::rope(fx!(5))),
+        JointKind::Wheel(Default::default()),
+        JointKind::Prismatic(rail),
+    ];
+    // The axis is upwards on the first body.
+    let angles = [Fx::FRAC_PI_2, fx!(0)];
+    let mut key = 10;
+    let joints = kinds.map(|kind| {
+        key -= 1;
+        world.add_joint(JointDef { angles, key, ..JointDef::new(ends, kind) }).expect("a fair joint")
+    });
+    let off = JointDef { enabled: false, ..JointDef::new(ends, JointKind::default()) };
+    world.add_joint(off).expect("a fair joint");
+    let lift = JointDef { angles, ..JointDef::new([End::World(vec2(7, 0)), at(a, 0)], JointKind::Prismatic(rail)) };
+    let lift = world.add_joint(lift).expect("a fair joint");
+    // The first body is drawn at (10, 20) and the second one at (10, 30), both a quarter turned: its axis points to the left.
+    let pose = |body: &umbra_physics::BodyRef<'_>| Pose {
+        position: [10.0, if body.id() == a { 20.0 } else { 30.0 }],
+        angle: PI / 2.0,
+    };
+    let (from, to) = ([10.0, 21.0], [10.0, 29.0]);
+    let axes = [None, None, None, Some([[10.5, 21.0], [9.5, 21.0]]), Some([[11.0, 21.0], [7.0, 21.0]])];
+    let mut expected = vec![
+        (Role::Joint(lift), Mark::Segment([[7.0, 0.0], [10.0, 20.0]])),
+        (Role::Joint(lift), Mark::Segment([[7.0, -1.0], [7.0, 3.0]])),
+        (Role::Joint(lift), Mark::Point([7.0, 0.0])),
+        (Role::Joint(lift), Mark::Point([10.0, 20.0])),
+    ];
+    for (joint, axis) in joints.into_iter().zip(axes).rev() {
+        let lines = [Some([from, to]), axis].into_iter().flatten().map(Mark::Segment);
+        let marks = lines.chain([from, to].map(Mark::Point));
+        expected.extend(marks.map(|mark| (Role::Joint(joint), mark)));
+    }
+    let options = DrawOptions { bodies: false, ..DrawOptions::default() };
+    assert_eq!(drawn(&world, pose, &options), expected);
+    assert_eq!(drawn(&world, pose, &DrawOptions { joints: false, ..options }), []);
 }
 
 /// A crate of 1 m and 1 kg on a floor whose top is at y = 1, after a second in which it has slid to the right.

@@ -5,6 +5,7 @@ use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
 use crate::contact::Contact;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
+use crate::joint::{JointKind, Prismatic, Wheel};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
@@ -74,7 +75,8 @@ pub enum Role {
     Zone(FieldId),
     /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
     Buoyancy(FieldId),
-    /// The two ends of a joint, and the line between them.
+    /// The two ends of a joint, and the line between them; of a prismatic or a wheel joint the axis too, from its lower limit to its upper
+    /// one, or half a metre on both sides of the first end if it has none.
     Joint(JointId),
     /// A point of the contact of these two colliders.
     Contact([ColliderId; 2]),
@@ -157,7 +159,7 @@ pub struct DrawOptions {
     pub bodies: bool,
     /// Force fields that are somewhere: springs, attractors, thrusts, zones.
     pub fields: bool,
-    /// The ends of joints that steps keep, and the lines between them.
+    /// The ends of joints that steps keep, the lines between them, and their axes.
     pub joints: bool,
     /// Velocities, as the distance that each body moves in this many seconds.
     pub velocities: Option<f64>,
@@ -331,11 +333,11 @@ impl<S: Scalar + ToF64> World<S> {
         Some((placed, placed.point(at.point.to_f64())))
     }
 
-    /// The point of an end.
-    fn end(&self, end: &End<S>, pose: &impl Fn(&BodyRef<'_, S>) -> Pose) -> Option<[f64; 2]> {
+    /// The place of the body of an end, at the origin for the world, and the point.
+    fn end(&self, end: &End<S>, pose: &impl Fn(&BodyRef<'_, S>) -> Pose) -> Option<(Placed, [f64; 2])> {
         match end {
-            End::World(point) => Some(point.to_f64()),
-            End::Body(at) => self.attached(at, pose).map(|(_, point)| point),
+            End::World(point) => Some((Placed::at(Pose::ORIGIN), point.to_f64())),
+            End::Body(at) => self.attached(at, pose),
         }
     }
 
@@ -345,13 +347,17 @@ impl<S: Scalar + ToF64> World<S> {
         pose: &impl Fn(&BodyRef<'_, S>) -> Pose,
         draw: &mut (impl DebugDraw + ?Sized),
     ) {
-        let role = Role::Joint(joint.id());
-        let [first, second] = &joint.def().ends;
-        if let (Some(from), Some(to)) = (self.end(first, pose), self.end(second, pose)) {
-            draw.segment([from, to], role);
-            draw.point(from, role);
-            draw.point(to, role);
+        let (role, def) = (Role::Joint(joint.id()), joint.def());
+        let [first, second] = &def.ends;
+        let (Some((placed, from)), Some((_, to))) = (self.end(first, pose), self.end(second, pose)) else { return };
+        draw.segment([from, to], role);
+        if let JointKind::Prismatic(Prismatic { limits, .. }) | JointKind::Wheel(Wheel { limits, .. }) = &def.kind {
+            let frame = Placed::at(Pose { position: from, angle: placed.pose.angle + def.angles[0].to_f64() });
+            let ways = limits.map_or([-0.5, 0.5], |limits| [limits.lower, limits.upper].map(ToF64::to_f64));
+            draw.segment(ways.map(|way| frame.point([way, 0.0])), role);
         }
+        draw.point(from, role);
+        draw.point(to, role);
     }
 
     fn draw_field(
@@ -362,7 +368,7 @@ impl<S: Scalar + ToF64> World<S> {
         draw: &mut (impl DebugDraw + ?Sized),
     ) {
         let attached = |at: &Attachment<S>| self.attached(at, pose);
-        let end = |end: &End<S>| self.end(end, pose);
+        let end = |end: &End<S>| self.end(end, pose).map(|(_, point)| point);
         match &field.kind {
             FieldKind::Spring { near, far, .. } => {
                 if let (Some((_, start)), Some(end)) = (attached(near), end(far)) {

@@ -71,6 +71,12 @@ pub(crate) struct FaultLine {
 }
 
 #[derive(Clone, Debug, Serialize)]
+struct Joints {
+    total: usize,
+    broken: usize,
+}
+
+#[derive(Clone, Debug, Serialize)]
 struct Bodies {
     total: usize,
     moving: usize,
@@ -91,6 +97,7 @@ pub(crate) struct Summary {
     time: String,
     bodies: Bodies,
     fields: usize,
+    joints: Joints,
     faults: Vec<FaultLine>,
     before: Totals,
     after: Totals,
@@ -134,6 +141,10 @@ impl Summary {
                 disabled: with(Activity::Disabled),
             },
             fields: world.fields().count(),
+            joints: Joints {
+                total: world.joint_count(),
+                broken: world.joints().filter(|joint| joint.is_broken()).count(),
+            },
             faults,
             before,
             after: Totals::of(world),
@@ -175,6 +186,9 @@ impl fmt::Display for Summary {
             f,
             "  bodies            {total}: {moving} moving, {asleep} asleep, {quarantined} quarantined{disabled}"
         )?;
+        if self.joints.total > 0 {
+            writeln!(f, "  joints            {}: {} broken", self.joints.total, self.joints.broken)?;
+        }
         self.write_faults(f)?;
         let (before, after) = (&self.before, &self.after);
         change(f, "energy", "J", &before.energy, &after.energy)?;

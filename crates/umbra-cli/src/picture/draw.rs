@@ -20,6 +20,7 @@ const SOFT: Paint = Paint::solid(0x6E6E6E);
 const FAINT: Paint = Paint::solid(0xECECEC);
 const ZONE: Paint = Paint::solid(0x78AADC).thinned(0.16);
 const SPRING: Paint = Paint::solid(0x828282);
+const JOINT: Paint = Paint::solid(0x323232).thinned(0.8);
 const EXPOSURE: Paint = Paint::solid(0x787878).thinned(0.6);
 const QUARANTINED: Paint = Paint::solid(0xC80000);
 /// The colour of contacts: dark red, which no body has that moves.
@@ -88,6 +89,7 @@ pub(super) fn draw(picture: &Picture<'_>) -> String {
     for body in &picture.bodies {
         drawing.end(picture, body);
     }
+    drawing.joints(&picture.scenery.joints, &picture.scenery.joint_ends);
     for &(x, y) in picture.scenery.centres.iter().filter(|&&centre| layout.holds(centre)) {
         let (arm, stroke) = (5.0 / layout.scale(), Stroke { paint: INK, width: 1.5 });
         drawing.line(&[(x - arm, y - arm), (x + arm, y + arm)], stroke);
@@ -224,6 +226,18 @@ impl Drawing {
         for &[a, b] in springs {
             let path = if few { coil(a, b, self.layout.scale()) } else { vec![a, b] };
             self.line(&path, stroke);
+        }
+    }
+
+    /// The lines of joints, and a small diamond at each end; of a crowd of joints the lines alone.
+    fn joints(&mut self, lines: &[[Point; 2]], ends: &[Point]) {
+        const CROWD: usize = 400;
+        let (arm, stroke) = (2.5 / self.layout.scale(), Stroke { paint: JOINT, width: 1.2 });
+        for line in lines {
+            self.line(line, stroke);
+        }
+        for &(x, y) in ends.iter().filter(|_| ends.len() <= CROWD) {
+            self.line(&[(x - arm, y), (x, y + arm), (x + arm, y), (x, y - arm), (x - arm, y)], stroke);
         }
     }
 

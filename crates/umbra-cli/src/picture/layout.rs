@@ -63,7 +63,8 @@ fn around(picture: &Picture<'_>) -> [Point; 2] {
     let outlines = picture.bodies.iter().map(|body| &body.outline).chain(picture.start).chain(picture.exposures);
     let outlines = outlines.flat_map(|o| o.rings.iter().flatten().chain(o.strokes.iter().flatten()));
     let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.scenery.centres);
-    let springs = picture.scenery.springs.iter().flatten();
+    // The ends of joints, and not their axes: limits may be far out.
+    let springs = picture.scenery.springs.iter().flatten().chain(&picture.scenery.joint_ends);
     let mut bounds: Option<[Point; 2]> = None;
     for &(x, y) in ways.chain(outlines).chain(rest).chain(springs) {
         let [min, max] = bounds.get_or_insert([(x, y); 2]);

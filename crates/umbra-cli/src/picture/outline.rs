@@ -42,13 +42,17 @@ impl Outlines {
     }
 }
 
-/// Force fields that are somewhere.
+/// Force fields that are somewhere, and joints.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scenery {
     pub(super) springs: Vec<[Point; 2]>,
     /// The centres of attractors that no body carries.
     pub(super) centres: Vec<Point>,
     pub(super) zones: Vec<Vec<Point>>,
+    /// The lines of joints that steps keep: between their ends, and along their axes.
+    pub(super) joints: Vec<[Point; 2]>,
+    /// The ends of these joints: of a hinge or a weld twice the same point, nearly.
+    pub(super) joint_ends: Vec<Point>,
     carried: BTreeSet<FieldId>,
 }
 
@@ -102,14 +106,18 @@ impl DebugDraw for Scenery {
     }
 
     fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
-        if let Role::Spring(_) = role {
-            self.springs.push(ends.map(point));
+        match role {
+            Role::Spring(_) => self.springs.push(ends.map(point)),
+            Role::Joint(_) => self.joints.push(ends.map(point)),
+            _ => {}
         }
     }
 
     fn point(&mut self, at: [f64; 2], role: Role) {
-        if matches!(role, Role::Attractor(field) if !self.carried.contains(&field)) {
-            self.centres.push(point(at));
+        match role {
+            Role::Attractor(field) if !self.carried.contains(&field) => self.centres.push(point(at)),
+            Role::Joint(_) => self.joint_ends.push(point(at)),
+            _ => {}
         }
     }
 

@@ -472,6 +472,32 @@ fn contacts_are_drawn_if_asked_for() {
     }
 }
 
+/// The summary counts joints, and the picture has a line between the ends of each, an axis where it has one, and a mark at each end.
+#[test]
+fn joints_are_counted_and_drawn() {
+    let scene = r#"{"ticks": 2, "gravity": [0, -10], "bodies": [{"name": "a", "mass": 1, "inertia": 1}, {"name": "b", "position": [4, 0]},
+        {"name": "c", "position": [0, -2]}, {"name": "d", "position": [4, 2]}],
+      "joints": [{"bodies": [null, "a"], "point": [0, 0], "revolute": {}}, {"bodies": ["a", "b"], "points": [[0, 0], [4, 0]], "distance": {}},
+        {"bodies": [null, "b"], "point": [4, 0], "axis": [0, 1], "prismatic": {"limits": [-1000, 1000]}},
+        {"bodies": ["a", "c"], "point": [0, -1], "axis": [0, 1], "wheel": {}},
+        {"bodies": [null, "d"], "points": [[4, 3], [4, 2]], "distance": {"limits": [0, 1]}, "break_force": 1}]}"#;
+    let (scene, picture) = (Scratch::new("joints.json", scene), Scratch::new("joints.svg", ""));
+    let output = umbra(&["run", scene.path(), "--plot", picture.path()]);
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("  joints            5: 1 broken\n"), "{}", text(&output.stdout));
+    let svg = fs::read_to_string(&picture.0).expect("the picture is there");
+    // Of four joints; the axis of 2 km is cut at the edges of a picture around the ends.
+    let stroke = r##"stroke="#323232" stroke-opacity="0.80""##;
+    let drawn = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(stroke));
+    let points: Vec<usize> = drawn.map(|line| line.matches(',').count()).collect();
+    assert_eq!(points, [[2; 6].as_slice(), &[5; 8]].concat(), "{svg}");
+    let without = Scratch::new("alone.json", r#"{"ticks": 1, "bodies": [{"name": "a"}]}"#);
+    assert!(!text(&umbra(&["run", without.path()]).stdout).contains("joints"));
+    let json = umbra(&["run", scene.path(), "--json"]);
+    let told = text(&json.stdout).replace([' ', '\n'], "");
+    assert!(told.contains(r#""joints":{"total":5,"broken":1}"#), "{told}");
+}
+
 #[test]
 fn texts_stay_inside_a_narrow_picture() {
     let scene = r#"{"title": "A title that is longer than the picture is wide, as nobody would expect", "ticks": 1,
