@@ -10,12 +10,16 @@
 //! so a copy of the world is a copy of the game.
 
 use umbra_physics::{
-    BodyDef, BodyId, Character, ColliderDef, Error, Filter, Fx, Ground, Mass, OneWay, QueryFilter, Random, Rollback,
-    Shape, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, Character, ColliderDef, Error, Filter, Fx, Ground, Mass, OneWay, QueryFilter, Random, Shape,
+    TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
+#[path = "shared/late.rs"]
+mod late;
+
+use late::Peer;
+
 const TICKS: u64 = 1_200; // at 60 a second
-const WINDOW: usize = 8;
 
 const SPEED: Fx = fx!(5); // m/s
 const JUMP: Fx = fx!(9); // m/s
@@ -187,25 +191,6 @@ fn bot(player: u64, tick: u64) -> Buttons {
     Buttons(run | if jump == 0 { UP } else { 0 } | if jump == 1 { DOWN } else { 0 })
 }
 
-struct Peer {
-    player: u32,
-    world: World,
-    rollback: Rollback<Buttons>,
-    /// The hash of each tick that is final.
-    hashes: Vec<u64>,
-    redone: u64,
-}
-
-impl Peer {
-    fn advance(&mut self, game: &Game) -> Result<(), Error> {
-        let tick = |world: &mut World, inputs: &[(u32, Buttons)]| game.tick(world, inputs).expect("valid calls");
-        let report = self.rollback.advance(&mut self.world, tick)?;
-        self.redone += report.redone;
-        self.hashes.extend(report.confirmed().map(|tick| tick.after.state_hash()));
-        Ok(())
-    }
-}
-
 fn main() -> Result<(), Error> {
     let (game, start) = Game::start()?;
     // A machine that has all inputs in time.
@@ -226,30 +211,10 @@ fn main() -> Result<(), Error> {
     }
     println!("{steps} ticks of a player on the ground, {air} in the air");
 
-    // Two peers with a bad line: an input arrives after 1 to 12 ticks.
-    let mut peers = [0, 1].map(|player| {
-        let (world, rollback) = (start.clone(), Rollback::new(&start, [0, 1], WINDOW));
-        Peer { player, world, rollback, hashes: Vec::new(), redone: 0 }
-    });
-    let (mut random, mut line) = (Random::seeded(1), Vec::new());
-    let mut frame = 0;
-    while peers.iter().any(|peer| (peer.hashes.len() as u64) < TICKS) {
-        frame += 1;
-        for (to, peer) in peers.iter_mut().enumerate() {
-            let is_here = |(arrives, player, _): &(u64, u32, u64)| *arrives <= frame && *player != to as u32;
-            for &(_, _, tick) in line.iter().filter(|input| is_here(input)) {
-                peer.rollback.add_input(tick, 1 - peer.player, bot(1 - to as u64, tick))?;
-            }
-            line.retain(|input| !is_here(input));
-            let now = peer.world.tick();
-            if peer.rollback.add_input(now, peer.player, bot(to as u64, now))? {
-                line.push((frame + 1 + random.below(12), peer.player, now));
-            }
-            peer.advance(&game)?;
-        }
-    }
-    for Peer { player, hashes: own_hashes, redone, .. } in &peers {
-        assert_eq!(own_hashes[..TICKS as usize], hashes, "a desync");
+    let calls = |world: &mut World, inputs: &[(u32, Buttons)]| game.tick(world, inputs).expect("valid calls");
+    let input = |player: u32, tick: u64| bot(u64::from(player), tick);
+    for Peer { player, hashes: own_hashes, redone, .. } in late::play(&start, TICKS, input, calls)? {
+        assert_eq!(own_hashes, hashes, "a desync");
         println!("peer {player}: {redone} ticks made again, all {TICKS} hashes are the same");
     }
     println!("{:016x} at the end", hashes[hashes.len() - 1]);

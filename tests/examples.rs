@@ -53,20 +53,40 @@ fn springs_print_their_energy_and_come_back() {
     assert!(last_line(&said).starts_with("and 4800 steps back: the first state, "), "{said}");
 }
 
+/// The whole number in a text between these words.
+fn number(said: &str, before: &str, after: &str) -> u32 {
+    let (_, rest) = said.split_once(before).expect("the words before it");
+    rest.split_once(after).expect("the words after it").0.parse().expect("a number")
+}
+
 #[test]
 fn platformer_is_the_same_for_both_peers() {
     let said = run("platformer", &[]);
     assert_eq!(said.matches("all 1200 hashes are the same").count(), 2, "{said}");
-    let number = |before: &str, after: &str| -> u32 {
-        let (rest, _) = said.split_once(after).expect("the words after it");
-        rest.rsplit_once(before).expect("the words before it").1.parse().expect("a number")
-    };
     // They run and jump, and are often predicted wrongly.
-    assert!(
-        number("\n", " ticks of a player on the ground") > 800 && number("ground, ", " in the air") > 200,
-        "{said}"
-    );
-    assert!(number("peer 0: ", " ticks made again") > 300, "{said}");
+    let grounded = said.lines().find(|line| line.contains("on the ground")).expect("a line");
+    assert!(number(grounded, "", " ticks of") > 800, "{said}");
+    assert!(number(grounded, "ground, ", " in the air") > 200, "{said}");
+    assert!(number(&said, "peer 0: ", " ticks made again") > 300, "{said}");
+}
+
+#[test]
+fn cars_race_over_the_hills_on_both_peers() {
+    let said = run("car", &[]);
+    assert!(number(&said, "peer 0: ", " ticks made again") > 100, "{said}");
+    assert!(number(&said, "peer 1: ", " ticks made again") > 100, "{said}");
+    // Beyond the hills.
+    let ways: Vec<f64> = last_line(&said).split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert!(ways.len() == 2 && ways.iter().all(|way| (80.0..200.0).contains(way)), "{said}");
+}
+
+#[test]
+fn ragdolls_lie_still_on_both_peers() {
+    let said = run("ragdoll", &[]);
+    // A button is predicted wrongly where it is pressed and where it is let go.
+    assert!(number(&said, "peer 0: ", " ticks made again") > 4, "{said}");
+    assert!(number(&said, "peer 1: ", " ticks made again") > 4, "{said}");
+    assert!(last_line(&said).starts_with("20 limbs asleep, "), "{said}");
 }
 
 #[test]
