@@ -162,7 +162,7 @@ fn permutations(count: usize, visit: &mut impl FnMut(&[usize])) {
 fn the_order_in_which_inputs_arrive_never_matters() {
     let mut author = Author { random: SplitMix::seeded(2), unfair: 40 };
     let (mut made_a_difference, mut refused) = (0, 0);
-    let runs = crate::seeds::times(2);
+    let runs = crate::seeds::times(4);
     for run in 0..runs {
         let world = world(&mut author, Integrator::ALL[run % Integrator::ALL.len()]);
         let written = inputs_of_a_tick(&mut author, &world);
