@@ -159,7 +159,7 @@ impl<S: Scalar> Distance<S> {
 
 /// A prismatic joint. [`Prismatic::default`] slides freely.
 ///
-/// The axis is the x axis of the frame of the first end, [`JointDef::along`] sets it. Limits, motor, friction and spring act on
+/// The axis is the x axis of the frame of the first end, [`JointDef::along`](crate::JointDef::along) sets it. Limits, motor, friction and spring act on
 /// [`JointRef::translation`](crate::JointRef::translation), the way of the second end along it; the angle of the joint stays 0.
 ///
 /// ```
@@ -197,7 +197,7 @@ pub struct Prismatic<S = Fx> {
 
 /// A wheel joint. [`Wheel::default`] slides and turns freely.
 ///
-/// The axis of the suspension is the x axis of the frame of the first end, on the car; [`JointDef::along`] sets it. Limits and spring act on
+/// The axis of the suspension is the x axis of the frame of the first end, on the car; [`JointDef::along`](crate::JointDef::along) sets it. Limits and spring act on
 /// [`JointRef::translation`](crate::JointRef::translation), the way of the second end along it, motor and friction on its turn.
 ///
 /// ```
