@@ -225,8 +225,12 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
         cut += pass_in_parts(&mut solver, Pass::Solve, threads);
         Advance { rows: &mut solver.bodies.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
-        for _ in 1..scene.options.relax_passes {
-            cut += pass_in_parts(&mut solver, Pass::RelaxAgain, threads);
+        if scene.options.relax_passes > 1 {
+            solver.groups.add_applied(-1);
+            for _ in 1..scene.options.relax_passes {
+                cut += pass_in_parts(&mut solver, Pass::RelaxAgain, threads);
+            }
+            solver.groups.add_applied(1);
         }
     }
     solver.finish(scene.time_step, &scene.options, &scene.flights, &mut [], &mut contacts, &mut corrections);
