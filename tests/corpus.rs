@@ -93,7 +93,7 @@ fn corpora_are_small() {
         assert!(inputs.len() <= 25 && size <= 60_000, "{target}: {} inputs, {size} bytes", inputs.len());
         size
     });
-    assert!(sizes.iter().sum::<usize>() < 150_000, "{sizes:?}");
+    assert!(sizes.iter().sum::<usize>() < 155_000, "{sizes:?}");
 }
 
 /// The least medians of ticks and of touching manifolds in a tick that committed inputs have, by target. Others have no world of their own,
