@@ -222,10 +222,8 @@ fn every_mistake_in_the_ends_of_a_joint_is_told_at_its_field() {
     assert_eq!(lines(motor), expected);
 }
 
-/// Sliders, wheels and ropes are written as they are read, stand where they are told, and have their motors set by inputs.
-#[test]
-fn sliders_wheels_and_ropes_are_read() {
-    let text = r#"{"gravity": [0, -10], "bodies": [
+/// A scene with a wheel, a slider, a rope and springs.
+pub(crate) const SLIDING: &str = r#"{"gravity": [0, -10], "bodies": [
         {"name": "car", "position": [0, 1], "angle": 0.5, "mass": 10, "inertia": 4},
         {"name": "wheel", "position": [1, 0], "mass": 1, "inertia": 1},
         {"name": "cabin", "position": [5, 0], "mass": 2, "inertia": 1}, {"name": "load", "position": [7, 3]}],
@@ -238,7 +236,11 @@ fn sliders_wheels_and_ropes_are_read() {
         {"ends": ["cabin", "load"], "distance": {"limits": [1, 4], "spring": {"hertz": 2, "rest": 0}, "friction": 1}}],
       "inputs": [{"at": 10, "joint": "lift", "set": {"motor": {"speed": 1, "max_force": 100}}},
         {"at": 12, "joint": "axle", "set": {"motor": null}}]}"#;
-    let scene = Scene::parse(text).expect("it is one");
+
+/// Sliders, wheels and ropes are written as they are read, stand where they are told, and have their motors set by inputs.
+#[test]
+fn sliders_wheels_and_ropes_are_read() {
+    let scene = Scene::parse(SLIDING).expect("it is one");
     assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 5);
     let world: World = scene.build().expect("it starts");
     let [car, wheel, _, load] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
