@@ -237,16 +237,6 @@ impl Flights {
         !self.followers.is_empty()
     }
 
-    /// The offset from a point of a body to a point of another one, for their arms, in 2^-32 m.
-    pub(super) fn offset(&self, [first, second]: [u32; 2], [from, to]: [Vec2; 2]) -> [i128; 2] {
-        let [a, b] = [first, second].map(|flight| self.flights[flight as usize].position);
-        let part = |start: Fx, from: Fx, end: Fx, to: Fx| {
-            let [start, from, end, to] = [start, from, end, to].map(|part| i128::from(part.to_bits()));
-            end + to - start - from
-        };
-        [part(a.x, from.x, b.x, to.x), part(a.y, from.y, b.y, to.y)]
-    }
-
     /// Extends the radius of a body to the point at an offset from one of its own, and by a quarter beyond for the way of the step.
     pub(super) fn reach_point(&mut self, flight: u32, arm: Vec2, offset: [i128; 2]) {
         // Points are within 2^31 m of each other: the sum is below 2^66 units.

@@ -103,18 +103,17 @@ impl JointList {
         let state = &scene.joints.states[index as usize];
         let impulses = state.impulses();
         let anchors = [first.arm, second.arm];
-        let offset = flights.offset(bodies, anchors);
-        let mut kind = link.kind;
-        if let JointKind::Slider { angle } = &mut kind {
+        let mut joint = Joint { bodies, anchors, kind: link.kind, axis: None, slide: None, impulses };
+        if let JointKind::Slider { angle } = &mut joint.kind {
             *angle = Turn::from_bits(first.angle.to_bits().wrapping_add(angle.to_bits()));
-            flights.reach_point(first.flight, anchors[0], offset);
+            flights.reach_point(first.flight, first.arm, joint.offset(flights.all()));
         }
-        let axis = link.axis.map(|axis| {
+        joint.axis = link.axis.map(|axis| {
             flights.widen_fixed(bodies);
             Axis { position: position(link.angle([first.angle, second.angle]), state.turns), ..axis }
         });
-        let slide = link.slide.map(|slide| Axis { position: kind.way(offset), ..slide });
-        self.solver_joints.push(Joint { bodies, anchors, kind, axis, slide, impulses });
+        joint.slide = link.slide.map(|slide| Axis { position: joint.kind.way(joint.offset(flights.all())), ..slide });
+        self.solver_joints.push(joint);
         self.starts.push(impulses);
         self.indices.push(index);
     }

@@ -288,17 +288,17 @@ impl<C: ContactSolver> Solvers<C> {
         if may_be_heavy {
             self.find_heavy(flights);
         }
-        if any_deep {
-            self.find_deep(contacts);
-        }
-        if may_be_joined {
-            self.find_joined(joints, contacts);
+        if any_deep || may_be_joined {
+            self.count_contacts(contacts);
+            self.find_deep();
+            self.find_joined(joints);
         }
         self.follow_leaders(flights);
         self.kinds.iter().any(|&kind| kind != 0)
     }
 
-    fn find_deep(&mut self, contacts: &[Contact]) {
+    /// Counts the contacts of islands, and finds deep ones.
+    fn count_contacts(&mut self, contacts: &[Contact]) {
         let Self { graph, kinds, contact_counts, .. } = self;
         contact_counts.clear();
         contact_counts.resize(graph.islands(), 0);
@@ -308,21 +308,21 @@ impl<C: ContactSolver> Solvers<C> {
                 kinds[island as usize] |= if is_deep(contact) { IS_DEEP } else { 0 };
             }
         }
-        for (kind, &count) in kinds.iter_mut().zip(&*contact_counts) {
+    }
+
+    fn find_deep(&mut self) {
+        for (kind, &count) in self.kinds.iter_mut().zip(&self.contact_counts) {
             *kind &= if count > FEW { !IS_DEEP } else { *kind };
         }
     }
 
-    fn find_joined(&mut self, joints: &[Joint], contacts: &[Contact]) {
+    fn find_joined(&mut self, joints: &[Joint]) {
         let Self { graph, kinds, contact_counts, .. } = self;
-        contact_counts.clear();
-        contact_counts.resize(graph.islands(), 0);
-        let island_of = |bodies| graph.mover(bodies).and_then(|body| graph.island_of(body));
-        for island in contacts.iter().filter_map(|contact| island_of(contact.bodies)) {
-            contact_counts[island as usize] += 1;
-        }
-        for island in joints.iter().filter_map(|joint| island_of(joint.bodies)) {
-            kinds[island as usize] |= if contact_counts[island as usize] > 0 { IS_JOINED } else { 0 };
+        for joint in joints {
+            let island = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)).map(|island| island as usize);
+            if let Some(island) = island.filter(|&island| contact_counts[island] > 0) {
+                kinds[island] |= IS_JOINED;
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Joints as data.
 
 use super::JointKind;
+use super::parts::check;
 use crate::body::{Bodies, BodyKind, check_angle};
 use crate::codec::codec_struct;
 use crate::error::{Error, Quantity};
@@ -56,10 +57,6 @@ pub struct JointDef<S = Fx> {
 }
 
 codec_struct!(JointDef { ends, angles, kind, collide_connected, enabled, break_force, events, key, user_data });
-
-fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
-    if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) }
-}
 
 /// Refuses a force at which a joint cannot break.
 pub(crate) fn check_break_force<S: Scalar>(force: Option<S>) -> Result<(), Error> {

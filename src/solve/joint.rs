@@ -158,7 +158,7 @@ pub struct Joint {
 
 impl Joint {
     /// The offset from the first anchor to the second, in 2^-32 m.
-    fn offset(&self, flights: &[Flight]) -> [i128; 2] {
+    pub(crate) fn offset(&self, flights: &[Flight]) -> [i128; 2] {
         let anchor = |side: usize, axis: fn(Vec2) -> Fx| {
             i128::from(axis(flights[self.bodies[side] as usize].position).to_bits())
                 + i128::from(axis(self.anchors[side]).to_bits())
@@ -304,13 +304,13 @@ impl Block {
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
         let axis_length = axis_length(flights).unwrap_or(0);
-        let mut add = |law: Option<&Axis>, mass: Option<FxFactor>, length: i32| {
-            let (Some(law), Some(mass)) = (law, mass) else { return NONE };
+        let mut add = |law: &Axis, mass: Option<FxFactor>, length: i32| {
+            let Some(mass) = mass else { return NONE };
             laws.push(AxisRow::new(law, mass, length, clock, unit, mass_exponent));
             laws.len() as u32 - 1
         };
-        let slide = add(joint.slide.as_ref(), joint.effective_mass(flights, offset_bits), 0);
-        let axis = add(joint.axis.as_ref(), joint.effective_inertia(flights), axis_length);
+        let slide = joint.slide.as_ref().map_or(NONE, |law| add(law, joint.effective_mass(flights, offset_bits), 0));
+        let axis = joint.axis.as_ref().map_or(NONE, |law| add(law, joint.effective_inertia(flights), axis_length));
         let (frame, held, length) = match joint.kind {
             JointKind::Revolute => (Frame::World, [true; 2], 0),
             JointKind::Distance { length } => {

@@ -25,6 +25,7 @@
 //! - `heavy`: loads for which joints give way, and for which worlds take finer sub-steps.
 //! - `push`, `wedge`: limits of pushes, at one contact, and at bodies that several contacts push out.
 //! - `follow`: bodies that contacts are not to move.
+//! - `substeps`: the order of all that a sub-step does.
 //! - `motion`: velocities and displacements through the sub-steps.
 //! - `impact`: impacts at their moments, before the passes of a sub-step.
 //! - `pass`: the loops over contacts; `cut`: contacts with values that are too large for these loops.
@@ -55,6 +56,7 @@ mod number;
 mod pass;
 mod push;
 mod rolling;
+mod substeps;
 #[cfg(test)]
 mod tests;
 mod unit;
@@ -73,13 +75,14 @@ use self::graph::graph_start;
 pub(crate) use self::graph::{Graph, PHASES};
 use self::groups::ContactGroups;
 pub(crate) use self::heavy::{is_heavy, may_be_heavy};
-use self::impact::{Impacts, SubStep};
+use self::impact::Impacts;
 use self::joint::Joints;
 pub use self::joint::{Axis, AxisSpring, Joint, JointKind};
-use self::motion::{Advance, Begin, FlightRow};
+use self::motion::FlightRow;
 use self::number::{log2_above, lowered_word};
 use self::pass::{Pass, PassOver};
 use self::rolling::Rolls;
+use self::substeps::SubSteps;
 use self::unit::{COARSE, Clock, Softness};
 use self::wedge::{Push, limit_wedges};
 use crate::fx;
@@ -414,56 +417,6 @@ impl Solver {
         let apply =
             Apply { clock: &clock, bodies, groups, rolls, strikes, paths, impulses, flights, contacts, corrections };
         simd::run(apply);
-    }
-}
-
-/// All sub-steps. The result is the number of values that were cut off.
-struct SubSteps<'a> {
-    solver: &'a mut Solver,
-    clock: &'a Clock,
-    options: &'a SolverOptions,
-    contacts: &'a [Contact],
-}
-
-impl Job for SubSteps<'_> {
-    type Result = u64;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self, lanes: L) -> u64 {
-        let Self { solver, clock, options, contacts } = self;
-        let n = clock.substeps;
-        let mut cut = 0;
-        for k in 1..=n {
-            solver.joints.begin(&solver.bodies.rows, k == 1);
-            Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
-            follow(&mut solver.bodies);
-            let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };
-            let (bodies, groups) = (&mut solver.bodies, &mut solver.groups);
-            timed!(solver, impacts, solver.impacts.solve(substep, bodies, groups, lanes));
-            follow(&mut solver.bodies);
-            if k == 1 {
-                cut += solver.pass(Pass::WarmStart, lanes);
-            }
-            cut += solver.joints.warm_start(&mut solver.bodies.rows, lanes);
-            for _ in 0..options.joint_rounds {
-                cut += solver.joints.solve(&mut solver.bodies.rows, lanes);
-                follow(&mut solver.bodies);
-                cut += solver.pass(Pass::Solve, lanes);
-            }
-            Advance { rows: &mut solver.bodies.rows }.run(lanes);
-            cut += solver.joints.relax(&mut solver.bodies.rows, lanes);
-            follow(&mut solver.bodies);
-            cut += solver.pass(Pass::Relax, lanes);
-            if options.relax_passes > 1 {
-                // The impulses count that the last pass leaves.
-                solver.groups.add_applied(-1);
-                for _ in 1..options.relax_passes {
-                    cut += solver.pass(Pass::RelaxAgain, lanes);
-                }
-                solver.groups.add_applied(1);
-            }
-        }
-        cut
     }
 }
 

@@ -153,18 +153,17 @@ impl Symmetry {
     /// The image of a point or vector in the axes of its body.
     #[must_use]
     pub fn local(&self, v: Vec2) -> Option<Vec2> {
-        let image = self.signed(v, Fx::checked_neg)?;
-        match self.quarters {
-            0 => Some(image),
-            _ => Some(Vec2::new(image.y, image.x.checked_neg()?)),
-        }
+        self.signed_local(v, Fx::checked_neg)
     }
 
-    /// The signs along and across the axis of a joint: the axis of the image has its angle in the image of the body's axes, at which it points
-    /// along the image of the axis, or the other way.
-    fn frame_signs(&self) -> [i64; 2] {
-        let quarters = [[self.matrix[0][0], self.matrix[1][1]], [self.matrix[1][0], -self.matrix[0][1]]];
-        quarters[usize::from(self.quarters)].map(i64::from)
+    /// [`local`](Self::local) of any numbers. A component keeps its axis: so along the axis of a joint, which has an angle in the axes of its body,
+    /// and across it.
+    fn signed_local<T: Copy>(&self, v: Vec2<T>, negative: impl Fn(T) -> Option<T> + Copy) -> Option<Vec2<T>> {
+        let image = self.signed(v, negative)?;
+        match self.quarters {
+            0 => Some(image),
+            _ => Some(Vec2::new(image.y, negative(image.x)?)),
+        }
     }
 
     /// The image of an angular velocity, torque or angular impulse.
@@ -298,8 +297,7 @@ impl CommandMap<Fx> for Image<'_> {
     }
 
     fn along(&mut self, value: Fx) -> Result<Fx, NoImage> {
-        let [along, _] = self.0.frame_signs();
-        if along < 0 { value.checked_neg().ok_or(NoImage) } else { Ok(value) }
+        self.local(Vec2::new(value, Fx::ZERO)).map(|image| image.x)
     }
 
     fn locks(&mut self, locks: Locks) -> Result<Locks, NoImage> {

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use super::command_map::{CommandMap, CommandSource};
+use super::command_map::CommandMap;
+use super::command_source::CommandSource;
 use super::{ApplyOptions, Explosion, ForceOrImpulse, World};
 use crate::body::{BodyDef, BodyKind, Damping, Locks, Mass};
 use crate::codec::codec_enum;

@@ -7,6 +7,7 @@ mod check;
 mod colliders;
 mod command;
 mod command_map;
+mod command_source;
 mod commands;
 mod contacts;
 mod events;
@@ -50,7 +51,8 @@ use crate::timers::timed;
 
 pub use body_ref::BodyRef;
 pub(crate) use change_log::ChangeLog;
-pub use command_map::{CommandMap, CommandSource};
+pub use command_map::CommandMap;
+pub use command_source::CommandSource;
 pub use commands::{Command, Created};
 pub use events::{Event, StepReport};
 pub use explosion::Explosion;

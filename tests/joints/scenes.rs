@@ -1,6 +1,8 @@
 //! Worlds with joints.
 
-use umbra_physics::{BodyDef, BodyId, JointDef, JointId, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2};
+use umbra_physics::{
+    BodyDef, BodyId, Fx, JointDef, JointId, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
+};
 
 /// Gravity of 10 m/s² downwards.
 pub(crate) fn falling() -> World {
@@ -29,6 +31,22 @@ pub(crate) fn chain(world: &mut World, links: i32) -> (Vec<BodyId>, Vec<JointId>
         bodies.push(body);
     }
     (bodies, joints)
+}
+
+/// A slope of 20° on which bodies stand whose place on it is turned about the origin.
+pub(crate) fn slope(world: &mut World) {
+    let slope = BodyDef::fixed().with_collider(Shape::rectangle(40, 1).expect("a shape"));
+    world.add_body(BodyDef { angle: Fx::PI / 9, position: vec2(0, fx!(-0.532)), ..slope }).expect("a body");
+}
+
+/// Asserts that a body that has come to rest stays within a millimetre for ten minutes, awake.
+pub(crate) fn assert_stays(world: &mut World, body: BodyId) {
+    world.set_sleep_after(None).expect("a number");
+    steps(world, 300);
+    let start = world.body(body).expect("a body").position();
+    steps(world, 36_000);
+    let creep = (world.body(body).expect("a body").position() - start).length();
+    assert!(creep < fx!(0.001), "{creep}");
 }
 
 pub(crate) fn steps(world: &mut World, count: usize) {

@@ -134,6 +134,8 @@ pub(super) struct AxisRow {
     count: usize,
     velocities: [i64; STEPS],
     levels: [i64; STEPS + 1],
+    /// The velocity at the beginning of the pass, in 2^-30.
+    velocity: i64,
     place: Place,
     /// The impulse of the spring in the relax pass.
     spring_impulse: i64,
@@ -202,6 +204,7 @@ impl AxisRow {
             count: 0,
             velocities: [0; STEPS],
             levels: [0; STEPS + 1],
+            velocity: 0,
             place: Place::Level(0),
             spring_impulse: 0,
             is_biased: true,
@@ -216,6 +219,7 @@ impl AxisRow {
     /// Begins a pass with the velocity of the row, in 2^-30, and its impulse; with a rate, in 2^-30, the solve pass.
     pub(super) fn begin(&mut self, velocity: i64, impulse: i64, rate: Option<i64>) {
         self.is_biased = rate.is_some();
+        self.velocity = velocity;
         self.set_steps(rate);
         self.place = self.find_place(velocity, impulse);
     }
@@ -299,8 +303,9 @@ impl AxisRow {
         Place::Level(self.count)
     }
 
-    /// The aim of the pass for the row, from a velocity and an impulse.
-    pub(super) fn aim(&self, velocity: i64, impulse: i64) -> Aim {
+    /// The aim of the pass for the row, from its impulse at the beginning.
+    pub(super) fn aim(&self, impulse: i64) -> Aim {
+        let velocity = self.velocity;
         match self.place {
             Place::Step(step) => {
                 let is_limit = self.levels[step] == -ENDLESS || self.levels[step + 1] == ENDLESS;
@@ -317,8 +322,12 @@ impl AxisRow {
         }
     }
 
-    /// Moves on to the next place if the row has left its place, at the end of a pass with this velocity and impulse. Returns true if it has.
-    pub(super) fn revise(&mut self, velocity: i64, impulse: i64) -> bool {
+    /// Moves on to the next place if the row has left its place, at the end of a pass with this change of its velocity, in 2^-[`FRACTION`], and this
+    /// impulse. Returns true if it has.
+    pub(super) fn revise(&mut self, change: i64, impulse: i64) -> bool {
+        let limit = i128::from(i64::MAX);
+        let velocity = i128::from(self.velocity) + (i128::from(change) << (30 - FRACTION));
+        let velocity = velocity.clamp(-limit, limit) as i64;
         let place = match self.place {
             Place::Step(step) => {
                 let pressed = impulse - self.spring_at(self.velocities[step]);
@@ -405,27 +414,24 @@ impl Block {
 
     /// Begins a pass of the laws; with a rate, in 2^-30, the solve pass.
     pub(super) fn begin_laws(&self, rows: &Rows, laws: &mut [AxisRow], rate: Option<i64>) {
+        let velocities = self.velocities(rows);
         for row in 0..3 {
             if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-                let velocity = self.law_velocity(row, self.velocities(rows), rate.is_some());
+                let velocity = self.law_velocity(row, velocities, rate.is_some());
                 law.begin(velocity, self.impulses[row], rate);
             }
         }
     }
 
     /// The aim of a pass for a row; `None` for a row without a law.
-    pub(super) fn aim(&self, row: usize, rows: &Rows, laws: &[AxisRow]) -> Option<Aim> {
-        let law = laws.get(self.laws[row] as usize)?;
-        Some(law.aim(self.law_velocity(row, self.velocities(rows), law.is_biased), self.impulses[row]))
+    pub(super) fn aim(&self, row: usize, laws: &[AxisRow]) -> Option<Aim> {
+        laws.get(self.laws[row] as usize).map(|law| law.aim(self.impulses[row]))
     }
 
     /// Moves a row on if it has left its place by changes of its velocity, in 2^-[`FRACTION`], and of its impulse. Returns true if it has.
-    pub(super) fn revise_law(&self, row: usize, rows: &Rows, laws: &mut [AxisRow], change: i64, push: i128) -> bool {
-        let Some(law) = laws.get_mut(self.laws[row] as usize) else { return false };
-        let velocity = self.law_velocity(row, self.velocities(rows), law.is_biased);
-        let limit = i128::from(i64::MAX);
-        let velocity = (i128::from(velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64;
-        law.revise(velocity, self.pushed(row, push))
+    pub(super) fn revise_law(&self, row: usize, laws: &mut [AxisRow], change: i64, push: i128) -> bool {
+        let law = laws.get_mut(self.laws[row] as usize);
+        law.is_some_and(|law| law.revise(change, self.pushed(row, push)))
     }
 
     /// Settles a row at its impulse with a change.

@@ -190,9 +190,9 @@ impl Loops {
                     block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
                 }
                 for round in 0..ROUNDS {
-                    give(joints, blocks, laws, rows, soft, moved, bodies.clone());
+                    give(joints, blocks, laws, soft, moved, bodies.clone());
                     iterate(joints, blocks, moved, bodies.clone());
-                    if round + 1 == ROUNDS || !revise_laws(joints, blocks, laws, rows, moved, bodies.clone()) {
+                    if round + 1 == ROUNDS || !revise_laws(joints, blocks, laws, moved, bodies.clone()) {
                         break;
                     }
                     if round + 2 == ROUNDS {

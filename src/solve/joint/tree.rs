@@ -40,6 +40,7 @@
 mod angle;
 mod frame;
 mod node;
+mod stiffness;
 mod symmetric;
 
 use alloc::vec::Vec;
@@ -182,11 +183,11 @@ impl Trees {
             if tree.has_laws {
                 begin_laws(nodes, blocks, laws, rows, is_biased);
                 for round in 0..ROUNDS {
-                    if set_aims(nodes, frames, blocks, laws, rows) {
+                    if set_aims(nodes, frames, blocks, laws) {
                         factor(nodes, frames, begin, blocks);
                     }
                     eliminate(nodes, frames, begin);
-                    if round + 1 == ROUNDS || !revise_laws(nodes, frames, blocks, laws, rows) {
+                    if round + 1 == ROUNDS || !revise_laws(nodes, frames, blocks, laws) {
                         break;
                     }
                     if round + 2 == ROUNDS {
@@ -250,10 +251,10 @@ fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Row
 }
 
 /// Sets the aims of laws in a round. Returns true if the matrices change by it.
-fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow], rows: &Rows) -> bool {
+fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow]) -> bool {
     let mut have_changed = false;
-    for node in nodes {
-        have_changed |= node.set_aims(frames, blocks, laws, rows);
+    for node in nodes.iter_mut().filter(|node| node.parent != NONE) {
+        have_changed |= node.set_aims(frames, &blocks[node.block as usize], laws);
     }
     have_changed
 }
@@ -284,13 +285,13 @@ fn row_change(nodes: &[Node], frames: &[FrameRows], index: usize, block: &Block,
 }
 
 /// Moves rows on that have left their places. Returns true if there is one.
-fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow], rows: &Rows) -> bool {
+fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow]) -> bool {
     let mut have_left = false;
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
         let block = &blocks[node.block as usize];
         for row in 0..3 {
             if let Some(change) = row_change(nodes, frames, index, block, row) {
-                have_left |= block.revise_law(row, rows, laws, change.velocity, change.impulse);
+                have_left |= block.revise_law(row, laws, change.velocity, change.impulse);
             }
         }
     }

@@ -9,7 +9,6 @@ use crate::slots::NONE;
 use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
-use crate::solve::motion::Rows;
 use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
 use crate::solve::unit::SoftRow;
 
@@ -24,13 +23,12 @@ pub(super) fn give(
     joints: &mut [LoopJoint],
     blocks: &[Block],
     laws: &[AxisRow],
-    rows: &Rows,
     soft: &SoftRow,
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
 ) {
     for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.set_aims(block, laws, rows, soft);
+        joint.set_aims(block, laws, soft);
     }
     move_by(joints, blocks, moved, bodies);
     for (joint, block) in joints.iter_mut().zip(blocks) {
@@ -43,7 +41,6 @@ pub(super) fn revise_laws(
     joints: &mut [LoopJoint],
     blocks: &[Block],
     laws: &mut [AxisRow],
-    rows: &Rows,
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
 ) -> bool {
@@ -56,7 +53,7 @@ pub(super) fn revise_laws(
         for row in (0..3).filter(|&row| block.laws[row] != NONE) {
             let gives = joint.gives(block, row);
             let push = lowered(joint.solution[row].into(), FINER_STILL);
-            have_left |= block.revise_law(row, rows, laws, joint.velocity[row] - gives, push);
+            have_left |= block.revise_law(row, laws, joint.velocity[row] - gives, push);
         }
     }
     have_left
@@ -73,25 +70,24 @@ pub(super) fn settle_laws(joints: &[LoopJoint], blocks: &[Block], laws: &mut [Ax
 
 impl LoopJoint {
     /// Sets the aims of the laws in a round, and takes the impulses that are given as the direction.
-    fn set_aims(&mut self, block: &Block, laws: &[AxisRow], rows: &Rows, soft: &SoftRow) {
+    fn set_aims(&mut self, block: &Block, laws: &[AxisRow], soft: &SoftRow) {
         let [first, second] = self.start;
         self.residual = [first, second, 0];
         self.given = [0; 3];
         for row in 0..3 {
-            let Some(law) = laws.get(block.laws[row] as usize) else { continue };
-            if let Some(aim) = block.aim(row, rows, laws) {
+            if let Some(law) = laws.get(block.laws[row] as usize) {
                 (self.mass[row], self.compliance[row], self.residual[row]) = (0, 0, 0);
-                self.set_aim(block, law, row, aim, soft);
+                self.set_aim(block, law, row, soft);
             }
         }
         self.direction = self.given;
     }
 
     /// Sets the aim of a law in a round.
-    fn set_aim(&mut self, block: &Block, law: &AxisRow, row: usize, aim: Aim, soft: &SoftRow) {
+    fn set_aim(&mut self, block: &Block, law: &AxisRow, row: usize, soft: &SoftRow) {
         let mass = block.element(0, row, row) + block.element(1, row, row);
         let bits = block.mass_bits + FINER - FRACTION;
-        match aim {
+        match law.aim(block.impulses[row]) {
             Aim::Velocity { velocity, gives_way } => {
                 self.compliance[row] = lowered(mass * i128::from(soft.compliance), 30) as i64;
                 let mut sum = i128::from(shifted_word(velocity, 30 - FRACTION));

@@ -4,7 +4,7 @@ use core::f64::consts::PI;
 
 use alloc::vec::Vec;
 
-use super::world::{Body, RATE, World, fx};
+use super::world::{Body, RATE, World, crossings, fx, period};
 use crate::fx::Fx;
 use crate::solve::joint::{Axis, AxisSpring};
 
@@ -107,12 +107,7 @@ fn a_spring_has_its_period_and_its_decay() {
                 world.angle(0) - amplitude
             };
             let values: Vec<f64> = (0..count.max(60)).map(|_| error(&mut world)).collect();
-            let crossings: Vec<f64> = (1..values.len())
-                .filter(|&i| values[i - 1] * values[i] < 0.0)
-                .map(|i| i as f64 - values[i] / (values[i] - values[i - 1]))
-                .collect();
-            let half_periods = (crossings.len() - 1) as f64;
-            let period = 2.0 * (crossings[crossings.len() - 1] - crossings[0]) / half_periods / f64::from(RATE);
+            let period = period(&crossings(&values));
             let wanted = 1.0 / (frequency * f64::sqrt(1.0 - ratio * ratio));
             let peaks = extremes(&values);
             let [first, last] = [peaks[0], peaks[peaks.len().min(7) - 1]];

@@ -3,7 +3,7 @@
 use alloc::vec::Vec;
 use core::f64::consts::PI;
 
-use super::world::{Body, RATE, World, fx};
+use super::world::{Body, RATE, World, crossings, fx, period};
 use crate::solve::joint::{Axis, AxisSpring};
 
 fn motor(speed: f64, force: f64) -> Axis {
@@ -100,19 +100,14 @@ fn limits_hold_a_slider() {
 
 /// The period over the wanted one and the damping ratio of an oscillation, from its values at the ends of steps.
 fn oscillation(values: &[f64], frequency: f64, ratio: f64) -> [f64; 2] {
-    let crossings: Vec<f64> = (1..values.len())
-        .filter(|&i| values[i - 1] * values[i] < 0.0)
-        .map(|i| i as f64 - values[i] / (values[i] - values[i - 1]))
-        .collect();
-    let half_periods = (crossings.len() - 1) as f64;
-    let period = 2.0 * (crossings[crossings.len() - 1] - crossings[0]) / half_periods / f64::from(RATE);
+    let crossings = crossings(values);
     let peak = |from: usize| {
         let range = crossings[from] as usize..=crossings[from + 1] as usize + 1;
         values[range].iter().map(|value| value.abs()).fold(0.0, f64::max)
     };
     let whole = crossings.len() / 2 * 2 - 4;
     let decay = (peak(0) / peak(whole)).ln() / (PI * whole as f64);
-    [period * frequency * f64::sqrt(1.0 - ratio * ratio), decay / f64::sqrt(1.0 + decay * decay)]
+    [period(&crossings) * frequency * f64::sqrt(1.0 - ratio * ratio), decay / f64::sqrt(1.0 + decay * decay)]
 }
 
 /// Springs have their frequency and damping: a slider on a fixed axis, of two free bodies whose centres are off their axis, and a line.

@@ -35,6 +35,18 @@ pub(super) fn inverse(value: f64) -> FxFactor {
     if value == 0.0 { FxFactor::ZERO } else { FxFactor::ONE.over(factor(value)) }
 }
 
+/// The times, in steps, at which values of steps change their sign.
+pub(super) fn crossings(values: &[f64]) -> Vec<f64> {
+    let crossing = |i: usize| i as f64 - values[i] / (values[i] - values[i - 1]);
+    (1..values.len()).filter(|&i| values[i - 1] * values[i] < 0.0).map(crossing).collect()
+}
+
+/// The period of an oscillation, s, of its crossings.
+pub(super) fn period(crossings: &[f64]) -> f64 {
+    let half_periods = (crossings.len() - 1) as f64;
+    2.0 * (crossings[crossings.len() - 1] - crossings[0]) / half_periods / f64::from(RATE)
+}
+
 pub(super) fn rotated(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     [cos * x - sin * y, sin * x + cos * y]

@@ -17,15 +17,13 @@
 //! κ is below 2^[`STIFF`]; κt and κw are below twice the moment b', whatever the lengths; velocities and impulses have the ranges of points.
 
 use super::node::Node;
+use super::stiffness::{RowAim, STIFF, Stiffness};
 use super::symmetric::{Reciprocal, dot, product, to_impulse, within};
-use super::{FRACTION, IMPULSE, PART, RATIO, RESIDUAL, SOFT, SPEED, UNIT};
-use crate::scalar::FxFactor;
+use super::{IMPULSE, PART, RATIO, SOFT, SPEED, UNIT};
 use crate::solve::joint::Block;
-use crate::solve::joint::axis::{Aim, AxisRow, STIFFEST};
-use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::joint::axis::{Aim, AxisRow};
+use crate::solve::number::{lowered, shifted_word};
 
-/// The bits of κ.
-const STIFF: i32 = 47;
 /// The largest product of κ and t.
 const MOMENT: i128 = 1 << 52;
 
@@ -35,10 +33,7 @@ pub(super) struct AngleRow {
     /// log2 of the lengths of the node and of the parent over the length of the joint; not negative.
     node_length: i32,
     parent_length: i32,
-    /// The κ of a rigid row and of the spring, and one over the former in 2^-[`SOFT`].
-    stiffest: i64,
-    elastic: i64,
-    compliance: i64,
+    stiffness: Stiffness,
     kappa: i64,
     eta: i64,
     /// c'/c'' in 2^-[`RATIO`], w, and κw of the length of the joint.
@@ -55,44 +50,20 @@ impl AngleRow {
     pub(super) fn new(block: &Block, laws: &[AxisRow], node: &Node, opposite: &Node) -> Option<Self> {
         let axis = laws.get(block.laws[2] as usize)?;
         let above = |length: i32| (length - axis.length).max(0);
-        let is_half = i32::from(node.is_half);
-        // A half is twice as stiff.
-        let stiffness = |factor: FxFactor, bits: i32| {
-            let is_large = exponent(factor) + bits - node.joint_unit > STIFF;
-            if is_large { 1 << STIFF } else { fixed(factor, bits - node.joint_unit) }
-        };
-        let stiffest = stiffness(axis.mass, STIFFEST + is_half).max(1);
         Some(Self {
             node_length: if node.is_body { above(node.length) } else { 0 },
             parent_length: if node.is_half || !opposite.is_body { 0 } else { above(opposite.length) },
-            stiffest,
-            elastic: stiffness(axis.damping, is_half).min(stiffest),
-            compliance: within(Reciprocal::new(stiffest).times(1 << 60, SOFT - 60), 1 << 62),
+            stiffness: Stiffness::new(axis, node),
             ..Self::default()
         })
     }
 
     /// Sets κ and η for a pass. Returns true if κ has changed.
     pub(super) fn set_aim(&mut self, aim: Aim, impulse: i64, node: &Node) -> bool {
-        let Self { stiffest, elastic, compliance, .. } = *self;
-        let half = i32::from(node.is_half);
-        let sign = if node.side == 0 { -1 } else { 1 };
         let before = self.kappa;
-        (self.kappa, self.eta) = match aim {
-            Aim::Velocity { velocity, gives_way } => {
-                let mut sum = i128::from(shifted_word(velocity, UNIT - FRACTION + half));
-                if gives_way {
-                    sum += shifted(product(compliance, impulse), node.give_shift);
-                }
-                (stiffest, -to_impulse(product(stiffest, within(sum, RESIDUAL))))
-            }
-            Aim::Impulse { change, is_elastic } => {
-                let change = within(shifted(change.into(), -node.push_shift), IMPULSE);
-                (if is_elastic { elastic } else { 0 }, change)
-            }
-        };
-        self.eta *= sign;
-        before != self.kappa
+        let RowAim { kappa, residual, eta } = self.stiffness.aim(aim, impulse, node);
+        (self.kappa, self.eta) = (kappa, eta - to_impulse(product(kappa, residual)));
+        before != kappa
     }
 
     /// κ of the length of the node, in the unit of the node.

@@ -26,20 +26,19 @@
 //! [`SHARE`] bits: their products are below 2^121. A node that does not turn counts as 2^60. Velocities and impulses have the ranges of points.
 
 use super::node::Node;
+use super::stiffness::{RowAim, STIFF, Stiffness};
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, to_impulse, turned, within};
-use super::{FRACTION, IMPULSE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT};
-use crate::scalar::FxFactor;
+use super::{IMPULSE, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::solve::joint::Block;
-use crate::solve::joint::axis::{Aim, AxisRow, STIFFEST};
-use crate::solve::motion::Rows;
-use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::joint::axis::AxisRow;
+use crate::solve::number::{lowered, shifted, shifted_word};
 
-/// The bits of κ.
-const STIFF: i32 = 47;
 /// Fraction bits of s.
 const SHARE: i32 = 60;
 /// The moment of inertia of a node that does not turn.
 const STILL: i64 = 1 << 60;
+/// The mass of the middle of a joint along axes that are free: nothing depends on it.
+const ANY: i64 = 1 << 40;
 /// The largest moment of V.
 const MOMENT: i128 = 1 << 52;
 
@@ -49,10 +48,7 @@ pub(super) struct FrameRows {
     /// log2 of the lengths of the node and of the parent over the length of the joint; not negative.
     node_length: i32,
     parent_length: i32,
-    /// The κ of a held row and of the spring, and one over the former in 2^-[`SOFT`].
-    stiffest: [i64; 3],
-    elastic: [i64; 3],
-    compliance: [i64; 3],
+    stiffness: [Stiffness; 3],
     kappa: [i64; 3],
     residual: [i64; 3],
     eta: [i64; 3],
@@ -104,22 +100,15 @@ impl FrameRows {
     /// The rows of a joint between a node and its parent, or the middle of the joint.
     pub(super) fn new(block: &Block, laws: &[AxisRow], node: &Node, opposite: &Node) -> Self {
         let above = |length: i32| (length - block.axis_length).max(0);
-        let is_half = i32::from(node.is_half);
-        // A half is twice as stiff; the compliance of the node is of a half as well.
-        let stiffness = |factor: FxFactor, bits: i32| {
-            let is_large = exponent(factor) + bits - node.joint_unit > STIFF;
-            if is_large { 1 << STIFF } else { fixed(factor, bits - node.joint_unit) }
-        };
+        // The compliance of the node is of a half as well.
         let held = within(Reciprocal::new(node.compliance).times(1 << 60, SOFT - 60), 1 << STIFF).max(1);
-        let law = |row: usize| laws.get(block.laws[row] as usize);
-        let stiffest = [0, 1, 2].map(|row| law(row).map_or(held, |law| stiffness(law.mass, STIFFEST + is_half).max(1)));
-        let elastic = [0, 1, 2].map(|row| law(row).map_or(0, |law| stiffness(law.damping, is_half).min(stiffest[row])));
+        let stiffness = |row: usize| {
+            laws.get(block.laws[row] as usize).map_or(Stiffness::default(), |law| Stiffness::new(law, node))
+        };
         Self {
             node_length: if node.is_body { above(node.length) } else { 0 },
             parent_length: if node.is_half || !opposite.is_body { 0 } else { above(opposite.length) },
-            stiffest,
-            elastic,
-            compliance: stiffest.map(|stiffest| within(Reciprocal::new(stiffest).times(1 << 60, SOFT - 60), 1 << 62)),
+            stiffness: [0, 1, 2].map(stiffness),
             kappa: [0, 1, 2].map(|row| if row < 2 && block.held[row] { held } else { 0 }),
             axis: block.axes[0],
             ..Self::default()
@@ -127,28 +116,12 @@ impl FrameRows {
     }
 
     /// Sets κ, r and η for a pass. Returns true if κ has changed.
-    pub(super) fn set_aims(&mut self, block: &Block, laws: &[AxisRow], rows: &Rows, node: &Node) -> bool {
+    pub(super) fn set_aims(&mut self, block: &Block, laws: &[AxisRow], node: &Node) -> bool {
         let before = self.kappa;
-        let sign = if node.side == 0 { -1 } else { 1 };
         for row in 0..3 {
-            let Some(aim) = block.aim(row, rows, laws) else { continue };
-            let mut residual = 0;
-            let mut eta = 0;
-            self.kappa[row] = match aim {
-                Aim::Velocity { velocity, gives_way } => {
-                    let mut sum = i128::from(shifted_word(velocity, UNIT - FRACTION + i32::from(node.is_half)));
-                    if gives_way {
-                        sum += shifted(product(self.compliance[row], block.impulses[row]), node.give_shift);
-                    }
-                    residual = within(sum, RESIDUAL);
-                    self.stiffest[row]
-                }
-                Aim::Impulse { change, is_elastic } => {
-                    eta = within(shifted(change.into(), -node.push_shift), IMPULSE);
-                    if is_elastic { self.elastic[row] } else { 0 }
-                }
-            };
-            (self.residual[row], self.eta[row]) = (sign * residual, sign * eta);
+            let Some(aim) = block.aim(row, laws) else { continue };
+            let RowAim { kappa, residual, eta } = self.stiffness[row].aim(aim, block.impulses[row], node);
+            (self.kappa[row], self.residual[row], self.eta[row]) = (kappa, residual, eta);
         }
         before != self.kappa
     }
@@ -223,9 +196,7 @@ impl FrameRows {
     pub(super) fn join(&self, node: &Node, parent: &mut Node) {
         let Symmetric { mut xx, xy, mut yy } = self.spring;
         if node.is_half {
-            // The middle of a joint moves along free axes as it likes: nothing depends on it.
-            (xx, yy) =
-                (if self.kappa[0] == 0 { STILL >> 20 } else { xx }, if self.kappa[1] == 0 { STILL >> 20 } else { yy });
+            (xx, yy) = (if self.kappa[0] == 0 { ANY } else { xx }, if self.kappa[1] == 0 { ANY } else { yy });
         }
         let [ux, uy] = self.axis;
         let rotated = |x: i64, y: i64| out_of_frame(self.axis, [x, y]);
@@ -286,11 +257,11 @@ impl FrameRows {
             self.y = [y1, y2, y0];
             let x = within(self.pivot[0].times(y1, TO_IMPULSE), SPEED);
             let y = within(self.pivot[1].times(y2, TO_IMPULSE), SPEED);
-            let by = |factor: i64, velocity: i64| i128::from(to_impulse(product(factor, velocity)));
+            let impulse = |mass: i64, velocity: i64| i128::from(to_impulse(product(mass, velocity)));
             left = [
-                sum(i128::from(part(self.share[0], y1)) - by(self.epsilon, y)),
+                sum(i128::from(part(self.share[0], y1)) - impulse(self.epsilon, y)),
                 part(self.share[1], y2),
-                sum(i128::from(part(self.share[2], y0)) - by(self.beta[0], x) - by(self.beta[1], y)),
+                sum(i128::from(part(self.share[2], y0)) - impulse(self.beta[0], x) - impulse(self.beta[1], y)),
             ];
         }
         let residual = self.residuals(node);
@@ -354,7 +325,6 @@ impl FrameRows {
             self.push = [0, 1, 2].map(|row| within(i128::from(to_impulse(by_kappa[row])) + eta[row], IMPULSE));
             (node.velocity, node.spin) = ([0; 2], 0);
         }
-        let change = [u[0] - vx, u[1] - vy, shifted_word(u[2] - spin, self.node_length)];
-        self.change = change;
+        self.change = [u[0] - vx, u[1] - vy, shifted_word(u[2] - spin, self.node_length)];
     }
 }

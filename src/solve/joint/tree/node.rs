@@ -291,22 +291,12 @@ impl Node {
     }
 
     /// Sets the aims of the laws of the joint to the parent in a pass. Returns true if the matrices change by it.
-    pub(super) fn set_aims(
-        &mut self,
-        frames: &mut [FrameRows],
-        blocks: &[Block],
-        laws: &[AxisRow],
-        rows: &Rows,
-    ) -> bool {
-        if self.parent == NONE {
-            return false;
-        }
-        let block = &blocks[self.block as usize];
+    pub(super) fn set_aims(&mut self, frames: &mut [FrameRows], block: &Block, laws: &[AxisRow]) -> bool {
         if let Some(frame) = frames.get_mut(self.frame as usize) {
-            return frame.set_aims(block, laws, rows, self);
+            return frame.set_aims(block, laws, self);
         }
         let Some(mut angle) = self.angle else { return false };
-        let has_changed = block.aim(2, rows, laws).is_some_and(|aim| angle.set_aim(aim, block.impulses[2], self));
+        let has_changed = block.aim(2, laws).is_some_and(|aim| angle.set_aim(aim, block.impulses[2], self));
         self.angle = Some(angle);
         has_changed
     }
