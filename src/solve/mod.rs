@@ -189,9 +189,7 @@ impl Flight {
     #[inline(always)]
     fn speed(&self, length: i32) -> u64 {
         let Self { start, end, .. } = self;
-        // Less by one for negative numbers: it is rounded up.
-        let larger =
-            |a: Fx, b: Fx| [a, b].map(|v| (v.to_bits() ^ (v.to_bits() >> 63)) as u64).into_iter().fold(0, u64::max);
+        let larger = |a: Fx, b: Fx| a.to_bits().unsigned_abs().max(b.to_bits().unsigned_abs());
         let linear = larger(start.linear.x, end.linear.x).max(larger(start.linear.y, end.linear.y));
         // At the rim: times 2^length.
         let (angular, down) = (larger(start.angular, end.angular), 32 - COARSE - length);

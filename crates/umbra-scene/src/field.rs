@@ -46,8 +46,8 @@ impl Names {
             return Err(node.fault(Flaw::Text.of(format_args!("a name has at most {NAME} bytes"))));
         }
         if self.indices.contains_key(name) {
-            let message = format_args!("there is a {kind} {} already: choose another name", quoted(name));
-            return Err(node.fault(Flaw::Taken.of(message)));
+            let name = quoted(name);
+            return Err(node.fault(Flaw::Taken.of(format_args!("there is a {kind} {name} already: choose another name"))));
         }
         self.indices.insert(name.into(), index);
         Ok(())

@@ -267,8 +267,8 @@ impl Scene {
     fn read_joints(&mut self, object: &Object<'_>, tables: &mut Tables, world: &mut World, handles: &[BodyId]) {
         object.or("joints", (), |list| {
             repeat::each(list, tables.most, |object| {
-                let start = Some(&joint::Start { world, handles });
-                let read = joint::joint(object, &tables.bodies, start).and_then(|read| {
+                let start = joint::Start { world, handles };
+                let read = joint::joint(object, &tables.bodies, Some(&start)).and_then(|read| {
                     let handle = |body: BodyId| handles.get(body.parts().0 as usize).copied();
                     let def = convert::convert_joint(&read.def, &|body| handle(body).ok_or(Error::NoSuchBody { body }));
                     match def.and_then(|def| world.add_joint(def)) {

@@ -4,14 +4,15 @@ use alloc::vec::Vec;
 use std::thread;
 
 use super::made::Ranges;
-use super::scene::{Image, Scene, Solution};
+use super::scene::{Image, Scene, Solution, body};
 use crate::cases::run_seed;
+use crate::fx::Fx;
 use crate::kernel::simd::{Job, Portable};
 use crate::math::Random;
 use crate::solve::impact::SubStep;
 use crate::solve::motion::{Advance, Begin};
 use crate::solve::pass::{Pass, PassOver};
-use crate::solve::unit::Clock;
+use crate::solve::unit::{COARSE, Clock};
 use crate::solve::{Contact, Flight, Impulses, PHASES, Solver, SolverCounts};
 
 /// Random scenes, each with a generator for its changes in a test. There are 3 bodies and fewer than `extra_bodies` more.
@@ -30,6 +31,24 @@ fn scenes(seed: u64, count: u64, extra_bodies: u64) -> impl Iterator<Item = (Sce
 
 fn is_moved(solution: &Solution) -> bool {
     solution.corrections.iter().any(|correction| *correction != Default::default())
+}
+
+/// The unit of an island follows from speeds: it is the same for a velocity and its opposite, also just below a power of two.
+#[test]
+fn opposite_velocities_have_one_speed() {
+    for bits in 0..40 {
+        for less in [0, 1, 1 << (32 - COARSE), 3 << (32 - COARSE)] {
+            let [there, back] = [1, -1].map(|sign| {
+                let velocity = Fx::from_bits(sign * ((1 << bits) - less));
+                let mut flight = body(1.0, 2.0, 1.0);
+                flight.end.linear.x = velocity;
+                let mut spinning = body(1.0, 2.0, 1.0);
+                spinning.start.angular = velocity;
+                [flight.speed(0), spinning.speed(0), spinning.speed(12)]
+            });
+            assert_eq!(there, back, "2^{bits} - {less}");
+        }
+    }
 }
 
 #[test]
