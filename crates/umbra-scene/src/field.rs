@@ -47,7 +47,9 @@ impl Names {
         }
         if self.indices.contains_key(name) {
             let name = quoted(name);
-            return Err(node.fault(Flaw::Taken.of(format_args!("there is a {kind} {name} already: choose another name"))));
+            return Err(
+                node.fault(Flaw::Taken.of(format_args!("there is a {kind} {name} already: choose another name")))
+            );
         }
         self.indices.insert(name.into(), index);
         Ok(())
