@@ -24,8 +24,8 @@ use umbra_physics::{
     ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Distance, Elapsed,
     End, Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
     FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks, Mass,
-    Material, MathError, MixRule, ParseFxError, Part, Prismatic, Quantity, Random, Region, Rot, Shape, SpringConstants,
-    Stage, StageKind, TimeStep, Turn, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
+    Material, MathError, MixRule, Motor, ParseFxError, Part, Prismatic, Quantity, Random, Region, Rot, Shape,
+    SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -328,6 +328,7 @@ fn every_variant_of_every_enum_comes_back() {
         JointKind::Weld(Weld::default()),
         JointKind::Prismatic(Prismatic::default()),
         JointKind::Wheel(Wheel::default()),
+        JointKind::Motor(Motor::default()),
     ]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);

@@ -582,8 +582,9 @@ typedef struct UmbraExplosion {
 typedef uint32_t UmbraJointKind;
 
 // A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic` and `umbra_joint_def_wheel` fill
-// it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
+// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel` and
+// `umbra_joint_def_motor` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+// their kind says.
 typedef struct UmbraJointDef {
     // The kind.
     UmbraJointKind kind;
@@ -599,6 +600,10 @@ typedef struct UmbraJointDef {
     uint32_t has_motor;
     // 1 if there is a spring. Default 0.
     uint32_t has_spring;
+    // 1 if there is a planar spring. Default 0.
+    uint32_t has_planar_spring;
+    // 1 if there is a planar motor. Default 0.
+    uint32_t has_planar_motor;
     // 0.
     uint32_t reserved;
     // The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
@@ -625,6 +630,18 @@ typedef struct UmbraJointDef {
     UmbraFx spring_max_force;
     // The largest torque or force of friction, from 0.
     UmbraFx friction;
+    // The frequency of a planar spring without damping, 0 to 10^6 Hz.
+    UmbraFx planar_spring_hertz;
+    // The damping of a planar spring over critical damping, 0 to 1024. Default 1.
+    UmbraFx planar_spring_damping_ratio;
+    // The point of a planar spring at rest in the frame of the first end, within ±2^20 m.
+    struct UmbraVec2 planar_spring_rest;
+    // The largest force of a planar spring, from 0, N, or `UMBRA_NO_LIMIT`, the default.
+    UmbraFx planar_spring_max_force;
+    // The velocity of a planar motor in the frame of the first end, within ±2^20 m/s.
+    struct UmbraVec2 planar_motor_velocity;
+    // The largest force of a planar motor, from 0, N.
+    UmbraFx planar_motor_max_force;
     // The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     UmbraFx break_force;
     // Number of the caller's own, by which joints are listed.
@@ -639,8 +656,10 @@ typedef struct UmbraJointState {
     struct UmbraVec2 points[2];
     // The distance of the ends, m.
     UmbraFx length;
-    // The way of the second end along the axis of a prismatic or a wheel joint, m; of other kinds the distance.
+    // The way of the second end along the axis of a prismatic, a wheel or a motor joint, m; of other kinds the distance.
     UmbraFx translation;
+    // The place of the second end in the frame of the first one, m.
+    struct UmbraVec2 offset;
     // The angle from the frame of the first end to that of the second one, rad.
     UmbraFx angle;
     // The speed of the angle, rad/s.
@@ -1176,6 +1195,10 @@ typedef struct UmbraReplayLimits {
 // The second end slides along the x axis of the frame of the first one, and turns. Reads the limits and the spring along the axis, the motor and
 // `friction` of the turn.
 #define UMBRA_WHEEL 4
+
+// The second end is moved in the frame of the first one by forces with bounds: by the planar spring and the planar motor, and turned by the motor
+// and the spring. A mouse has a planar spring alone, whose point at rest is set in each tick by `umbra_world_set_joint_kind`.
+#define UMBRA_MOTOR 5
 
 #ifdef __cplusplus
 extern "C" {
@@ -1748,6 +1771,15 @@ UmbraStatus umbra_joint_def_wheel(const struct UmbraWorld *world,
                                   UmbraFx y,
                                   UmbraFx axis_x,
                                   UmbraFx axis_y,
+                                  struct UmbraJointDef *def);
+
+// Fills in the definition of a motor joint of two bodies at a point of the world, m; `UMBRA_NO_HANDLE` is the world. It does nothing until its
+// planar spring or motor, its spring or its motor is set. The point of the planar spring at rest is counted from the first end.
+UmbraStatus umbra_joint_def_motor(const struct UmbraWorld *world,
+                                  uint64_t first,
+                                  uint64_t second,
+                                  UmbraFx x,
+                                  UmbraFx y,
                                   struct UmbraJointDef *def);
 
 // Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.

@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{
     Attachment, BodyId, Command, Distance, End, Fx, JointBroke, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
+    JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -30,10 +30,14 @@ pub const UMBRA_PRISMATIC: UmbraJointKind = 3;
 /// The second end slides along the x axis of the frame of the first one, and turns. Reads the limits and the spring along the axis, the motor and
 /// `friction` of the turn.
 pub const UMBRA_WHEEL: UmbraJointKind = 4;
+/// The second end is moved in the frame of the first one by forces with bounds: by the planar spring and the planar motor, and turned by the motor
+/// and the spring. A mouse has a planar spring alone, whose point at rest is set in each tick by `umbra_world_set_joint_kind`.
+pub const UMBRA_MOTOR: UmbraJointKind = 5;
 
 /// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-/// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic` and `umbra_joint_def_wheel` fill
-/// it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
+/// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel` and
+/// `umbra_joint_def_motor` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+/// their kind says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraJointDef {
@@ -51,6 +55,10 @@ pub struct UmbraJointDef {
     pub has_motor: u32,
     /// 1 if there is a spring. Default 0.
     pub has_spring: u32,
+    /// 1 if there is a planar spring. Default 0.
+    pub has_planar_spring: u32,
+    /// 1 if there is a planar motor. Default 0.
+    pub has_planar_motor: u32,
     /// 0.
     pub reserved: u32,
     /// The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
@@ -77,6 +85,18 @@ pub struct UmbraJointDef {
     pub spring_max_force: UmbraFx,
     /// The largest torque or force of friction, from 0.
     pub friction: UmbraFx,
+    /// The frequency of a planar spring without damping, 0 to 10^6 Hz.
+    pub planar_spring_hertz: UmbraFx,
+    /// The damping of a planar spring over critical damping, 0 to 1024. Default 1.
+    pub planar_spring_damping_ratio: UmbraFx,
+    /// The point of a planar spring at rest in the frame of the first end, within ±2^20 m.
+    pub planar_spring_rest: UmbraVec2,
+    /// The largest force of a planar spring, from 0, N, or `UMBRA_NO_LIMIT`, the default.
+    pub planar_spring_max_force: UmbraFx,
+    /// The velocity of a planar motor in the frame of the first end, within ±2^20 m/s.
+    pub planar_motor_velocity: UmbraVec2,
+    /// The largest force of a planar motor, from 0, N.
+    pub planar_motor_max_force: UmbraFx,
     /// The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     pub break_force: UmbraFx,
     /// Number of the caller's own, by which joints are listed.
@@ -93,8 +113,10 @@ pub struct UmbraJointState {
     pub points: [UmbraVec2; 2],
     /// The distance of the ends, m.
     pub length: UmbraFx,
-    /// The way of the second end along the axis of a prismatic or a wheel joint, m; of other kinds the distance.
+    /// The way of the second end along the axis of a prismatic, a wheel or a motor joint, m; of other kinds the distance.
     pub translation: UmbraFx,
+    /// The place of the second end in the frame of the first one, m.
+    pub offset: UmbraVec2,
     /// The angle from the frame of the first end to that of the second one, rad.
     pub angle: UmbraFx,
     /// The speed of the angle, rad/s.
@@ -132,6 +154,8 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     has_limits: 0,
     has_motor: 0,
     has_spring: 0,
+    has_planar_spring: 0,
+    has_planar_motor: 0,
     reserved: 0,
     bodies: [UMBRA_NO_HANDLE; 2],
     points: [UmbraVec2 { x: 0, y: 0 }; 2],
@@ -145,6 +169,12 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     spring_rest: 0,
     spring_max_force: UMBRA_NO_LIMIT,
     friction: 0,
+    planar_spring_hertz: 0,
+    planar_spring_damping_ratio: Fx::ONE.to_bits(),
+    planar_spring_rest: UmbraVec2 { x: 0, y: 0 },
+    planar_spring_max_force: UMBRA_NO_LIMIT,
+    planar_motor_velocity: UmbraVec2 { x: 0, y: 0 },
+    planar_motor_max_force: 0,
     break_force: UMBRA_NO_LIMIT,
     key: 0,
     user_data: 0,
@@ -203,6 +233,20 @@ impl UmbraJointDef {
         })
     }
 
+    fn planar_spring(&self) -> Option<PlanarSpring> {
+        (self.has_planar_spring != 0).then(|| PlanarSpring {
+            hertz: Fx::from_bits(self.planar_spring_hertz),
+            damping_ratio: Fx::from_bits(self.planar_spring_damping_ratio),
+            rest: self.planar_spring_rest.into(),
+            max_force: optional_force(self.planar_spring_max_force),
+        })
+    }
+
+    fn planar_motor(&self) -> Option<PlanarMotor> {
+        let max_force = Fx::from_bits(self.planar_motor_max_force);
+        (self.has_planar_motor != 0).then(|| PlanarMotor { velocity: self.planar_motor_velocity.into(), max_force })
+    }
+
     fn joint_kind(&self) -> Result<JointKind> {
         let (limits, motor, spring) = (self.limits(), self.motor(), self.spring());
         let friction = Fx::from_bits(self.friction);
@@ -212,6 +256,12 @@ impl UmbraJointDef {
             UMBRA_WELD => JointKind::Weld(Weld { spring }),
             UMBRA_PRISMATIC => JointKind::Prismatic(Prismatic { limits, motor, spring, friction }),
             UMBRA_WHEEL => JointKind::Wheel(Wheel { limits, spring, motor, friction }),
+            UMBRA_MOTOR => JointKind::Motor(Motor {
+                spring: self.planar_spring(),
+                motor: self.planar_motor(),
+                angular_spring: spring,
+                angular_motor: motor,
+            }),
             _ => return Err(Refusal::bad("no kind of joint has this number")),
         })
     }
@@ -245,6 +295,18 @@ impl UmbraJointDef {
             (self.has_motor, self.motor_speed, self.motor_max_force) = (1, speed.to_bits(), max_force.to_bits());
         }
         self.friction = friction.to_bits();
+    }
+
+    fn set_planar(&mut self, spring: Option<PlanarSpring>, motor: Option<PlanarMotor>) {
+        if let Some(PlanarSpring { hertz, damping_ratio, rest, max_force }) = spring {
+            (self.has_planar_spring, self.planar_spring_rest) = (1, rest.into());
+            (self.planar_spring_hertz, self.planar_spring_damping_ratio) = (hertz.to_bits(), damping_ratio.to_bits());
+            self.planar_spring_max_force = force_bits(max_force);
+        }
+        if let Some(PlanarMotor { velocity, max_force }) = motor {
+            (self.has_planar_motor, self.planar_motor_velocity) = (1, velocity.into());
+            self.planar_motor_max_force = max_force.to_bits();
+        }
     }
 
     fn of(joint: &JointDef) -> Result<Self> {
@@ -287,6 +349,12 @@ impl UmbraJointDef {
                 def.kind = UMBRA_WHEEL;
                 def.set_parts(limits, motor, friction);
                 spring
+            }
+            JointKind::Motor(Motor { spring, motor, angular_spring, angular_motor }) => {
+                def.kind = UMBRA_MOTOR;
+                def.set_planar(spring, motor);
+                def.set_parts(None, angular_motor, Fx::ZERO);
+                angular_spring
             }
             _ => return Err(Refusal::bad("this interface does not have the kind of this joint")),
         };
@@ -406,6 +474,20 @@ pub extern "C" fn umbra_joint_def_wheel(
     })
 }
 
+/// Fills in the definition of a motor joint of two bodies at a point of the world, m; `UMBRA_NO_HANDLE` is the world. It does nothing until its
+/// planar spring or motor, its spring or its motor is set. The point of the planar spring at rest is counted from the first end.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_motor(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    second: u64,
+    x: UmbraFx,
+    y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| joint_at(world, [first, second], point(x, y), JointKind::Motor(Motor::default())))
+}
+
 /// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
 /// It is as long as the points are apart.
 #[unsafe(no_mangle)]
@@ -514,6 +596,7 @@ pub extern "C" fn umbra_world_joint_state(
             points: joint.points().map(Into::into),
             length: joint.length().to_bits(),
             translation: joint.translation().to_bits(),
+            offset: joint.offset().into(),
             angle: joint.angle().to_bits(),
             speed: joint.speed().to_bits(),
             force: joint.force().into(),

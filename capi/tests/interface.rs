@@ -10,8 +10,8 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Prismatic, Random, Region, Revolute, Shape, Snapshot, SpringConstants, TimeStep,
-    Weld, Wheel, World, WorldDef, fx, vec2,
+    MaterialPair, MixRule, Motor, OneWay, PlanarMotor, PlanarSpring, Prismatic, Random, Region, Revolute, Shape,
+    Snapshot, SpringConstants, TimeStep, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -912,6 +912,13 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
     let prismatic = JointKind::Prismatic(Prismatic { limits, friction: bits(4), ..Prismatic::default() });
     let motor = Some(JointMotor { speed: bits(5), max_force: fx!(0) });
     let wheel = JointKind::Wheel(Wheel { spring: Some(weld_spring), motor, ..Wheel::default() });
+    let rest = Vec2::new(bits(1), bits(2));
+    let pushing = Motor {
+        spring: Some(PlanarSpring { max_force: Some(bits(3)), ..PlanarSpring::new(rest, fx!(2), fx!(1)) }),
+        motor: Some(PlanarMotor { velocity: Vec2::new(bits(4), bits(5)), max_force: bits(6) }),
+        angular_spring: Some(weld_spring),
+        angular_motor: motor,
+    };
     vec![
         (plain, JointDef::new(ends, JointKind::default())),
         (full, full_joint),
@@ -936,6 +943,24 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
             },
             JointDef::new(ends, wheel),
         ),
+        (
+            UmbraJointDef {
+                kind: UMBRA_MOTOR,
+                has_spring: 1,
+                spring_hertz: ONE,
+                has_motor: 1,
+                motor_speed: 5,
+                has_planar_spring: 1,
+                planar_spring_hertz: 2 * ONE,
+                planar_spring_rest: UmbraVec2 { x: 1, y: 2 },
+                planar_spring_max_force: 3,
+                has_planar_motor: 1,
+                planar_motor_velocity: UmbraVec2 { x: 4, y: 5 },
+                planar_motor_max_force: 6,
+                ..plain
+            },
+            JointDef::new(ends, JointKind::Motor(pushing)),
+        ),
     ]
 }
 
@@ -956,7 +981,7 @@ fn joints_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
-    assert_eq!(out(|def| umbra_joint_def_default(5, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_joint_def_default(6, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     let weld = added
         .iter()
         .map(|(_, id)| *id)
@@ -1008,6 +1033,7 @@ fn joints_pull_and_break_as_in_the_library() {
                 points: joint.points().map(Into::into),
                 length: joint.length().to_bits(),
                 translation: joint.translation().to_bits(),
+                offset: joint.offset().into(),
                 angle: joint.angle().to_bits(),
                 speed: joint.speed().to_bits(),
                 force: joint.force().into(),
@@ -1031,6 +1057,29 @@ fn joints_pull_and_break_as_in_the_library() {
         assert_eq!(broke, Ok(expected));
     }
     assert_eq!(broken, 1, "two bodies of a kilogram on a rod for one and a half");
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn a_motor_joint_pulls_a_body_to_its_point() {
+    let mut here = world();
+    let body =
+        add(&mut here, &UmbraBodyDef { position: UmbraVec2 { x: 2 * ONE, y: 0 }, ..body_def() }).expect("a body");
+    let mouse = out(|def| umbra_joint_def_motor(Some(&here), UMBRA_NO_HANDLE, body, 2 * ONE, 0, def));
+    let mouse = UmbraJointDef {
+        has_planar_spring: 1,
+        planar_spring_hertz: 2 * ONE,
+        planar_spring_rest: UmbraVec2 { x: 3 * ONE, y: ONE },
+        planar_spring_max_force: 1_000 * ONE,
+        ..mouse.expect("a definition")
+    };
+    let mouse = out(|id| umbra_world_add_joint(Some(&mut here), Some(&mouse), id)).expect("a joint");
+    for _ in 0..240 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    let state = out(|state| umbra_world_joint_state(Some(&here), mouse, state)).expect("a state");
+    assert!((state.offset.x - 3 * ONE).abs() < ONE / 100, "{state:?}");
+    assert!((state.offset.y - ONE).abs() < ONE / 10, "{state:?}");
     umbra_world_free(Some(here));
 }
 

@@ -248,13 +248,13 @@ impl Flights {
         *radius = (*radius).max(reach);
     }
 
-    /// Gives a body that cannot turn at least the radius of the body that it is joined to.
-    pub(super) fn widen_fixed(&mut self, ends: [u32; 2]) {
-        let [first, second] = ends.map(|flight| self.flights[flight as usize].radius);
-        for (flight, radius) in ends.into_iter().zip([second, first]) {
-            let flight = &mut self.flights[flight as usize];
-            if flight.inverse_inertia.is_zero() {
-                flight.radius = flight.radius.max(radius);
+    /// Gives a body that cannot turn at least the radius of the body that it is joined to, if that one can turn: its radius stays, so that the order
+    /// of joints does not matter.
+    pub(super) fn widen_fixed(&mut self, [first, second]: [u32; 2]) {
+        for [fixed, turning] in [[first, second], [second, first]] {
+            let [fixed, turning] = [fixed, turning].map(|flight| flight as usize);
+            if self.flights[fixed].inverse_inertia.is_zero() && !self.flights[turning].inverse_inertia.is_zero() {
+                self.flights[fixed].radius = self.flights[fixed].radius.max(self.flights[turning].radius);
             }
         }
     }

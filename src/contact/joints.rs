@@ -76,6 +76,10 @@ impl JointList {
                 self.push(scene, flights, end, index, side);
             }
         }
+        // Once all bodies have their radii.
+        for joint in self.solver_joints.iter().filter(|joint| joint.axis.is_some()) {
+            flights.widen_fixed(joint.bodies);
+        }
     }
 
     /// Adds a joint of a moving body, unless its other end adds it.
@@ -103,16 +107,19 @@ impl JointList {
         let state = &scene.joints.states[index as usize];
         let impulses = state.impulses();
         let anchors = [first.arm, second.arm];
-        let mut joint = Joint { bodies, anchors, kind: link.kind, axis: None, slide: None, impulses };
-        if let JointKind::Slider { angle } = &mut joint.kind {
+        let mut joint = Joint { bodies, anchors, kind: link.kind, axis: None, slides: [None; 2], impulses };
+        if let JointKind::Slider { angle } | JointKind::Planar { angle } = &mut joint.kind {
             *angle = Turn::from_bits(first.angle.to_bits().wrapping_add(angle.to_bits()));
             flights.reach_point(first.flight, first.arm, joint.offset(flights.all()));
         }
         joint.axis = link.axis.map(|axis| {
-            flights.widen_fixed(bodies);
-            Axis { position: position(link.angle([first.angle, second.angle]), state.turns), ..axis }
+            let position = position(link.angle([first.angle, second.angle]), state.turns);
+            Axis { position, ..axis }
         });
-        joint.slide = link.slide.map(|slide| Axis { position: joint.kind.way(joint.offset(flights.all())), ..slide });
+        if link.slides != [None; 2] {
+            let ways = joint.kind.ways(joint.offset(flights.all()));
+            joint.slides = [0, 1].map(|row| link.slides[row].map(|slide| Axis { position: ways[row], ..slide }));
+        }
         self.solver_joints.push(joint);
         self.starts.push(impulses);
         self.indices.push(index);

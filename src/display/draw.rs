@@ -5,7 +5,7 @@ use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
 use crate::contact::Contact;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::joint::{JointKind, Prismatic, Wheel};
+use crate::joint::{JointKind, Motor, Prismatic, Wheel};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
@@ -76,7 +76,8 @@ pub enum Role {
     /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
     Buoyancy(FieldId),
     /// The two ends of a joint, and the line between them; of a prismatic or a wheel joint the axis too, from its lower limit to its upper
-    /// one, or half a metre on both sides of the first end if it has none.
+    /// one, or half a metre on both sides of the first end if it has none. Of a motor joint the point that its spring pulls to, in place of the first
+    /// end; without a spring the second end alone.
     Joint(JointId),
     /// A point of the contact of these two colliders.
     Contact([ColliderId; 2]),
@@ -350,9 +351,13 @@ impl<S: Scalar + ToF64> World<S> {
         let (role, def) = (Role::Joint(joint.id()), joint.def());
         let [first, second] = &def.ends;
         let (Some((placed, from)), Some((_, to))) = (self.end(first, pose), self.end(second, pose)) else { return };
+        let frame = Placed::at(Pose { position: from, angle: placed.pose.angle + def.angles[0].to_f64() });
+        let from = match &def.kind {
+            JointKind::Motor(Motor { spring, .. }) => spring.map_or(to, |spring| frame.point(spring.rest.to_f64())),
+            _ => from,
+        };
         draw.segment([from, to], role);
         if let JointKind::Prismatic(Prismatic { limits, .. }) | JointKind::Wheel(Wheel { limits, .. }) = &def.kind {
-            let frame = Placed::at(Pose { position: from, angle: placed.pose.angle + def.angles[0].to_f64() });
             let ways = limits.map_or([-0.5, 0.5], |limits| [limits.lower, limits.upper].map(ToF64::to_f64));
             draw.segment(ways.map(|way| frame.point([way, 0.0])), role);
         }

@@ -1,5 +1,6 @@
 //! The kinds of joints.
 
+use super::motor::Motor;
 use super::parts::{JointLimits, JointMotor, JointSpring, Parts, Unit, check};
 use crate::codec::{codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
@@ -27,6 +28,8 @@ pub enum JointKind<S = Fx> {
     Prismatic(Prismatic<S>),
     /// The second end slides along an axis of the first one on a spring, and turns freely: a wheel with its suspension.
     Wheel(Wheel<S>),
+    /// The second end is moved in the frame of the first one by forces with bounds: a body that a mouse drags, friction of a ground seen from above.
+    Motor(Motor<S>),
 }
 
 /// A revolute joint. [`Revolute::default`] turns freely.
@@ -287,6 +290,7 @@ codec_enum!(JointKind<S>, "the number of a kind of joint", {
     2 => Weld(weld),
     3 => Prismatic(prismatic),
     4 => Wheel(wheel),
+    5 => Motor(motor),
 });
 
 impl<S: Scalar> JointKind<S> {
@@ -305,6 +309,7 @@ impl<S: Scalar> JointKind<S> {
     /// ```
     pub fn check(&self) -> Result<(), Error> {
         self.along().check(Unit::Metres)?;
+        self.across().check(Unit::Metres)?;
         self.around().check(Unit::Radians)?;
         let Self::Distance(Distance { limits, spring, .. }) = self else { return Ok(()) };
         let is_length = |length: S| length >= S::ZERO;
@@ -321,8 +326,14 @@ impl<S: Scalar> JointKind<S> {
                 Parts { limits, motor, spring, friction }
             }
             Self::Wheel(Wheel { limits, spring, .. }) => Parts { limits, spring, ..Parts::NONE },
+            Self::Motor(motor) => motor.planar()[0],
             Self::Revolute(_) | Self::Weld(_) => Parts::NONE,
         }
+    }
+
+    /// The parts across the axis of the joint.
+    fn across(&self) -> Parts<S> {
+        if let Self::Motor(motor) = self { motor.planar()[1] } else { Parts::NONE }
     }
 
     /// The parts that act on the angle of the joint.
@@ -332,6 +343,7 @@ impl<S: Scalar> JointKind<S> {
             Self::Weld(Weld { spring: Some(spring) }) => Parts { spring: Some(spring), ..Parts::NONE },
             Self::Weld(Weld { spring: None }) | Self::Prismatic(_) => Parts::LOCKED,
             Self::Wheel(Wheel { motor, friction, .. }) => Parts { motor, friction, ..Parts::NONE },
+            Self::Motor(motor) => motor.around(),
             Self::Distance(_) => Parts::NONE,
         }
     }
@@ -343,18 +355,19 @@ impl<S: Scalar> JointKind<S> {
             Self::Distance(distance) => Self::Distance(Distance { motor, ..distance }),
             Self::Prismatic(prismatic) => Self::Prismatic(Prismatic { motor, ..prismatic }),
             Self::Wheel(wheel) => Self::Wheel(Wheel { motor, ..wheel }),
+            Self::Motor(joint) => Self::Motor(Motor { angular_motor: motor, ..joint }),
             Self::Weld(_) => return None,
         })
     }
 
     /// Returns true for a kind whose motor turns the ends.
     pub(crate) fn motor_turns(&self) -> bool {
-        matches!(self, Self::Revolute(_) | Self::Wheel(_))
+        matches!(self, Self::Revolute(_) | Self::Wheel(_) | Self::Motor(_))
     }
 
-    /// Returns true for a kind whose second end slides along an axis.
-    pub(crate) fn is_slider(&self) -> bool {
-        matches!(self, Self::Prismatic(_) | Self::Wheel(_))
+    /// Returns true for a kind whose second end moves along axes of the frame of the first end.
+    pub(crate) fn has_frame(&self) -> bool {
+        matches!(self, Self::Prismatic(_) | Self::Wheel(_) | Self::Motor(_))
     }
 
     /// The kind as the solver takes it, for the angle of the frame of the first end.
@@ -366,6 +379,7 @@ impl<S: Scalar> JointKind<S> {
                 None => solve::JointKind::Line,
             },
             Self::Prismatic(_) | Self::Wheel(_) => solve::JointKind::Slider { angle },
+            Self::Motor(_) => solve::JointKind::Planar { angle },
         }
     }
 
@@ -374,11 +388,23 @@ impl<S: Scalar> JointKind<S> {
         self.around().law()
     }
 
-    /// The law of the way along the axis or the line, likewise. A rigid rod has none.
-    pub(crate) fn slide(&self) -> Option<solve::Axis> {
+    /// The laws of the ways along the axis or the line and across the axis, likewise. A rigid rod has none.
+    pub(crate) fn slides(&self) -> [Option<solve::Axis>; 2] {
         match self {
-            Self::Distance(distance) if distance.rigid().is_some() => None,
-            _ => self.along().law(),
+            Self::Distance(distance) if distance.rigid().is_some() => [None; 2],
+            _ => [self.along().law(), self.across().law()],
+        }
+    }
+
+    /// True for the rows along the axes and around that may have impulses.
+    pub(crate) fn active_rows(&self) -> [bool; 3] {
+        let [along, across] = self.slides().map(|law| law.is_some());
+        let around = self.axis().is_some();
+        match self {
+            Self::Revolute(_) | Self::Weld(_) => [true, true, around],
+            Self::Distance(_) => [true, false, false],
+            Self::Prismatic(_) | Self::Wheel(_) => [along, true, around],
+            Self::Motor(_) => [along, across, around],
         }
     }
 
@@ -387,6 +413,7 @@ impl<S: Scalar> JointKind<S> {
         match self {
             Self::Revolute(Revolute { limits, spring, .. }) => limits.is_some() || spring.is_some(),
             Self::Weld(_) | Self::Prismatic(_) => true,
+            Self::Motor(motor) => motor.angular_spring.is_some(),
             Self::Distance(_) | Self::Wheel(_) => false,
         }
     }

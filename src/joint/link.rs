@@ -71,9 +71,10 @@ fn frame<S: Scalar>(angles: &[S; 2]) -> Turn {
 pub(crate) struct Link {
     pub(crate) ends: [LinkEnd; 2],
     pub(crate) kind: JointKind,
-    /// The laws of the angle and of the way along the axis or the line, at position 0. The angle of the axis of a slider is in the axes of its body.
+    /// The laws of the angle and of the ways along the axis or the line and across the axis, at position 0. The angle of a frame is in the axes
+    /// of its body.
     pub(crate) axis: Option<Axis>,
-    pub(crate) slide: Option<Axis>,
+    pub(crate) slides: [Option<Axis>; 2],
     pub(crate) counts_turns: bool,
     /// The angle of the frame of the second end less the angle of the first one, in the axes of the ends.
     pub(crate) frame: Turn,
@@ -96,7 +97,7 @@ impl Link {
             ends: [LinkEnd::new(&def.ends[0]), LinkEnd::new(&def.ends[1])],
             kind: def.kind.for_solver(S::Angle::from_radians(def.angles[0]).to_turn()),
             axis: def.kind.axis(),
-            slide: def.kind.slide(),
+            slides: def.kind.slides(),
             counts_turns: def.kind.counts_turns(),
             frame: frame(&def.angles),
             break_force: def.break_force.map(S::to_fx),

@@ -13,8 +13,8 @@ use crate::solve::Impulses;
 /// The state of a joint: the impulses that the next step starts from, and whether it is broken.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct JointState {
-    /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and around; of prismatic and
-    /// wheel joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and 0.
+    /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and around; of prismatic,
+    /// wheel and motor joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and 0.
     pub(crate) impulses: [i64; 3],
     /// Whole turns of the angle, beside the nearest turn; 0 where none are counted.
     pub(crate) turns: i16,
@@ -83,7 +83,7 @@ impl JointState {
             "impulses",
             &match kind {
                 JointKind::Distance(_) => JointImpulses::Distance { along: x },
-                _ if kind.is_slider() => JointImpulses::Slider { along: x, across: y, torque, turns },
+                _ if kind.has_frame() => JointImpulses::Slider { along: x, across: y, torque, turns },
                 _ if kind.axis().is_some() => JointImpulses::Axis { x, y, torque, turns },
                 _ => JointImpulses::Revolute { x, y },
             },
@@ -96,11 +96,10 @@ impl JointState {
         let exponent = i8::read(reader)?;
         let is_broken = bool::read(reader)?;
         let has_axis = kind.axis().is_some();
+        let active = kind.active_rows();
         let (impulses, turns) = match (kind, JointImpulses::read(reader)?) {
             (JointKind::Distance(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
-            (JointKind::Prismatic(_) | JointKind::Wheel(_), JointImpulses::Slider { along, across, torque, turns })
-                if (along == 0 || kind.slide().is_some()) && (torque == 0 || has_axis) =>
-            {
+            (_, JointImpulses::Slider { along, across, torque, turns }) if kind.has_frame() => {
                 ([along, across, torque], turns)
             }
             (JointKind::Revolute(_) | JointKind::Weld(_), JointImpulses::Axis { x, y, torque, turns }) if has_axis => {
@@ -111,7 +110,7 @@ impl JointState {
         };
         // A joint without impulses has no unit, and a broken one has none.
         let is_canonical = if impulses == [0; 3] { exponent == 0 } else { !is_broken };
-        let fits = impulses.iter().all(|impulse| impulse.unsigned_abs() <= LARGEST);
+        let fits = (0..3).all(|row| impulses[row] == 0 || active[row] && impulses[row].unsigned_abs() <= LARGEST);
         if is_canonical && fits && (turns == 0 || kind.counts_turns()) {
             Ok(Self { impulses, turns, exponent, is_broken })
         } else {

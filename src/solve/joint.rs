@@ -9,9 +9,10 @@
 //! | `Distance` | the line between the points | held at a length | | |
 //! | `Line` | the line between the points | law | | |
 //! | `Slider` | turns with the first body | law | held | law |
+//! | `Planar` | turns with the first body | law | law | law |
 //!
-//! Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the axes, of a slider at the second
-//! point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
+//! Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the axes, of a slider and a planar
+//! joint at the second point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
 //! step: frozen, a rod that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
 //!
 //! - *Solve pass*: the rows aim at the velocity that takes a part of the error away, and at the second-order term of the motion: bodies move
@@ -48,6 +49,8 @@ mod axis;
 mod effective;
 mod forest;
 mod gradients;
+mod kind;
+mod laws;
 mod passes;
 #[cfg(test)]
 mod tests;
@@ -72,6 +75,7 @@ use crate::scalar::{FxFactor, Turn};
 use crate::slots::NONE;
 
 pub use self::axis::{Axis, AxisSpring};
+pub use self::kind::JointKind;
 pub(super) use self::passes::Joints;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
@@ -89,51 +93,6 @@ const LOWER: i32 = 20;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
 
-/// The quantity that a joint keeps.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum JointKind {
-    /// Both anchors at the same point.
-    Revolute,
-    /// The anchors at a distance.
-    Distance {
-        /// m, up to 2^20; positive.
-        length: Fx,
-    },
-    /// The distance of the anchors, which is free but for the law of its slide.
-    Line,
-    /// The second anchor on a line through the first one, along an axis that turns with the first body.
-    Slider {
-        /// The angle of the axis at the start of the step.
-        angle: Turn,
-    },
-}
-
-impl JointKind {
-    /// Returns true if the impulses of both are of the same rows.
-    pub(crate) fn has_rows_of(self, kind: Self) -> bool {
-        let is_along = |kind| matches!(kind, Self::Distance { .. } | Self::Line);
-        core::mem::discriminant(&self) == core::mem::discriminant(&kind) || is_along(self) && is_along(kind)
-    }
-}
-
-impl JointKind {
-    /// The way along the axis of a slider, or the length of another joint, for the offset of its points in 2^-32 m: to nearest.
-    pub(crate) fn way(self, offset: [i128; 2]) -> Fx {
-        // Within 2^31 m.
-        let [x, y] = offset.map(|part| part.clamp(-(1 << 62), 1 << 62));
-        let way = match self {
-            Self::Slider { angle } => {
-                let (sin, cos) = sin_cos_turn(angle.to_bits());
-                // The length is below 2^63.
-                lowered(x * i128::from(cos) + y * i128::from(sin), 62) as i64
-            }
-            _ => length_of(x as i64, y as i64),
-        };
-        Fx::from_bits(way)
-    }
-}
-
 /// A joint of two bodies, at the start of the step.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
@@ -144,15 +103,15 @@ pub struct Joint {
     pub anchors: [Vec2; 2],
     /// The quantity that it keeps.
     pub kind: JointKind,
-    /// The law of the angle of a revolute joint or a slider, if something acts on it. A body that cannot turn then has at least the
+    /// The law of the angle of a revolute joint, a slider or a planar joint, if something acts on it. A body that cannot turn then has at least the
     /// [`radius`](Flight::radius) of the other body.
     pub axis: Option<Axis>,
-    /// The law of the distance along the axis of a slider or along a line, if something acts on it. The radius of the first body of a slider
-    /// reaches the second anchor.
-    pub slide: Option<Axis>,
+    /// The laws of the distance along the axis of a slider or along a line, and of both distances of a planar joint, if something acts on them. The
+    /// radius of the first body of a slider or a planar joint reaches the second anchor.
+    pub slides: [Option<Axis>; 2],
     /// The impulses on the second body in the last sub-step of the step before, by which the solver starts; then the impulses of this step.
-    /// Of a revolute joint along x and y, and around, N·m·s; of a slider along and across its axis, and around; of the other kinds along the line
-    /// from the first anchor to the second.
+    /// Of a revolute joint along x and y, and around, N·m·s; of a slider and a planar joint along and across the axis, and around; of the other
+    /// kinds along the line from the first anchor to the second.
     pub impulses: Impulses,
 }
 
@@ -172,19 +131,24 @@ impl Joint {
         let error = match self.kind {
             JointKind::Revolute => x.abs().max(y.abs()),
             JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
-            JointKind::Line => 0,
+            JointKind::Line | JointKind::Planar { .. } => 0,
             JointKind::Slider { angle } => {
                 let [ux, uy] = direction_of(angle).map(i128::from);
                 lowered(ux * i128::from(y) - uy * i128::from(x), 30).unsigned_abs() as i64
             }
         };
         let repair = clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1;
-        let turning = axis_length(self.bodies.map(|body| &flights[body as usize]));
-        let speed = |law: &Option<Axis>, length: Option<i32>| match (law, length) {
-            (Some(law), Some(length)) => law.speed(length),
-            _ => 0,
-        };
-        repair.max(speed(&self.axis, turning)).max(speed(&self.slide, Some(0)))
+        let ends = self.bodies.map(|body| &flights[body as usize]);
+        let around = self.axis.as_ref().map_or(0, |law| {
+            let (inertia, length) = (self.effective_inertia(ends), axis_length(ends));
+            inertia.zip(length).map_or(0, |(inertia, length)| law.speed(inertia, length, clock))
+        });
+        if self.slides == [None; 2] {
+            return repair.max(around);
+        }
+        let mass = self.effective_mass(ends, self.offset(flights));
+        let along = self.slides.iter().flatten().map(|law| mass.map_or(0, |mass| law.speed(mass, 0, clock)));
+        along.fold(repair.max(around), u128::max)
     }
 }
 
@@ -212,6 +176,11 @@ enum Frame {
     Body([i64; 2]),
 }
 
+/// A direction turned left by a quarter.
+fn perpendicular([ux, uy]: [i64; 2]) -> [i64; 2] {
+    [-uy, ux]
+}
+
 /// The component of a vector along a direction in 2^-30.
 fn along([ux, uy]: [i64; 2], [x, y]: [i64; 2]) -> i64 {
     lowered(i128::from(ux) * i128::from(x) + i128::from(uy) * i128::from(y), 30) as i64
@@ -237,8 +206,8 @@ pub(super) struct Block {
     is_active: [bool; 3],
     /// log2 of the length at which the velocities of the third row are taken, m.
     axis_length: i32,
-    /// The length that the first row is counted from: the length that it is held at, or the length at the start.
-    length: i64,
+    /// The lengths that the errors of rows along the axes are counted from: lengths that are held, or lengths at the start.
+    lengths: [i64; 2],
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
     /// The number of sub-steps, and of moves of the bodies so far.
@@ -289,40 +258,50 @@ impl Block {
         let flights = joint.bodies.map(|body| &flights[body as usize]);
         let offset_bits = joint.offset(input.flights);
         let offset = offset_bits.map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64);
-        let is_slider = matches!(joint.kind, JointKind::Slider { .. });
-        if is_slider {
+        let turns_frame = joint.kind.frame_angle().is_some();
+        if turns_frame {
             sides[0].reach(offset);
         }
         // Locks may leave nothing that it moves.
         let mut largest_mass = (sides[0].largest_mass() + sides[1].largest_mass()).max(1);
-        if is_slider || joint.axis.is_some() {
+        if turns_frame || joint.axis.is_some() {
             largest_mass = largest_mass.max(sides[0].masses[2] + sides[1].masses[2]);
         }
-        // The arm of a slider may grow to twice its length in the step.
-        let mass_bits = bits_of(largest_mass) + if is_slider { 2 } else { 0 };
+        // The arm of the first body may grow to twice its length in the step.
+        let mass_bits = bits_of(largest_mass) + if turns_frame { 2 } else { 0 };
         let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
         let axis_length = axis_length(flights).unwrap_or(0);
-        let mut add = |law: &Axis, mass: Option<FxFactor>, length: i32| {
-            let Some(mass) = mass else { return NONE };
-            laws.push(AxisRow::new(law, mass, length, clock, unit, mass_exponent));
+        let is_planar = matches!(joint.kind, JointKind::Planar { .. });
+        let mut add = |law: &Option<Axis>, mass: Option<FxFactor>, length: i32, is_paired: bool| {
+            let (Some(law), Some(mass)) = (law, mass) else { return NONE };
+            let row = AxisRow::new(law, mass, length, clock, unit, mass_exponent);
+            laws.push(if is_paired { row.paired() } else { row });
             laws.len() as u32 - 1
         };
-        let slide = joint.slide.as_ref().map_or(NONE, |law| add(law, joint.effective_mass(flights, offset_bits), 0));
-        let axis = joint.axis.as_ref().map_or(NONE, |law| add(law, joint.effective_inertia(flights), axis_length));
-        let (frame, held, length) = match joint.kind {
-            JointKind::Revolute => (Frame::World, [true; 2], 0),
+        let has_slide = joint.slides != [None; 2];
+        let mass = has_slide.then(|| joint.effective_mass(flights, offset_bits)).flatten();
+        let [along_law, across_law] = [0, 1].map(|row| add(&joint.slides[row], mass, 0, is_planar));
+        let inertia = joint.axis.as_ref().and_then(|_| joint.effective_inertia(flights));
+        let axis = add(&joint.axis, inertia, axis_length, false);
+        let (frame, held, lengths) = match joint.kind {
+            JointKind::Revolute => (Frame::World, [true; 2], [0; 2]),
             JointKind::Distance { length } => {
-                (Frame::Line, [true, false], clock.length(length, unit).clamp(0, FAR) as i64)
+                (Frame::Line, [true, false], [clock.length(length, unit).clamp(0, FAR) as i64, 0])
             }
-            JointKind::Line => (Frame::Line, [false; 2], length_of(offset[0], offset[1])),
+            JointKind::Line => (Frame::Line, [false; 2], [length_of(offset[0], offset[1]), 0]),
             JointKind::Slider { angle } => {
                 let direction = direction_of(angle);
-                (Frame::Body(direction), [false, true], along(direction, offset))
+                (Frame::Body(direction), [false, true], [along(direction, offset), 0])
+            }
+            JointKind::Planar { angle } => {
+                let direction = direction_of(angle);
+                let across = along(perpendicular(direction), offset);
+                (Frame::Body(direction), [false; 2], [along(direction, offset), across])
             }
         };
-        let laws = [slide, NONE, axis];
+        let laws = [along_law, across_law, axis];
         // The third row turns a body by the length at which its velocities are taken, over the length of the body.
         let turning = flights.map(|flight| 1 << (30 - (flight.length() - axis_length).clamp(0, 30)));
         let is_active = [0, 1, 2].map(|row| laws[row] != NONE || row < 2 && held[row]);
@@ -339,7 +318,7 @@ impl Block {
             laws,
             is_active,
             axis_length,
-            length,
+            lengths,
             base,
             substeps: clock.substeps as i32,
             moves: 0,

@@ -58,7 +58,7 @@ impl Symmetry {
             let Vec2 { x, y } = match def.kind {
                 // Along the line between its ends.
                 JointKind::Distance(_) => Vec2::new(x, y),
-                _ if def.kind.is_slider() => self.signed_local(Vec2::new(x, y), i64::checked_neg)?,
+                _ if def.kind.has_frame() => self.signed_local(Vec2::new(x, y), i64::checked_neg)?,
                 _ => self.signed(Vec2::new(x, y), i64::checked_neg)?,
             };
             state.impulses = [x, y, if self.mirrors() { torque.checked_neg()? } else { torque }];

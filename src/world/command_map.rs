@@ -8,7 +8,8 @@ use crate::body::{BodyDef, Damping, Locks, Mass};
 use crate::collider::{ColliderDef, ContactSettings, Material, MaterialPair, OneWay};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::joint::{
-    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Revolute, Weld, Wheel,
+    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic,
+    Revolute, Weld, Wheel,
 };
 use crate::math::Vec2;
 use crate::scalar::{Scalar, SpringConstants};
@@ -373,6 +374,12 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 motor: self.joint_motor(motor, around)?,
                 friction: self.scalar(friction)?,
             }),
+            JointKind::Motor(Motor { spring, motor, angular_spring, angular_motor }) => JointKind::Motor(Motor {
+                spring: self.planar_spring(spring)?,
+                motor: self.planar_motor(motor)?,
+                angular_spring: self.joint_spring(angular_spring, around)?,
+                angular_motor: self.joint_motor(angular_motor, around)?,
+            }),
         })
     }
 
@@ -415,6 +422,23 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             rest: position(self, spring.rest)?,
             max_force: self.optional_scalar(spring.max_force)?,
         }))
+    }
+
+    /// A spring in the frame of the first end of a joint.
+    fn planar_spring(&mut self, spring: Option<PlanarSpring<S>>) -> Result<Option<PlanarSpring<T>>, Self::Error> {
+        let Some(spring) = spring else { return Ok(None) };
+        Ok(Some(PlanarSpring {
+            hertz: self.scalar(spring.hertz)?,
+            damping_ratio: self.scalar(spring.damping_ratio)?,
+            rest: self.local(spring.rest)?,
+            max_force: self.optional_scalar(spring.max_force)?,
+        }))
+    }
+
+    /// A motor in the frame of the first end of a joint.
+    fn planar_motor(&mut self, motor: Option<PlanarMotor<S>>) -> Result<Option<PlanarMotor<T>>, Self::Error> {
+        let Some(motor) = motor else { return Ok(None) };
+        Ok(Some(PlanarMotor { velocity: self.local(motor.velocity)?, max_force: self.scalar(motor.max_force)? }))
     }
 
     /// A force or impulse, whose vectors are in this frame.

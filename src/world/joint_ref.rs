@@ -9,6 +9,7 @@ use crate::joint::{JointDef, JointKind, position};
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, FxWide, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
+use crate::solve;
 
 /// A read-only view of a joint. `{:?}` prints its definition.
 ///
@@ -120,13 +121,39 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         frames[0].way_to(frames[1]).to_scalar().unwrap_or(S::ZERO)
     }
 
-    /// The angle of the axis of a prismatic or a wheel joint in the world.
+    /// The angle of the frame of the first end in the world.
     fn axis_angle(&self) -> Turn {
         let def = self.def();
         self.world.joint_angle(def.bodies()[0], def.angles[0]).to_turn()
     }
 
-    /// The way of the second end along the axis of a prismatic or a wheel joint, m; of the other kinds the [`length`](Self::length).
+    /// The place of the second end in the frame of the first end, m: of a prismatic or a wheel joint along and across the axis, of a motor joint
+    /// what its spring pulls to its point at rest. *Error* 2 ulp, and 2^-31 of the distance.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let body = world.add_body(BodyDef { position: vec2(3, 1), ..BodyDef::dynamic() })?;
+    /// let hinge = JointDef { enabled: false, ..JointDef::between(&world, None, vec2(1, 1), body, vec2(3, 2))? };
+    /// let hinge = world.add_joint(JointDef { kind: Default::default(), ..hinge })?;
+    /// assert_eq!(world.joint(hinge)?.offset(), vec2(2, 1));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn offset(&self) -> Vec2<S> {
+        let frame = solve::JointKind::Planar { angle: self.axis_angle() };
+        let [x, y] = frame.ways(self.way()).map(S::from_fx);
+        Vec2::new(x, y)
+    }
+
+    /// The way from the first end to the second one, in 2^-32 m.
+    fn way(&self) -> [i128; 2] {
+        let [from, to] = self.points().map(|point| point.map(|part| i128::from(part.to_fx().to_bits())));
+        [to.x - from.x, to.y - from.y]
+    }
+
+    /// The way of the second end along the axis of a prismatic, a wheel or a motor joint, m; of the other kinds the [`length`](Self::length).
     /// *Error* 2 ulp.
     ///
     /// ```
@@ -142,9 +169,9 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     /// ```
     #[must_use]
     pub fn translation(&self) -> S {
-        let [from, to] = self.points().map(|point| point.map(|part| i128::from(part.to_fx().to_bits())));
         let kind = self.def().kind.for_solver(self.axis_angle());
-        S::from_fx(kind.way([to.x - from.x, to.y - from.y]))
+        let [translation, _] = kind.ways(self.way());
+        S::from_fx(translation)
     }
 
     /// The speed of [`angle`](Self::angle), rad/s. *Error* 1 ulp.
@@ -207,7 +234,7 @@ impl<'a, S: Scalar> JointRef<'a, S> {
                 let part = |component: Fx| component.saturating_mul(first);
                 direction.map(part)
             }
-            JointKind::Prismatic(_) | JointKind::Wheel(_) => {
+            JointKind::Prismatic(_) | JointKind::Wheel(_) | JointKind::Motor(_) => {
                 let force = self.axis_angle().rotate(Vec2::new(first, second));
                 let part = |component: FxWide| component.to_scalar().unwrap_or(Fx::MAX);
                 force.map_or(Vec2::ZERO, |force| force.map(part))

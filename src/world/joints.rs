@@ -406,13 +406,8 @@ impl<S: Scalar> World<S> {
     fn fit_joint_state(&mut self, index: usize) {
         let kind = self.joints.def(index).kind;
         let state = &mut self.joint_states.list[index];
-        let mut values = state.impulses;
-        if kind.axis().is_none() {
-            values[2] = 0;
-        }
-        if kind.is_slider() && kind.slide().is_none() {
-            values[0] = 0;
-        }
+        let active = kind.active_rows();
+        let values = [0, 1, 2].map(|row| if active[row] { state.impulses[row] } else { 0 });
         state.set_impulses(Impulses { values, ..state.impulses() });
         if !kind.counts_turns() {
             state.turns = 0;

@@ -7,6 +7,7 @@ mod breaking;
 mod calls;
 mod crowds;
 mod motion;
+mod motors;
 mod pairs;
 mod sleep;
 mod sliders;

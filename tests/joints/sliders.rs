@@ -62,6 +62,32 @@ fn a_slow_lift_arrives_and_sleeps() {
     assert!((translation(&world, lift) + fx!(0.9)).abs() < fx!(0.02), "{}", translation(&world, lift));
 }
 
+/// A body whose slider reaches far is welded to a body that turns and does not give way: the joints may be added in either order.
+#[test]
+fn the_order_of_joints_does_not_matter_where_one_reaches_far() {
+    let hashes = [[0, 1], [1, 0]].map(|order| {
+        let mut world = falling();
+        let body = |x, mass, key| {
+            let angular_velocity = fx!(2);
+            BodyDef { position: vec2(x, 0), angular_velocity, mass, key, ..BodyDef::dynamic() }
+        };
+        let [rail, sled, fixed] = [(0, solid(1), 1), (14, solid(2), 2), (2, Mass::Kilograms(fx!(3)), 3)]
+            .map(|(x, mass, key)| world.add_body(body(x, mass, key)).expect("a body"));
+        let slider = JointDef::along(&world, rail, sled, vec2(0, 0), vec2(1, 0)).expect("a joint");
+        let spring = Some(JointSpring::new(fx!(1), fx!(0)));
+        let kind = JointKind::Wheel(Wheel { spring, ..Wheel::default() });
+        let slider = JointDef { kind, key: 5, ..slider };
+        let weld = JointDef::at(&world, rail, fixed, vec2(1, 0)).expect("a joint");
+        let weld = JointDef { kind: JointKind::Weld(Weld { spring }), key: 6, ..weld };
+        for index in order {
+            world.add_joint([slider, weld][index]).expect("a joint");
+        }
+        steps(&mut world, 30);
+        world.physics_hash()
+    });
+    assert_eq!(hashes[0], hashes[1]);
+}
+
 /// A joint without gravity stays where it is at any angle, to the bit.
 #[test]
 fn sliders_at_all_angles_stay_still() {

@@ -85,7 +85,7 @@ impl Scene {
             anchors: [vec2(0, 0); 2],
             kind,
             axis: None,
-            slide: None,
+            slides: [None; 2],
             impulses: Impulses::default(),
         });
     }

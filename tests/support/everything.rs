@@ -11,9 +11,9 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
     CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
     Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, JointDef, JointId,
-    JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, OneWay, Part,
-    Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld, Wheel, World,
-    WorldDef, fx, vec2,
+    JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, Motor, OneWay, Part,
+    PlanarMotor, Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld,
+    Wheel, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -162,8 +162,8 @@ fn slider() -> JointDef {
     JointDef { angles: [fx!(0.5), fx!(0)], ..JointDef::new(ends, kind) }
 }
 
-/// A wheel on its suspension, and a rope, between the bodies in slots 5 and 6.
-fn wheel_and_rope() -> [JointDef; 2] {
+/// A wheel on its suspension, a rope, and a motor joint, between the bodies in slots 5 and 6.
+fn wheel_rope_and_motor() -> [JointDef; 3] {
     let wheel = Wheel {
         limits: Some(JointLimits { lower: fx!(-0.2), upper: fx!(0.3) }),
         spring: Some(JointSpring { max_force: Some(fx!(90)), ..JointSpring::new(fx!(3), fx!(0.7)) }),
@@ -171,7 +171,14 @@ fn wheel_and_rope() -> [JointDef; 2] {
         friction: fx!(0.2),
     };
     let rope = Distance { spring: Some(JointSpring::new(fx!(1), fx!(0))), ..Distance::rope(fx!(3)) };
-    [JointKind::Wheel(wheel), JointKind::Distance(rope)].map(|kind| JointDef { kind, ..rod() })
+    let motor = Motor {
+        motor: Some(PlanarMotor { velocity: vec2(1, 2), max_force: fx!(3) }),
+        angular_spring: Some(JointSpring::new(fx!(2), fx!(0.5))),
+        angular_motor: Some(JointMotor { speed: fx!(1), max_force: fx!(0.5) }),
+        ..Motor::target(vec2(1, 1), fx!(3), fx!(1), fx!(40))
+    };
+    let kinds = [JointKind::Wheel(wheel), JointKind::Distance(rope), JointKind::Motor(motor)];
+    kinds.map(|kind| JointDef { kind, ..rod() })
 }
 
 /// Every command there is, the shortest and the longest of each; all are allowed in the world that is recorded.
@@ -279,8 +286,10 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::AddJoint(JointDef { break_force: Some(fx!(2000)), ..rod() }),
         Command::SetJointKind { joint, kind: rod().kind },
         Command::SetJointKind { joint, kind: slider().kind },
-        Command::SetJointKind { joint, kind: wheel_and_rope()[0].kind },
-        Command::SetJointKind { joint, kind: wheel_and_rope()[1].kind },
+        Command::SetJointKind { joint, kind: wheel_rope_and_motor()[0].kind },
+        Command::SetJointKind { joint, kind: wheel_rope_and_motor()[1].kind },
+        Command::SetJointKind { joint, kind: wheel_rope_and_motor()[2].kind },
+        Command::SetJointKind { joint, kind: JointKind::Motor(Motor::default()) },
         Command::SetJointKind { joint, kind: JointKind::Distance(Distance::spring(fx!(1), fx!(2), fx!(0))) },
         Command::SetJointKind { joint, kind: weld().kind },
         Command::SetJointKind { joint, kind: driven_pin().kind },
@@ -329,8 +338,8 @@ pub(crate) fn world() -> World {
     }
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
-    let [wheel, rope] = wheel_and_rope();
-    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin()] {
+    let [wheel, rope, motor] = wheel_rope_and_motor();
+    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin(), motor] {
         world.add_joint(joint).expect("a joint");
     }
     world.remove_joint(JointId::from_parts(5, 0)).expect("it is there");

@@ -4,8 +4,8 @@ use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
     FxFactor, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, OneWay, Part, Prismatic, Random, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2,
-    Weld, Wheel,
+    MaterialPair, MixRule, Motor, OneWay, Part, PlanarMotor, PlanarSpring, Prismatic, Random, Region, Revolute, Shape,
+    SpringConstants, TimeStep, Vec2, Weld, Wheel,
 };
 
 use super::layouts::Value;
@@ -289,6 +289,20 @@ fn joint_kind(value: &Value) -> JointKind {
             spring: value["spring"].option().map(joint_spring),
             motor: value["motor"].option().map(joint_motor),
             friction: number(&value["friction"]),
+        }),
+        "Motor" => JointKind::Motor(Motor {
+            spring: value["spring"].option().map(|spring| PlanarSpring {
+                hertz: number(&spring["hertz"]),
+                damping_ratio: number(&spring["damping_ratio"]),
+                rest: vector(&spring["rest"]),
+                max_force: spring["max_force"].option().map(number),
+            }),
+            motor: value["motor"].option().map(|motor| PlanarMotor {
+                velocity: vector(&motor["velocity"]),
+                max_force: number(&motor["max_force"]),
+            }),
+            angular_spring: value["angular_spring"].option().map(joint_spring),
+            angular_motor: value["angular_motor"].option().map(joint_motor),
         }),
         name => panic!("kind of joint {name}"),
     }

@@ -7,8 +7,8 @@ use super::field::{Names, end, named, symbol};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
-    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Quantity,
-    Revolute, Vec2, Weld, Wheel, World,
+    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor,
+    PlanarSpring, Prismatic, Quantity, Revolute, Vec2, Weld, Wheel, World,
 };
 
 /// A joint of a scene.
@@ -42,7 +42,7 @@ pub(super) struct Start<'a> {
 }
 
 /// The kinds of joints.
-const KINDS: [&str; 5] = ["revolute", "weld", "distance", "prismatic", "wheel"];
+const KINDS: [&str; 6] = ["revolute", "weld", "distance", "prismatic", "wheel", "motor"];
 
 /// The points and the axis at which a joint is placed in the world.
 #[derive(Clone, Copy)]
@@ -180,6 +180,16 @@ pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind>
             inner.finish()?;
             Ok(JointKind::Wheel(wheel))
         }
+        "motor" => {
+            let motor = Motor {
+                spring: object_or_none(&inner, "spring", planar_spring),
+                motor: object_or_none(&inner, "motor", planar_motor),
+                angular_spring: object_or_none(&inner, "angular_spring", |node| spring(node, None, turning_spring)),
+                angular_motor: object_or_none(&inner, "angular_motor", motor),
+            };
+            inner.finish()?;
+            Ok(JointKind::Motor(motor))
+        }
         _ => distance(&inner, length).map(JointKind::Distance),
     }
 }
@@ -309,14 +319,48 @@ fn spring(node: &Node<'_>, rest: Option<Fx>, kind: fn(JointSpring) -> JointKind)
     object.finish()?;
     let spring = JointSpring { hertz: hertz?, damping_ratio, rest, max_force };
     let kind = kind(spring);
-    let field = match kind.check() {
+    check(&object, kind, &[spring_field(&kind)])?;
+    Ok(spring)
+}
+
+/// The field of a spring that is out of range.
+fn spring_field(kind: &JointKind) -> &'static str {
+    match kind.check() {
         Err(Error::OutOfRange { quantity: Quantity::SpringFrequency }) => "hertz",
         Err(Error::OutOfRange { quantity: Quantity::DampingRatio }) => "damping_ratio",
         Err(Error::OutOfRange { quantity: Quantity::JointAngle | Quantity::JointLength }) => "rest",
         _ => "max_force",
+    }
+}
+
+/// A spring that pulls to a point.
+fn planar_spring(node: &Node<'_>) -> Result<PlanarSpring> {
+    let object = node.object()?;
+    let hertz = object.need("hertz", Node::number);
+    let damping_ratio = object.or("damping_ratio", Fx::ONE, Node::number);
+    let rest = object.or("rest", Vec2::ZERO, Node::point);
+    let max_force = object.or("max_force", None, |node| optional(node, |node| node.number()));
+    object.finish()?;
+    let spring = PlanarSpring { hertz: hertz?, damping_ratio, rest, max_force };
+    let kind = JointKind::Motor(Motor { spring: Some(spring), ..Motor::default() });
+    check(&object, kind, &[spring_field(&kind)])?;
+    Ok(spring)
+}
+
+/// A motor with a velocity.
+fn planar_motor(node: &Node<'_>) -> Result<PlanarMotor> {
+    let object = node.object()?;
+    let velocity = object.or("velocity", Vec2::ZERO, Node::point);
+    let max_force = object.need("max_force", Node::number);
+    object.finish()?;
+    let motor = PlanarMotor { velocity, max_force: max_force? };
+    let kind = JointKind::Motor(Motor { motor: Some(motor), ..Motor::default() });
+    let field = match kind.check() {
+        Err(Error::OutOfRange { quantity: Quantity::MotorSpeed }) => "velocity",
+        _ => "max_force",
     };
     check(&object, kind, &[field])?;
-    Ok(spring)
+    Ok(motor)
 }
 
 /// The mean force over a step at which a joint breaks, or `null` for never.

@@ -27,19 +27,23 @@
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
 //! their force.
 //!
+//! Both rows of a planar joint are *paired*: the forces of motor and spring are bounds of vectors. Each row alone has no bound. Where the
+//! impulses of the springs come out too long they are shortened for the pass, then the impulses of the motors likewise
+//! ([`AxisRow::revise_pair`]).
+//!
 //! - *Solve pass*: a limit lets the row come as near as it is, and pushes it back by a part of the error. The impulse of a [spring](spring) is
 //!   −(d·w + e·v + s·c) for the velocity w at the end of the pass, v at the beginning of the sub-step and the error c at the beginning.
 //! - *Relax pass*: limits do not push back, and the impulse of the spring stays.
 
+mod pair;
 mod spring;
 
 use self::spring::SpringFactors;
 use super::tree::FRACTION;
-use super::{Block, FAR, IMPULSE};
+use super::{FAR, IMPULSE};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::scalar::FxFactor;
-use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::shifted;
 use crate::solve::unit::Clock;
 
@@ -76,7 +80,7 @@ pub struct AxisSpring {
 /// The largest velocity of a step, in 2^-30: of a row between two bodies.
 const FASTEST: i128 = 1 << 61;
 /// A level beyond all impulses.
-const ENDLESS: i64 = 1 << 60;
+pub(super) const ENDLESS: i64 = 1 << 60;
 /// The largest number of steps.
 const STEPS: usize = 4;
 /// A row is as stiff as 2^STIFFEST times its effective mass.
@@ -130,6 +134,10 @@ pub(super) struct AxisRow {
     motor: i64,
     friction: i64,
     spring: i64,
+    /// The largest vectors of the impulses of motors and of springs of a pair.
+    pair: Option<[i64; 2]>,
+    /// The impulse of the spring of a paired row in the pass, where the pair is at its largest force.
+    strain: Option<i64>,
     /// The velocities of the steps, in 2^-30, falling, and the levels above, between and below them, rising.
     count: usize,
     velocities: [i64; STEPS],
@@ -150,12 +158,16 @@ fn product(factor: (u64, i32), value: i128, limit: i64) -> i64 {
 }
 
 impl Axis {
-    /// A speed that the motor or the spring may give the row, in 2^-32 m/s, for the length at which its velocities are taken.
-    pub(super) fn speed(&self, length: i32) -> u128 {
+    /// A speed that the motor or the spring may give the row in the step, in 2^-32 m/s, for its effective mass and the length at which its velocities
+    /// are taken.
+    pub(super) fn speed(&self, mass: FxFactor, length: i32, clock: &Clock) -> u128 {
         let spring = self.spring.map_or(0, |spring| {
             let way = self.position.saturating_sub(spring.rest).to_bits().unsigned_abs();
             // 2π is below 8. Below 2^31 Hz and 2^63 units.
-            (u128::from(way) * u128::from(spring.frequency.to_bits().unsigned_abs())) >> 29
+            let free = (u128::from(way) * u128::from(spring.frequency.to_bits().unsigned_abs())) >> 29;
+            let step = clock.substep.times(FxFactor::new(clock.substeps.into(), 0));
+            let (mantissa, shift) = FxFactor::from_scalar(spring.max_force).times(step).over(mass).parts();
+            free.min(mul_shift_64(1 << 32, mantissa, shift).map_or(u128::MAX, i128::unsigned_abs))
         });
         let motor = if self.motor_force > Fx::ZERO { self.motor_speed.to_bits().unsigned_abs() } else { 0 };
         let fastest = spring.max(motor.into());
@@ -201,6 +213,8 @@ impl AxisRow {
             motor: limit(axis.motor_force),
             friction: limit(axis.friction),
             spring: axis.spring.map_or(0, |spring| limit(spring.max_force)),
+            pair: None,
+            strain: None,
             count: 0,
             velocities: [0; STEPS],
             levels: [0; STEPS + 1],
@@ -211,6 +225,15 @@ impl AxisRow {
         }
     }
 
+    pub(super) fn has_spring(&self) -> bool {
+        self.spring > 0
+    }
+
+    /// Takes note of the velocity of the row at the beginning of a sub-step, in 2^-30.
+    pub(super) fn set_start(&mut self, velocity: i64) {
+        self.start = velocity;
+    }
+
     /// Takes note of the way of the row since the start.
     pub(super) fn set_way(&mut self, way: i64) {
         self.way = way;
@@ -219,6 +242,7 @@ impl AxisRow {
     /// Begins a pass with the velocity of the row, in 2^-30, and its impulse; with a rate, in 2^-30, the solve pass.
     pub(super) fn begin(&mut self, velocity: i64, impulse: i64, rate: Option<i64>) {
         self.is_biased = rate.is_some();
+        self.strain = None;
         self.velocity = velocity;
         self.set_steps(rate);
         self.place = self.find_place(velocity, impulse);
@@ -277,6 +301,9 @@ impl AxisRow {
         if !self.is_biased {
             return self.spring_impulse;
         }
+        if let Some(strain) = self.strain {
+            return strain;
+        }
         if self.spring == 0 {
             return 0;
         }
@@ -313,7 +340,8 @@ impl AxisRow {
             }
             Place::Level(level) => {
                 let change = self.levels[level] + self.spring_at(velocity) - impulse;
-                Aim::Impulse { change, is_elastic: self.is_biased && self.spring > 0 }
+                let is_elastic = self.is_biased && self.spring > 0 && self.strain.is_none();
+                Aim::Impulse { change, is_elastic }
             }
             Place::Strained(level, sign) => {
                 Aim::Impulse { change: self.levels[level] + sign * self.spring - impulse, is_elastic: false }
@@ -382,67 +410,5 @@ impl AxisRow {
             Place::Settled(settled) => settled,
         };
         impulse.clamp(-IMPULSE, IMPULSE)
-    }
-}
-
-impl Block {
-    /// The impulses by row: around in N·m·s in place of N·s at its length, as near as the unit can have it.
-    pub(super) fn values(&self) -> [i64; 3] {
-        let [first, second, third] = self.impulses;
-        // Within 2^50 units; lengths are within 2^13.
-        let third = shifted(third.into(), -self.axis_length.clamp(-100, 40)).clamp(-(1 << 62), 1 << 62);
-        [first, second, third as i64]
-    }
-
-    /// The velocity of a row that has a law, in 2^-30; in the solve pass with the second-order term of a distance.
-    fn law_velocity(&self, row: usize, velocities: [Vector; 2], is_biased: bool) -> i64 {
-        let velocity = self.velocity(row, velocities);
-        if row == 2 || !is_biased { velocity } else { velocity + self.second_order(row, velocities) }
-    }
-
-    /// Takes note of the velocities at the beginning of a sub-step, which springs ask for.
-    pub(super) fn set_start(&self, rows: &Rows, laws: &mut [AxisRow], is_first: bool) {
-        for row in 0..3 {
-            let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| law.spring > 0) else { continue };
-            let velocities = match is_first {
-                true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
-                false => self.velocities(rows),
-            };
-            law.start = self.law_velocity(row, velocities, true);
-        }
-    }
-
-    /// Begins a pass of the laws; with a rate, in 2^-30, the solve pass.
-    pub(super) fn begin_laws(&self, rows: &Rows, laws: &mut [AxisRow], rate: Option<i64>) {
-        let velocities = self.velocities(rows);
-        for row in 0..3 {
-            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-                let velocity = self.law_velocity(row, velocities, rate.is_some());
-                law.begin(velocity, self.impulses[row], rate);
-            }
-        }
-    }
-
-    /// The aim of a pass for a row; `None` for a row without a law.
-    pub(super) fn aim(&self, row: usize, laws: &[AxisRow]) -> Option<Aim> {
-        laws.get(self.laws[row] as usize).map(|law| law.aim(self.impulses[row]))
-    }
-
-    /// Moves a row on if it has left its place by changes of its velocity, in 2^-[`FRACTION`], and of its impulse. Returns true if it has.
-    pub(super) fn revise_law(&self, row: usize, laws: &mut [AxisRow], change: i64, push: i128) -> bool {
-        let law = laws.get_mut(self.laws[row] as usize);
-        law.is_some_and(|law| law.revise(change, self.pushed(row, push)))
-    }
-
-    /// Settles a row at its impulse with a change.
-    pub(super) fn settle_law(&self, row: usize, laws: &mut [AxisRow], push: i128) {
-        if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-            law.settle(self.pushed(row, push));
-        }
-    }
-
-    /// The impulse of a row with a change.
-    fn pushed(&self, row: usize, push: i128) -> i64 {
-        (i128::from(self.impulses[row]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
     }
 }

@@ -58,20 +58,22 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
 impl Joint {
     /// The effective mass of the angle, kg·m²; `None` if no body can turn.
     pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
-        if !matches!(self.kind, JointKind::Slider { .. }) {
+        if self.kind.frame_angle().is_none() {
             return pinned_inertia(flights, self.anchors);
         }
         let sum = flights[0].inverse_inertia.plus(flights[1].inverse_inertia);
         (!sum.is_zero()).then(|| FxFactor::ONE.over(sum))
     }
 
-    /// The effective mass of the distance along the axis or the line for the offset of the anchors, in 2^-32 m: kg. `None` if nothing can move.
+    /// The effective mass of the distance along the axis or the line for the offset of the anchors, in 2^-32 m: kg. `None` if nothing can move. Of a
+    /// planar joint it is the mass in the direction in which the bodies resist least, so that springs of both ways pull to one point.
     ///
     /// It is 1/K, for the velocity K along the axis by an impulse. The angle of a slider that is locked takes its part: for the reduced mass μ,
     /// both moments of inertia I, and the offset of the centres with s along the axis and D in all, it is μ(I + μs²)/(I + μD²).
     pub(super) fn effective_mass(&self, flights: [&Flight; 2], offset: [i128; 2]) -> Option<FxFactor> {
         let offset = offset.map(|part| part.clamp(-FAR, FAR));
         let [ux, uy] = match self.kind {
+            JointKind::Planar { .. } => return self.planar_mass(flights, offset),
             JointKind::Slider { angle } => direction_of(angle),
             _ if offset == [0; 2] => return None,
             _ => direction(offset[0] as i64, offset[1] as i64).0.map(i64::from),
@@ -101,6 +103,21 @@ impl Joint {
             let reach = |i: usize| arms[side][i] + if is_slider && side == 0 { offset[i] } else { 0 };
             let cross = reach(0) * i128::from(uy) - reach(1) * i128::from(ux);
             inverse = inverse.plus(square_of_bits(cross, 62).times(flight.inverse_inertia));
+        }
+        (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
+    }
+
+    /// The effective mass of a planar joint: 1/K for K = 1/m₁ + 1/m₂ + r₁²/I₁ + r₂²/I₂ with arms to the second anchor.
+    fn planar_mass(&self, flights: [&Flight; 2], offset: [i128; 2]) -> Option<FxFactor> {
+        let mut inverse = FxFactor::ZERO;
+        for (side, flight) in flights.into_iter().enumerate() {
+            let anchor = self.anchors[side];
+            let reach = if side == 0 { offset } else { [0; 2] };
+            // Below 2^61 each.
+            let [x, y] = [i128::from(anchor.x.to_bits()) + reach[0], i128::from(anchor.y.to_bits()) + reach[1]];
+            let square = square_of_bits(x, 32).plus(square_of_bits(y, 32));
+            let linear = flight.inverse_mass.x.max(flight.inverse_mass.y);
+            inverse = inverse.plus(linear).plus(square.times(flight.inverse_inertia));
         }
         (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
     }

@@ -51,6 +51,7 @@ use self::node::Node;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
+use super::laws::RowChange;
 use crate::slots::NONE;
 use crate::solve::StepInput;
 use crate::solve::bodies::BodyRows;
@@ -259,19 +260,18 @@ fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws
     have_changed
 }
 
-/// The change of a row in a round.
-struct RowChange {
-    velocity: i64,
-    impulse: i128,
+/// The changes of the rows with laws of the joint between a node and its parent, or in the middle of which the node is the first end; `None` for
+/// the second end.
+fn row_changes(nodes: &[Node], frames: &[FrameRows], index: usize, block: &Block) -> Option<[RowChange; 3]> {
+    let mut changes = [RowChange::default(); 3];
+    for (row, change) in changes.iter_mut().enumerate().filter(|&(row, _)| block.laws[row] != NONE) {
+        *change = row_change(nodes, frames, index, row)?;
+    }
+    Some(changes)
 }
 
-/// The change of a row with a law of the joint between a node and its parent, or in the middle of which the node is the first end; `None` for a
-/// row without a law, and for the second end.
-fn row_change(nodes: &[Node], frames: &[FrameRows], index: usize, block: &Block, row: usize) -> Option<RowChange> {
+fn row_change(nodes: &[Node], frames: &[FrameRows], index: usize, row: usize) -> Option<RowChange> {
     let node = &nodes[index];
-    if block.laws[row] == NONE {
-        return None;
-    }
     let (velocity, impulse) = node.row_change(frames, row)?;
     let (mut velocity, mut impulse, mut bits) = (velocity, i128::from(impulse), node.push_shift);
     if node.is_half {
@@ -289,10 +289,8 @@ fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mu
     let mut have_left = false;
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
         let block = &blocks[node.block as usize];
-        for row in 0..3 {
-            if let Some(change) = row_change(nodes, frames, index, block, row) {
-                have_left |= block.revise_law(row, laws, change.velocity, change.impulse);
-            }
+        if let Some(changes) = row_changes(nodes, frames, index, block) {
+            have_left |= block.revise_laws(laws, changes);
         }
     }
     have_left
@@ -302,10 +300,8 @@ fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mu
 fn settle_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow]) {
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
         let block = &blocks[node.block as usize];
-        for row in 0..3 {
-            if let Some(change) = row_change(nodes, frames, index, block, row) {
-                block.settle_law(row, laws, change.impulse);
-            }
+        if let Some(changes) = row_changes(nodes, frames, index, block) {
+            block.settle_laws(laws, changes);
         }
     }
 }

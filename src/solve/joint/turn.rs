@@ -1,7 +1,7 @@
 //! Arms, axes and errors of joints where the bodies are.
 
 use super::axis::AxisRow;
-use super::{Block, ERROR, FAR, Frame, along};
+use super::{Block, ERROR, FAR, Frame, along, perpendicular};
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
@@ -112,20 +112,22 @@ impl Block {
                 let (axis, distance) = if offset == [0; 2] { ([0; 2], 0) } else { direction(offset[0], offset[1]) };
                 self.axes[0] = axis.map(i64::from);
                 self.distance = distance as i64;
-                [self.distance - self.length, 0]
+                [self.distance - self.lengths[0], 0]
             }
             Frame::Body(axis) => {
                 let (sin, cos) = sin_cos[0];
                 let axis = turned(axis, sin, cos);
-                let across = [-axis[1], axis[0]];
+                let across = perpendicular(axis);
                 (self.axes[0], self.axes[1]) = (axis, across);
                 self.sides[0].reach(offset);
-                [along(axis, offset) - self.length, along(across, offset)]
+                [along(axis, offset) - self.lengths[0], along(across, offset) - self.lengths[1]]
             }
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
-        if let Some(law) = laws.get_mut(self.laws[0] as usize) {
-            law.set_way(wanted[0].clamp(-FAR as i64, FAR as i64));
+        for row in 0..2 {
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                law.set_way(wanted[row].clamp(-FAR as i64, FAR as i64));
+            }
         }
         if let Some(law) = laws.get_mut(self.laws[2] as usize) {
             let [across_a, across_b] = self.crosses[2];
@@ -169,8 +171,8 @@ impl Block {
         }
     }
 
-    /// The part of the second-order term that the turn of the axis of a slider has, for the angle φ of the first body, in 2^-30: across the axis
-    /// −φ·(velocity along it), along the axis φ·(velocity across it) − φ²/2·(offset along it).
+    /// The part of the second-order term that the turn of the axes has, for the angle φ of the first body, in 2^-30: along an axis φ·(velocity along
+    /// the other one), across −φ·(velocity along it), each − φ²/2·(offset along the axis), where the row is not held at no offset.
     fn axis_turns(&self, row: usize, velocities: [Vector; 2]) -> i64 {
         let angle = i128::from(self.angle_of(0, velocities[0][2]));
         // Of the points: the first one is at its own end. Velocities are below 2^30.5.
@@ -181,12 +183,12 @@ impl Block {
         });
         let [ux, uy] = self.axes[1 - row].map(i128::from);
         let velocity = shifted(ux * (points[1][0] - points[0][0]) + uy * (points[1][1] - points[0][1]), 30);
-        let by_velocity = shifted(angle * velocity, 30);
-        if row == 1 {
-            return -by_velocity as i64;
+        let by_velocity = shifted(angle * velocity, 30) * if row == 1 { -1 } else { 1 };
+        if self.held[row] {
+            return by_velocity as i64;
         }
         // The error is counted from the offset at the start, which is within 2^60: with the square of an angle below 2^114.
-        let offset = i128::from(self.length) + i128::from(self.errors[0]);
+        let offset = i128::from(self.lengths[row]) + i128::from(self.errors[row]);
         let by_offset = shifted(angle * angle * offset, 31).clamp(-(1 << 58), 1 << 58);
         (by_velocity - by_offset) as i64
     }

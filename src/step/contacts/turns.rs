@@ -11,6 +11,7 @@ use crate::joint::turns_after;
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle as _, Scalar, Turn};
+use crate::solve::Axis;
 
 /// 1/2π in 2^-66.
 const TURNS_A_RADIAN: u64 = 0xa2f9_836e_4e44_1529;
@@ -52,8 +53,8 @@ impl<S: Scalar> Step<'_, S> {
     pub(super) fn keep_driven_awake(&mut self, memory: &ContactMemory<S>) {
         for (index, flights) in memory.pipeline.joints().ends() {
             let link = self.contacts.joints.link(index as usize);
-            let [turning, pushing] =
-                [link.axis, link.slide].map(|law| law.map_or(Fx::ZERO, |law| law.motor_speed.abs()));
+            let speed = |law: Option<Axis>| law.map_or(Fx::ZERO, |law| law.motor_speed.abs());
+            let (turning, pushing) = (speed(link.axis), speed(link.slides[0]).max(speed(link.slides[1])));
             if turning == Fx::ZERO && pushing == Fx::ZERO {
                 continue;
             }

@@ -3,8 +3,8 @@
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, JointDef,
-    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Prismatic, Random, Revolute,
-    Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
+    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Motor, PlanarMotor,
+    PlanarSpring, Prismatic, Random, Revolute, Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -18,6 +18,21 @@ impl<C: Choices + ?Sized> Generator<'_, C> {
         let has_limits = self.choices.one_in(2);
         let [first, second] = [(); 2].map(|()| self.signed(fx!(2), limits::JOINT_ANGLE));
         has_limits.then_some(JointLimits { lower: first.min(second), upper: first.max(second) })
+    }
+
+    fn planar_spring(&mut self) -> PlanarSpring {
+        let [x, y] = [(); 2].map(|()| self.signed(fx!(8), limits::JOINT_LENGTH));
+        PlanarSpring {
+            hertz: self.number([fx!(0), fx!(6)], [fx!(0), fx!(1_000_000)]),
+            damping_ratio: self.number([fx!(0), fx!(1)], [fx!(0), fx!(1024)]),
+            rest: Vec2::new(x, y),
+            max_force: if self.choices.one_in(3) { None } else { Some(self.not_negative(fx!(50), Fx::MAX)) },
+        }
+    }
+
+    fn planar_motor(&mut self) -> PlanarMotor {
+        let [x, y] = [(); 2].map(|()| self.signed(fx!(8), limits::SPEED));
+        PlanarMotor { velocity: Vec2::new(x, y), max_force: self.not_negative(fx!(50), Fx::MAX) }
     }
 }
 
@@ -98,7 +113,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             JointSpring { hertz, damping_ratio, rest, max_force }
         };
         let friction = self.not_negative(fx!(2), Fx::MAX);
-        match self.choices.choose(10) {
+        match self.choices.choose(11) {
             0..2 => JointKind::default(),
             2 => {
                 let spring = if self.choices.one_in(2) { Some(spring(self)) } else { None };
@@ -122,7 +137,13 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
                 spring: if self.choices.one_in(2) { Some(spring(self)) } else { None },
                 friction,
             }),
-            8 => {
+            8 => JointKind::Motor(Motor {
+                spring: if self.choices.one_in(3) { None } else { Some(self.planar_spring()) },
+                motor: if self.choices.one_in(2) { None } else { Some(self.planar_motor()) },
+                angular_spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
+                angular_motor: self.optional_joint_motor(),
+            }),
+            9 => {
                 let size =
                     |value: Fx| value.checked_abs().unwrap_or(Fx::MAX).clamp(limits::SIZE_MIN, limits::JOINT_LENGTH);
                 let limits = self.joint_limits().map(|JointLimits { lower, upper }| {

@@ -5,7 +5,8 @@ use alloc::string::String;
 use super::json::{Fields, list, null, text};
 use super::{Scene, SceneJoint};
 use umbra_physics::{
-    Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Prismatic, Revolute, Weld, Wheel,
+    Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
+    Prismatic, Revolute, Vec2, Weld, Wheel,
 };
 
 impl Scene {
@@ -80,10 +81,34 @@ fn kind_into(object: &mut Fields, kind: &JointKind) {
             parts_into(&mut values, limits, motor, spring, *friction);
             "wheel"
         }
+        JointKind::Motor(motor) => {
+            planar_into(&mut values, motor);
+            "motor"
+        }
         // All there are stand above: `tests/layers.rs` compares the lists.
         _ => "unknown",
     };
     object.put(name, values.line());
+}
+
+fn planar_into(values: &mut Fields, motor: &Motor) {
+    if let Some(PlanarSpring { hertz, damping_ratio, rest, max_force }) = motor.spring {
+        let mut spring = spring_fields(&JointSpring { hertz, damping_ratio, rest: Fx::ZERO, max_force });
+        spring.unless(rest == Vec2::ZERO, "rest", list([rest.x, rest.y]));
+        values.put("spring", spring.line());
+    }
+    if let Some(PlanarMotor { velocity, max_force }) = motor.motor {
+        let mut object = Fields::default();
+        object.unless(velocity == Vec2::ZERO, "velocity", list([velocity.x, velocity.y]));
+        object.put("max_force", max_force);
+        values.put("motor", object.line());
+    }
+    if let Some(spring) = &motor.angular_spring {
+        values.put("angular_spring", spring_fields(spring).line());
+    }
+    if let Some(angular_motor) = &motor.angular_motor {
+        values.put("angular_motor", motor_text(angular_motor));
+    }
 }
 
 /// The parts of a distance joint that is no rod, with a field that says so.

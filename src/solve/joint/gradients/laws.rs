@@ -5,8 +5,8 @@ use core::ops::Range;
 
 use super::{DIRECTION, FINER_STILL, LoopJoint, move_by, within};
 use crate::scalar::FxFactor;
-use crate::slots::NONE;
 use crate::solve::joint::axis::{Aim, AxisRow};
+use crate::solve::joint::laws::RowChange;
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
 use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
@@ -50,11 +50,7 @@ pub(super) fn revise_laws(
     move_by(joints, blocks, moved, bodies);
     let mut have_left = false;
     for (joint, block) in joints.iter().zip(blocks) {
-        for row in (0..3).filter(|&row| block.laws[row] != NONE) {
-            let gives = joint.gives(block, row);
-            let push = lowered(joint.solution[row].into(), FINER_STILL);
-            have_left |= block.revise_law(row, laws, joint.velocity[row] - gives, push);
-        }
+        have_left |= block.revise_laws(laws, joint.row_changes(block));
     }
     have_left
 }
@@ -62,13 +58,19 @@ pub(super) fn revise_laws(
 /// Settles all laws at the impulses of the last round.
 pub(super) fn settle_laws(joints: &[LoopJoint], blocks: &[Block], laws: &mut [AxisRow]) {
     for (joint, block) in joints.iter().zip(blocks) {
-        for row in (0..3).filter(|&row| block.laws[row] != NONE) {
-            block.settle_law(row, laws, lowered(joint.solution[row].into(), FINER_STILL));
-        }
+        block.settle_laws(laws, joint.row_changes(block));
     }
 }
 
 impl LoopJoint {
+    /// The changes of the rows in a round.
+    fn row_changes(&self, block: &Block) -> [RowChange; 3] {
+        [0, 1, 2].map(|row| RowChange {
+            velocity: self.velocity[row] - self.gives(block, row),
+            impulse: lowered(self.solution[row].into(), FINER_STILL),
+        })
+    }
+
     /// Sets the aims of the laws in a round, and takes the impulses that are given as the direction.
     fn set_aims(&mut self, block: &Block, laws: &[AxisRow], soft: &SoftRow) {
         let [first, second] = self.start;

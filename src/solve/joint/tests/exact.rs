@@ -93,18 +93,25 @@ impl Image {
                 Impulses { values: [x, y, self.angle(third)], ..impulses }
             }
             // The direction of a slider has an image.
-            JointKind::Slider { .. } => Impulses { values: [first, self.angle(second), self.angle(third)], ..impulses },
+            JointKind::Slider { .. } | JointKind::Planar { .. } => {
+                Impulses { values: [first, self.angle(second), self.angle(third)], ..impulses }
+            }
             JointKind::Distance { .. } | JointKind::Line => impulses,
         }
     }
 
     fn kind(self, kind: JointKind) -> JointKind {
-        let JointKind::Slider { angle } = kind else { return kind };
-        let angle = match self {
-            Self::Mirror => (1_u64 << 63).wrapping_sub(angle.to_bits()),
-            Self::Turn => (1_u64 << 62).wrapping_add(angle.to_bits()),
+        let image = |angle: Turn| {
+            Turn::from_bits(match self {
+                Self::Mirror => (1_u64 << 63).wrapping_sub(angle.to_bits()),
+                Self::Turn => (1_u64 << 62).wrapping_add(angle.to_bits()),
+            })
         };
-        JointKind::Slider { angle: Turn::from_bits(angle) }
+        match kind {
+            JointKind::Slider { angle } => JointKind::Slider { angle: image(angle) },
+            JointKind::Planar { angle } => JointKind::Planar { angle: image(angle) },
+            JointKind::Revolute | JointKind::Distance { .. } | JointKind::Line => kind,
+        }
     }
 
     fn axis(self, axis: &Axis) -> Axis {
@@ -122,6 +129,7 @@ impl Image {
             joint.impulses = self.impulses(joint.kind, joint.impulses);
             joint.kind = self.kind(joint.kind);
             joint.axis = joint.axis.as_ref().map(|axis| self.axis(axis));
+            joint.slides[1] = joint.slides[1].as_ref().map(|axis| self.axis(axis));
         }
         for contact in &mut image.contacts {
             contact.normal = self.vector(contact.normal);
@@ -192,12 +200,14 @@ fn bodies_of_a_joint_in_either_order_keep_the_bits() {
         let (corrections, impulses, cut) = scene.solve();
         let swapped_impulses = |kind: JointKind, impulses: Impulses| match kind {
             JointKind::Revolute => Impulses { values: impulses.values.map(|value| -value), ..impulses },
-            JointKind::Distance { .. } | JointKind::Line | JointKind::Slider { .. } => impulses,
+            JointKind::Distance { .. } | JointKind::Line | JointKind::Slider { .. } | JointKind::Planar { .. } => {
+                impulses
+            }
         };
         let mut swapped_scene = scene.clone();
-        // The axis of a slider turns with its first body.
-        let is_slider = |joint: &&mut Joint| matches!(joint.kind, JointKind::Slider { .. });
-        for joint in swapped_scene.joints.iter_mut().filter(|joint| !is_slider(joint)) {
+        // A frame turns with its first body.
+        let has_frame = |joint: &&mut Joint| joint.kind.frame_angle().is_some();
+        for joint in swapped_scene.joints.iter_mut().filter(|joint| !has_frame(joint)) {
             joint.bodies.reverse();
             joint.anchors.reverse();
             joint.impulses = swapped_impulses(joint.kind, joint.impulses);

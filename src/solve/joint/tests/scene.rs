@@ -58,6 +58,15 @@ fn impulses(random: &mut Random, is_warm: bool) -> Impulses {
     if is_warm { Impulses { values: [value(), value(), 0], exponent: -30 } } else { Impulses::default() }
 }
 
+/// The laws of a planar joint: both with the same forces.
+fn planar(random: &mut Random, ways: [f64; 2]) -> [Option<Axis>; 2] {
+    let along = Axis { limits: None, friction: fx(0.0), ..axis(random, ways[0]) };
+    let rest = fx(ways[1] + signed(random));
+    let spring = along.spring.map(|spring| AxisSpring { rest, ..spring });
+    let across = Axis { position: fx(ways[1]), motor_speed: fx(signed(random)), spring, ..along };
+    [Some(along), Some(across)]
+}
+
 /// Limits, a motor, friction and a spring, each with one half of all seeds.
 fn axis(random: &mut Random, position: f64) -> Axis {
     let mut any = || signed(random) > 0.0;
@@ -92,8 +101,14 @@ impl Scene {
             let anchors = [(); 2].map(|()| vec2([0.5 * signed(random), 0.5 * signed(random)]));
             let is_warm = signed(random) > 0.0;
             let kind = JointKind::Distance { length: fx(1.0) };
-            let mut joint =
-                Joint { bodies: ends, anchors, kind, axis: None, slide: None, impulses: impulses(random, is_warm) };
+            let mut joint = Joint {
+                bodies: ends,
+                anchors,
+                kind,
+                axis: None,
+                slides: [None; 2],
+                impulses: impulses(random, is_warm),
+            };
             let [x, y] = joint.offset(&scene.flights).map(|c| c as f64 / 2f64.powi(32));
             if signed(random) > 0.0 {
                 joint.kind = JointKind::Distance { length: fx(x.hypot(y) + 0.02 * signed(random)) };
@@ -163,7 +178,7 @@ impl Scene {
         }
     }
 
-    /// Turns half of the joints into sliders and lines with a law of the distance.
+    /// Turns half of the joints into sliders, planar joints and lines with laws of the distances.
     pub(super) fn add_slides(&mut self, random: &mut Random) {
         let flights = &mut self.flights;
         for joint in &mut self.joints {
@@ -174,23 +189,33 @@ impl Scene {
             let position = match joint.kind {
                 JointKind::Revolute => {
                     let angle = 3.0 * signed(random);
-                    joint.kind = JointKind::Slider { angle: Turn::from_radians(fx(angle)) };
+                    let is_planar = signed(random) > 0.0;
+                    let turn = Turn::from_radians(fx(angle));
+                    joint.kind =
+                        if is_planar { JointKind::Planar { angle: turn } } else { JointKind::Slider { angle: turn } };
                     let radius = &mut flights[joint.bodies[0] as usize].radius;
                     *radius = (*radius).max(fx(2.0 * (x.hypot(y) + 1.0)));
-                    x * angle.cos() + y * angle.sin()
+                    let (sin, cos) = angle.sin_cos();
+                    if is_planar {
+                        joint.slides = planar(random, [x * cos + y * sin, y * cos - x * sin]);
+                        continue;
+                    }
+                    x * cos + y * sin
                 }
                 _ => {
                     joint.kind = JointKind::Line;
                     x.hypot(y)
                 }
             };
-            joint.slide = Some(axis(random, position));
+            joint.slides[0] = Some(axis(random, position));
         }
     }
 
     /// Gives most joints of angles limits, a motor, friction and a spring, each in half of them.
     pub(super) fn add_axes(&mut self, random: &mut Random) {
-        let has_angle = |joint: &&mut Joint| matches!(joint.kind, JointKind::Revolute | JointKind::Slider { .. });
+        let has_angle = |joint: &&mut Joint| {
+            matches!(joint.kind, JointKind::Revolute | JointKind::Slider { .. } | JointKind::Planar { .. })
+        };
         for joint in self.joints.iter_mut().filter(has_angle) {
             let position = 0.5 * signed(random);
             joint.axis = Some(axis(random, position));

@@ -160,7 +160,9 @@ impl Twin {
             let (length, count) = match joint.kind {
                 JointKind::Revolute => (None, 2),
                 JointKind::Distance { length } => (Some(double(length)), 1),
-                JointKind::Line | JointKind::Slider { .. } => unreachable!("not in these scenes"),
+                JointKind::Line | JointKind::Slider { .. } | JointKind::Planar { .. } => {
+                    unreachable!("not in these scenes")
+                }
             };
             let unit = 2f64.powi(joint.impulses.exponent);
             Joint {

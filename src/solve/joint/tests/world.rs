@@ -243,7 +243,7 @@ impl World {
         let position = fx(self.bodies[b].angle - self.bodies[a].angle - link.start_angle);
         let axis = link.axis.map(|axis| Axis { position, ..axis });
         let slide = link.slide.map(|slide| Axis { position: fx(self.offset(link)[0]), ..slide });
-        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, axis, slide, impulses: link.impulses }
+        Joint { bodies, anchors: [anchor(0), anchor(1)], kind, axis, slides: [slide, None], impulses: link.impulses }
     }
 
     /// The two lowest corners of a box near the floor, which is body 0.

@@ -32,7 +32,7 @@ impl Joints {
                 anchors: [Vec2::ZERO; 2],
                 kind,
                 axis: None,
-                slide: None,
+                slides: [None; 2],
                 impulses: Impulses::default(),
             });
             new.pairs.push([ends[0].min(ends[1]), ends[0].max(ends[1])]);

@@ -1,0 +1,65 @@
+//! The rows of a planar joint, whose forces are bounds of vectors.
+
+use super::super::length_of;
+use super::{AxisRow, Place};
+
+/// The largest impulse of a paired row alone.
+const UNBOUNDED: i64 = 1 << 55;
+
+/// A vector shortened to a length, to nearest; `None` if it is not longer. *Domain* components within ±2^61, length within 2^60.
+fn shortened(vector: [i64; 2], length: i64) -> Option<[i64; 2]> {
+    let [x, y] = vector.map(i128::from);
+    let bound = i128::from(length);
+    if x * x + y * y <= bound * bound {
+        return None;
+    }
+    let longer = i128::from(length_of(vector[0], vector[1])).max(1);
+    // Below 2^122.
+    let part = |value: i128| value.signum() * ((2 * value.abs() * bound + longer) / (2 * longer));
+    Some([part(x) as i64, part(y) as i64])
+}
+
+impl AxisRow {
+    /// The row as one of a pair: its bounds are bounds of the pair.
+    pub(in super::super) fn paired(self) -> Self {
+        let Self { motor, spring, .. } = self;
+        let unbounded = |force: i64| if force > 0 { UNBOUNDED } else { 0 };
+        Self { motor: unbounded(motor), spring: unbounded(spring), pair: Some([motor, spring]), ..self }
+    }
+
+    pub(in super::super) fn is_paired(&self) -> bool {
+        self.pair.is_some()
+    }
+
+    /// The part of the motor of an impulse at the end of a pass.
+    fn motor_part(&self, impulse: i64) -> i64 {
+        match self.place {
+            Place::Step(step) => impulse - self.spring_at(self.velocities[step]),
+            Place::Level(level) | Place::Strained(level, _) => self.levels[level],
+            Place::Settled(settled) => settled,
+        }
+    }
+
+    /// Shortens the impulses of a pair at the end of a pass, where they are beyond their bounds: first the impulses of the springs, against which the
+    /// motors act in the next round, then the impulses of the motors. The last round settles the pair. Returns true if an impulse changes.
+    pub(in super::super) fn revise_pair(pair: &mut [Self; 2], impulses: [i64; 2], is_last: bool) -> bool {
+        let Some([motor_bound, spring_bound]) = pair[0].pair else { return false };
+        let motors = [0, 1].map(|row| pair[row].motor_part(impulses[row]));
+        let springs = [impulses[0] - motors[0], impulses[1] - motors[1]];
+        let short_springs = shortened(springs, spring_bound).filter(|_| pair[0].is_biased && pair[0].strain.is_none());
+        let short_motors = shortened(motors, motor_bound).filter(|_| pair[0].count > 0);
+        for row in 0..2 {
+            let law = &mut pair[row];
+            match (short_springs, short_motors) {
+                _ if is_last => {
+                    law.spring_impulse = short_springs.unwrap_or(springs)[row];
+                    law.place = Place::Settled(short_motors.unwrap_or(motors)[row] + law.spring_impulse);
+                }
+                (Some(springs), _) => law.strain = Some(springs[row]),
+                (None, Some(motors)) => (law.count, law.levels[0], law.place) = (0, motors[row], Place::Level(0)),
+                (None, None) => return false,
+            }
+        }
+        true
+    }
+}

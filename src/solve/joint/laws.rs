@@ -1,0 +1,91 @@
+//! The laws of a block in a pass.
+
+use super::Block;
+use super::axis::{Aim, AxisRow, ENDLESS};
+use crate::solve::motion::{Rows, Vector};
+use crate::solve::number::shifted;
+
+/// The changes of a row in a round: of its velocity, in 2^-[`FRACTION`], and of its impulse.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RowChange {
+    pub(super) velocity: i64,
+    pub(super) impulse: i128,
+}
+
+impl Block {
+    /// The impulses by row: around in N·m·s in place of N·s at its length, as near as the unit can have it.
+    pub(super) fn values(&self) -> [i64; 3] {
+        let [first, second, third] = self.impulses;
+        // Within 2^50 units; lengths are within 2^13.
+        let third = shifted(third.into(), -self.axis_length.clamp(-100, 40)).clamp(-(1 << 62), 1 << 62);
+        [first, second, third as i64]
+    }
+
+    /// The velocity of a row that has a law, in 2^-30; in the solve pass with the second-order term of a distance.
+    fn law_velocity(&self, row: usize, velocities: [Vector; 2], is_biased: bool) -> i64 {
+        let velocity = self.velocity(row, velocities);
+        if row == 2 || !is_biased { velocity } else { velocity + self.second_order(row, velocities) }
+    }
+
+    /// Takes note of the velocities at the beginning of a sub-step, which springs ask for.
+    pub(super) fn set_start(&self, rows: &Rows, laws: &mut [AxisRow], is_first: bool) {
+        for row in 0..3 {
+            let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| law.has_spring()) else { continue };
+            let velocities = match is_first {
+                true => [0, 1].map(|side| rows.flight(self.sides[side].row).start),
+                false => self.velocities(rows),
+            };
+            law.set_start(self.law_velocity(row, velocities, true));
+        }
+    }
+
+    /// Begins a pass of the laws; with a rate, in 2^-30, the solve pass.
+    pub(super) fn begin_laws(&self, rows: &Rows, laws: &mut [AxisRow], rate: Option<i64>) {
+        let velocities = self.velocities(rows);
+        for row in 0..3 {
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                let velocity = self.law_velocity(row, velocities, rate.is_some());
+                law.begin(velocity, self.impulses[row], rate);
+            }
+        }
+    }
+
+    /// The aim of a pass for a row; `None` for a row without a law.
+    pub(super) fn aim(&self, row: usize, laws: &[AxisRow]) -> Option<Aim> {
+        laws.get(self.laws[row] as usize).map(|law| law.aim(self.impulses[row]))
+    }
+
+    /// Moves rows on that have left their places by changes. Returns true if there is one.
+    pub(super) fn revise_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) -> bool {
+        let mut have_left = self.revise_pair(laws, &changes, false);
+        for (row, change) in changes.into_iter().enumerate() {
+            if let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| !law.is_paired()) {
+                have_left |= law.revise(change.velocity, self.pushed(row, change.impulse));
+            }
+        }
+        have_left
+    }
+
+    /// Shortens the impulses of a pair with changes of both rows. Returns true if an impulse changes.
+    fn revise_pair(&self, laws: &mut [AxisRow], changes: &[RowChange; 3], is_last: bool) -> bool {
+        let impulses = [0, 1].map(|row| self.pushed(row, changes[row].impulse));
+        let pair = laws.get_mut(self.laws[0] as usize..).and_then(|laws| laws.first_chunk_mut());
+        pair.is_some_and(|pair| AxisRow::revise_pair(pair, impulses, is_last))
+    }
+
+    /// Settles all laws at their impulses with changes.
+    pub(super) fn settle_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) {
+        self.revise_pair(laws, &changes, true);
+        for (row, change) in changes.into_iter().enumerate() {
+            let impulse = self.pushed(row, change.impulse);
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                law.settle(impulse);
+            }
+        }
+    }
+
+    /// The impulse of a row with a change.
+    fn pushed(&self, row: usize, push: i128) -> i64 {
+        (i128::from(self.impulses[row]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
+    }
+}

@@ -1,0 +1,275 @@
+//! Motor joints in worlds.
+
+use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps};
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{
+    Attachment, BodyDef, BodyId, End, Error, Fx, JointDef, JointId, JointKind, JointMotor, JointSpring, Mass, Motor,
+    PlanarMotor, PlanarSpring, Quantity, Shape, Vec2, World, WorldDef, fx, vec2,
+};
+
+fn solid(mass: i32) -> Mass {
+    Mass::Explicit { mass: Fx::from(mass), inertia: Fx::from(mass) }
+}
+
+/// A joint from the origin of the world to the centre of a body.
+fn hold(world: &mut World, body: BodyId, motor: Motor) -> JointId {
+    let ends = [End::World(vec2(0, 0)), End::Body(Attachment::centre(body))];
+    world.add_joint(JointDef::new(ends, JointKind::Motor(motor))).expect("a joint")
+}
+
+fn still() -> World {
+    World::new(WorldDef::default()).expect("a world")
+}
+
+fn position(world: &World, body: BodyId) -> Vec2 {
+    world.body(body).expect("a body").position()
+}
+
+/// Momentum along x and y, and angular momentum.
+fn momenta(world: &World) -> [f64; 3] {
+    let Vec2 { x, y } = world.momentum().expect("a momentum");
+    [x, y, world.angular_momentum().expect("an angular momentum")].map(ToF64::to_f64)
+}
+
+fn assert_near(vector: Vec2, expected: Vec2, error: Fx) {
+    assert!((vector - expected).length() < error, "{vector} is not {expected}");
+}
+
+/// Without damping a body swings about the point at rest, along a line, with the period that was asked for.
+#[test]
+fn a_spring_swings_in_its_period() {
+    let mut world = still();
+    let body = world.add_body(BodyDef { mass: solid(3), ..BodyDef::dynamic() }).expect("a body");
+    let spring = Some(PlanarSpring::new(vec2(3, 4), fx!(0.5), fx!(0)));
+    let joint = hold(&mut world, body, Motor { spring, ..Motor::default() });
+    for (ticks, part) in [(60, fx!(2)), (60, fx!(0)), (60, fx!(2)), (3_600, fx!(2))] {
+        steps(&mut world, ticks);
+        assert_near(position(&world, body), vec2(3, 4) * part, fx!(0.005));
+        assert_eq!(world.joint(joint).expect("a joint").offset(), position(&world, body));
+    }
+}
+
+/// Critical damping: the distance is (1 + ωt)·e^(−ωt) of its start.
+#[test]
+fn a_damped_spring_decays() {
+    let mut world = still();
+    let body = world.add_body(BodyDef { mass: solid(3), ..BodyDef::dynamic() }).expect("a body");
+    let spring = Some(PlanarSpring::new(vec2(-4, 3), fx!(0.5), fx!(1)));
+    hold(&mut world, body, Motor { spring, ..Motor::default() });
+    steps(&mut world, 60);
+    // (1 + π)·e^−π for t = 1 s and ω = π/s.
+    let left = fx!(0.178968);
+    // Sub-steps are Euler's: half of one at the speed of 2.13 m/s.
+    assert_near(position(&world, body), vec2(-4, 3) * (fx!(1) - left), fx!(0.004));
+}
+
+/// A target far away pulls with its largest force in its direction, not with as much along each axis.
+#[test]
+fn the_largest_force_is_the_length_of_a_vector() {
+    let mut world = still();
+    let body = world.add_body(BodyDef { mass: solid(2), ..BodyDef::dynamic() }).expect("a body");
+    let joint = hold(&mut world, body, Motor::target(vec2(300, 400), fx!(5), fx!(1), fx!(20)));
+    steps(&mut world, 60);
+    assert_near(world.body(body).expect("a body").velocity(), vec2(6, 8), fx!(0.00001));
+    // A straight line; half a sub-step more than 5 m.
+    assert_near(position(&world, body), vec2(fx!(3.01), fx!(4.01333)), fx!(0.0001));
+    assert_near(world.joint(joint).expect("a joint").force(), vec2(12, 16), fx!(0.000001));
+}
+
+/// Friction of a ground that is seen from above: a body stops where it should, in its direction, and stays there against a smaller force.
+#[test]
+fn friction_stops_a_body_in_its_direction() {
+    let mut world = still();
+    let body = BodyDef { mass: solid(2), velocity: vec2(3, -4), angular_velocity: fx!(2), ..BodyDef::dynamic() };
+    let body = world.add_body(body).expect("a body");
+    let joint = hold(&mut world, body, Motor::friction(fx!(10), fx!(2)));
+    steps(&mut world, 50);
+    // 5 m/s against 5 m/s².
+    let velocity = world.body(body).expect("a body").velocity();
+    assert_near(velocity, vec2(3, -4) / 6, fx!(0.00001));
+    assert_near(world.joint(joint).expect("a joint").force(), vec2(-6, 8), fx!(0.0001));
+    steps(&mut world, 11);
+    assert_near(position(&world, body), vec2(fx!(1.5), -2), fx!(0.01));
+    assert_near(world.body(body).expect("a body").velocity(), vec2(0, 0), fx!(0.000002));
+    let place = position(&world, body);
+    for _ in 0..600 {
+        world.apply_force(body, vec2(7, 7)).expect("a force");
+        world.step();
+    }
+    assert_near(position(&world, body), place, fx!(0.00001));
+    // 10.01 N.
+    for _ in 0..60 {
+        world.apply_force(body, vec2(fx!(-6.006), fx!(8.008))).expect("a force");
+        world.step();
+    }
+    assert_near(world.body(body).expect("a body").velocity(), vec2(fx!(-0.003), fx!(0.004)), fx!(0.0002));
+}
+
+/// A spring pulls a body until friction holds it, where k·x = F.
+#[test]
+fn a_spring_pulls_until_friction_holds() {
+    let mut world = still();
+    let body = world.add_body(BodyDef { mass: solid(1), position: vec2(3, 4), ..BodyDef::dynamic() }).expect("a body");
+    let spring = PlanarSpring::new(vec2(0, 0), fx!(0.5), fx!(1));
+    let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force: fx!(10) });
+    let joint = hold(&mut world, body, Motor { spring: Some(spring), motor, ..Motor::default() });
+    world.set_sleep_after(None).expect("a number");
+    steps(&mut world, 600);
+    // k = (2πf)² = π² N/m.
+    let reach = fx!(10) / (Fx::PI * Fx::PI);
+    let place = position(&world, body);
+    assert_near(place, vec2(fx!(0.6), fx!(0.8)) * reach, fx!(0.0002));
+    steps(&mut world, 600);
+    assert_near(position(&world, body), place, fx!(0.0002));
+    // A weak spring: friction keeps all of it.
+    let weak = PlanarSpring { max_force: Some(fx!(9.9)), ..spring };
+    world
+        .set_joint_kind(joint, JointKind::Motor(Motor { spring: Some(weak), motor, ..Motor::default() }))
+        .expect("a kind");
+    let far = world.set_position(body, vec2(30, 40));
+    far.expect("a position");
+    steps(&mut world, 60);
+    assert_near(position(&world, body), vec2(30, 40), fx!(0.00001));
+}
+
+/// Another end that moves and turns carries the second one along, with no loss of momentum.
+#[test]
+fn an_offset_turns_with_the_first_body() {
+    let mut world = still();
+    let ship = BodyDef { mass: solid(50), angular_velocity: fx!(1), velocity: vec2(1, 0), ..BodyDef::dynamic() };
+    let ship = world.add_body(ship).expect("a body");
+    let drone = BodyDef { mass: solid(1), position: vec2(1, 2), ..BodyDef::dynamic() };
+    let drone = world.add_body(drone).expect("a body");
+    let motor = Motor {
+        spring: Some(PlanarSpring::new(vec2(2, 0), fx!(4), fx!(1))),
+        angular_spring: Some(JointSpring { rest: fx!(0.5), ..JointSpring::new(fx!(4), fx!(1)) }),
+        ..Motor::default()
+    };
+    let ends = [ship, drone].map(|body| End::Body(Attachment::centre(body)));
+    let joint = world.add_joint(JointDef::new(ends, JointKind::Motor(motor))).expect("a joint");
+    let before = momenta(&world);
+    steps(&mut world, 300);
+    let joint = world.joint(joint).expect("a joint");
+    // 1 kg at 2 m and 1 rad/s needs 2 N of a spring of (8π)² N/m.
+    assert_near(joint.offset(), vec2(fx!(2.0031), 0), fx!(0.001));
+    assert!((joint.angle() - fx!(0.5)).abs() < fx!(0.001), "{}", joint.angle());
+    for (before, after) in before.into_iter().zip(momenta(&world)) {
+        assert!((after - before).abs() < 1e-6 * before.abs().max(1.0), "{before} {after}");
+    }
+}
+
+/// Motors give velocities in the frame of the first end, and a speed of turning.
+#[test]
+fn motors_reach_their_velocities() {
+    let mut world = still();
+    let body = world.add_body(BodyDef { mass: solid(2), ..BodyDef::dynamic() }).expect("a body");
+    let ends = [End::World(vec2(0, 0)), End::Body(Attachment::centre(body))];
+    let motor = Motor {
+        motor: Some(PlanarMotor { velocity: vec2(1, 0), max_force: fx!(10) }),
+        angular_motor: Some(JointMotor { speed: fx!(-3), max_force: fx!(100) }),
+        ..Motor::default()
+    };
+    // The x axis of the frame is up.
+    let angles = [Fx::FRAC_PI_2, fx!(0)];
+    world.add_joint(JointDef { angles, ..JointDef::new(ends, JointKind::Motor(motor)) }).expect("a joint");
+    steps(&mut world, 60);
+    let body = world.body(body).expect("a body");
+    assert_near(body.velocity(), vec2(0, 1), fx!(0.00001));
+    assert!((body.angular_velocity() + fx!(3)).abs() < fx!(0.00001));
+}
+
+/// A mouse drags the end of a chain that hangs on the world: the hinges hold, and the end comes no farther than the chain is long.
+#[test]
+fn a_mouse_drags_a_chain() {
+    let mut world = falling();
+    let (bodies, joints) = chain(&mut world, 8);
+    let hand = bodies[7];
+    let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
+    let grab = |point: Vec2| JointKind::Motor(Motor::target(point, fx!(5), fx!(1), fx!(2_000)));
+    let mouse = world.add_joint(JointDef::new(ends, grab(vec2(8, 0)))).expect("a joint");
+    let mut gap = fx!(0);
+    for (tick, point) in (0..600).zip([vec2(20, 3), vec2(-5, 2), vec2(0, -9), vec2(4, 4)].into_iter().cycle()) {
+        if tick % 60 == 0 {
+            world.set_joint_kind(mouse, grab(point)).expect("a kind");
+        }
+        world.step();
+        gap = joints.iter().map(|&joint| world.joint(joint).expect("a joint").length()).fold(gap, Fx::max);
+    }
+    assert!(gap < fx!(0.01), "{gap}");
+    let handle = world.joint(mouse).expect("a joint").points()[1];
+    assert!(handle.length() < fx!(8.05), "{handle}");
+}
+
+/// Too heavy for the mouse: a body of 1,000 kg stays on the ground.
+#[test]
+fn a_mouse_does_not_lift_what_is_too_heavy() {
+    let mut world = falling();
+    let ground = BodyDef::fixed().with_collider(Shape::rectangle(20, 1).expect("a shape"));
+    world.add_body(BodyDef { position: vec2(0, fx!(-0.5)), ..ground }).expect("a body");
+    let stone = BodyDef::dynamic().with_collider(Shape::rectangle(1, 1).expect("a shape"));
+    let stone = BodyDef { mass: solid(1_000), position: vec2(0, fx!(0.5)), ..stone };
+    let stone = world.add_body(stone).expect("a body");
+    hold(&mut world, stone, Motor::target(vec2(0, 5), fx!(5), fx!(1), fx!(9_900)));
+    steps(&mut world, 300);
+    assert_near(position(&world, stone), vec2(0, fx!(0.5)), fx!(0.003));
+}
+
+/// Images and copies of worlds with motor joints, in trees and in loops, go on in the same bits.
+#[test]
+fn images_and_copies_go_on_in_the_same_bits() {
+    assert_images_and_copies(|| {
+        let mut world = falling();
+        let (bodies, _) = chain(&mut world, 4);
+        let ends = [End::World(vec2(1, 1)), End::Body(Attachment { body: bodies[3], point: vec2(fx!(0.5), 0) })];
+        let kind = JointKind::Motor(Motor::target(vec2(3, 4), fx!(3), fx!(0.5), fx!(300)));
+        world.add_joint(JointDef { angles: [fx!(0), fx!(1)], ..JointDef::new(ends, kind) }).expect("a joint");
+        let free = point_mass(&mut world, vec2(6, 6));
+        let motor = Motor {
+            spring: Some(PlanarSpring { max_force: Some(fx!(50)), ..PlanarSpring::new(vec2(2, 1), fx!(2), fx!(0.2)) }),
+            motor: Some(PlanarMotor { velocity: vec2(1, 2), max_force: fx!(3) }),
+            angular_spring: Some(JointSpring::new(fx!(1), fx!(0.1))),
+            angular_motor: Some(JointMotor { speed: fx!(1), max_force: fx!(1) }),
+        };
+        let ends = [bodies[0], free].map(|body| End::Body(Attachment::centre(body)));
+        world.add_joint(JointDef::new(ends, JointKind::Motor(motor))).expect("a joint");
+        // A loop of three bodies.
+        let [a, b, c] = [vec2(-5, 5), vec2(-4, 5), vec2(-4, 6)].map(|at| {
+            let body = BodyDef { mass: solid(2), position: at, ..BodyDef::dynamic() };
+            world.add_body(body).expect("a body")
+        });
+        for [first, second] in [[a, b], [b, c], [c, a]] {
+            let ends = [first, second].map(|body| End::Body(Attachment::centre(body)));
+            world.add_joint(JointDef::new(ends, JointKind::Motor(motor))).expect("a joint");
+        }
+        hold(&mut world, a, Motor::friction(fx!(5), fx!(1)));
+        world
+    });
+}
+
+/// Values out of range are refused by name.
+#[test]
+fn values_out_of_range_are_refused() {
+    let spring = PlanarSpring::new(vec2(0, 0), fx!(1), fx!(1));
+    let motor = PlanarMotor { velocity: vec2(0, 0), max_force: fx!(1) };
+    let far = vec2(0, 1 << 21);
+    let cases: [(Motor, Quantity); 6] = [
+        (Motor { spring: Some(PlanarSpring { rest: far, ..spring }), ..Motor::default() }, Quantity::JointLength),
+        (
+            Motor { spring: Some(PlanarSpring { hertz: fx!(-1), ..spring }), ..Motor::default() },
+            Quantity::SpringFrequency,
+        ),
+        (
+            Motor { spring: Some(PlanarSpring { damping_ratio: fx!(-1), ..spring }), ..Motor::default() },
+            Quantity::DampingRatio,
+        ),
+        (
+            Motor { spring: Some(PlanarSpring { max_force: Some(fx!(-1)), ..spring }), ..Motor::default() },
+            Quantity::JointForce,
+        ),
+        (Motor { motor: Some(PlanarMotor { velocity: far, ..motor }), ..Motor::default() }, Quantity::MotorSpeed),
+        (Motor { motor: Some(PlanarMotor { max_force: fx!(-1), ..motor }), ..Motor::default() }, Quantity::JointForce),
+    ];
+    for (motor, quantity) in cases {
+        assert_eq!(JointKind::Motor(motor).check(), Err(Error::OutOfRange { quantity }));
+    }
+}
