@@ -1,7 +1,6 @@
 //! The peers. A further engine: add its file here and one line in `all`.
 
 mod box2d;
-mod contacts;
 mod rapier_f32;
 // The file that both share casts for f32.
 #[allow(clippy::unnecessary_cast)]
@@ -13,7 +12,6 @@ use crate::engine::Engine;
 pub fn all() -> Vec<Box<dyn Engine>> {
     vec![
         Box::new(umbra::Build::<umbra_physics::Fx>::new()),
-        Box::new(contacts::Contacts::new()),
         Box::new(umbra::Build::<f64>::new()),
         Box::new(umbra::Build::<f32>::new()),
         Box::new(rapier_f32::Rapier),
@@ -24,8 +22,5 @@ pub fn all() -> Vec<Box<dyn Engine>> {
 
 /// An engine with options, by its id.
 pub fn with_options(id: &str) -> Option<Box<dyn Engine>> {
-    if let Some(engine) = umbra::Build::with_options(id) {
-        return Some(Box::new(engine));
-    }
-    Some(Box::new(contacts::Contacts::with_options(id)?))
+    Some(Box::new(umbra::Build::with_options(id)?))
 }

@@ -9,9 +9,9 @@ use std::rc::Rc;
 use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
-    Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, End, FieldKind, Fx,
-    Geometry, Integrator, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2,
-    World as Umbra, WorldDef,
+    Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, Distance, End, FieldKind,
+    Fx, Geometry, Integrator, JointDef, JointKind, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants,
+    TimeStep, Turn, Vec2, World as Umbra, WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
@@ -97,8 +97,13 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
         mass = Mass::Explicit { mass: S::number(kilograms), inertia: S::number(inertia) };
     } else if let Some(shape) = shape::<S>(b) {
         origin = [shape.shift().x, shape.shift().y].map(|c| -c.to_f64());
-        let material =
-            Material { friction: S::number(b.friction), restitution: S::number(b.restitution), ..Material::default() };
+        let material = Material {
+            friction: S::number(b.friction),
+            restitution: S::number(b.restitution),
+            // Counter-clockwise here.
+            surface_speed: S::number(-b.surface_speed),
+            ..Material::default()
+        };
         colliders.push(ColliderDef { density: S::number(b.density), material, ..ColliderDef::new(shape) });
     }
     let (dx, dy) = turned(origin, b.angle);
@@ -114,6 +119,20 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
         ..def
     };
     (def, origin)
+}
+
+/// A joint of bodies with these handles and origins.
+fn joint<S: Number>(joint: &scene::Joint, scene: &Scene, ids: &[BodyId], origins: &[[f64; 2]]) -> JointDef<S> {
+    let anchors = joint.anchors(&scene.bodies);
+    let ends = [(joint.a, anchors[0]), (joint.b, anchors[1])].map(|(index, [x, y])| {
+        let [origin_x, origin_y] = origins[index];
+        End::Body(Attachment { body: ids[index], point: vector(x + origin_x, y + origin_y) })
+    });
+    let kind = match joint.rod_end {
+        None => JointKind::default(),
+        Some(_) => JointKind::Distance(Distance::rod(S::number(joint.length()))),
+    };
+    JointDef::new(ends, kind)
 }
 
 fn turned([x, y]: [f64; 2], angle: f64) -> (f64, f64) {
@@ -194,14 +213,8 @@ impl<S: Number> Engine for Build<S> {
         }
     }
     fn refuse(&self, scene: &Scene) -> Option<String> {
-        let lacks = if scene.bodies.iter().any(|b| b.surface_speed != 0.0) {
-            "surface speeds"
-        } else if !scene.joints.is_empty() {
-            "joints"
-        } else {
-            return None;
-        };
-        Some(format!("has no {lacks} yet"))
+        let lacks_joints = S::ID != Fx::ID && !scene.joints.is_empty();
+        lacks_joints.then(|| "worlds of floats have no joints".into())
     }
     fn has_fields(&self) -> bool {
         true
@@ -223,6 +236,9 @@ impl<S: Number> Engine for Build<S> {
             let (def, origin) = body(b);
             ids.push(world.add_body(def).expect("a body within the limits"));
             origins.push(origin);
+        }
+        for joint in &scene.joints {
+            world.add_joint(self::joint(joint, scene, &ids, &origins)).expect("a joint within the limits");
         }
         if let (Some(field), false) = (scene.field, scene.pushed) {
             for &id in &ids {
@@ -313,6 +329,11 @@ impl<S: Number> World for Built<S> {
     }
     fn contact_points(&self) -> Option<usize> {
         Some(self.world.contacts().map(|contact| contact.points().len()).sum())
+    }
+    #[cfg(feature = "timers")]
+    fn pass_times(&self) -> Vec<(&'static str, f64)> {
+        let time = self.world.timers().times.passes - self.before.times.passes;
+        vec![("passes", time.as_secs_f64() * 1e6)]
     }
     #[cfg(feature = "timers")]
     fn part_times(&self) -> Option<[f64; PARTS.len()]> {
