@@ -67,6 +67,11 @@ impl Author {
         self.generate(Some(world), |generator| generator.force_field())
     }
 
+    /// A command that adds a joint.
+    pub(crate) fn joint(&mut self, world: &World) -> Command {
+        self.generate(Some(world), |generator| Command::AddJoint(generator.joint_def()))
+    }
+
     /// A force or impulse on a body.
     pub(crate) fn push(&mut self, world: &World) -> Command {
         self.of_kind(2, world)

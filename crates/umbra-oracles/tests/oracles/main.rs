@@ -8,5 +8,7 @@ mod example;
 #[path = "../../../../tests/support/random.rs"]
 mod random;
 mod scripts;
+#[path = "../../../../tests/support/seeds.rs"]
+mod seeds;
 mod tow;
 mod twins;
