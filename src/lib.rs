@@ -145,8 +145,8 @@ pub use force::{
 pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use joint::{
-    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic,
-    Revolute, Weld, Wheel,
+    Distance, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
+    Prismatic, Revolute, Weld, Wheel,
 };
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use query::ShapeHit;

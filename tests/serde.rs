@@ -23,8 +23,8 @@ use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
     ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Distance, Elapsed,
     End, Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
-    FxFactor, FxWide, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks, Mass,
-    Material, MathError, MixRule, Motor, ParseFxError, Part, Prismatic, Quantity, Random, Region, Rot, Shape,
+    FxFactor, FxWide, Gear, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks,
+    Mass, Material, MathError, MixRule, Motor, ParseFxError, Part, Prismatic, Quantity, Random, Region, Rot, Shape,
     SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
@@ -329,6 +329,7 @@ fn every_variant_of_every_enum_comes_back() {
         JointKind::Prismatic(Prismatic::default()),
         JointKind::Wheel(Wheel::default()),
         JointKind::Motor(Motor::default()),
+        JointKind::Gear(Gear { teeth: [1, 2] }),
     ]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);

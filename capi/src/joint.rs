@@ -3,8 +3,8 @@
 use std::mem::MaybeUninit;
 
 use umbra_physics::{
-    Attachment, BodyId, Command, Distance, End, Fx, JointBroke, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
+    Attachment, BodyId, Command, Distance, End, Fx, Gear, JointBroke, JointDef, JointId, JointKind, JointLimits,
+    JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -33,10 +33,12 @@ pub const UMBRA_WHEEL: UmbraJointKind = 4;
 /// The second end is moved in the frame of the first one by forces with bounds: by the planar spring and the planar motor, and turned by the motor
 /// and the spring. A mouse has a planar spring alone, whose point at rest is set in each tick by `umbra_world_set_joint_kind`.
 pub const UMBRA_MOTOR: UmbraJointKind = 5;
+/// The bodies turn at a ratio: two gears, a chain, a belt. Reads the teeth.
+pub const UMBRA_GEAR: UmbraJointKind = 6;
 
 /// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-/// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel` and
-/// `umbra_joint_def_motor` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+/// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
+/// `umbra_joint_def_motor` and `umbra_joint_def_gear` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
 /// their kind says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +63,8 @@ pub struct UmbraJointDef {
     pub has_planar_motor: u32,
     /// 0.
     pub reserved: u32,
+    /// The teeth of two gears, 1 to 1,024 or negative.
+    pub teeth: [i32; 2],
     /// The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
     pub bodies: [u64; 2],
     /// Points of the bodies in their own axes from their centres of mass, or of the world, m.
@@ -157,6 +161,7 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     has_planar_spring: 0,
     has_planar_motor: 0,
     reserved: 0,
+    teeth: [1; 2],
     bodies: [UMBRA_NO_HANDLE; 2],
     points: [UmbraVec2 { x: 0, y: 0 }; 2],
     angles: [0; 2],
@@ -256,6 +261,11 @@ impl UmbraJointDef {
             UMBRA_WELD => JointKind::Weld(Weld { spring }),
             UMBRA_PRISMATIC => JointKind::Prismatic(Prismatic { limits, motor, spring, friction }),
             UMBRA_WHEEL => JointKind::Wheel(Wheel { limits, spring, motor, friction }),
+            UMBRA_GEAR => {
+                // Beyond 16 bits it is refused like any other out of range.
+                let teeth = self.teeth.map(|count| i16::try_from(count).unwrap_or(0));
+                JointKind::Gear(Gear { teeth })
+            }
             UMBRA_MOTOR => JointKind::Motor(Motor {
                 spring: self.planar_spring(),
                 motor: self.planar_motor(),
@@ -355,6 +365,10 @@ impl UmbraJointDef {
                 def.set_planar(spring, motor);
                 def.set_parts(None, angular_motor, Fx::ZERO);
                 angular_spring
+            }
+            JointKind::Gear(Gear { teeth }) => {
+                (def.kind, def.teeth) = (UMBRA_GEAR, teeth.map(i32::from));
+                None
             }
             _ => return Err(Refusal::bad("this interface does not have the kind of this joint")),
         };
@@ -486,6 +500,22 @@ pub extern "C" fn umbra_joint_def_motor(
     def: Option<&mut MaybeUninit<UmbraJointDef>>,
 ) -> UmbraStatus {
     look(world, def, |world| joint_at(world, [first, second], point(x, y), JointKind::Motor(Motor::default())))
+}
+
+/// Fills in the definition of two gears with these numbers of teeth, 1 to 1,024 or negative, whose teeth fit as the bodies stand.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_gear(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    second: u64,
+    first_teeth: i32,
+    second_teeth: i32,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let teeth = [first_teeth, second_teeth].map(|count| i16::try_from(count).unwrap_or(0));
+        UmbraJointDef::of(&JointDef::gear(world, body_id(first), body_id(second), teeth)?)
+    })
 }
 
 /// Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.

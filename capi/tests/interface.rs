@@ -9,7 +9,7 @@ use std::ptr;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
-    Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
+    Gear, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
     MaterialPair, MixRule, Motor, OneWay, PlanarMotor, PlanarSpring, Prismatic, Random, Region, Revolute, Shape,
     Snapshot, SpringConstants, TimeStep, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
@@ -961,6 +961,10 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
             },
             JointDef::new(ends, JointKind::Motor(pushing)),
         ),
+        (
+            UmbraJointDef { kind: UMBRA_GEAR, teeth: [12, -36], ..plain },
+            JointDef::new(ends, JointKind::Gear(Gear { teeth: [12, -36] })),
+        ),
     ]
 }
 
@@ -981,7 +985,7 @@ fn joints_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
-    assert_eq!(out(|def| umbra_joint_def_default(6, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_joint_def_default(7, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     let weld = added
         .iter()
         .map(|(_, id)| *id)
@@ -1057,6 +1061,29 @@ fn joints_pull_and_break_as_in_the_library() {
         assert_eq!(broke, Ok(expected));
     }
     assert_eq!(broken, 1, "two bodies of a kilogram on a rod for one and a half");
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn gears_turn_at_their_ratio() {
+    let mut here = world();
+    let bodies = [0, 2].map(|x| {
+        let def = UmbraBodyDef { position: UmbraVec2 { x: x * ONE, y: 0 }, ..body_def() };
+        add(&mut here, &def).expect("a body")
+    });
+    let refused = out(|def| umbra_joint_def_gear(Some(&here), bodies[0], bodies[1], 1, 1 << 20, def));
+    assert_eq!(refused, Err(UMBRA_ERROR_OUT_OF_RANGE));
+    let gear = out(|def| umbra_joint_def_gear(Some(&here), bodies[0], bodies[1], 10, 20, def)).expect("a definition");
+    let pin = |x, body| out(|def| umbra_joint_def_revolute(Some(&here), UMBRA_NO_HANDLE, body, x * ONE, 0, def));
+    let pins = [pin(0, bodies[0]), pin(2, bodies[1])].map(|pin| pin.expect("a definition"));
+    let [axle, ..] = [pins[0], pins[1], gear]
+        .map(|def| out(|id| umbra_world_add_joint(Some(&mut here), Some(&def), id)).expect("a joint"));
+    assert_eq!(umbra_world_set_joint_motor(Some(&mut here), axle, 2 * ONE, 1_000 * ONE), UMBRA_OK);
+    for _ in 0..60 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    let speed = out(|state| umbra_world_body(Some(&here), bodies[1], state)).expect("a state").angular_velocity;
+    assert!((speed + ONE).abs() < ONE / 1_000, "{speed}");
     umbra_world_free(Some(here));
 }
 

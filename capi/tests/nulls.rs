@@ -313,6 +313,8 @@ fn null_is_refused_everywhere() {
         umbra_joint_def_wheel(Some(w), b, b, 0, 0, 1, 0, None);
         umbra_joint_def_motor(None, UMBRA_NO_HANDLE, b, 0, 0, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_motor(Some(w), UMBRA_NO_HANDLE, b, 0, 0, None);
+        umbra_joint_def_gear(None, b, b, 1, 1, Some(&mut MaybeUninit::uninit()));
+        umbra_joint_def_gear(Some(w), b, b, 1, 1, None);
         umbra_joint_def_distance(None, UMBRA_NO_HANDLE, 0, 0, b, 0, 0, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_distance(Some(w), UMBRA_NO_HANDLE, 0, 0, b, 0, 0, None);
         umbra_world_add_joint(None, Some(&joint_def), Some(&mut MaybeUninit::uninit()));

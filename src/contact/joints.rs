@@ -14,7 +14,7 @@ use super::flights::{FlightKind, Flights};
 use super::split::{Part, Solvers};
 use crate::body::{Activity, BodyKind};
 use crate::fx::Fx;
-use crate::joint::{JointStates, Place, position};
+use crate::joint::{JointStates, Place};
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
 use crate::solve::{Axis, ContactSolver, Impulses, Joint, JointKind};
@@ -113,7 +113,7 @@ impl JointList {
             flights.reach_point(first.flight, first.arm, joint.offset(flights.all()));
         }
         joint.axis = link.axis.map(|axis| {
-            let position = position(link.angle([first.angle, second.angle]), state.turns);
+            let position = link.position([first.angle, second.angle], state.turns);
             Axis { position, ..axis }
         });
         if link.slides != [None; 2] {

@@ -35,7 +35,7 @@ pub enum Quantity {
         /// The size, m: of a shape of floats the nearest `Fx`.
         value: Fx,
     },
-    /// The number of corners, points or parts of a shape.
+    /// The number of corners, points or parts of a shape, or of the teeth of a gear.
     Count,
     /// A force.
     Force,

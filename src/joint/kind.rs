@@ -1,5 +1,6 @@
 //! The kinds of joints.
 
+use super::gear::Gear;
 use super::motor::Motor;
 use super::parts::{JointLimits, JointMotor, JointSpring, Parts, Unit, check};
 use crate::codec::{codec_enum, codec_struct};
@@ -30,6 +31,8 @@ pub enum JointKind<S = Fx> {
     Wheel(Wheel<S>),
     /// The second end is moved in the frame of the first one by forces with bounds: a body that a mouse drags, friction of a ground seen from above.
     Motor(Motor<S>),
+    /// The bodies turn at a ratio: two gears, a chain, a belt.
+    Gear(Gear),
 }
 
 /// A revolute joint. [`Revolute::default`] turns freely.
@@ -291,6 +294,7 @@ codec_enum!(JointKind<S>, "the number of a kind of joint", {
     3 => Prismatic(prismatic),
     4 => Wheel(wheel),
     5 => Motor(motor),
+    6 => Gear(gear),
 });
 
 impl<S: Scalar> JointKind<S> {
@@ -311,6 +315,9 @@ impl<S: Scalar> JointKind<S> {
         self.along().check(Unit::Metres)?;
         self.across().check(Unit::Metres)?;
         self.around().check(Unit::Radians)?;
+        if let Self::Gear(gear) = self {
+            return gear.check();
+        }
         let Self::Distance(Distance { limits, spring, .. }) = self else { return Ok(()) };
         let is_length = |length: S| length >= S::ZERO;
         let shortest = S::from_fx(limits::SIZE_MIN);
@@ -327,7 +334,7 @@ impl<S: Scalar> JointKind<S> {
             }
             Self::Wheel(Wheel { limits, spring, .. }) => Parts { limits, spring, ..Parts::NONE },
             Self::Motor(motor) => motor.planar()[0],
-            Self::Revolute(_) | Self::Weld(_) => Parts::NONE,
+            Self::Revolute(_) | Self::Weld(_) | Self::Gear(_) => Parts::NONE,
         }
     }
 
@@ -341,7 +348,7 @@ impl<S: Scalar> JointKind<S> {
         match *self {
             Self::Revolute(Revolute { limits, motor, spring, friction }) => Parts { limits, motor, spring, friction },
             Self::Weld(Weld { spring: Some(spring) }) => Parts { spring: Some(spring), ..Parts::NONE },
-            Self::Weld(Weld { spring: None }) | Self::Prismatic(_) => Parts::LOCKED,
+            Self::Weld(Weld { spring: None }) | Self::Prismatic(_) | Self::Gear(_) => Parts::LOCKED,
             Self::Wheel(Wheel { motor, friction, .. }) => Parts { motor, friction, ..Parts::NONE },
             Self::Motor(motor) => motor.around(),
             Self::Distance(_) => Parts::NONE,
@@ -356,7 +363,7 @@ impl<S: Scalar> JointKind<S> {
             Self::Prismatic(prismatic) => Self::Prismatic(Prismatic { motor, ..prismatic }),
             Self::Wheel(wheel) => Self::Wheel(Wheel { motor, ..wheel }),
             Self::Motor(joint) => Self::Motor(Motor { angular_motor: motor, ..joint }),
-            Self::Weld(_) => return None,
+            Self::Weld(_) | Self::Gear(_) => return None,
         })
     }
 
@@ -380,6 +387,7 @@ impl<S: Scalar> JointKind<S> {
             },
             Self::Prismatic(_) | Self::Wheel(_) => solve::JointKind::Slider { angle },
             Self::Motor(_) => solve::JointKind::Planar { angle },
+            Self::Gear(Gear { teeth }) => solve::JointKind::Gear { teeth: *teeth },
         }
     }
 
@@ -405,6 +413,7 @@ impl<S: Scalar> JointKind<S> {
             Self::Distance(_) => [true, false, false],
             Self::Prismatic(_) | Self::Wheel(_) => [along, true, around],
             Self::Motor(_) => [along, across, around],
+            Self::Gear(_) => [false, false, true],
         }
     }
 
@@ -414,7 +423,7 @@ impl<S: Scalar> JointKind<S> {
             Self::Revolute(Revolute { limits, spring, .. }) => limits.is_some() || spring.is_some(),
             Self::Weld(_) | Self::Prismatic(_) => true,
             Self::Motor(motor) => motor.angular_spring.is_some(),
-            Self::Distance(_) | Self::Wheel(_) => false,
+            Self::Distance(_) | Self::Wheel(_) | Self::Gear(_) => false,
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Joints are solved in fixed point, as contacts are: a world of floats keeps the points of its joints rounded to [`Fx`].
 
-use super::{JointDef, JointState};
+use super::{JointDef, JointState, position};
 use crate::force::End;
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -60,10 +60,12 @@ fn length_above(vector: Vec2) -> Fx {
     Fx::from_bits(length.to_bits() + i64::from(is_below))
 }
 
-/// The angle from the first frame to the second one of two ends without an angle.
-fn frame<S: Scalar>(angles: &[S; 2]) -> Turn {
-    let [first, second] = angles.map(|angle| S::Angle::from_radians(angle).to_turn().to_bits());
-    Turn::from_bits(second.wrapping_sub(first))
+/// The angle of a joint of this kind for the angles of its frames: from the first frame to the second one, or the sum of the angles of two gears, each
+/// times its teeth. Whole turns are left out.
+fn angle_of(kind: JointKind, frames: [Turn; 2]) -> Turn {
+    let factors = if let JointKind::Gear { teeth } = kind { teeth } else { [-1, 1] };
+    let [first, second] = [0, 1].map(|side| frames[side].to_bits().wrapping_mul(i64::from(factors[side]) as u64));
+    Turn::from_bits(first.wrapping_add(second))
 }
 
 /// A joint.
@@ -76,7 +78,7 @@ pub(crate) struct Link {
     pub(crate) axis: Option<Axis>,
     pub(crate) slides: [Option<Axis>; 2],
     pub(crate) counts_turns: bool,
-    /// The angle of the frame of the second end less the angle of the first one, in the axes of the ends.
+    /// The angle of the joint for two ends without an angle.
     pub(crate) frame: Turn,
     /// N
     pub(crate) break_force: Option<Fx>,
@@ -86,20 +88,31 @@ pub(crate) struct Link {
 }
 
 impl Link {
-    /// The angle from the first frame to the second one, for the angles of the ends.
+    /// The angle of the joint, for the angles of the ends.
     pub(crate) fn angle(&self, ends: [Turn; 2]) -> Turn {
-        let [first, second] = ends.map(Turn::to_bits);
-        Turn::from_bits(second.wrapping_sub(first).wrapping_add(self.frame.to_bits()))
+        Turn::from_bits(angle_of(self.kind, ends).to_bits().wrapping_add(self.frame.to_bits()))
+    }
+
+    /// The position of the joint around, rad, for the angles of the ends and whole turns: of two gears of the wheel with more teeth. *Error* 1 ulp.
+    pub(crate) fn position(&self, ends: [Turn; 2], turns: i16) -> Fx {
+        let position = position(self.angle(ends), turns);
+        let JointKind::Gear { teeth: [first, second] } = self.kind else { return position };
+        let most = i64::from(first.unsigned_abs().max(second.unsigned_abs()).max(1));
+        let bits = position.to_bits();
+        // To nearest, halves away from zero.
+        Fx::from_bits((2 * bits + bits.signum() * most) / (2 * most))
     }
 
     pub(super) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
+        let frames = def.angles.map(|angle| S::Angle::from_radians(angle).to_turn());
+        let kind = def.kind.for_solver(frames[0]);
         Self {
             ends: [LinkEnd::new(&def.ends[0]), LinkEnd::new(&def.ends[1])],
-            kind: def.kind.for_solver(S::Angle::from_radians(def.angles[0]).to_turn()),
+            kind,
             axis: def.kind.axis(),
             slides: def.kind.slides(),
             counts_turns: def.kind.counts_turns(),
-            frame: frame(&def.angles),
+            frame: angle_of(kind, frames),
             break_force: def.break_force.map(S::to_fx),
             is_enabled: def.enabled,
             collides: def.collide_connected,

@@ -1,12 +1,13 @@
 //! Joints: two points of bodies that stay together, at a distance, or on an axis.
 //!
 //! - `def`: the definition of a joint as data, and its checks; `kind` the kinds of joints, of which `motor` has
-//!   the motor joint, `parts` limits, motors and springs.
+//!   the motor joint and `gear` gears, `parts` limits, motors and springs.
 //! - `link`: a joint as steps see it, in fixed point whatever the scalar of the world is.
 //! - `set`: the joints of a world and their handles. No step changes a definition: copies of a world share the set.
 //! - `state`: what steps change of a joint, which each world has for itself: impulses, and whether it is broken.
 
 mod def;
+mod gear;
 mod kind;
 mod link;
 mod motor;
@@ -16,6 +17,7 @@ mod state;
 
 pub use def::JointDef;
 pub(crate) use def::check_break_force;
+pub use gear::Gear;
 pub use kind::{Distance, JointKind, Prismatic, Revolute, Weld, Wheel};
 pub(crate) use link::{Joined, Place};
 pub use motor::{Motor, PlanarMotor, PlanarSpring};

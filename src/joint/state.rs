@@ -102,9 +102,10 @@ impl JointState {
             (_, JointImpulses::Slider { along, across, torque, turns }) if kind.has_frame() => {
                 ([along, across, torque], turns)
             }
-            (JointKind::Revolute(_) | JointKind::Weld(_), JointImpulses::Axis { x, y, torque, turns }) if has_axis => {
-                ([x, y, torque], turns)
-            }
+            (
+                JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_),
+                JointImpulses::Axis { x, y, torque, turns },
+            ) if has_axis => ([x, y, torque], turns),
             (JointKind::Revolute(_), JointImpulses::Revolute { x, y }) if !has_axis => ([x, y, 0], 0),
             _ => return Err(malformed),
         };

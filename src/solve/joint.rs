@@ -10,6 +10,7 @@
 //! | `Line` | the line between the points | law | | |
 //! | `Slider` | turns with the first body | law | held | law |
 //! | `Planar` | turns with the first body | law | law | law |
+//! | `Gear` | | | | law of a sum of angles |
 //!
 //! Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the axes, of a slider and a planar
 //! joint at the second point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
@@ -63,7 +64,7 @@ use self::axis::AxisRow;
 use self::turn::Side;
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
-use super::number::{bits_of, clamped, fixed, lowered, shifted};
+use super::number::{bits_of, clamped, fixed, lowered, shifted, shifted_word};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
@@ -131,7 +132,7 @@ impl Joint {
         let error = match self.kind {
             JointKind::Revolute => x.abs().max(y.abs()),
             JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
-            JointKind::Line | JointKind::Planar { .. } => 0,
+            JointKind::Line | JointKind::Planar { .. } | JointKind::Gear { .. } => 0,
             JointKind::Slider { angle } => {
                 let [ux, uy] = direction_of(angle).map(i128::from);
                 lowered(ux * i128::from(y) - uy * i128::from(x), 30).unsigned_abs() as i64
@@ -290,6 +291,7 @@ impl Block {
             JointKind::Distance { length } => {
                 (Frame::Line, [true, false], [clock.length(length, unit).clamp(0, FAR) as i64, 0])
             }
+            JointKind::Gear { .. } => (Frame::World, [false; 2], [0; 2]),
             JointKind::Line => (Frame::Line, [false; 2], [length_of(offset[0], offset[1]), 0]),
             JointKind::Slider { angle } => {
                 let direction = direction_of(angle);
@@ -303,7 +305,9 @@ impl Block {
         };
         let laws = [along_law, across_law, axis];
         // The third row turns a body by the length at which its velocities are taken, over the length of the body.
-        let turning = flights.map(|flight| 1 << (30 - (flight.length() - axis_length).clamp(0, 30)));
+        let [first, second] = joint.kind.angle_factors();
+        let turning = [(-first, flights[0]), (second, flights[1])]
+            .map(|(factor, flight)| shifted_word(factor, (flight.length() - axis_length).clamp(0, 30)));
         let is_active = [0, 1, 2].map(|row| laws[row] != NONE || row < 2 && held[row]);
         let warm = |row: usize, length: i32| {
             let impulse = if is_active[row] { joint.impulses.values[row] } else { 0 };

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use crate::body::{BodyDef, Locks};
 use crate::force::ForceField;
 use crate::fx::Fx;
+use crate::joint::Gear;
 use crate::math::Vec2;
 use crate::scalar::{FxFactor, Turn};
 use crate::shape::{Geometry, Part, Shape};
@@ -298,6 +299,13 @@ impl CommandMap<Fx> for Image<'_> {
 
     fn along(&mut self, value: Fx) -> Result<Fx, NoImage> {
         self.local(Vec2::new(value, Fx::ZERO)).map(|image| image.x)
+    }
+
+    /// A quarter turn of both bodies takes gears out of step, unless it is by whole teeth.
+    fn gear(&mut self, gear: Gear) -> Result<Gear, NoImage> {
+        let [first, second] = gear.teeth.map(i32::from);
+        let is_whole = i32::from(self.0.quarters) * (first + second) % 4 == 0;
+        is_whole.then_some(gear).ok_or(NoImage)
     }
 
     fn locks(&mut self, locks: Locks) -> Result<Locks, NoImage> {

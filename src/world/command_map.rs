@@ -8,8 +8,8 @@ use crate::body::{BodyDef, Damping, Locks, Mass};
 use crate::collider::{ColliderDef, ContactSettings, Material, MaterialPair, OneWay};
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::joint::{
-    Distance, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic,
-    Revolute, Weld, Wheel,
+    Distance, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
+    Prismatic, Revolute, Weld, Wheel,
 };
 use crate::math::Vec2;
 use crate::scalar::{Scalar, SpringConstants};
@@ -115,6 +115,11 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     /// A position or a velocity along the axis of a joint, which turns with its body.
     fn along(&mut self, value: S) -> Result<T, Self::Error> {
         self.scalar(value)
+    }
+
+    /// The teeth of gears.
+    fn gear(&mut self, gear: Gear) -> Result<Gear, Self::Error> {
+        Ok(gear)
     }
 
     /// A scalar that may be absent.
@@ -374,6 +379,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 motor: self.joint_motor(motor, around)?,
                 friction: self.scalar(friction)?,
             }),
+            JointKind::Gear(gear) => JointKind::Gear(self.gear(gear)?),
             JointKind::Motor(Motor { spring, motor, angular_spring, angular_motor }) => JointKind::Motor(Motor {
                 spring: self.planar_spring(spring)?,
                 motor: self.planar_motor(motor)?,

@@ -5,7 +5,7 @@ use core::fmt;
 use super::World;
 use crate::force::End;
 use crate::fx::Fx;
-use crate::joint::{JointDef, JointKind, position};
+use crate::joint::{Gear, JointDef, JointKind};
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, FxWide, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
@@ -107,14 +107,16 @@ impl<'a, S: Scalar> JointRef<'a, S> {
 
     /// The angle from the frame of the first end to the frame of the second one, rad. *Error* 1 ulp.
     ///
+    /// Of a gear it is the angle by which the wheel with more teeth is out of step, 0 where the teeth fit.
     /// A weld, and a revolute joint with limits or a spring, counts whole turns while it is active, up to ±2^15; the angle of all others is from −π
     /// to π, and 0 for a whole half turn.
     #[must_use]
     pub fn angle(&self) -> S {
         let def = self.def();
-        if def.kind.counts_turns() {
+        if def.kind.counts_turns() || matches!(def.kind, JointKind::Gear(_)) {
+            let angles = def.bodies().map(|body| self.world.joint_angle(body, S::ZERO).to_turn());
             let turns = self.world.joint_states.list[self.index].turns;
-            return S::from_fx(position(self.world.joint_turn(self.index), turns));
+            return S::from_fx(self.world.joints.link(self.index).position(angles, turns));
         }
         let [first, second] = self.bodies();
         let frames = [self.world.joint_angle(first, def.angles[0]), self.world.joint_angle(second, def.angles[1])];
@@ -216,7 +218,11 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     pub fn torque(&self) -> S {
         let def = &self.world.def;
         let [.., torque] = self.world.joint_states.list[self.index].forces(def.time_step, def.contacts.substeps);
-        S::from_fx(torque)
+        let JointKind::Gear(Gear { teeth: [first, second] }) = self.def().kind else { return S::from_fx(torque) };
+        let most = i128::from(first.unsigned_abs().max(second.unsigned_abs()).max(1));
+        let product = 2 * i128::from(torque.to_bits()) * i128::from(second);
+        // Not larger than the torque; to nearest, halves away from zero.
+        S::from_fx(Fx::from_bits(((product + product.signum() * most) / (2 * most)) as i64))
     }
 
     /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.
@@ -227,7 +233,7 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         let state = &self.world.joint_states.list[self.index];
         let [first, second, _] = state.forces(def.time_step, def.contacts.substeps);
         let force = match self.def().kind {
-            JointKind::Revolute(_) | JointKind::Weld(_) => Vec2::new(first, second),
+            JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_) => Vec2::new(first, second),
             JointKind::Distance(_) => {
                 let [from, to] = self.points().map(|point| point.map(S::to_fx));
                 let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();

@@ -9,7 +9,7 @@ use crate::contact::sorted;
 use crate::error::{Error, Quantity};
 use crate::force::{Attachment, End};
 use crate::fx::Fx;
-use crate::joint::{Distance, JointDef, JointKind, JointMotor, Prismatic, Revolute, check_break_force};
+use crate::joint::{Distance, Gear, JointDef, JointKind, JointMotor, Prismatic, Revolute, check_break_force};
 use crate::kernel::trig::atan2_turn;
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, Scalar, Turn, Wide as _};
@@ -86,6 +86,38 @@ impl<S: Scalar> JointDef<S> {
         let angle = world.joint_angle(first, S::ZERO).way_to(axis).to_scalar().unwrap_or(S::ZERO);
         let angles = [angle, def.angles[1] + angle];
         Ok(Self { angles, kind: JointKind::Prismatic(Prismatic::default()), ..def })
+    }
+
+    /// Two gears with these numbers of teeth, whose teeth fit as the bodies stand: [`Gear`].
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Count`] for teeth out of range.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Gear, JointDef, JointKind, World, WorldDef, fx};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let [wheel, ring] = [fx!(1), fx!(2)].map(|angle| world.add_body(BodyDef { angle, ..BodyDef::dynamic() }));
+    /// let inside = JointDef::gear(&world, wheel?, ring?, [20, -60])?;
+    /// assert_eq!(inside.kind, JointKind::Gear(Gear { teeth: [20, -60] }));
+    /// let inside = world.add_joint(inside)?;
+    /// assert!(world.joint(inside)?.angle().abs() < fx!(0.000001));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn gear(world: &World<S>, first: BodyId, second: BodyId, teeth: [i16; 2]) -> Result<Self, Error> {
+        let kind = JointKind::Gear(Gear { teeth });
+        kind.check()?;
+        let mut step = 0;
+        for (body, teeth) in [first, second].into_iter().zip(teeth) {
+            world.bodies.find(body)?;
+            let angle = world.joint_angle(Some(body), S::ZERO).to_turn().to_bits();
+            step = angle.wrapping_mul(i64::from(teeth) as u64).wrapping_add(step);
+        }
+        // The second frame takes the teeth that are out of step: below half a tooth.
+        let turn = Turn::from_bits((step as i64 / -i64::from(teeth[1])) as u64);
+        let angle = S::Angle::default().way_to(S::Angle::from_turn(turn)).to_scalar().unwrap_or(S::ZERO);
+        let ends = [first, second].map(|body| End::Body(Attachment { body, point: Vec2::ZERO }));
+        Ok(Self { angles: [S::ZERO, angle], ..Self::new(ends, kind) })
     }
 
     /// A rigid rod between points of two bodies, given where they are in the world, m; `None` is the world. It is as long as they are apart.

@@ -10,10 +10,10 @@ use std::{vec, vec::Vec};
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, ColliderDef, ColliderId, Command, ContactSettings,
     CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
-    Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Input, Inputs, Integrator, JointDef, JointId,
-    JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, Motor, OneWay, Part,
-    PlanarMotor, Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants, TimeStep, Weld,
-    Wheel, World, WorldDef, fx, vec2,
+    Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Gear, Input, Inputs, Integrator, JointDef,
+    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, Motor,
+    OneWay, Part, PlanarMotor, Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants,
+    TimeStep, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -289,7 +289,7 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetJointKind { joint, kind: wheel_rope_and_motor()[0].kind },
         Command::SetJointKind { joint, kind: wheel_rope_and_motor()[1].kind },
         Command::SetJointKind { joint, kind: wheel_rope_and_motor()[2].kind },
-        Command::SetJointKind { joint, kind: JointKind::Motor(Motor::default()) },
+        Command::SetJointKind { joint, kind: JointKind::Gear(Gear { teeth: [12, -36] }) },
         Command::SetJointKind { joint, kind: JointKind::Distance(Distance::spring(fx!(1), fx!(2), fx!(0))) },
         Command::SetJointKind { joint, kind: weld().kind },
         Command::SetJointKind { joint, kind: driven_pin().kind },
@@ -339,7 +339,8 @@ pub(crate) fn world() -> World {
     let gone = world.add_field(fields()[3]).expect("a field");
     world.remove_field(gone).expect("it is there");
     let [wheel, rope, motor] = wheel_rope_and_motor();
-    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin(), motor] {
+    let gear = JointDef { kind: JointKind::Gear(Gear { teeth: [12, -36] }), ..rod() };
+    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin(), motor, gear] {
         world.add_joint(joint).expect("a joint");
     }
     world.remove_joint(JointId::from_parts(5, 0)).expect("it is there");

@@ -3,9 +3,9 @@
 use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
-    FxFactor, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, Motor, OneWay, Part, PlanarMotor, PlanarSpring, Prismatic, Random, Region, Revolute, Shape,
-    SpringConstants, TimeStep, Vec2, Weld, Wheel,
+    FxFactor, Gear, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass,
+    Material, MaterialPair, MixRule, Motor, OneWay, Part, PlanarMotor, PlanarSpring, Prismatic, Random, Region,
+    Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, Wheel,
 };
 
 use super::layouts::Value;
@@ -304,6 +304,10 @@ fn joint_kind(value: &Value) -> JointKind {
             angular_spring: value["angular_spring"].option().map(joint_spring),
             angular_motor: value["angular_motor"].option().map(joint_motor),
         }),
+        "Gear" => {
+            let teeth = ["first_teeth", "second_teeth"].map(|name| value[name].natural() as u16 as i16);
+            JointKind::Gear(Gear { teeth })
+        }
         name => panic!("kind of joint {name}"),
     }
 }

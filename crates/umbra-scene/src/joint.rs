@@ -7,8 +7,8 @@ use super::field::{Names, end, named, symbol};
 use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
-    BodyId, Distance, End, Error, Fx, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor,
-    PlanarSpring, Prismatic, Quantity, Revolute, Vec2, Weld, Wheel, World,
+    BodyId, Distance, End, Error, Fx, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor,
+    PlanarMotor, PlanarSpring, Prismatic, Quantity, Revolute, Vec2, Weld, Wheel, World,
 };
 
 /// A joint of a scene.
@@ -42,7 +42,7 @@ pub(super) struct Start<'a> {
 }
 
 /// The kinds of joints.
-const KINDS: [&str; 6] = ["revolute", "weld", "distance", "prismatic", "wheel", "motor"];
+const KINDS: [&str; 7] = ["revolute", "weld", "distance", "prismatic", "wheel", "motor", "gear"];
 
 /// The points and the axis at which a joint is placed in the world.
 #[derive(Clone, Copy)]
@@ -179,6 +179,11 @@ pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind>
             };
             inner.finish()?;
             Ok(JointKind::Wheel(wheel))
+        }
+        "gear" => {
+            let gear = inner.need("teeth", teeth);
+            inner.finish()?;
+            gear.map(JointKind::Gear)
         }
         "motor" => {
             let motor = Motor {
@@ -331,6 +336,17 @@ fn spring_field(kind: &JointKind) -> &'static str {
         Err(Error::OutOfRange { quantity: Quantity::JointAngle | Quantity::JointLength }) => "rest",
         _ => "max_force",
     }
+}
+
+/// The teeth of two gears.
+fn teeth(node: &Node<'_>) -> Result<Gear> {
+    let [first, second] = numbers(node)?;
+    let count =
+        |number: Fx| i16::try_from(number.floor_to_int()).ok().filter(|&count| Fx::from(i32::from(count)) == number);
+    let refusal = || node.fault(Error::OutOfRange { quantity: Quantity::Count });
+    let gear = Gear { teeth: [count(first).ok_or_else(refusal)?, count(second).ok_or_else(refusal)?] };
+    JointKind::<Fx>::Gear(gear).check().map_err(|error| node.fault(error))?;
+    Ok(gear)
 }
 
 /// A spring that pulls to a point.

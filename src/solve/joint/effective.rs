@@ -58,10 +58,12 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
 impl Joint {
     /// The effective mass of the angle, kg·m²; `None` if no body can turn.
     pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
-        if self.kind.frame_angle().is_none() {
+        let is_pinned = self.kind.frame_angle().is_none() && !matches!(self.kind, JointKind::Gear { .. });
+        if is_pinned {
             return pinned_inertia(flights, self.anchors);
         }
-        let sum = flights[0].inverse_inertia.plus(flights[1].inverse_inertia);
+        let [first, second] = self.kind.angle_factors().map(|factor| square_of_bits(factor.into(), 30));
+        let sum = first.times(flights[0].inverse_inertia).plus(second.times(flights[1].inverse_inertia));
         (!sum.is_zero()).then(|| FxFactor::ONE.over(sum))
     }
 

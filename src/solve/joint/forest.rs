@@ -3,7 +3,7 @@
 //! A set of bodies that joints connect is a tree if it has one joint less than bodies; joints to bodies that cannot be moved do not count.
 //! Bodies with at most one joint left are taken off, all at once, round by round, until one body is left or two that are joined: so the
 //! *centre* of a tree, a body or a joint, and all sums on the way there follow from the graph alone, in whatever order bodies and joints
-//! stand. All other sets are *loops*.
+//! stand. All other sets are *loops*, and sets with gears, whose rows are not of one angle.
 //!
 //! Reads: the bodies of joints. Writes: [`Forest`], anew when joints or the bodies that they can move have changed since the step before.
 
@@ -12,7 +12,7 @@ use core::ops::Range;
 
 use crate::slots::NONE;
 use crate::solve::graph::Graph;
-use crate::solve::{Flight, Joint};
+use crate::solve::{Flight, Joint, JointKind};
 
 /// A node of a tree with the joint to its parent, the node next to it on the way to the centre: a body, a support, which is the end of a
 /// joint to a body that cannot be moved, or the middle of the joint at the centre.
@@ -35,6 +35,8 @@ pub(super) struct Place {
 pub(super) struct Forest {
     /// The bodies of joints, [`NONE`] for bodies that cannot be moved: all that the rest follows from.
     links: Vec<[u32; 2]>,
+    /// True for gears.
+    are_gears: Vec<bool>,
     /// The joints that can move a body, in the order of their blocks: tree by tree, then loop by loop.
     pub(super) order: Vec<u32>,
     /// The nodes of trees, tree by tree: parents come after their children.
@@ -132,11 +134,14 @@ impl Forest {
     pub(super) fn update(&mut self, flights: &[Flight], joints: &[Joint]) {
         let movable = |body: u32| if flights[body as usize].is_fixed() { NONE } else { body };
         let links = joints.iter().map(|joint| joint.bodies.map(movable));
-        if self.links.iter().copied().eq(links.clone()) {
+        let are_gears = joints.iter().map(|joint| matches!(joint.kind, JointKind::Gear { .. }));
+        if self.links.iter().copied().eq(links.clone()) && self.are_gears.iter().copied().eq(are_gears.clone()) {
             return;
         }
         self.links.clear();
         self.links.extend(links);
+        self.are_gears.clear();
+        self.are_gears.extend(are_gears);
         self.work.sort(flights, joints, &self.links);
         self.order.clear();
         self.places.clear();
@@ -163,11 +168,13 @@ impl Forest {
         self.tree_of.get(body as usize).copied().filter(|&tree| tree != NONE).map(|tree| tree as usize)
     }
 
-    /// Returns true if a set has one joint less than bodies.
+    /// Returns true if a set has one joint less than bodies, and no gears.
     fn is_tree(&self, set: usize) -> bool {
-        let Self { links, work: Work { bodies, joints, .. }, .. } = self;
+        let Self { links, are_gears, work: Work { bodies, joints, .. }, .. } = self;
+        let joints = &joints.numbers[joints.range(set)];
         let is_inner = |&&joint: &&u32| !links[joint as usize].contains(&NONE);
-        joints.numbers[joints.range(set)].iter().filter(is_inner).count() + 1 == bodies.range(set).len()
+        joints.iter().filter(is_inner).count() + 1 == bodies.range(set).len()
+            && !joints.iter().any(|&joint| are_gears[joint as usize])
     }
 
     /// Adds the blocks of a set that is no tree.

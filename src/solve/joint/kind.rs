@@ -24,6 +24,11 @@ pub enum JointKind {
         /// The angle of the axis at the start of the step.
         angle: Turn,
     },
+    /// A sum of the angles of both bodies, each times a number of teeth: the law of the angle holds it. The anchors do not matter.
+    Gear {
+        /// From −1,024 to 1,024, not zero.
+        teeth: [i16; 2],
+    },
     /// The second anchor is free in a frame that turns with the first body, but for the laws of its slides. The forces of their motors and of their
     /// springs are bounds of the vector of both slides.
     Planar {
@@ -37,8 +42,17 @@ impl JointKind {
     pub(crate) fn frame_angle(self) -> Option<Turn> {
         match self {
             Self::Slider { angle } | Self::Planar { angle } => Some(angle),
-            Self::Revolute | Self::Distance { .. } | Self::Line => None,
+            Self::Revolute | Self::Distance { .. } | Self::Line | Self::Gear { .. } => None,
         }
+    }
+
+    /// The velocities of both bodies in the velocity of the angle, in 2^-30: the larger one, of two gears, is 1.
+    pub(super) fn angle_factors(self) -> [i64; 2] {
+        let Self::Gear { teeth } = self else { return [-(1 << 30), 1 << 30] };
+        let [first, second] = teeth.map(i64::from);
+        let most = first.abs().max(second.abs()).max(1);
+        // To nearest, halves away from zero.
+        [first, second].map(|count| count.signum() * (((count.abs() << 31) + most) / (2 * most)))
     }
 
     /// Returns true if the impulses of both are of the same rows.

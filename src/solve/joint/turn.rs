@@ -124,9 +124,9 @@ impl Block {
             }
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
-        for row in 0..2 {
-            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-                law.set_way(wanted[row].clamp(-FAR as i64, FAR as i64));
+        for (law, way) in self.laws.into_iter().zip(wanted) {
+            if let Some(law) = laws.get_mut(law as usize) {
+                law.set_way(way.clamp(-FAR as i64, FAR as i64));
             }
         }
         if let Some(law) = laws.get_mut(self.laws[2] as usize) {

@@ -2,8 +2,8 @@
 
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
-    Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Integrator, JointDef,
-    JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Motor, PlanarMotor,
+    Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Gear, Integrator,
+    JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Motor, PlanarMotor,
     PlanarSpring, Prismatic, Random, Revolute, Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
 };
 
@@ -18,6 +18,18 @@ impl<C: Choices + ?Sized> Generator<'_, C> {
         let has_limits = self.choices.one_in(2);
         let [first, second] = [(); 2].map(|()| self.signed(fx!(2), limits::JOINT_ANGLE));
         has_limits.then_some(JointLimits { lower: first.min(second), upper: first.max(second) })
+    }
+
+    /// Of a wild taste now and then none.
+    fn teeth(&mut self) -> i16 {
+        let teeth = 1 + self.choices.choose(40) as i16;
+        if self.is_wild() {
+            0
+        } else if self.choices.one_in(4) {
+            -teeth
+        } else {
+            teeth
+        }
     }
 
     fn planar_spring(&mut self) -> PlanarSpring {
@@ -113,7 +125,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
             JointSpring { hertz, damping_ratio, rest, max_force }
         };
         let friction = self.not_negative(fx!(2), Fx::MAX);
-        match self.choices.choose(11) {
+        match self.choices.choose(12) {
             0..2 => JointKind::default(),
             2 => {
                 let spring = if self.choices.one_in(2) { Some(spring(self)) } else { None };
@@ -143,7 +155,8 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
                 angular_spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
                 angular_motor: self.optional_joint_motor(),
             }),
-            9 => {
+            9 => JointKind::Gear(Gear { teeth: [self.teeth(), self.teeth()] }),
+            10 => {
                 let size =
                     |value: Fx| value.checked_abs().unwrap_or(Fx::MAX).clamp(limits::SIZE_MIN, limits::JOINT_LENGTH);
                 let limits = self.joint_limits().map(|JointLimits { lower, upper }| {

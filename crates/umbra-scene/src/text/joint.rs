@@ -5,8 +5,8 @@ use alloc::string::String;
 use super::json::{Fields, list, null, text};
 use super::{Scene, SceneJoint};
 use umbra_physics::{
-    Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
-    Prismatic, Revolute, Vec2, Weld, Wheel,
+    Distance, Fx, Gear, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor,
+    PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel,
 };
 
 impl Scene {
@@ -84,6 +84,10 @@ fn kind_into(object: &mut Fields, kind: &JointKind) {
         JointKind::Motor(motor) => {
             planar_into(&mut values, motor);
             "motor"
+        }
+        JointKind::Gear(Gear { teeth: [first, second] }) => {
+            values.put("teeth", list([first, second]));
+            "gear"
         }
         // All there are stand above: `tests/layers.rs` compares the lists.
         _ => "unknown",

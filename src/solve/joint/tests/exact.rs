@@ -97,6 +97,7 @@ impl Image {
                 Impulses { values: [first, self.angle(second), self.angle(third)], ..impulses }
             }
             JointKind::Distance { .. } | JointKind::Line => impulses,
+            JointKind::Gear { .. } => Impulses { values: [first, second, self.angle(third)], ..impulses },
         }
     }
 
@@ -110,7 +111,7 @@ impl Image {
         match kind {
             JointKind::Slider { angle } => JointKind::Slider { angle: image(angle) },
             JointKind::Planar { angle } => JointKind::Planar { angle: image(angle) },
-            JointKind::Revolute | JointKind::Distance { .. } | JointKind::Line => kind,
+            JointKind::Revolute | JointKind::Distance { .. } | JointKind::Line | JointKind::Gear { .. } => kind,
         }
     }
 
@@ -200,14 +201,13 @@ fn bodies_of_a_joint_in_either_order_keep_the_bits() {
         let (corrections, impulses, cut) = scene.solve();
         let swapped_impulses = |kind: JointKind, impulses: Impulses| match kind {
             JointKind::Revolute => Impulses { values: impulses.values.map(|value| -value), ..impulses },
-            JointKind::Distance { .. } | JointKind::Line | JointKind::Slider { .. } | JointKind::Planar { .. } => {
-                impulses
-            }
+            _ => impulses,
         };
         let mut swapped_scene = scene.clone();
-        // A frame turns with its first body.
-        let has_frame = |joint: &&mut Joint| joint.kind.frame_angle().is_some();
-        for joint in swapped_scene.joints.iter_mut().filter(|joint| !has_frame(joint)) {
+        // A frame turns with its first body, and teeth have their order.
+        let has_order =
+            |joint: &&mut Joint| joint.kind.frame_angle().is_some() || matches!(joint.kind, JointKind::Gear { .. });
+        for joint in swapped_scene.joints.iter_mut().filter(|joint| !has_order(joint)) {
             joint.bodies.reverse();
             joint.anchors.reverse();
             joint.impulses = swapped_impulses(joint.kind, joint.impulses);

@@ -178,7 +178,7 @@ impl Scene {
         }
     }
 
-    /// Turns half of the joints into sliders, planar joints and lines with laws of the distances.
+    /// Turns half of the joints into sliders, planar joints, gears, and lines with laws of the distances.
     pub(super) fn add_slides(&mut self, random: &mut Random) {
         let flights = &mut self.flights;
         for joint in &mut self.joints {
@@ -187,6 +187,13 @@ impl Scene {
             }
             let [x, y] = joint.offset(flights).map(|c| c as f64 / 2f64.powi(32));
             let position = match joint.kind {
+                JointKind::Revolute if signed(random) > 0.7 => {
+                    let teeth = [(); 2].map(|()| (30.0 * signed(random)) as i16 * 2 + 1);
+                    let position = fx(0.1 * signed(random));
+                    joint.kind = JointKind::Gear { teeth };
+                    joint.axis = Some(Axis { position, limits: Some([fx(0.0); 2]), ..Axis::default() });
+                    continue;
+                }
                 JointKind::Revolute => {
                     let angle = 3.0 * signed(random);
                     let is_planar = signed(random) > 0.0;

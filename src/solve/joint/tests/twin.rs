@@ -160,9 +160,7 @@ impl Twin {
             let (length, count) = match joint.kind {
                 JointKind::Revolute => (None, 2),
                 JointKind::Distance { length } => (Some(double(length)), 1),
-                JointKind::Line | JointKind::Slider { .. } | JointKind::Planar { .. } => {
-                    unreachable!("not in these scenes")
-                }
+                _ => unreachable!("not in these scenes"),
             };
             let unit = 2f64.powi(joint.impulses.exponent);
             Joint {
