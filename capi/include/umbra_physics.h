@@ -582,8 +582,8 @@ typedef struct UmbraExplosion {
 typedef uint32_t UmbraJointKind;
 
 // A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
-// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel` and
-// `umbra_joint_def_motor` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
+// `umbra_joint_def_motor` and `umbra_joint_def_gear` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
 // their kind says.
 typedef struct UmbraJointDef {
     // The kind.
@@ -606,6 +606,8 @@ typedef struct UmbraJointDef {
     uint32_t has_planar_motor;
     // 0.
     uint32_t reserved;
+    // The teeth of two gears, 1 to 1,024 or negative.
+    int32_t teeth[2];
     // The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
     uint64_t bodies[2];
     // Points of the bodies in their own axes from their centres of mass, or of the world, m.
@@ -1200,6 +1202,9 @@ typedef struct UmbraReplayLimits {
 // and the spring. A mouse has a planar spring alone, whose point at rest is set in each tick by `umbra_world_set_joint_kind`.
 #define UMBRA_MOTOR 5
 
+// The bodies turn at a ratio: two gears, a chain, a belt. Reads the teeth.
+#define UMBRA_GEAR 6
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1781,6 +1786,14 @@ UmbraStatus umbra_joint_def_motor(const struct UmbraWorld *world,
                                   UmbraFx x,
                                   UmbraFx y,
                                   struct UmbraJointDef *def);
+
+// Fills in the definition of two gears with these numbers of teeth, 1 to 1,024 or negative, whose teeth fit as the bodies stand.
+UmbraStatus umbra_joint_def_gear(const struct UmbraWorld *world,
+                                 uint64_t first,
+                                 uint64_t second,
+                                 int32_t first_teeth,
+                                 int32_t second_teeth,
+                                 struct UmbraJointDef *def);
 
 // Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
 // It is as long as the points are apart.

@@ -10,7 +10,7 @@
 //! | [`lockstep`] | peers that exchange only inputs; comparing hashes, and finding the difference |
 //! | [`rollback`] | handling late inputs: going back and recomputing the present |
 //! | [`collisions`] | colliders, materials, filters, sensors, events, stacks, fast bodies, explosions, fluids, and a table of cases |
-//! | [`joints`] | hinges and rods, chains, sleeping, breaking, and a table of cases |
+//! | [`joints`] | hinges, sliders, wheels, rods, ropes and welds; limits, motors, springs; breaking; a table of cases |
 //! | [`queries`] | rays, shape casts, overlaps, closest points, and in which order they are found |
 //! | [`character`] | characters that walk, climb, ride and push |
 //! | [`replays`] | recording, and verifying replays from untrusted players on a server |

@@ -46,8 +46,8 @@ impl<S: Scalar> World<S> {
     /// and fields that were built in another order. Each body should have a key of its own; bodies that share one are
     /// told apart by their state alone.
     ///
-    /// The hash covers settings and time, the bodies and their motion, the applied forces, and the fields: drags in the
-    /// order they act in, other fields in any order. The random generator and the blob belong to the game and are left out.
+    /// The hash covers settings and time, the bodies and their motion, the applied forces, contacts, joints by their keys and those of their
+    /// bodies, and the fields: drags in the order they act in, other fields in any order. The random generator and the blob belong to the game and are left out.
     ///
     /// *Source* XXH3, 64 bits (Collet).
     ///
