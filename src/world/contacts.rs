@@ -12,8 +12,8 @@ use crate::slots::BodyId;
 impl<S: Scalar> World<S> {
     /// The contacts that carried an impulse at the end of the last step, at the present poses, sorted by the slots of
     /// the colliders. Contacts of colliders with [`contact_events`](crate::ColliderDef::contact_events) are listed also
-    /// if they carried an impulse only earlier in the step, or overlapped at its start without one. Contacts whose
-    /// colliders have been moved apart since are left out.
+    /// if they carried an impulse only earlier in the step, or overlapped at its start without one. Contacts whose colliders are apart by
+    /// now are left out, whether calls moved them since or they hit each other and flew apart within the step: its events have these.
     ///
     /// A body that has gone over seams of a chain in the step is shown on the segment that it is on now, up to 16 segments farther.
     ///
