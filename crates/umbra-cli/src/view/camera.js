@@ -68,6 +68,10 @@ const wholeView = (() => {
   for (const [, , [letter, ...ends]] of run.fields) {
     for (const [point, body] of "as".includes(letter) ? ends : []) if (body === undefined) include(...point, 0);
   }
+  // The ends of joints, and not their axes: limits may be far out.
+  for (const [letter, [point, body]] of run.joints.flatMap(([, , drawing]) => drawing)) {
+    if (letter === "m" && body === undefined) include(...point, 0);
+  }
   return [[left, bottom], [right, top]];
 })();
 

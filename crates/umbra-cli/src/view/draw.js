@@ -183,6 +183,38 @@ function drawFields(frame, tick) {
   pen.globalAlpha = 1;
 }
 
+// Of more ends of joints than this, the lines alone are drawn.
+const JOINT_CROWD = 400;
+
+// The joints, as `joints.rs` says: their lines, and a small diamond at each mark.
+function drawJoints(frame, tick) {
+  const lines = new Path2D(), marks = new Path2D();
+  let count = 0;
+  for (const [from, to, drawing] of run.joints) {
+    if (tick < from || tick > to) continue;
+    for (const [letter, ...ends] of drawing) {
+      const points = ends.map(end => anchor(end, frame));
+      if (points.includes(null)) continue;
+      const [[x, y]] = points;
+      if (letter === "s") {
+        lines.moveTo(x, y);
+        lines.lineTo(points[1][0], points[1][1]);
+      } else {
+        count++;
+        marks.moveTo(x - 2.5, y);
+        for (const [dx, dy] of [[0, -2.5], [2.5, 0], [0, 2.5]]) marks.lineTo(x + dx, y + dy);
+        marks.closePath();
+      }
+    }
+  }
+  pen.lineWidth = 1.2;
+  pen.strokeStyle = colours.ink;
+  pen.globalAlpha = 0.8;
+  pen.stroke(lines);
+  if (count <= JOINT_CROWD) pen.stroke(marks);
+  pen.globalAlpha = 1;
+}
+
 // Points of ways on a picture, at most about.
 const TRAIL_POINTS = 60000;
 const trailStep = Math.max(1, Math.ceil(run.frames * bodies.length / TRAIL_POINTS));

@@ -1,11 +1,13 @@
 //! `umbra view`: a run as one page that plays it, and needs nothing else.
 //!
-//! The page sees a world once a tick. It stores the values of bodies by `track`, and contacts, on request, as singles for each frame. It
+//! The page sees a world once a tick. It stores the values of bodies by `track`, and contacts, on request, as singles for each frame. Force
+//! fields and joints it places by the bodies that carry them. It
 //! drops every other frame when it would exceed 20 MB, and forbids the browser to fetch anything.
 
 mod contacts;
 mod drawing;
 mod events;
+mod joints;
 mod page;
 mod recording;
 mod track;

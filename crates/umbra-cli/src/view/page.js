@@ -35,6 +35,7 @@ function draw() {
   drawFields(frame, tick);
   if ($("trails").checked) drawTrails(frame, tick, selected);
   const counts = drawBodies(frame, tick);
+  drawJoints(frame, tick);
   if ($("arrows").checked) drawArrows(frame);
   if (hasContacts) drawContacts(frame, CONTACTS.map(isOn));
   if (hovered && hovered !== selected && hovered.isThere(frame)) drawNamed(hovered, frame, false);

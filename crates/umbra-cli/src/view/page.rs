@@ -106,7 +106,8 @@ fn contents(recording: Recording, heading: &Heading, thinned: Option<String>) ->
         "clock": recording.clock.iter().map(span).collect::<Vec<_>>(),
         "shapes": shapes,
         "bodies": bodies,
-        "fields": recording.fields.iter().filter_map(field).collect::<Vec<_>>(),
+        "fields": recording.fields.iter().filter_map(placed).collect::<Vec<_>>(),
+        "joints": recording.joints.iter().filter_map(placed).collect::<Vec<_>>(),
         "contacts": contacts,
         "events": recording.events.told.iter().map(event).collect::<Vec<_>>(),
     });
@@ -143,7 +144,8 @@ fn span(span: &Span) -> Value {
     json!([span.tick, span.time.0.to_string(), span.time.1.to_string(), num, den])
 }
 
-fn field(placed: &Placed) -> Option<Value> {
+/// A force field or a joint, with its first and its last tick.
+fn placed(placed: &Placed) -> Option<Value> {
     placed.drawing.as_ref().map(|drawing| json!([placed.from, placed.to, drawing]))
 }
 

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use umbra_physics::{Activity, BodyId, BodyKind, BodyRef, ColliderDef, FieldId, ForceField, Fx, TimeStep, World};
+use umbra_physics::{
+    Activity, BodyId, BodyKind, BodyRef, ColliderDef, FieldId, ForceField, Fx, JointDef, JointId, TimeStep, World,
+};
 
 use super::events::{Events, What};
 use super::track::{Sample, Track};
-use super::{contacts, drawing};
+use super::{contacts, drawing, joints};
 
 /// The limits of a page.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +49,11 @@ pub(crate) struct Recording {
     alive: Vec<Option<usize>>,
     pub(super) fields: Vec<Placed>,
     fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
+    /// Joints that are drawn.
+    pub(super) joints: Vec<Placed>,
+    joints_there: BTreeMap<JointId, usize>,
+    /// The joints of the last world, each with its definition, and true if it is broken: what their drawing follows from.
+    joint_states: Vec<(JointId, JointDef, bool)>,
     /// Each with what it is drawn as.
     pub(super) shapes: Vec<(Vec<ColliderDef>, serde_json::Value)>,
     shape_numbers: BTreeMap<String, usize>,
@@ -89,7 +96,7 @@ pub(super) struct Look {
     pub(super) mass: Option<Fx>,
 }
 
-/// A force field from when it was added, or put in another's place, to when it went.
+/// A force field or a joint that is drawn, from when it was added, or put in another's place, to when it went.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     pub(super) from: u64,
@@ -112,6 +119,9 @@ impl Recording {
             alive: Vec::new(),
             fields: Vec::new(),
             fields_there: BTreeMap::new(),
+            joints: Vec::new(),
+            joints_there: BTreeMap::new(),
+            joint_states: Vec::new(),
             shapes: Vec::new(),
             shape_numbers: BTreeMap::new(),
             events: Events::default(),
@@ -141,6 +151,7 @@ impl Recording {
         }
         self.see_gone(tick);
         self.see_fields(world);
+        self.see_joints(world);
         for fault in world.last_report().faults {
             if let Some(&Some(life)) = self.alive.get(fault.body.parts().0 as usize) {
                 self.events.tell(tick, What::Quarantined, Some(life), fault.cause.to_string());
@@ -308,6 +319,27 @@ impl Recording {
         }
     }
 
+    fn see_joints(&mut self, world: &World<Fx>) {
+        let tick = world.tick();
+        let states: Vec<_> = world.joints().map(|joint| (joint.id(), *joint.def(), joint.is_broken())).collect();
+        if states != self.joint_states {
+            self.joint_states = states;
+            let before = std::mem::take(&mut self.joints_there);
+            for (id, drawing) in joints::drawings(world, |body| known_life(&self.alive, &self.lives, body)) {
+                let drawing = Some(drawing);
+                let known = before.get(&id).copied().filter(|&number| self.joints[number].drawing == drawing);
+                let number = known.unwrap_or_else(|| {
+                    self.joints.push(Placed { from: tick, to: tick, drawing });
+                    self.joints.len() - 1
+                });
+                self.joints_there.insert(id, number);
+            }
+        }
+        for &number in self.joints_there.values() {
+            self.joints[number].to = tick;
+        }
+    }
+
     fn is_too_much(&self) -> bool {
         if self.hashes.len() as u64 <= FEWEST {
             return false;
@@ -315,7 +347,8 @@ impl Recording {
         let contacts: usize = self.contacts.iter().flatten().map(Vec::len).sum();
         let (mut bytes, mut samples) = (8 * self.hashes.len() + contacts, 0);
         // What the text takes, about.
-        let mut text = 16_000 + 100 * (self.events.told.len() + self.fields.len()) + 300 * self.shapes.len();
+        let mut text = 16_000 + 100 * (self.events.told.len() + self.fields.len());
+        text += 300 * (self.shapes.len() + self.joints.len());
         for life in &self.lives {
             bytes += life.track.size();
             samples += life.track.count();

@@ -89,6 +89,16 @@ fn hashes_of(text: &str, ticks: u64) -> Vec<String> {
     hashes
 }
 
+/// The position of a body after some steps, m.
+fn position_of(body: &str, text: &str, ticks: u64) -> [f64; 2] {
+    let scene = Scene::parse(text).expect("a scene");
+    let mut run = scene.start::<Fx>().expect("it starts");
+    (0..ticks).for_each(|_| _ = run.advance().expect("it goes on"));
+    let world = run.world();
+    let body = world.bodies().find(|other| run.name(other.id()) == body).expect("it is there");
+    body.position().to_f64()
+}
+
 /// The tick that the page shows.
 fn tick(browser: &mut Browser) -> usize {
     let text = browser.text("#tick");
@@ -434,6 +444,59 @@ fn contacts_are_recorded_and_shown_on_request() {
     browser.press("k", 75, false);
     browser.click("#home");
     assert_eq!(box_(&mut browser), [None; 4], "nothing has touched before the first step");
+    browser.assert_clean();
+}
+
+#[test]
+fn joints_are_drawn_until_they_break() {
+    let scene = r#"{"ticks": 60, "gravity": [0, -10], "bodies": [{"name": "lamp", "position": [0, -1], "velocity": [2, 0]},
+        {"name": "cabin", "position": [3, 0]}],
+      "joints": [{"bodies": [null, "lamp"], "points": [[0, 1], [0, -1]], "distance": {}, "break_force": 100},
+        {"bodies": [null, "cabin"], "point": [3, 0], "axis": [0, 1], "prismatic": {"limits": [-1, 3]}}],
+      "inputs": [{"at": 20, "body": "lamp", "impulse": [0, -5]}],
+      "plot": {"view": [[-5, -2], [5, 4]], "trails": "none"}}"#;
+    let scene = Page::scene("joints", scene);
+    let (page, _) = Page::of(scene.path(), None);
+    let text = page.text();
+    // A rod that ends on the lamp, the first body, until it breaks; a lift with its axis between its limits.
+    let rod = r#"[0,20,[["s",[[0.0,1.0]],[[0.0,0.0],0]],["m",[[0.0,1.0]]],["m",[[0.0,0.0],0]]]]"#;
+    assert!(text.contains(&format!("\"joints\":[{rod},[0,60,[[\"s\",[[3.0,0.0]],[[0.0,0.0],1]],[\"s\",[[")), "{text}");
+    let Some(mut browser) = Browser::start() else { return };
+    browser.look([1280, 800], "light");
+    // True where the picture is darker than its grid within 3 px of a point, m.
+    let is_dark = |browser: &mut Browser, [x, y]: [f64; 2]| {
+        let script = format!(
+            "(() => {{
+                const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
+                const copy = document.createElement('canvas');
+                [copy.width, copy.height] = [canvas.width, canvas.height];
+                const pen = copy.getContext('2d', {{ willReadFrequently: true }});
+                pen.drawImage(canvas, 0, 0);
+                const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
+                const [left, top] = [{x} * scale + canvas.clientWidth / 2, (1 - {y}) * scale + canvas.clientHeight / 2];
+                const {{ data }} = pen.getImageData((left - 3) * ratio, (top - 3) * ratio, 7 * ratio, 7 * ratio);
+                return data.some((value, i) => i % 4 === 0 && value < 180 && data[i + 1] < 180 && data[i + 2] < 180);
+            }})()"
+        );
+        browser.evaluate(&script) == true
+    };
+    browser.open(&page.0, "");
+    browser.hover("h1", [0.5, 0.5]);
+    // The middle of the rod and the axis above and below the cabin, and places beside them.
+    for (at, expected) in
+        [([0.0, 0.2], true), ([3.0, 2.6], true), ([3.0, -0.8], true), ([0.4, 0.2], false), ([3.4, 2.6], false)]
+    {
+        assert_eq!(is_dark(&mut browser, at), expected, "{at:?}");
+    }
+    for _ in 0..20 {
+        browser.press(RIGHT.0, RIGHT.1, false);
+    }
+    let [x, y] = position_of("lamp", &scene.text(), 20);
+    let upper = [0.4 * x, 1.0 + 0.4 * (y - 1.0)];
+    assert!(x > 0.5 && is_dark(&mut browser, upper), "the rod swings with the lamp at {x}, {y}");
+    browser.press(RIGHT.0, RIGHT.1, false);
+    assert!(!is_dark(&mut browser, upper), "it broke");
+    assert!(is_dark(&mut browser, [3.0, 2.6]), "the lift did not");
     browser.assert_clean();
 }
 

@@ -1,6 +1,11 @@
 //! Recordings: frames, lives, looks and clocks.
 
-use umbra_physics::{BodyDef, FieldKind, Region, Shape, TimeStep, WorldDef, fx, vec2};
+use serde_json::Value;
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{
+    BodyDef, DebugDraw, Distance, DrawOptions, FieldKind, JointKind, JointLimits, Pose, Prismatic, Region, Role, Shape,
+    TimeStep, Wheel, WorldDef, fx, vec2,
+};
 
 use super::*;
 
@@ -229,4 +234,119 @@ fn a_body_is_drawn_anew_when_its_colliders_change() {
     let shapes: Vec<_> = recording.shapes.into_iter().map(|(_, drawn)| drawn).collect();
     let expected = [vec![circle(1.0)], vec![circle(1.0), circle(2.0)], vec![circle(2.0)]];
     assert_eq!(shapes, expected.map(serde_json::Value::Array));
+}
+
+/// A lift, a wheel that turns on it, a rod between two falling bodies, and a rope of 1 m that breaks by its load at once.
+fn joined() -> (World<Fx>, [JointId; 4]) {
+    let mut world = world();
+    let [cabin, tyre, first, second, load] = [0, 1, 3, 5, 8].map(|x| world.add_body(ball(x)).expect("there is room"));
+    let lift = JointDef::along(&world, None, cabin, vec2(0, 0), vec2(1, 2)).expect("a joint");
+    let limits = Some(JointLimits { lower: fx!(-1), upper: fx!(40) });
+    let lift = JointDef { kind: JointKind::Prismatic(Prismatic { limits, ..Prismatic::default() }), ..lift };
+    let axle = JointDef::along(&world, cabin, tyre, vec2(1, 0), vec2(0, 1)).expect("a joint");
+    let axle = JointDef { kind: JointKind::Wheel(Wheel::default()), ..axle };
+    let rod = JointDef::between(&world, first, vec2(3, fx!(0.5)), second, vec2(5, 0)).expect("a joint");
+    let rope = JointDef::between(&world, None, vec2(8, 1), load, vec2(8, 0)).expect("a joint");
+    let rope = JointDef {
+        kind: JointKind::Distance(Distance::rope(fx!(1))),
+        break_force: Some(fx!(1)),
+        enabled: false,
+        ..rope
+    };
+    let joints = [lift, axle, rod, rope].map(|joint| world.add_joint(joint).expect("a fair joint"));
+    (world, joints)
+}
+
+/// The lines and points of joints as the library draws them.
+#[derive(Default)]
+struct Drawn(Vec<(Role, Vec<[f64; 2]>)>);
+
+impl DebugDraw for Drawn {
+    fn polygon(&mut self, _corners: &[[f64; 2]], role: Role) {
+        panic!("an area of {role:?}");
+    }
+
+    fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
+        self.0.push((role, ends.to_vec()));
+    }
+
+    fn point(&mut self, at: [f64; 2], role: Role) {
+        self.0.push((role, vec![at]));
+    }
+}
+
+/// The points of a mark in the world, with the bodies where they are.
+fn placed(recording: &Recording, world: &World<Fx>, mark: &Value) -> Vec<[f64; 2]> {
+    let pair = |value: &Value| [0, 1].map(|i| value[i].as_f64().expect("a number"));
+    let ends = mark.as_array().expect("a list").iter().skip(1).map(|end| match end[1].as_u64() {
+        Some(life) => {
+            let body = world.body(recording.lives[life as usize].id).expect("it is there");
+            Pose { position: body.position().to_f64(), angle: body.angle().to_f64() }.point(pair(&end[0]))
+        }
+        None => pair(&end[0]),
+    });
+    ends.collect()
+}
+
+#[test]
+fn joints_are_where_the_library_draws_them() {
+    let (mut world, joints) = joined();
+    let mut recording = Recording::new(Budget::default());
+    for tick in 0..90 {
+        recording.see(&world, None, unnamed);
+        let mut drawn = Drawn::default();
+        world.debug_draw(Pose::of, &DrawOptions { bodies: false, fields: false, ..DrawOptions::default() }, &mut drawn);
+        let mut count = 0;
+        for (joint, &number) in &recording.joints_there {
+            let marks = recording.joints[number].drawing.as_ref().and_then(Value::as_array).expect("a list");
+            let expected: Vec<_> = drawn.0.iter().filter(|(role, _)| *role == Role::Joint(*joint)).collect();
+            assert_eq!(marks.len(), expected.len(), "{joint}");
+            for (mark, (_, expected)) in marks.iter().zip(expected) {
+                let points = placed(&recording, &world, mark);
+                assert_eq!((points.len(), &mark[0]), (expected.len(), &["m", "s"].map(Value::from)[points.len() - 1]));
+                let off =
+                    points.iter().zip(expected).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max);
+                assert!(off < 1e-9, "{joint} at {tick}: {off}");
+                count += 1;
+            }
+        }
+        assert_eq!(count, drawn.0.len(), "{tick}");
+        assert!(count >= 11, "two lines of the lift and of the wheel, one of the rod, and their ends: {count}");
+        if tick == 40 {
+            world.enable_joint(joints[3], true).expect("it is there");
+        }
+        world.step();
+    }
+    assert!(world.joint(joints[3]).expect("it is there").is_broken());
+}
+
+#[test]
+fn joints_are_drawn_while_steps_keep_them() {
+    let (mut world, [lift, axle, rod, rope]) = joined();
+    let mut recording = Recording::new(Budget::default());
+    for tick in 0..60 {
+        recording.see(&world, None, unnamed);
+        match tick {
+            10 => world.enable_joint(axle, false).expect("it is there"),
+            15 => world.enable_joint(rope, true).expect("it is there"),
+            20 => world.enable_joint(axle, true).expect("it is there"),
+            // Limits change the drawing of a lift, its friction does not.
+            30 | 35 => {
+                let limits = Some(JointLimits { lower: fx!(-1), upper: fx!(50) });
+                let friction = Fx::from(i32::from(tick == 35));
+                let kind = JointKind::Prismatic(Prismatic { limits, friction, ..Prismatic::default() });
+                world.set_joint_kind(lift, kind).expect("it is there");
+            }
+            40 => {
+                let [first, _] = world.joint(rod).expect("it is there").bodies();
+                world.remove_body(first.expect("a body")).expect("it is there");
+            }
+            _ => {}
+        }
+        world.step();
+    }
+    let mut spans: Vec<_> = recording.joints.iter().map(|joint| (joint.from, joint.to)).collect();
+    spans.sort_unstable();
+    // The rope broke in the step in which it was enabled.
+    assert_eq!(spans, [(0, 10), (0, 30), (0, 40), (21, 59), (31, 59)]);
 }
