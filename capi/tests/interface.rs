@@ -1068,7 +1068,8 @@ fn joints_pull_and_break_as_in_the_library() {
 fn gears_turn_at_their_ratio() {
     let mut here = world();
     let bodies = [0, 2].map(|x| {
-        let def = UmbraBodyDef { position: UmbraVec2 { x: x * ONE, y: 0 }, ..body_def() };
+        let position = UmbraVec2 { x: x * ONE, y: 0 };
+        let def = UmbraBodyDef { position, mass_kind: UMBRA_MASS_EXPLICIT, mass: ONE, inertia: ONE, ..body_def() };
         add(&mut here, &def).expect("a body")
     });
     let refused = out(|def| umbra_joint_def_gear(Some(&here), bodies[0], bodies[1], 1, 1 << 20, def));

@@ -89,6 +89,8 @@ pub(crate) trait ContactBodies {
     /// The position, m.
     fn position(&self, dense: usize) -> Vec2<FxAccumulator>;
     fn angle(&self, dense: usize) -> Turn;
+    /// 1/m along x and y, 1/kg, and 1/I, 1/(kg·m²).
+    fn inverse_masses(&self, dense: usize) -> (Vec2<FxFactor>, FxFactor);
     /// Lists the free flights of moving bodies from their starts to where they are now, as far as flights decide about contacts: without
     /// velocities and masses.
     fn list_flights(&self, starts: &[Start], time_step: TimeStep, flights: &mut Vec<Flight>);
@@ -142,6 +144,11 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
         self.columns.motion.angle[dense].to_turn()
     }
 
+    fn inverse_masses(&self, dense: usize) -> (Vec2<FxFactor>, FxFactor) {
+        let mass = self.mass(dense);
+        (mass.axis_inverse_mass.map(|part| part.to_fx_factor()), mass.inverse_inertia.to_fx_factor())
+    }
+
     fn list_flights(&self, starts: &[Start], time_step: TimeStep, flights: &mut Vec<Flight>) {
         let way = |from: FxAccumulator, to: FxAccumulator| to.plus(from.negated()).value();
         flights.extend(starts.iter().map(|start| {
@@ -163,13 +170,11 @@ impl<S: Scalar> ContactBodies for Bodies<S> {
             angular: angular.value(),
         };
         let motion = &self.columns.motion;
-        let mass = self.mass(start.dense);
         let end_velocity = motion.velocity.get(start.dense).map(|part| part.to_fixed());
         flight.start = velocity(start.velocity, start.angular_velocity);
         flight.end = velocity(end_velocity, motion.angular_velocity[start.dense].to_fixed());
         flight.mass = start.body.mass;
-        flight.inverse_mass = mass.axis_inverse_mass.map(|part| part.to_fx_factor());
-        flight.inverse_inertia = mass.inverse_inertia.to_fx_factor();
+        (flight.inverse_mass, flight.inverse_inertia) = self.inverse_masses(start.dense);
     }
 }
 

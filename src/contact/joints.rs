@@ -17,7 +17,7 @@ use crate::fx::Fx;
 use crate::joint::{JointStates, Place};
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
-use crate::solve::{Axis, ContactSolver, Impulses, Joint, JointKind};
+use crate::solve::{ContactSolver, Impulses, Joint, JointKind};
 
 /// An end of a joint on a body: its flight, and the arm from its centre of mass, m.
 #[derive(Clone, Copy)]
@@ -52,7 +52,7 @@ pub(crate) struct JointList {
 }
 
 /// An arm of a body in world axes. *Domain* points of joints.
-fn turned(point: Vec2, angle: Turn) -> Vec2 {
+pub(super) fn turned(point: Vec2, angle: Turn) -> Vec2 {
     // Within 2^12.5 m: it fits.
     angle.rotate(point).and_then(|arm| arm.try_map(FxWide::to_scalar)).unwrap_or_default()
 }
@@ -104,24 +104,13 @@ impl JointList {
         flights.complete(scene, far_end.flight);
         let [first, second] = if side == 0 { [end, far_end] } else { [far_end, end] };
         let bodies = [first.flight, second.flight];
-        let state = &scene.joints.states[index as usize];
-        let impulses = state.impulses();
-        let anchors = [first.arm, second.arm];
-        let mut joint = Joint { bodies, anchors, kind: link.kind, axis: None, slides: [None; 2], impulses };
-        if let JointKind::Slider { angle } | JointKind::Planar { angle } = &mut joint.kind {
-            *angle = Turn::from_bits(first.angle.to_bits().wrapping_add(angle.to_bits()));
+        let (anchors, angles) = ([first.arm, second.arm], [first.angle, second.angle]);
+        let joint = link.posed(&scene.joints.states[index as usize], bodies, anchors, angles, flights.all());
+        if joint.kind.frame_angle().is_some() {
             flights.reach_point(first.flight, first.arm, joint.offset(flights.all()));
         }
-        joint.axis = link.axis.map(|axis| {
-            let position = link.position([first.angle, second.angle], state.turns);
-            Axis { position, ..axis }
-        });
-        if link.slides != [None; 2] {
-            let ways = joint.kind.ways(joint.offset(flights.all()));
-            joint.slides = [0, 1].map(|row| link.slides[row].map(|slide| Axis { position: ways[row], ..slide }));
-        }
         self.solver_joints.push(joint);
-        self.starts.push(impulses);
+        self.starts.push(joint.impulses);
         self.indices.push(index);
     }
 

@@ -8,7 +8,7 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, Scalar, Turn};
 use crate::slots::NONE;
-use crate::solve::{Axis, JointKind};
+use crate::solve::{Axis, Flight, Joint, JointKind};
 
 /// The place of an end of a joint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -101,6 +101,30 @@ impl Link {
         let bits = position.to_bits();
         // To nearest, halves away from zero.
         Fx::from_bits((2 * bits + bits.signum() * most) / (2 * most))
+    }
+
+    /// The joint as the solver takes it, of bodies with these flights: for the arms of its ends in world axes, m, and the angles of its bodies.
+    pub(crate) fn posed(
+        &self,
+        state: &JointState,
+        bodies: [u32; 2],
+        anchors: [Vec2; 2],
+        angles: [Turn; 2],
+        flights: &[Flight],
+    ) -> Joint {
+        let turned = |angle: Turn| Turn::from_bits(angles[0].to_bits().wrapping_add(angle.to_bits()));
+        let kind = match self.kind {
+            JointKind::Slider { angle } => JointKind::Slider { angle: turned(angle) },
+            JointKind::Planar { angle } => JointKind::Planar { angle: turned(angle) },
+            kind => kind,
+        };
+        let mut joint = Joint { bodies, anchors, kind, axis: None, slides: [None; 2], impulses: state.impulses() };
+        joint.axis = self.axis.map(|axis| Axis { position: self.position(angles, state.turns), ..axis });
+        if self.slides != [None; 2] {
+            let ways = kind.ways(joint.offset(flights));
+            joint.slides = [0, 1].map(|row| self.slides[row].map(|slide| Axis { position: ways[row], ..slide }));
+        }
+        joint
     }
 
     pub(super) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
