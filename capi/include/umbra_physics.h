@@ -2089,8 +2089,9 @@ UmbraStatus umbra_replay_verify(const uint8_t *bytes,
 // The kinetic energy of the dynamic bodies, multiples of 2^-64 J.
 UmbraStatus umbra_world_kinetic_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);
 
-// The potential energy of the dynamic bodies in gravity, attractors and springs, multiples of 2^-64 J.
-UmbraStatus umbra_world_potential_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);
+// The potential energy of the dynamic bodies in gravity, attractors, springs and springs of joints, multiples of 2^-64 J.
+UmbraStatus umbra_world_potential_energy(const struct UmbraWorld *world,
+                                         struct UmbraInt128 *energy);
 
 // Kinetic and potential energy together, multiples of 2^-64 J.
 UmbraStatus umbra_world_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);

@@ -34,7 +34,7 @@ pub extern "C" fn umbra_world_kinetic_energy(
     look(world, energy, |world| Ok(world.kinetic_energy()?.into()))
 }
 
-/// The potential energy of the dynamic bodies in gravity, attractors and springs, multiples of 2^-64 J.
+/// The potential energy of the dynamic bodies in gravity, attractors, springs and springs of joints, multiples of 2^-64 J.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_potential_energy(
     world: Option<&UmbraWorld>,

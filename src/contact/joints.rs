@@ -17,7 +17,7 @@ use crate::fx::Fx;
 use crate::joint::{JointStates, Place};
 use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
-use crate::solve::{ContactSolver, Impulses, Joint, JointKind};
+use crate::solve::{ContactSolver, Impulses, Joint};
 
 /// An end of a joint on a body: its flight, and the arm from its centre of mass, m.
 #[derive(Clone, Copy)]

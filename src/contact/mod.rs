@@ -19,7 +19,7 @@
 //!
 //! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a
 //! group of the solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
-//! `numbers` gives outlines the numbers that the broad phase knows; `movers` keeps what no step changes of moving outlines; `reach` says how
+//! `springs` sums up what springs of joints hold; `numbers` gives outlines the numbers that the broad phase knows; `movers` keeps what no step changes of moving outlines; `reach` says how
 //! far outlines come in a step; `tiles` and `body_tiles` are polygons beside each other as one surface.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
@@ -54,6 +54,7 @@ mod sensors;
 mod set;
 mod slot_table;
 mod split;
+mod springs;
 mod sweep;
 mod tiles;
 mod view;
@@ -86,6 +87,7 @@ pub(crate) use resting::ChangedResting;
 pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub(crate) use split::Solvers;
+pub(crate) use springs::spring_energies;
 pub(crate) use sweep::{Paths, between};
 pub use view::{Contact, ContactPoint};
 

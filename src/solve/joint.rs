@@ -48,6 +48,7 @@
 
 mod axis;
 mod effective;
+mod energy;
 mod forest;
 mod gradients;
 mod kind;

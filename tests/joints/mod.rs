@@ -6,6 +6,7 @@ mod axes;
 mod breaking;
 mod calls;
 mod crowds;
+mod energy;
 mod gears;
 mod motion;
 mod motors;

@@ -498,6 +498,22 @@ fn joints_are_counted_and_drawn() {
     assert!(told.contains(r#""joints":{"total":5,"broken":1}"#), "{told}");
 }
 
+/// ½·1 kg·(2π·2 Hz)²·(½ m)² at the start, which the spring gives back after 10 s of swinging.
+#[test]
+fn energy_counts_springs_of_joints() {
+    let scene = r#"{"ticks": 600, "sleep_after": null, "bodies": [{"name": "a", "position": [3, 0]}],
+      "joints": [{"bodies": [null, "a"], "points": [[0, 0], [3, 0]],
+        "distance": {"spring": {"hertz": 2, "damping_ratio": 0, "rest": 2.5}}}]}"#;
+    let scene = Scratch::new("energy.json", scene);
+    let printed = text(&umbra(&["run", scene.path()]).stdout);
+    assert!(printed.contains("  energy            19.73920880 → 19.7"), "{printed}");
+    let json = umbra(&["run", scene.path(), "--json"]);
+    let result: serde_json::Value = serde_json::from_slice(&json.stdout).expect("JSON");
+    let energy = |when: &str| result[when]["energy"].as_str().and_then(|energy| energy.parse::<f64>().ok());
+    let [before, after] = ["before", "after"].map(|when| energy(when).expect("a number"));
+    assert!((after / before - 1.0).abs() < 1e-4, "{before} {after}");
+}
+
 #[test]
 fn texts_stay_inside_a_narrow_picture() {
     let scene = r#"{"title": "A title that is longer than the picture is wide, as nobody would expect", "ticks": 1,

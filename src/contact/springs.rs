@@ -1,0 +1,49 @@
+//! The energy that the springs of the joints of a world hold, at the poses of its bodies, with the stiffness that the next step would give them.
+
+use super::bodies::{ContactBodies, resting};
+use super::joints::turned;
+use crate::joint::{Joined, Place};
+use crate::math::Vec2;
+use crate::scalar::{FxAccumulator, FxFactor, Turn};
+use crate::solve::Flight;
+
+/// An end of a joint at rest: its body as the solver takes it, the arm of the point in world axes, m, and the angle of the body.
+struct StandingEnd {
+    body: Flight,
+    arm: Vec2,
+    angle: Turn,
+}
+
+impl StandingEnd {
+    /// The end at a place; `None` on a body that takes no part.
+    fn new(bodies: &dyn ContactBodies, place: &Place) -> Option<Self> {
+        let (slot, point) = match *place {
+            Place::World(point) => {
+                return Some(Self { body: resting(point), arm: Vec2::ZERO, angle: Turn::default() });
+            }
+            Place::Body(slot, point) => (slot, point),
+        };
+        let dense = bodies.index_in(slot).filter(|&dense| bodies.activity(dense).takes_part())?;
+        let (inverse_mass, inverse_inertia) = bodies.inverse_masses(dense);
+        let position = bodies.position(dense).map(FxAccumulator::value);
+        let body = Flight { inverse_mass, inverse_inertia, ..resting(position) };
+        let angle = bodies.angle(dense);
+        Some(Self { body, arm: turned(point, angle), angle })
+    }
+}
+
+/// The energies of the springs of a joint, J: along its axes or line, and around. Both are zero unless the joint is active, its bodies take part,
+/// and one of them can be moved.
+pub(crate) fn spring_energies(bodies: &dyn ContactBodies, joints: Joined<'_>, index: u32) -> [FxFactor; 2] {
+    let link = joints.link(index);
+    let has_spring = link.slides.iter().chain([&link.axis]).flatten().any(|law| law.spring.is_some());
+    if !has_spring || !joints.is_active(index) {
+        return [FxFactor::ZERO; 2];
+    }
+    let [Some(first), Some(second)] = [0, 1].map(|side| StandingEnd::new(bodies, &link.ends[side].place)) else {
+        return [FxFactor::ZERO; 2];
+    };
+    let (anchors, angles, flights) = ([first.arm, second.arm], [first.angle, second.angle], [first.body, second.body]);
+    let state = &joints.states[index as usize];
+    link.posed(state, [0, 1], anchors, angles, &flights).spring_energies(&flights)
+}
