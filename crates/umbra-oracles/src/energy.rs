@@ -2,8 +2,8 @@
 
 use super::drivers::{Inspector, Seen};
 use umbra_physics::{
-    BodyKind, ColliderDef, Command, ContactSettings, Created, Difference, Error, FieldKind, Fx, FxWide, Integrator,
-    Owner, Stepper, TickPhase, Vec2, World, fx,
+    BodyKind, ColliderDef, Command, ContactSettings, Created, Difference, Distance, Error, FieldKind, Fx, FxWide,
+    Integrator, JointKind, JointMotor, Owner, Prismatic, Revolute, Stepper, TickPhase, Vec2, Weld, Wheel, World, fx,
 };
 
 /// Where bodies overlap by more at the start, pushing them out may lift them by more than the bound allows, m.
@@ -120,6 +120,9 @@ fn qualify(world: &World) -> Result<(), &'static str> {
     if world.colliders().any(|(_, def)| def.material.surface_speed != Fx::ZERO) {
         return Err("it has belts");
     }
+    if world.joints().any(|joint| joint.is_active() && does_work(&joint.def().kind)) {
+        return Err("its joints have motors or springs");
+    }
     let mut dominance = None;
     for body in world.bodies().filter(|body| body.activity().takes_part()) {
         let velocity = body.velocity_exact();
@@ -134,6 +137,19 @@ fn qualify(world: &World) -> Result<(), &'static str> {
         }
     }
     Ok(())
+}
+
+/// Returns true for a joint that may do work: by a motor that is no brake, or by a spring, whose stiffness changes with the pose.
+fn does_work(kind: &JointKind) -> bool {
+    let drives = |motor: &Option<JointMotor>| motor.is_some_and(|motor| motor.speed != Fx::ZERO);
+    match kind {
+        JointKind::Revolute(Revolute { motor, spring, .. })
+        | JointKind::Distance(Distance { motor, spring, .. })
+        | JointKind::Prismatic(Prismatic { motor, spring, .. })
+        | JointKind::Wheel(Wheel { motor, spring, .. }) => drives(motor) || spring.is_some(),
+        JointKind::Weld(Weld { spring }) => spring.is_some(),
+        _ => true,
+    }
 }
 
 /// Returns true if bodies overlap by more than 5 mm.

@@ -129,8 +129,8 @@ pub enum Oracle {
     ///
     /// Worlds are judged that nothing else gives energy to: no kinematic body moves, no collider has a
     /// [`surface_speed`](umbra_physics::Material::surface_speed), all dynamic bodies have the same
-    /// [`dominance`](umbra_physics::BodyDef::dominance), there is no force field but drag without wind, a step is at most a
-    /// thirtieth of a second, and the integrator is `VelocityVerlet`, `Yoshida4` or `SymplecticEuler`: the others gain energy in
+    /// [`dominance`](umbra_physics::BodyDef::dominance), there is no force field but drag without wind, no joint has a spring or a
+    /// motor with a speed, a step is at most a thirtieth of a second, and the integrator is `VelocityVerlet`, `Yoshida4` or `SymplecticEuler`: the others gain energy in
     /// free flight. Damping, largest speeds and sleep only take energy. Where bodies overlap by more than 5 mm after the last
     /// input, pushing them out may lift them by more: steps are judged from the first one on that starts without such an overlap.
     /// A body that leaves the envelope is a new start, too.

@@ -2,8 +2,8 @@
 
 use umbra_oracles::{Course, Game, Oracle, Script, Verdict};
 use umbra_physics::{
-    BodyDef, BodyId, BodyKind, ColliderDef, Command, FieldKind, ForceOrImpulse, Integrator, Material, Shape, Stepper,
-    Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, BodyKind, ColliderDef, Command, End, FieldKind, ForceOrImpulse, Integrator, JointDef,
+    JointKind, JointMotor, JointSpring, Material, Revolute, Shape, Stepper, Vec2, Weld, World, WorldDef, fx, vec2,
 };
 
 /// A ball above a floor, which in each tick of an input gets faster past the driver.
@@ -85,7 +85,14 @@ fn worlds_that_something_else_gives_energy_to_are_not_judged() {
     };
     let belt = BodyDef { position: vec2(8, -9), ..BodyDef::fixed().with_collider(belt) };
     let wind = |wind| FieldKind::Drag { linear: fx!(1), quadratic: fx!(0), wind };
-    let thrust = FieldKind::Thrust { at: umbra_physics::Attachment::centre(BALL), force: vec2(1, 0) };
+    let thrust = FieldKind::Thrust { at: Attachment::centre(BALL), force: vec2(1, 0) };
+    let pin =
+        |kind| Command::AddJoint(JointDef::new([End::World(vec2(0, 3)), End::Body(Attachment::centre(BALL))], kind));
+    let turning = |speed| {
+        let motor = Some(JointMotor { speed, max_force: fx!(5) });
+        pin(JointKind::Revolute(Revolute { motor, ..Revolute::default() }))
+    };
+    let bent = JointSpring { rest: fx!(2), ..JointSpring::new(fx!(1), fx!(0)) };
     let master = BodyDef { dominance: 1, position: vec2(8, 8), ..BodyDef::dynamic() };
     for command in [
         Command::AddBody(lift.clone()),
@@ -94,13 +101,20 @@ fn worlds_that_something_else_gives_energy_to_are_not_judged() {
         Command::AddField(thrust.into()),
         Command::AddBody(master),
         Command::SetIntegrator(Integrator::ExplicitEuler),
+        turning(fx!(4)),
+        pin(JointKind::Weld(Weld { spring: Some(bent) })),
     ] {
         let verdict = script(def(), vec![(0, command.clone())]).judge(Oracle::Energy);
         assert!(matches!(verdict, Ok(Verdict::Inapplicable { .. })), "{command:?}: {verdict:?}");
     }
     let stopped = BodyDef { velocity: Vec2::ZERO, ..lift };
     let fixed = BodyDef { kind: BodyKind::Static, position: vec2(7, 0), ..BodyDef::dynamic() };
-    for command in [Command::AddBody(stopped), Command::AddBody(fixed), Command::AddField(wind(Vec2::ZERO).into())] {
+    for command in [
+        Command::AddBody(stopped),
+        Command::AddBody(fixed),
+        Command::AddField(wind(Vec2::ZERO).into()),
+        turning(fx!(0)),
+    ] {
         let verdict = script(def(), vec![(0, command.clone())]).judge(Oracle::Energy);
         assert_eq!(verdict, Ok(Verdict::Held), "{command:?}");
     }
