@@ -12,14 +12,15 @@ use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
     ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_ANGLE,
     JOINT_LENGTH, MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN,
-    SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED,
+    SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED, TEETH,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
     Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, Distance, End, Error,
     Exclusion, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
-    FxFactor, Integrator, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Part,
-    Quantity, QueryFilter, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, World, WorldDef, fx, vec2,
+    FxFactor, Gear, Integrator, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair,
+    Part, Quantity, QueryFilter, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, World, WorldDef, fx,
+    vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -227,6 +228,12 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     try_scalar([none, Fx::MAX], Quantity::JointForce, |friction, body, _| {
         hinge(body, JointKind::Revolute(Revolute { friction, ..revolute }))
     });
+    let (mut world, [first, ..], _) = stage();
+    let most = TEETH as i16;
+    for (count, is_within) in [(1, true), (-most, true), (most, true), (0, false), (most + 1, false)] {
+        let gear = hinge(first, JointKind::Gear(Gear { teeth: [1, count] }));
+        expect(&mut world, &gear, if is_within { Ok(()) } else { out_of(Quantity::Count) });
+    }
     let elastic = |body, spring| hinge(body, JointKind::Weld(Weld { spring: Some(spring) }));
     let spring_of = JointSpring::new(fx!(1), fx!(1));
     try_scalar([none, fx!(1_000_000)], Quantity::SpringFrequency, |hertz, body, _| {

@@ -1,7 +1,7 @@
 //! Random numbers.
 
 #[path = "seeds.rs"]
-mod seeds;
+pub(crate) mod seeds;
 
 /// A generator of test inputs (Steele, Lea and Flood 2014).
 pub(crate) struct SplitMix(pub(crate) u64);

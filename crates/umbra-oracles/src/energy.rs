@@ -3,7 +3,8 @@
 use super::drivers::{Inspector, Seen};
 use umbra_physics::{
     BodyKind, ColliderDef, Command, ContactSettings, Created, Difference, Distance, Error, FieldKind, Fx, FxWide,
-    Integrator, JointKind, JointMotor, Owner, Prismatic, Revolute, Stepper, TickPhase, Vec2, Weld, Wheel, World, fx,
+    Integrator, JointKind, JointLimits, JointMotor, JointRef, Owner, Prismatic, Revolute, Stepper, TickPhase, Vec2,
+    Weld, Wheel, World, fx,
 };
 
 /// Where bodies overlap by more at the start, pushing them out may lift them by more than the bound allows, m.
@@ -17,6 +18,8 @@ const LIFT: i128 = 200;
 const ROUNDING: u32 = 5;
 /// The bound allows each body half its mass times `push_speed` divided by this, squared: a body that others wedge out keeps some of that speed.
 const WEDGED: i64 = 64;
+/// Joints that are farther out of place at the start pull their bodies together, m or rad.
+const OUT_OF_PLACE: Fx = fx!(0.001);
 /// Contacts are soft over a sub-step. In longer steps than one of this many a second bodies that fall into them come out higher.
 const RATE: u32 = 30;
 
@@ -120,8 +123,13 @@ fn qualify(world: &World) -> Result<(), &'static str> {
     if world.colliders().any(|(_, def)| def.material.surface_speed != Fx::ZERO) {
         return Err("it has belts");
     }
-    if world.joints().any(|joint| joint.is_active() && does_work(&joint.def().kind)) {
-        return Err("its joints have motors or springs");
+    for joint in world.joints().filter(JointRef::is_active) {
+        if does_work(&joint.def().kind) {
+            return Err("its joints have motors or springs");
+        }
+        if is_out_of_place(&joint) {
+            return Err("its joints are out of place");
+        }
     }
     let mut dominance = None;
     for body in world.bodies().filter(|body| body.activity().takes_part()) {
@@ -148,7 +156,27 @@ fn does_work(kind: &JointKind) -> bool {
         | JointKind::Prismatic(Prismatic { motor, spring, .. })
         | JointKind::Wheel(Wheel { motor, spring, .. }) => drives(motor) || spring.is_some(),
         JointKind::Weld(Weld { spring }) => spring.is_some(),
+        JointKind::Gear(_) => false,
         _ => true,
+    }
+}
+
+/// Returns true for a joint that pulls its bodies to where it wants them.
+fn is_out_of_place(joint: &JointRef<'_>) -> bool {
+    let is_beyond = |position: Fx, limits: Option<JointLimits>| {
+        limits.is_some_and(|limits| position < limits.lower - OUT_OF_PLACE || position > limits.upper + OUT_OF_PLACE)
+    };
+    let is_off = |position: Fx| position.abs() > OUT_OF_PLACE;
+    let (length, angle, offset) = (joint.length(), joint.angle(), joint.offset());
+    match joint.def().kind {
+        JointKind::Revolute(Revolute { limits, .. }) => is_off(length) || is_beyond(angle, limits),
+        JointKind::Weld(_) => is_off(length) || is_off(angle),
+        JointKind::Distance(Distance { limits, .. }) => is_beyond(length, limits),
+        JointKind::Prismatic(Prismatic { limits, .. }) => {
+            is_beyond(offset.x, limits) || is_off(offset.y) || is_off(angle)
+        }
+        JointKind::Wheel(Wheel { limits, .. }) => is_beyond(offset.x, limits) || is_off(offset.y),
+        _ => is_off(angle),
     }
 }
 

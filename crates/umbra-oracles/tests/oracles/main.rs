@@ -8,7 +8,5 @@ mod example;
 #[path = "../../../../tests/support/random.rs"]
 mod random;
 mod scripts;
-#[path = "../../../../tests/support/seeds.rs"]
-mod seeds;
 mod tow;
 mod twins;
