@@ -232,7 +232,7 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     let most = TEETH as i16;
     for (count, is_within) in [(1, true), (-most, true), (most, true), (0, false), (most + 1, false)] {
         let gear = hinge(first, JointKind::Gear(Gear { teeth: [1, count] }));
-        expect(&mut world, &gear, if is_within { Ok(()) } else { out_of(Quantity::Count) });
+        expect(&mut world, &gear, if is_within { Ok(()) } else { out_of(Quantity::Teeth) });
     }
     let elastic = |body, spring| hinge(body, JointKind::Weld(Weld { spring: Some(spring) }));
     let spring_of = JointSpring::new(fx!(1), fx!(1));

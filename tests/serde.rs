@@ -132,6 +132,7 @@ fn quantities() -> Vec<Quantity> {
         BreakForce,
         JointAngle,
         JointLimits,
+        Teeth,
         JointForce,
         MotorSpeed,
         SpringFrequency,

@@ -35,7 +35,7 @@ pub enum Quantity {
         /// The size, m: of a shape of floats the nearest `Fx`.
         value: Fx,
     },
-    /// The number of corners, points or parts of a shape, or of the teeth of a gear.
+    /// The number of corners, points or parts of a shape.
     Count,
     /// A force.
     Force,
@@ -129,6 +129,8 @@ pub enum Quantity {
     SpringFrequency,
     /// The damping ratio of the spring of a joint.
     DampingRatio,
+    /// The teeth of a gear.
+    Teeth,
 }
 
 /// A size of a shape.
@@ -231,6 +233,7 @@ impl Quantity {
             Self::JointLength => "a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m",
             Self::BreakForce => "a force of at least zero at which a joint breaks",
             Self::JointAngle => "an angle of a joint within ±2^17 rad",
+            Self::Teeth => "whole numbers of teeth of gears from 1 to 1,024 or negative",
             Self::JointLimits => "limits of a joint of which the upper one is not below the lower one",
             Self::JointForce => "a force or torque in a joint of at least zero",
             Self::MotorSpeed => "a speed of a joint's motor within ±2^20 rad/s or m/s",
@@ -296,6 +299,7 @@ codes!(Quantity {
     MotorSpeed = 211,
     SpringFrequency = 212,
     DampingRatio = 213,
+    Teeth = 215,
 });
 
 impl core::error::Error for Quantity {}

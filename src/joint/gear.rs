@@ -38,6 +38,6 @@ impl Gear {
     /// Refuses numbers of teeth out of range.
     pub(super) fn check(self) -> Result<(), Error> {
         let is_within = |teeth: &i16| *teeth != 0 && teeth.unsigned_abs() <= limits::TEETH;
-        if self.teeth.iter().all(is_within) { Ok(()) } else { Err(Error::OutOfRange { quantity: Quantity::Count }) }
+        if self.teeth.iter().all(is_within) { Ok(()) } else { Err(Error::OutOfRange { quantity: Quantity::Teeth }) }
     }
 }

@@ -91,7 +91,7 @@ impl<S: Scalar> JointDef<S> {
     /// Two gears with these numbers of teeth, whose teeth fit as the bodies stand: [`Gear`].
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Count`] for teeth out of range.
+    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Teeth`] for teeth out of range.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Gear, JointDef, JointKind, World, WorldDef, fx};

@@ -152,7 +152,7 @@ fn a_quarter_turn_keeps_whole_teeth() {
 fn teeth_out_of_range_are_refused() {
     let most = limits::TEETH as i16;
     for teeth in [[0, 1], [1, 0], [most + 1, 1], [1, i16::MIN]] {
-        let refusal = Err(Error::OutOfRange { quantity: Quantity::Count });
+        let refusal = Err(Error::OutOfRange { quantity: Quantity::Teeth });
         assert_eq!(JointKind::<Fx>::Gear(Gear { teeth }).check(), refusal);
     }
     assert_eq!(JointKind::<Fx>::Gear(Gear { teeth: [most, -most] }).check(), Ok(()));

@@ -53,6 +53,8 @@ enum Placing {
     Along(Vec2, Vec2),
     /// A point of each body.
     Between(Vec2, Vec2),
+    /// The centres of two bodies with these teeth.
+    Geared([i16; 2]),
 }
 
 /// Reads a joint. Without a start its ends are needed in the axes of its bodies.
@@ -63,13 +65,15 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
         [flag("collide_connected", false), flag("enabled", true), flag("events", false)];
     let break_force = object.or("break_force", None, break_force);
     let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
-    let placed = placed(object, names, start);
+    // The teeth of gears fit as the bodies stand.
+    let gear = object.has("gear").then(|| kind(object, None));
+    let placed = placed(object, names, start, gear.as_ref());
     // A rod between two points, and a spring at rest, is as long as they are apart, unless it says so itself.
     let length = placed.as_ref().ok().and_then(|def| match def.kind {
         JointKind::Distance(Distance { limits: Some(limits), .. }) => Some(limits.upper),
         _ => None,
     });
-    let kind = kind(object, length);
+    let kind = gear.unwrap_or_else(|| kind(object, length));
     object.finish()?;
     let JointDef { ends, angles, .. } = placed?;
     let def = JointDef { ends, angles, kind: kind?, collide_connected, enabled, break_force, events, key, user_data };
@@ -77,7 +81,12 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
 }
 
 /// The ends of a joint: `bodies` with points of the world, or `ends` in the axes of bodies.
-fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Result<JointDef> {
+fn placed(
+    object: &Object<'_>,
+    names: &Names,
+    start: Option<&Start<'_>>,
+    gear: Option<&Result<JointKind>>,
+) -> Result<JointDef> {
     let (way, node) = object.one_of(&["bodies", "ends"])?;
     if way == "ends" {
         let [first, second] = node.tuple()?.map(|node: Node<'_>| end(&node, names));
@@ -99,6 +108,12 @@ fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Resu
             let [from, to] = node.tuple()?.map(|node: Node<'_>| node.point());
             Ok(Placing::Between(from?, to?))
         })
+    } else if let Some(gear) = gear {
+        match gear {
+            Ok(JointKind::Gear(Gear { teeth })) => Ok(Placing::Geared(*teeth)),
+            // It has its error there.
+            _ => Err(Refused::default()),
+        }
     } else if object.has("prismatic") || object.has("wheel") {
         let (point, axis) = (object.need("point", Node::point), object.need("axis", axis));
         point.and_then(|point| Ok(Placing::Along(point, axis?)))
@@ -106,7 +121,7 @@ fn placed(object: &Object<'_>, names: &Names, start: Option<&Start<'_>>) -> Resu
         object.need("point", Node::point).map(Placing::At)
     };
     let (symbols, placing) = ([first?, second?], placing?);
-    start.joint(object.at(&["point", "points"]), symbols, placing)
+    start.joint(object.at(&["point", "points", "bodies"]), symbols, placing)
 }
 
 /// The direction of an axis.
@@ -129,6 +144,10 @@ impl Start<'_> {
             Placing::At(point) => JointDef::at(self.world, first, second, point),
             Placing::Along(point, axis) => JointDef::along(self.world, first, second, point, axis),
             Placing::Between(from, to) => JointDef::between(self.world, first, from, second, to),
+            Placing::Geared(teeth) => match (first, second) {
+                (Some(first), Some(second)) => JointDef::gear(self.world, first, second, teeth),
+                _ => return Err(node.fault("gears are two bodies")),
+            },
         };
         let mut def = def.map_err(|error| node.fault(error))?;
         for (end, symbol) in def.ends.iter_mut().zip(symbols) {
@@ -343,7 +362,7 @@ fn teeth(node: &Node<'_>) -> Result<Gear> {
     let [first, second] = numbers(node)?;
     let count =
         |number: Fx| i16::try_from(number.floor_to_int()).ok().filter(|&count| Fx::from(i32::from(count)) == number);
-    let refusal = || node.fault(Error::OutOfRange { quantity: Quantity::Count });
+    let refusal = || node.fault(Error::OutOfRange { quantity: Quantity::Teeth });
     let gear = Gear { teeth: [count(first).ok_or_else(refusal)?, count(second).ok_or_else(refusal)?] };
     JointKind::<Fx>::Gear(gear).check().map_err(|error| node.fault(error))?;
     Ok(gear)

@@ -2,8 +2,8 @@
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Activity, Attachment, BodyKind, BodyRef, Distance, End, Fx, JointDef, JointKind, JointMotor, JointRef, Revolute,
-    World, fx, vec2,
+    Activity, Attachment, BodyKind, BodyRef, Distance, End, Fx, JointDef, JointKind, JointMotor, JointRef, JointSpring,
+    PlanarMotor, PlanarSpring, Revolute, World, fx, vec2,
 };
 use umbra_scene::{Scene, SceneRun};
 
@@ -117,6 +117,13 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
         joint(r#""wheel": {"spring": {"hertz": 1, "rest": 2000000}}"#),
         joint(r#""wheel": {"springs": 1}"#),
         joint(r#""wheel": {}, "axis": [0, 1]"#),
+        joint(r#""motor": {"spring": {"hertz": 1, "rest": [0, 2000000]}}"#),
+        joint(r#""motor": {"spring": {"hertz": -1}}"#),
+        joint(r#""motor": {"motor": {"velocity": [2000000, 0], "max_force": 1}}"#),
+        joint(r#""motor": {"motor": {"velocity": [0, 0]}}"#),
+        joint(r#""gear": {}"#),
+        joint(r#""gear": {"teeth": [0, 1]}"#),
+        joint(r#""gear": {"teeth": [1.5, 1]}"#),
         revolute(r#""limits": [1]"#),
         revolute(r#""limits": [1, -1]"#),
         revolute(r#""limits": [-1, 200000]"#),
@@ -134,7 +141,7 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
     ];
     let told = told_alone("joints", &joints);
     let expected = [
-        ": one of the fields revolute, weld, distance, prismatic, wheel is missing [E505]",
+        ": one of the fields revolute, weld, distance, prismatic, wheel, motor, gear is missing [E505]",
         ".weld: `revolute` is given already: give only one of the two [E500]",
         ".ends: neither end of the joint is on a dynamic body: a joint needs a body that it can move [E148]",
         ".angles: expected a list of 2 values, found 1 [E502]",
@@ -152,7 +159,14 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
         ".prismatic.friction: out of range: expected a force or torque in a joint of at least zero [E101]",
         ".wheel.spring.rest: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
         ".wheel.springs: unknown field: did you mean `spring`? [E503]",
-        ".axis: unknown field; there are repeat, name, collide_connected, enabled, events, break_force, key, user_data, bodies, ends, angles, revolute, weld, distance, prismatic, wheel [E503]",
+        ".axis: unknown field; there are repeat, name, collide_connected, enabled, events, break_force, key, user_data, bodies, ends, angles, revolute, weld, distance, prismatic, wheel, motor, gear [E503]",
+        ".motor.spring.rest: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
+        ".motor.spring.hertz: out of range: expected a frequency of a joint's spring from 0 to 10^6 Hz [E101]",
+        ".motor.motor.velocity: out of range: expected a speed of a joint's motor within ±2^20 rad/s or m/s [E101]",
+        ".motor.motor: the field `max_force` is missing [E505]",
+        ".gear: the field `teeth` is missing [E505]",
+        ".gear.teeth: out of range: expected whole numbers of teeth of gears from 1 to 1,024 or negative [E101]",
+        ".gear.teeth: out of range: expected whole numbers of teeth of gears from 1 to 1,024 or negative [E101]",
         ".revolute.limits: expected a list of 2 values, found 1 [E502]",
         ".revolute.limits: out of range: expected limits of a joint of which the upper one is not below the lower one [E101]",
         ".revolute.limits: out of range: expected an angle of a joint within ±2^17 rad [E101]",
@@ -233,15 +247,18 @@ pub(crate) const SLIDING: &str = r#"{"gravity": [0, -10], "bodies": [
         {"name": "lift", "bodies": [null, "cabin"], "point": [5, 0], "axis": {"length": 1, "angle": 1.5}, "prismatic": {"friction": 40}},
         {"bodies": ["cabin", "load"], "points": [[5, 0], [8, 4]], "distance": {"limits": [0, 6]}},
         {"bodies": ["car", "load"], "points": [[0, 1], [7, 3]], "distance": {"spring": {"hertz": 2}}},
-        {"ends": ["cabin", "load"], "distance": {"limits": [1, 4], "spring": {"hertz": 2, "rest": 0}, "friction": 1}}],
+        {"ends": ["cabin", "load"], "distance": {"limits": [1, 4], "spring": {"hertz": 2, "rest": 0}, "friction": 1}},
+        {"ends": [[0, 0], "load"], "motor": {"spring": {"hertz": 2, "rest": [7, 4], "max_force": 9}, "motor": {"velocity": [1, 0], "max_force": 2},
+          "angular_spring": {"hertz": 1, "rest": 0.5}, "angular_motor": {"max_force": 1}}},
+        {"bodies": ["car", "wheel"], "gear": {"teeth": [12, -36]}}],
       "inputs": [{"at": 10, "joint": "lift", "set": {"motor": {"speed": 1, "max_force": 100}}},
         {"at": 12, "joint": "axle", "set": {"motor": null}}]}"#;
 
 /// Sliders, wheels and ropes are written as they are read, stand where they are told, and have their motors set by inputs.
 #[test]
-fn sliders_wheels_and_ropes_are_read() {
+fn sliders_wheels_ropes_and_motors_are_read() {
     let scene = Scene::parse(SLIDING).expect("it is one");
-    assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 5);
+    assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 7);
     let world: World = scene.build().expect("it starts");
     let [car, wheel, _, load] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
     let joints: Vec<JointDef> = world.joints().map(|joint| *joint.def()).collect();
@@ -254,6 +271,18 @@ fn sliders_wheels_and_ropes_are_read() {
     };
     let length = rod.limits.map(|limits| limits.upper);
     assert_eq!((spring.limits, spring.spring.map(|spring| spring.rest)), (None, length));
+    let JointKind::Motor(pull) = joints[5].kind else { unreachable!() };
+    let spring = PlanarSpring { max_force: Some(fx!(9)), ..PlanarSpring::new(vec2(7, 4), fx!(2), fx!(1)) };
+    assert_eq!(
+        (pull.spring, pull.motor),
+        (Some(spring), Some(PlanarMotor { velocity: vec2(1, 0), max_force: fx!(2) }))
+    );
+    let angular_spring = JointSpring { rest: fx!(0.5), ..JointSpring::new(fx!(1), fx!(1)) };
+    assert_eq!(pull.angular_spring, Some(angular_spring));
+    assert_eq!(pull.angular_motor, Some(JointMotor { speed: fx!(0), max_force: fx!(1) }));
+    // The teeth fit as the bodies stand.
+    let gear = JointDef::gear(&world, car, wheel, [12, -36]).expect("two bodies");
+    assert_eq!((joints[6].kind, joints[6].ends, joints[6].angles), (gear.kind, gear.ends, gear.angles));
     let mut run = scene.start::<Fx>().expect("it starts");
     advance(&mut run, 20);
     let motor = |name: &str| match def(&run, name).expect("it is there").kind {
@@ -305,7 +334,8 @@ fn come_to_rest(run: &mut SceneRun<'_, Fx>, ticks: u64) -> (f64, f64) {
 #[test]
 fn the_scenes_with_joints_are_those_that_are_tested_here() {
     let jointed = scenes().into_iter().filter(|(_, scene)| !scene.joints.is_empty());
-    let names = ["breaking-bridge", "bridge", "car", "crane", "lift", "ragdolls", "tumbler", "windmill"];
+    let names =
+        ["breaking-bridge", "bridge", "car", "clock", "crane", "curling", "lift", "ragdolls", "tumbler", "windmill"];
     assert_eq!(jointed.map(|(name, _)| name).collect::<Vec<_>>(), names);
 }
 
@@ -450,6 +480,39 @@ fn the_windmill_turns_at_the_speed_of_its_balance_and_stops() {
         let way = body(&run, &format!("sail-{sail}")).angle() - body(&run, "hub").angle();
         let askew = (way - Fx::FRAC_PI_2 * sail).sin().abs();
         assert!(askew < fx!(0.001), "sail {sail}: {askew} rad");
+    }
+}
+
+#[test]
+fn the_clock_keeps_the_ratio_of_its_train() {
+    let scene = &scenes()["clock"];
+    let mut run = scene.start::<Fx>().expect("it starts");
+    watch(&mut run, scene.ticks);
+    let [minute, hour] = ["minute", "hour"].map(|name| body(&run, name));
+    assert!((minute.angular_velocity() + Fx::PI).abs() < fx!(0.00001), "{}", minute.angular_velocity());
+    assert!((hour.angular_velocity() + Fx::PI / 12).abs() < fx!(0.00001), "{}", hour.angular_velocity());
+    // The minute hand is late by its start; the hour hand by a twelfth.
+    let late = minute.angle();
+    assert!(late.abs() < fx!(0.2) && (hour.angle() - late / 12).abs() < fx!(0.00001), "{late} {}", hour.angle());
+    for name in ["first", "second"] {
+        assert!(joint(&run, name).expect("it is there").angle().abs() < fx!(0.00001));
+    }
+}
+
+#[test]
+fn the_stone_that_is_struck_slides_on() {
+    let scene = &scenes()["curling"];
+    let mut run = scene.start::<Fx>().expect("it starts");
+    watch(&mut run, scene.ticks);
+    // v² − 2as before the impact, at a distance of two radii; e shares its rest.
+    let speed = (2.4f64 * 2.4 - 2.0 * 0.2 * 9.7).sqrt();
+    for (name, expected) in
+        [("red", 9.7 + (0.05 * speed).powi(2) / 0.4), ("yellow", 10.0 + (0.95 * speed).powi(2) / 0.4)]
+    {
+        let stone = body(&run, name);
+        let place = stone.position().to_f64();
+        assert!((place[0] - expected).abs() < 0.01 && place[1].abs() < 1e-6, "{name} at {place:?}, not {expected}");
+        assert_eq!(stone.activity(), Activity::Asleep);
     }
 }
 
