@@ -269,3 +269,33 @@ fn a_bridge_with_friction_between_two_banks_holds() {
         assert!(widest < fx!(0.005) && fastest < fx!(0.3), "{force}, {is_brake}: {widest}, {fastest}");
     }
 }
+
+/// Motors that turn hinges of a bridge between two banks to and fro against friction of the same torque: rows go on from place to place in each
+/// pass, and where they have not come to an end all are settled. Without that the bridge would fly to pieces in its first second.
+#[test]
+fn a_bridge_with_motors_against_friction_holds() {
+    let mut world = falling();
+    let mut last: Option<BodyId> = None;
+    let force = fx!(5);
+    for i in 0..=6 {
+        let next = (i < 6).then(|| {
+            let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a shape");
+            let collider = ColliderDef { density: fx!(4), ..ColliderDef::new(shape) };
+            let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
+            let plank = BodyDef { position, colliders: vec![collider], ..BodyDef::dynamic() };
+            world.add_body(plank).expect("a body")
+        });
+        let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
+        let motor = Some(JointMotor { speed: Fx::from(i * 6 % 7 - 3), max_force: force });
+        let kind = JointKind::Revolute(Revolute { friction: force, motor, ..Revolute::default() });
+        world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+        last = next;
+    }
+    let mut widest = fx!(0);
+    for _ in 0..200 {
+        world.step();
+        widest = widest.max(gap(&world));
+    }
+    let fastest = world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max);
+    assert!(widest < fx!(0.005) && fastest < fx!(1), "{widest}, {fastest}");
+}
