@@ -280,3 +280,51 @@ fn a_recorded_angle_plays_again() {
     let replay = Replay::from_bytes(&recorder.finish(&world), &[]).expect("its own bytes");
     assert_eq!(replay.verify(), Ok(()));
 }
+
+/// Motors against each other in a bridge between two banks, each beside a spring that is next to nothing: no hinge has more torque than its motor.
+#[test]
+fn a_spring_does_not_give_what_a_motor_lacks() {
+    let mut world = falling();
+    let motors = [(-3, 2), (-1, 1), (-3, 3), (-2, 5), (3, 1), (0, 3), (-1, 3)];
+    let speeds = [-1, 1, 1, 0, -3, -3];
+    let mut last: Option<BodyId> = None;
+    for (i, (speed, max_force)) in (0..).zip(motors) {
+        let next = speeds.get(i as usize).map(|&velocity| {
+            let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(0.1) };
+            let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
+            let bar = BodyDef { mass, position, velocity: vec2(0, velocity), ..BodyDef::dynamic() };
+            world.add_body(bar).expect("a body")
+        });
+        let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
+        let motor = motor(speed, max_force);
+        let spring = Some(JointSpring::new(fx!(0.0001), fx!(0)));
+        let kind = JointKind::Revolute(Revolute { motor, spring, ..Revolute::default() });
+        world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+        last = next;
+    }
+    for tick in 0..120 {
+        world.step();
+        for (joint, (_, max_force)) in world.joints().zip(motors) {
+            let torque = joint.torque().abs();
+            assert!(torque < Fx::from(max_force) * fx!(1.001), "tick {tick}: {torque} of {max_force}");
+        }
+    }
+}
+
+/// A hub that turns as it is told, and is far smaller than the wheel that friction ties to it: the wheel turns as fast.
+#[test]
+fn a_small_hub_carries_a_large_wheel_along() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let disc = |radius: Fx| Shape::circle(radius).expect("a shape");
+    let hub = BodyDef { angular_velocity: fx!(2), ..BodyDef::kinematic().with_collider(disc(fx!(0.1))) };
+    let hub = world.add_body(hub).expect("a body");
+    let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    let wheel = BodyDef { mass, ..BodyDef::dynamic().with_collider(disc(fx!(4))) };
+    let wheel = world.add_body(wheel).expect("a body");
+    let joint = JointDef::at(&world, hub, wheel, vec2(0, 0)).expect("a joint");
+    let kind = JointKind::Revolute(Revolute { friction: fx!(1_000), ..Revolute::default() });
+    world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+    steps(&mut world, 3);
+    let spin = world.body(wheel).expect("a body").angular_velocity();
+    assert!((spin - fx!(2)).abs() < fx!(0.000001), "{spin}");
+}

@@ -3,8 +3,8 @@
 use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Error, Fx, JointDef, JointId, JointKind, JointMotor, JointSpring, Mass, Motor,
-    PlanarMotor, PlanarSpring, Quantity, Shape, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, End, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring,
+    Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Revolute, Shape, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn solid(mass: i32) -> Mass {
@@ -178,6 +178,31 @@ fn motors_reach_their_velocities() {
     assert!((body.angular_velocity() + fx!(3)).abs() < fx!(0.00001));
 }
 
+/// From rest to thousands of metres and radians a second within a step: motors have their speeds to the last bits, and a critically damped spring
+/// has the speed of its closed form.
+#[test]
+fn forces_beyond_measure_speed_a_body_up_at_once() {
+    let max_force = fx!(1_000_000_000);
+    let run = |motor: Motor| {
+        let mut world = still();
+        let body = world.add_body(BodyDef { mass: solid(1), ..BodyDef::dynamic() }).expect("a body");
+        hold(&mut world, body, motor);
+        steps(&mut world, 2);
+        let body = world.body(body).expect("a body");
+        (body.velocity(), body.angular_velocity())
+    };
+    let far = vec2(3_000, -4_000);
+    let motor = Some(PlanarMotor { velocity: far, max_force });
+    let (velocity, _) = run(Motor { motor, ..Motor::default() });
+    assert_near(velocity, far, fx!(0.000001));
+    let (_, spin) =
+        run(Motor { angular_motor: Some(JointMotor { speed: fx!(10_000), max_force }), ..Motor::default() });
+    assert!((spin - fx!(10_000)).abs() < fx!(0.000001), "{spin}");
+    // x·ω²t·e^(−ωt) for ω = 20π/s and t = 1/30 s.
+    let (velocity, _) = run(Motor { spring: Some(PlanarSpring::new(far, fx!(10), fx!(1))), ..Motor::default() });
+    assert_near(velocity, far * fx!(16.2073), fx!(500));
+}
+
 /// A mouse drags the end of a chain that hangs on the world: the hinges hold, and the end comes no farther than the chain is long.
 #[test]
 fn a_mouse_drags_a_chain() {
@@ -198,6 +223,39 @@ fn a_mouse_drags_a_chain() {
     assert!(gap < fx!(0.01), "{gap}");
     let handle = world.joint(mouse).expect("a joint").points()[1];
     assert!(handle.length() < fx!(8.05), "{handle}");
+}
+
+/// A mouse with friction pulls the end of a chain whose hinges have limits and motors, so that all rows move on until the last round of a pass: it
+/// pulls with no more than both its bounds.
+#[test]
+fn a_mouse_keeps_to_its_bounds_where_other_rows_move_on() {
+    let motor =
+        |speed: i32, max_force: i32| Some(JointMotor { speed: Fx::from(speed), max_force: Fx::from(max_force) });
+    let limits = Some(JointLimits::degrees(-30, 30));
+    let cases = [
+        (vec![(limits, None); 3], vec2(-2, 3), 3, 22),
+        (vec![(limits, motor(1, 10)), (limits, motor(2, 6))], vec2(-5, 0), 4, 59),
+        (vec![(None, motor(-2, 9))], vec2(1, -1), 4, 5),
+    ];
+    for (hinges, point, hertz, bound) in cases {
+        let mut world = falling();
+        let (bodies, joints) = chain(&mut world, hinges.len() as i32);
+        for (&joint, &(limits, motor)) in joints.iter().zip(&hinges) {
+            let kind = JointKind::Revolute(Revolute { limits, motor, ..Revolute::default() });
+            world.set_joint_kind(joint, kind).expect("a kind");
+        }
+        let max_force = Fx::from(bound);
+        let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force });
+        let mouse = Motor { motor, ..Motor::target(point, Fx::from(hertz), fx!(1), max_force) };
+        let hand = bodies[hinges.len() - 1];
+        let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
+        let mouse = world.add_joint(JointDef::new(ends, JointKind::Motor(mouse))).expect("a joint");
+        for tick in 0..120 {
+            world.step();
+            let force = world.joint(mouse).expect("a joint").force().length();
+            assert!(force < max_force * fx!(2.0001), "tick {tick}: {force} of {max_force}");
+        }
+    }
 }
 
 /// Too heavy for the mouse: a body of 1,000 kg stays on the ground.

@@ -356,6 +356,9 @@ impl AxisRow {
         let limit = i128::from(i64::MAX);
         let velocity = i128::from(self.velocity) + (i128::from(change) << (30 - FRACTION));
         let velocity = velocity.clamp(-limit, limit) as i64;
+        if self.is_biased {
+            self.spring_impulse = self.spring_part(impulse);
+        }
         let place = match self.place {
             Place::Step(step) => {
                 let pressed = impulse - self.spring_at(self.velocities[step]);
@@ -386,9 +389,24 @@ impl AxisRow {
         has_left
     }
 
-    /// Ends the search for a place: the row keeps its impulse at the end of a pass, within the range of its place.
+    /// The part of the spring of an impulse at the end of a pass.
+    fn spring_part(&self, impulse: i64) -> i64 {
+        match self.place {
+            Place::Step(step) => self.spring_at(self.velocities[step]),
+            Place::Level(level) | Place::Strained(level, _) => {
+                (impulse - self.levels[level]).clamp(-self.spring, self.spring)
+            }
+            Place::Settled(_) => self.spring_impulse,
+        }
+    }
+
+    /// Ends the search for a place after [`revise`](Self::revise): the row keeps its impulse at the end of a pass, within the range of its place. On a
+    /// level only the spring may differ, whose impulse is known from before the row moved there: what a motor lacks is not for the spring to give.
     pub(super) fn settle(&mut self, impulse: i64) {
-        self.place = Place::Settled(self.finish(impulse));
+        self.place = Place::Settled(match self.place {
+            Place::Level(level) | Place::Strained(level, _) => self.levels[level] + self.spring_impulse,
+            Place::Step(_) | Place::Settled(_) => self.finish(impulse),
+        });
     }
 
     /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.

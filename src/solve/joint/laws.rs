@@ -57,7 +57,8 @@ impl Block {
 
     /// Moves rows on that have left their places by changes. Returns true if there is one.
     pub(super) fn revise_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) -> bool {
-        let mut have_left = self.revise_pair(laws, &changes, false);
+        let impulses = self.pushed_pair(&changes);
+        let mut have_left = self.pair(laws).is_some_and(|pair| AxisRow::revise_pair(pair, impulses));
         for (row, change) in changes.into_iter().enumerate() {
             if let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| !law.is_paired()) {
                 have_left |= law.revise(change.velocity, self.pushed(row, change.impulse));
@@ -66,16 +67,22 @@ impl Block {
         have_left
     }
 
-    /// Shortens the impulses of a pair with changes of both rows. Returns true if an impulse changes.
-    fn revise_pair(&self, laws: &mut [AxisRow], changes: &[RowChange; 3], is_last: bool) -> bool {
-        let impulses = [0, 1].map(|row| self.pushed(row, changes[row].impulse));
-        let pair = laws.get_mut(self.laws[0] as usize..).and_then(|laws| laws.first_chunk_mut());
-        pair.is_some_and(|pair| AxisRow::revise_pair(pair, impulses, is_last))
+    /// The laws of both rows along the axes.
+    fn pair<'a>(&self, laws: &'a mut [AxisRow]) -> Option<&'a mut [AxisRow; 2]> {
+        laws.get_mut(self.laws[0] as usize..).and_then(|laws| laws.first_chunk_mut())
+    }
+
+    /// The impulses of both rows along the axes, with changes.
+    fn pushed_pair(&self, changes: &[RowChange; 3]) -> [i64; 2] {
+        [0, 1].map(|row| self.pushed(row, changes[row].impulse))
     }
 
     /// Settles all laws at their impulses with changes.
     pub(super) fn settle_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) {
-        self.revise_pair(laws, &changes, true);
+        let impulses = self.pushed_pair(&changes);
+        if let Some(pair) = self.pair(laws) {
+            AxisRow::settle_pair(pair, impulses);
+        }
         for (row, change) in changes.into_iter().enumerate() {
             let impulse = self.pushed(row, change.impulse);
             if let Some(law) = laws.get_mut(self.laws[row] as usize) {

@@ -31,35 +31,38 @@ impl AxisRow {
         self.pair.is_some()
     }
 
-    /// The part of the motor of an impulse at the end of a pass.
-    fn motor_part(&self, impulse: i64) -> i64 {
-        match self.place {
-            Place::Step(step) => impulse - self.spring_at(self.velocities[step]),
-            Place::Level(level) | Place::Strained(level, _) => self.levels[level],
-            Place::Settled(settled) => settled,
-        }
-    }
-
     /// Shortens the impulses of a pair at the end of a pass, where they are beyond their bounds: first the impulses of the springs, against which the
-    /// motors act in the next round, then the impulses of the motors. The last round settles the pair. Returns true if an impulse changes.
-    pub(in super::super) fn revise_pair(pair: &mut [Self; 2], impulses: [i64; 2], is_last: bool) -> bool {
+    /// motors act in the next round, then the impulses of the motors. Returns true if an impulse changes.
+    pub(in super::super) fn revise_pair(pair: &mut [Self; 2], impulses: [i64; 2]) -> bool {
         let Some([motor_bound, spring_bound]) = pair[0].pair else { return false };
-        let motors = [0, 1].map(|row| pair[row].motor_part(impulses[row]));
-        let springs = [impulses[0] - motors[0], impulses[1] - motors[1]];
+        let springs = [0, 1].map(|row| pair[row].spring_part(impulses[row]));
+        let motors = [impulses[0] - springs[0], impulses[1] - springs[1]];
         let short_springs = shortened(springs, spring_bound).filter(|_| pair[0].is_biased && pair[0].strain.is_none());
         let short_motors = shortened(motors, motor_bound).filter(|_| pair[0].count > 0);
         for row in 0..2 {
             let law = &mut pair[row];
+            if law.is_biased {
+                law.spring_impulse = short_springs.unwrap_or(springs)[row];
+            }
             match (short_springs, short_motors) {
-                _ if is_last => {
-                    law.spring_impulse = short_springs.unwrap_or(springs)[row];
-                    law.place = Place::Settled(short_motors.unwrap_or(motors)[row] + law.spring_impulse);
-                }
                 (Some(springs), _) => law.strain = Some(springs[row]),
                 (None, Some(motors)) => (law.count, law.levels[0], law.place) = (0, motors[row], Place::Level(0)),
-                (None, None) => return false,
+                (None, None) => {}
             }
         }
-        true
+        short_springs.is_some() || short_motors.is_some()
+    }
+
+    /// Settles a pair that was revised at these impulses: the motors within their bound, the springs as they came out then.
+    pub(in super::super) fn settle_pair(pair: &mut [Self; 2], impulses: [i64; 2]) {
+        let Some([motor_bound, _]) = pair[0].pair else { return };
+        let motors = [0, 1].map(|row| match pair[row].place {
+            Place::Level(level) => pair[row].levels[level],
+            _ => impulses[row] - pair[row].spring_part(impulses[row]),
+        });
+        let motors = shortened(motors, motor_bound).unwrap_or(motors);
+        for (law, motor) in pair.iter_mut().zip(motors) {
+            law.place = Place::Settled(motor + law.spring_impulse);
+        }
     }
 }
