@@ -229,8 +229,8 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         hinge(body, JointKind::Revolute(Revolute { friction, ..revolute }))
     });
     let (mut world, [first, ..], _) = stage();
-    let most = TEETH as i16;
-    for (count, is_within) in [(1, true), (-most, true), (most, true), (0, false), (most + 1, false)] {
+    let largest = TEETH as i16;
+    for (count, is_within) in [(1, true), (-largest, true), (largest, true), (0, false), (largest + 1, false)] {
         let gear = hinge(first, JointKind::Gear(Gear { teeth: [1, count] }));
         expect(&mut world, &gear, if is_within { Ok(()) } else { out_of(Quantity::Teeth) });
     }

@@ -19,8 +19,8 @@
 //!
 //! A body has four forms: columns, flight, a row of the solver, a correction. A contact has four as well: a pair, a meeting, a contact in a
 //! group of the solver, a record. `events` and `sensors` report; `view` shows contacts to users; `bodies` is the border to bodies of any scalar;
-//! `springs` sums up what springs of joints hold; `numbers` gives outlines the numbers that the broad phase knows; `movers` keeps what no step changes of moving outlines; `reach` says how
-//! far outlines come in a step; `tiles` and `body_tiles` are polygons beside each other as one surface.
+//! `springs` has the energy of springs of joints; `numbers` gives outlines the numbers that the broad phase knows; `movers` keeps what no step
+//! changes of moving outlines; `reach` says how far outlines come in a step; `tiles` and `body_tiles` are polygons beside each other as one surface.
 //!
 //! Contacts are found in fixed point, whatever the scalar of the world: `World<f64>` takes the manifolds of `World<Fx>`, with an
 //! error of 2^-32 m, which is far below the accuracy that floats are compared for. Only the solver depends on the scalar.

@@ -60,14 +60,6 @@ fn length_above(vector: Vec2) -> Fx {
     Fx::from_bits(length.to_bits() + i64::from(is_below))
 }
 
-/// The angle of a joint of this kind for the angles of its frames: from the first frame to the second one, or the sum of the angles of two gears, each
-/// times its teeth. Whole turns are left out.
-fn angle_of(kind: JointKind, frames: [Turn; 2]) -> Turn {
-    let factors = if let JointKind::Gear { teeth } = kind { teeth } else { [-1, 1] };
-    let [first, second] = [0, 1].map(|side| frames[side].to_bits().wrapping_mul(i64::from(factors[side]) as u64));
-    Turn::from_bits(first.wrapping_add(second))
-}
-
 /// A joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
@@ -90,17 +82,12 @@ pub(crate) struct Link {
 impl Link {
     /// The angle of the joint, for the angles of the ends.
     pub(crate) fn angle(&self, ends: [Turn; 2]) -> Turn {
-        Turn::from_bits(angle_of(self.kind, ends).to_bits().wrapping_add(self.frame.to_bits()))
+        Turn::from_bits(self.kind.angle(ends).to_bits().wrapping_add(self.frame.to_bits()))
     }
 
     /// The position of the joint around, rad, for the angles of the ends and whole turns: of two gears of the wheel with more teeth. *Error* 1 ulp.
     pub(crate) fn position(&self, ends: [Turn; 2], turns: i16) -> Fx {
-        let position = position(self.angle(ends), turns);
-        let JointKind::Gear { teeth: [first, second] } = self.kind else { return position };
-        let most = i64::from(first.unsigned_abs().max(second.unsigned_abs()).max(1));
-        let bits = position.to_bits();
-        // To nearest, halves away from zero.
-        Fx::from_bits((2 * bits + bits.signum() * most) / (2 * most))
+        self.kind.position_around(position(self.angle(ends), turns))
     }
 
     /// The joint as the solver takes it, of bodies with these flights: for the arms of its ends in world axes, m, and the angles of its bodies.
@@ -136,7 +123,7 @@ impl Link {
             axis: def.kind.axis(),
             slides: def.kind.slides(),
             counts_turns: def.kind.counts_turns(),
-            frame: angle_of(kind, frames),
+            frame: kind.angle(frames),
             break_force: def.break_force.map(S::to_fx),
             is_enabled: def.enabled,
             collides: def.collide_connected,

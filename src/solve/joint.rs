@@ -141,9 +141,10 @@ impl Joint {
         };
         let repair = clock.length_of_bits(error.into(), -32).unsigned_abs() >> 1;
         let ends = self.bodies.map(|body| &flights[body as usize]);
-        let around = self.axis.as_ref().map_or(0, |law| {
-            let (inertia, length) = (self.effective_inertia(ends), axis_length(ends));
-            inertia.zip(length).map_or(0, |(inertia, length)| law.speed(inertia, length, clock))
+        let around = self.axis.as_ref().zip(axis_length(ends)).map_or(0, |(law, length)| {
+            // Springs alone ask for it.
+            let inertia = law.spring.and_then(|_| self.effective_inertia(ends)).unwrap_or(FxFactor::ONE);
+            law.speed(inertia, length, clock)
         });
         if self.slides == [None; 2] {
             return repair.max(around);

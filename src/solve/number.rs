@@ -43,6 +43,12 @@ pub(super) const fn lowered(value: i128, bits: i32) -> i128 {
     (value + (1 << (bits - 1)) + (value >> 127)) >> bits
 }
 
+/// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
+pub(super) fn divided(value: i128, divisor: i64) -> i128 {
+    let divisor = i128::from(divisor);
+    value.signum() * ((2 * value.abs() + divisor) / (2 * divisor))
+}
+
 /// The value within ±limit. *Domain* limit ≥ 0.
 #[inline]
 pub(super) fn clamped_word(value: i64, limit: i64) -> i32 {

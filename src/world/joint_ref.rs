@@ -5,7 +5,7 @@ use core::fmt;
 use super::World;
 use crate::force::End;
 use crate::fx::Fx;
-use crate::joint::{Gear, JointDef, JointKind};
+use crate::joint::{JointDef, JointKind};
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, FxWide, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
@@ -114,9 +114,7 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     pub fn angle(&self) -> S {
         let def = self.def();
         if def.kind.counts_turns() || matches!(def.kind, JointKind::Gear(_)) {
-            let angles = def.bodies().map(|body| self.world.joint_angle(body, S::ZERO).to_turn());
-            let turns = self.world.joint_states.list[self.index].turns;
-            return S::from_fx(self.world.joints.link(self.index).position(angles, turns));
+            return S::from_fx(self.world.joint_position(self.index));
         }
         let [first, second] = self.bodies();
         let frames = [self.world.joint_angle(first, def.angles[0]), self.world.joint_angle(second, def.angles[1])];
@@ -218,11 +216,7 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     pub fn torque(&self) -> S {
         let def = &self.world.def;
         let [.., torque] = self.world.joint_states.list[self.index].forces(def.time_step, def.contacts.substeps);
-        let JointKind::Gear(Gear { teeth: [first, second] }) = self.def().kind else { return S::from_fx(torque) };
-        let most = i128::from(first.unsigned_abs().max(second.unsigned_abs()).max(1));
-        let product = 2 * i128::from(torque.to_bits()) * i128::from(second);
-        // Not larger than the torque; to nearest, halves away from zero.
-        S::from_fx(Fx::from_bits(((product + product.signum() * most) / (2 * most)) as i64))
+        S::from_fx(self.world.joints.link(self.index).kind.torque_on_second(torque))
     }
 
     /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.

@@ -107,14 +107,12 @@ impl<S: Scalar> JointDef<S> {
     pub fn gear(world: &World<S>, first: BodyId, second: BodyId, teeth: [i16; 2]) -> Result<Self, Error> {
         let kind = JointKind::Gear(Gear { teeth });
         kind.check()?;
-        let mut step = 0;
-        for (body, teeth) in [first, second].into_iter().zip(teeth) {
-            world.bodies.find(body)?;
-            let angle = world.joint_angle(Some(body), S::ZERO).to_turn().to_bits();
-            step = angle.wrapping_mul(i64::from(teeth) as u64).wrapping_add(step);
-        }
+        world.bodies.find(first)?;
+        world.bodies.find(second)?;
+        let angles = [first, second].map(|body| world.joint_angle(Some(body), S::ZERO).to_turn());
+        let step = kind.for_solver(angles[0]).angle(angles).to_bits() as i64;
         // The second frame takes the teeth that are out of step: below half a tooth.
-        let turn = Turn::from_bits((step as i64 / -i64::from(teeth[1])) as u64);
+        let turn = Turn::from_bits((step / -i64::from(teeth[1])) as u64);
         let angle = S::Angle::default().way_to(S::Angle::from_turn(turn)).to_scalar().unwrap_or(S::ZERO);
         let ends = [first, second].map(|body| End::Body(Attachment { body, point: Vec2::ZERO }));
         Ok(Self { angles: [S::ZERO, angle], ..Self::new(ends, kind) })
@@ -401,10 +399,19 @@ impl<S: Scalar> World<S> {
         stands.turned(crate::scalar::Accumulator::from_scalar(angle))
     }
 
-    /// The angle of a joint in whole turns and the rest, for the angles of the bodies.
+    /// The angles of the bodies of a joint.
+    fn joint_angles(&self, index: usize) -> [Turn; 2] {
+        self.joints.def(index).bodies().map(|body| self.joint_angle(body, S::ZERO).to_turn())
+    }
+
+    /// The angle of a joint without its whole turns.
     pub(crate) fn joint_turn(&self, index: usize) -> Turn {
-        let link = self.joints.link(index);
-        link.angle(self.joints.def(index).bodies().map(|body| self.joint_angle(body, S::ZERO).to_turn()))
+        self.joints.link(index).angle(self.joint_angles(index))
+    }
+
+    /// The position of a joint around, with its whole turns, rad.
+    pub(super) fn joint_position(&self, index: usize) -> Fx {
+        self.joints.link(index).position(self.joint_angles(index), self.joint_states.list[index].turns)
     }
 
     /// Counts whole turns of the joints of a body that was turned the shorter way from this angle.

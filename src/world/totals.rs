@@ -33,8 +33,8 @@ impl<S: Scalar> World<S> {
     ///
     /// The spring of a joint holds ½·k·x², for its stretch x and the stiffness k = m·(2πf)² of its frequency f. x is the distance of
     /// [`JointRef::angle`](crate::JointRef::angle), [`length`](crate::JointRef::length), [`translation`](crate::JointRef::translation) or
-    /// [`offset`](crate::JointRef::offset) from its rest, and m the effective mass of both bodies along the joint or around it, kg or kg·m², where they are now. With a
-    /// [`max_force`](crate::JointSpring::max_force) F (else 2^31 N or N·m) it holds ½·F²/k + F·(x − F/k) beyond x = F/k: the work that it
+    /// [`offset`](crate::JointRef::offset) from its rest, and m the effective mass of both bodies along the joint or around it, kg or kg·m², where
+    /// they are now. With a [`max_force`](crate::JointSpring::max_force) F (else 2^31 N or N·m) it holds ½·F²/k + F·(x − F/k) beyond x = F/k: the work that it
     /// takes to stretch it. Nothing is held by a joint that is disabled or broken or of which a body is disabled or quarantined, by a rod that
     /// limits keep rigid, and by a distance joint whose ends are at one point: its spring has no direction.
     ///

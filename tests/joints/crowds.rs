@@ -237,34 +237,44 @@ fn a_tank_drives_on_its_track_and_rests() {
     assert!(x > fx!(8) && widest < fx!(0.05) && fastest < fx!(0.05), "{x}, {widest}, {fastest}");
 }
 
+/// Level planks of 1 m between two banks, whose hinges are made by their number.
+fn bridge(planks: i32, hinge: impl Fn(i32) -> Revolute) -> World {
+    let mut world = falling();
+    let mut last: Option<BodyId> = None;
+    for i in 0..=planks {
+        let next = (i < planks).then(|| {
+            let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a shape");
+            let collider = ColliderDef { density: fx!(4), ..ColliderDef::new(shape) };
+            let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
+            let plank = BodyDef { position, colliders: vec![collider], ..BodyDef::dynamic() };
+            world.add_body(plank).expect("a body")
+        });
+        let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
+        world.add_joint(JointDef { kind: JointKind::Revolute(hinge(i)), ..joint }).expect("a joint");
+        last = next;
+    }
+    world
+}
+
+/// Runs a bridge. Returns the widest gap on the way, and the fastest speed at the end.
+fn run_bridge(world: &mut World, ticks: usize) -> [Fx; 2] {
+    let mut widest = fx!(0);
+    for _ in 0..ticks {
+        world.step();
+        widest = widest.max(gap(world));
+    }
+    [widest, world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max)]
+}
+
 /// Planks between two banks with friction in every hinge, or with brakes: whatever the torque, no hinge opens, and nothing starts by itself.
 #[test]
 fn a_bridge_with_friction_between_two_banks_holds() {
     for (friction, is_brake) in [(0, false), (1, false), (100, false), (500, false), (5_000, false), (500, true)] {
         let force = Fx::from_ratio(friction, 1_000);
-        let mut world = falling();
-        let mut last: Option<BodyId> = None;
-        for i in 0..=14 {
-            let next = (i < 14).then(|| {
-                let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a shape");
-                let collider = ColliderDef { density: fx!(4), ..ColliderDef::new(shape) };
-                let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
-                let plank = BodyDef { position, colliders: vec![collider], ..BodyDef::dynamic() };
-                world.add_body(plank).expect("a body")
-            });
-            let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
-            let motor = is_brake.then_some(JointMotor { speed: fx!(0), max_force: force });
-            let friction = if is_brake { fx!(0) } else { force };
-            let kind = JointKind::Revolute(Revolute { friction, motor, ..Revolute::default() });
-            world.add_joint(JointDef { kind, ..joint }).expect("a joint");
-            last = next;
-        }
-        let mut widest = fx!(0);
-        for _ in 0..600 {
-            world.step();
-            widest = widest.max(gap(&world));
-        }
-        let fastest = world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max);
+        let motor = is_brake.then_some(JointMotor { speed: fx!(0), max_force: force });
+        let friction = if is_brake { fx!(0) } else { force };
+        let mut world = bridge(14, |_| Revolute { friction, motor, ..Revolute::default() });
+        let [widest, fastest] = run_bridge(&mut world, 600);
         println!("friction {force}, brake {is_brake}: gap {widest}, speed {fastest}");
         assert!(widest < fx!(0.005) && fastest < fx!(0.3), "{force}, {is_brake}: {widest}, {fastest}");
     }
@@ -274,28 +284,11 @@ fn a_bridge_with_friction_between_two_banks_holds() {
 /// pass, and where they have not come to an end all are settled. Without that the bridge would fly to pieces in its first second.
 #[test]
 fn a_bridge_with_motors_against_friction_holds() {
-    let mut world = falling();
-    let mut last: Option<BodyId> = None;
     let force = fx!(5);
-    for i in 0..=6 {
-        let next = (i < 6).then(|| {
-            let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a shape");
-            let collider = ColliderDef { density: fx!(4), ..ColliderDef::new(shape) };
-            let position = Vec2::new(Fx::from(i) + fx!(0.5), fx!(0));
-            let plank = BodyDef { position, colliders: vec![collider], ..BodyDef::dynamic() };
-            world.add_body(plank).expect("a body")
-        });
-        let joint = JointDef::at(&world, last, next, vec2(i, 0)).expect("a joint");
+    let mut world = bridge(6, |i| {
         let motor = Some(JointMotor { speed: Fx::from(i * 6 % 7 - 3), max_force: force });
-        let kind = JointKind::Revolute(Revolute { friction: force, motor, ..Revolute::default() });
-        world.add_joint(JointDef { kind, ..joint }).expect("a joint");
-        last = next;
-    }
-    let mut widest = fx!(0);
-    for _ in 0..200 {
-        world.step();
-        widest = widest.max(gap(&world));
-    }
-    let fastest = world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max);
+        Revolute { friction: force, motor, ..Revolute::default() }
+    });
+    let [widest, fastest] = run_bridge(&mut world, 200);
     assert!(widest < fx!(0.005) && fastest < fx!(1), "{widest}, {fastest}");
 }

@@ -150,12 +150,12 @@ fn a_quarter_turn_keeps_whole_teeth() {
 /// A gear has no motor, and no teeth out of range.
 #[test]
 fn teeth_out_of_range_are_refused() {
-    let most = limits::TEETH as i16;
-    for teeth in [[0, 1], [1, 0], [most + 1, 1], [1, i16::MIN]] {
+    let largest = limits::TEETH as i16;
+    for teeth in [[0, 1], [1, 0], [largest + 1, 1], [1, i16::MIN]] {
         let refusal = Err(Error::OutOfRange { quantity: Quantity::Teeth });
         assert_eq!(JointKind::<Fx>::Gear(Gear { teeth }).check(), refusal);
     }
-    assert_eq!(JointKind::<Fx>::Gear(Gear { teeth: [most, -most] }).check(), Ok(()));
+    assert_eq!(JointKind::<Fx>::Gear(Gear { teeth: [largest, -largest] }).check(), Ok(()));
     let mut world = World::new(WorldDef::default()).expect("a world");
     let [(first, _), (second, _)] = [0, 5].map(|x| wheel(&mut world, vec2(x, 0), fx!(1)));
     let gear = mesh(&mut world, first, second, [1, 1]);

@@ -396,7 +396,7 @@ fn an_angular_spring_counts_turns() {
     assert!((turned - Fx::TAU * 3).abs() < fx!(0.2), "{turned}");
 }
 
-/// What is taken away from a joint pulls no more, and what stays pulls on.
+/// A spring or a motor that is taken away from a joint pulls no more, and the parts that stay pull on.
 #[test]
 fn parts_that_are_taken_away_pull_no_more() {
     let mut world = still();

@@ -4,7 +4,7 @@ use super::length_of;
 use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
 use crate::scalar::Turn;
-use crate::solve::number::lowered;
+use crate::solve::number::{divided, lowered};
 
 /// The quantity that a joint keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,13 +46,40 @@ impl JointKind {
         }
     }
 
-    /// The velocities of both bodies in the velocity of the angle, in 2^-30: the larger one, of two gears, is 1.
+    /// The teeth of gears. The angle from one body to another one is their sum of angles with these two.
+    fn teeth(self) -> [i64; 2] {
+        if let Self::Gear { teeth } = self { teeth.map(i64::from) } else { [-1, 1] }
+    }
+
+    /// The larger number of teeth.
+    fn largest_teeth(self) -> i64 {
+        let [first, second] = self.teeth().map(i64::abs);
+        first.max(second).max(1)
+    }
+
+    /// The velocities of both bodies in the velocity of the angle, in 2^-30: the velocity of the wheel with more teeth, of two gears, has 1.
     pub(super) fn angle_factors(self) -> [i64; 2] {
-        let Self::Gear { teeth } = self else { return [-(1 << 30), 1 << 30] };
-        let [first, second] = teeth.map(i64::from);
-        let most = first.abs().max(second.abs()).max(1);
-        // To nearest, halves away from zero.
-        [first, second].map(|count| count.signum() * (((count.abs() << 31) + most) / (2 * most)))
+        self.teeth().map(|count| divided(i128::from(count) << 30, self.largest_teeth()) as i64)
+    }
+
+    /// The sum of the angles of two frames, each times its teeth: from the first frame to the second one, if the joint is no gear. Whole turns are left
+    /// out.
+    pub(crate) fn angle(self, frames: [Turn; 2]) -> Turn {
+        let teeth = self.teeth();
+        let [first, second] = [0, 1].map(|side| frames[side].to_bits().wrapping_mul(teeth[side] as u64));
+        Turn::from_bits(first.wrapping_add(second))
+    }
+
+    /// The position around for a sum of angles, rad: of two gears the angle of the wheel with more teeth. *Error* ½ ulp.
+    pub(crate) fn position_around(self, sum: Fx) -> Fx {
+        Fx::from_bits(divided(sum.to_bits().into(), self.largest_teeth()) as i64)
+    }
+
+    /// The torque on the second body for the torque around. *Error* ½ ulp.
+    pub(crate) fn torque_on_second(self, torque: Fx) -> Fx {
+        let [_, second] = self.teeth();
+        // Not larger than the torque.
+        Fx::from_bits(divided(i128::from(torque.to_bits()) * i128::from(second), self.largest_teeth()) as i64)
     }
 
     /// Returns true if the impulses of both are of the same rows.
@@ -60,9 +87,7 @@ impl JointKind {
         let is_along = |kind| matches!(kind, Self::Distance { .. } | Self::Line);
         core::mem::discriminant(&self) == core::mem::discriminant(&kind) || is_along(self) && is_along(kind)
     }
-}
 
-impl JointKind {
     /// The ways along and across the axis of a frame that turns with the first body, or the length of another joint and 0, for the offset of its
     /// points in 2^-32 m: to nearest.
     pub(crate) fn ways(self, offset: [i128; 2]) -> [Fx; 2] {

@@ -56,7 +56,7 @@ impl Number for f32 {
     }
 }
 
-pub fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
+fn vector<S: Number>(x: f64, y: f64) -> Vec2<S> {
     Vec2::new(S::number(x), S::number(y))
 }
 
@@ -65,14 +65,14 @@ fn damping<S: Number>(c: f64) -> Damping<S> {
     Damping::kept_per_second(S::number((-c).exp()))
 }
 
-pub fn time_step(dt: f64) -> TimeStep {
+fn time_step(dt: f64) -> TimeStep {
     let rate = (1.0 / dt).round();
     assert!((rate * dt - 1.0).abs() < 1e-12, "{dt} s is no whole number of steps a second");
     TimeStep::hz(rate as u32)
 }
 
 /// The shape of a body; `None` if it has none.
-pub fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
+fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
     let geometry = match b.shape {
         Shape::None { .. } => return None,
         Shape::Circle { r } => Geometry::Circle { radius: S::number(r) },
@@ -155,7 +155,7 @@ fn law<S: Number>(field: Field, body: BodyId) -> FieldKind<S> {
 }
 
 /// The widest vector instructions of a name like `avx2`, if this CPU has them.
-pub fn vectors(name: &str) -> Option<VectorSet> {
+fn vectors(name: &str) -> Option<VectorSet> {
     VectorSet::available().find(|set| format!("{set:?}").eq_ignore_ascii_case(name))
 }
 

@@ -2,6 +2,7 @@
 
 use super::super::length_of;
 use super::{AxisRow, Place};
+use crate::solve::number::divided;
 
 /// The largest impulse of a paired row alone.
 const UNBOUNDED: i64 = 1 << 55;
@@ -13,10 +14,9 @@ fn shortened(vector: [i64; 2], length: i64) -> Option<[i64; 2]> {
     if x * x + y * y <= bound * bound {
         return None;
     }
-    let longer = i128::from(length_of(vector[0], vector[1])).max(1);
-    // Below 2^122.
-    let part = |value: i128| value.signum() * ((2 * value.abs() * bound + longer) / (2 * longer));
-    Some([part(x) as i64, part(y) as i64])
+    let longer = length_of(vector[0], vector[1]).max(1);
+    // Below 2^121.
+    Some([x, y].map(|part| divided(part * bound, longer) as i64))
 }
 
 impl AxisRow {

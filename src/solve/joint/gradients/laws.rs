@@ -9,14 +9,8 @@ use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
-use crate::solve::number::{exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word};
 use crate::solve::unit::SoftRow;
-
-/// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
-fn divided(value: i128, divisor: i64) -> i128 {
-    let divisor = i128::from(divisor);
-    value.signum() * ((2 * value.abs() + divisor) / (2 * divisor))
-}
 
 /// Begins the iterations: sets the aims of laws, and gives the impulses that do not follow from velocities.
 pub(super) fn give(

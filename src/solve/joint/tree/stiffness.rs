@@ -18,7 +18,7 @@ pub(super) struct Stiffness {
     compliance: i64,
 }
 
-/// What a row does in a pass: the impulse κ·(change − r) + η for a change of the velocity of the parent against the node.
+/// The aim of a row in a pass: the impulse κ·(change − r) + η for a change of the velocity of the parent against the node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RowAim {
     pub(super) kappa: i64,
