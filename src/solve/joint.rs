@@ -62,10 +62,10 @@ mod turn;
 use alloc::vec::Vec;
 
 use self::axis::AxisRow;
-use self::turn::Side;
+use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
-use super::number::{bits_of, clamped, fixed, lowered, shifted, shifted_word};
+use super::number::{bits_of, clamped, fixed, lowered, shifted, shifted_word, upper};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
@@ -92,6 +92,8 @@ const IMPULSE: i64 = 1 << 50;
 const GAIN: i64 = 1 << 58;
 /// Bits by which the products of impulses and axes are lowered, before those with masses.
 const LOWER: i32 = 20;
+/// Bits by which masses are raised, so that those of changes of velocity stand in the upper word of a product.
+const RAISED: i32 = 18;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
 
@@ -213,9 +215,10 @@ pub(super) struct Block {
     lengths: [i64; 2],
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
-    /// The number of sub-steps, and of moves of the bodies so far.
+    /// The number of sub-steps.
     substeps: i32,
-    moves: i32,
+    /// True if the displacement of a row differs from that of its body.
+    is_shifted: bool,
     /// log2 of the unit of its impulses, N·s.
     pub(super) exponent: i32,
     /// log2 of that unit over the unit of velocity, kg.
@@ -246,7 +249,7 @@ impl Block {
         index: usize,
         input: &StepInput<'_>,
         bodies: [&SolverBody; 2],
-        rows: [u32; 2],
+        poses: [&Pose; 2],
         shares: [i64; 2],
         unit: i32,
         laws: &mut Vec<AxisRow>,
@@ -256,7 +259,7 @@ impl Block {
         let scale = MASS_BITS - largest_exponent(bodies).unwrap_or(0);
         let mut sides = [0, 1].map(|k| {
             let flight = &flights[joint.bodies[k] as usize];
-            Side::new(flight, rows[k], shares[k], joint.anchors[k], scale, unit, clock)
+            Side::new(flight, poses[k], shares[k], joint.anchors[k], scale, unit, clock)
         });
         let flights = joint.bodies.map(|body| &flights[body as usize]);
         let offset_bits = joint.offset(input.flights);
@@ -327,7 +330,7 @@ impl Block {
             lengths,
             base,
             substeps: clock.substeps as i32,
-            moves: 0,
+            is_shifted: false,
             exponent,
             mass_exponent,
             mass_bits,
@@ -351,10 +354,12 @@ impl Block {
     }
 
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
-    fn advance(&mut self, rows: &Rows, laws: &mut [AxisRow]) -> u64 {
-        (0..4).for_each(|i| self.weighted[i] += self.applied[i] + self.change[i]);
-        self.moves += 1;
-        self.turn(rows, laws)
+    #[inline(always)]
+    fn advance(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
+        for i in 0..4 {
+            self.weighted[i] += self.applied[i] + self.change[i];
+        }
+        self.turn(poses, laws)
     }
 
     /// Returns true if the joint holds a length, and nothing else.
@@ -371,32 +376,43 @@ impl Block {
     /// The velocities of the rows that are held, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the
     /// second-order term.
     #[inline(always)]
-    fn residual(&self, rows: &Rows, rate: Option<i64>) -> [i64; 2] {
+    fn residual(&self, rows: &Rows, poses: &[Pose], rate: Option<i64>) -> [i64; 2] {
         let velocities = self.velocities(rows);
         let mut residual = [0; 2];
-        for (row, sum) in residual.iter_mut().enumerate().filter(|&(row, _)| self.held[row]) {
-            *sum = self.velocity(row, velocities);
-            if let Some(rate) = rate {
-                *sum += rate * self.errors[row] + self.second_order(row, velocities);
+        if let Some(rate) = rate {
+            let bends = self.bends(self.sweeps(poses));
+            for row in 0..2 {
+                if self.held[row] {
+                    let repair = rate * self.errors[row];
+                    residual[row] = self.velocity(row, velocities) + repair + self.second_order(row, velocities, bends);
+                }
+            }
+        } else {
+            for row in 0..2 {
+                if self.held[row] {
+                    residual[row] = self.velocity(row, velocities);
+                }
             }
         }
         residual
     }
 
-    /// Changes the impulses of the rows. Returns the number of impulses that were cut off.
+    /// Changes the impulses of the rows, by less than 2^62. Returns the number of impulses that were cut off.
     #[inline(always)]
-    fn change(&mut self, changes: [i128; 3], laws: &mut [AxisRow]) -> u64 {
+    fn change(&mut self, changes: [i64; 3], laws: &mut [AxisRow]) -> u64 {
         let mut cut = 0;
         let mut applied = [0; 3];
-        for row in (0..3).filter(|&row| self.is_active[row]) {
-            let before = self.impulses[row];
-            let wanted = i128::from(before) + changes[row];
-            let mut after = wanted.clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64;
-            cut += u64::from(i128::from(after) != wanted);
-            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-                after = law.finish(after);
+        for row in 0..3 {
+            if self.is_active[row] {
+                let before = self.impulses[row];
+                let wanted = before + changes[row];
+                let mut after = wanted.clamp(-IMPULSE, IMPULSE);
+                cut += u64::from(after != wanted);
+                if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                    after = law.finish(after);
+                }
+                (self.impulses[row], applied[row]) = (after, after - before);
             }
-            (self.impulses[row], applied[row]) = (after, after - before);
         }
         self.push(applied);
         cut
@@ -405,38 +421,62 @@ impl Block {
     /// Ends a sub-step: adds up its impulses.
     #[inline(always)]
     fn end(&mut self) {
-        (0..4).for_each(|i| self.applied[i] += self.change[i]);
+        for i in 0..4 {
+            self.applied[i] += self.change[i];
+        }
     }
 
     /// Adds impulses of the rows to the change of the sub-step.
+    #[inline(always)]
     fn push(&mut self, impulses: [i64; 3]) {
-        for (row, impulse) in impulses.into_iter().enumerate().filter(|&(row, _)| self.is_active[row]) {
-            let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
-            for (sum, factor) in self.change.iter_mut().zip([ux, uy, ka, kb]) {
-                *sum += i128::from(impulse) * i128::from(factor);
+        for row in 0..3 {
+            if self.is_active[row] {
+                let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+                let impulse = i128::from(impulses[row]);
+                self.change[0] += impulse * i128::from(ux);
+                self.change[1] += impulse * i128::from(uy);
+                self.change[2] += impulse * i128::from(ka);
+                self.change[3] += impulse * i128::from(kb);
             }
         }
     }
 
     /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
     /// Returns the number of changes that were cut off.
+    #[inline(always)]
     fn give_gains(&mut self, rows: &mut Rows) -> u64 {
-        // Products with masses are below 2^107. The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
-        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
+        // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let [x, y, turn_a, turn_b] = self.change;
         let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
-        let turns = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
+        let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
+        // From products with masses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
+        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
+        let up = 64 - RAISED - bits;
+        let magnitude = |impulse: i64| impulse ^ (impulse >> 63);
+        let bound = magnitude(x) | magnitude(y) | magnitude(turn_a) | magnitude(turn_b);
+        if bound >> (63 - up) != 0 {
+            return self.give_large_gains(rows, [x, y, turn_a, turn_b], bits);
+        }
+        let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
+        let [a, b] = &mut self.sides;
+        a.give_gains(rows, [x, y, turn_a], -1) + b.give_gains(rows, [x, y, turn_b], 1)
+    }
+
+    /// [`give_gains`](Self::give_gains) by impulses of any size along x and y and of rotation.
+    #[cold]
+    fn give_large_gains(&mut self, rows: &mut Rows, [x, y, turn_a, turn_b]: [i64; 4], bits: i32) -> u64 {
         let mut cut = 0;
-        for (side, (turn, sign)) in self.sides.iter_mut().zip(turns.into_iter().zip([-1, 1])) {
+        for (side, (turn, sign)) in self.sides.iter_mut().zip([(turn_a, -1), (turn_b, 1)]) {
             if !side.is_movable() {
                 continue;
             }
-            let gains = &mut rows.rows[side.row as usize].gain;
             for (k, impulse) in [x, y, turn].into_iter().enumerate() {
+                // Products with masses are below 2^107.
                 let wanted = shifted(i128::from(side.masses[k]) * i128::from(impulse), bits);
-                let applied_gain = wanted.clamp(-side.gain_limit, side.gain_limit) as i64;
+                let limit = i128::from(side.gain_limit);
+                let applied_gain = wanted.clamp(-limit, limit) as i64;
                 cut += u64::from(i128::from(applied_gain) != wanted);
-                gains[k] += sign * (applied_gain - side.applied_gain[k]);
+                rows.rows[side.row as usize].gain[k] += sign * (applied_gain - side.applied_gain[k]);
                 side.applied_gain[k] = applied_gain;
             }
         }
@@ -446,7 +486,7 @@ impl Block {
 
 impl Side {
     /// A body at a joint, with masses in 2^-`scale`.
-    fn new(flight: &Flight, row: u32, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
+    fn new(flight: &Flight, pose: &Pose, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
         let length = flight.length();
         let (mx, my) = (fixed(flight.inverse_mass.x, scale), fixed(flight.inverse_mass.y, scale));
         let angular = fixed(flight.inverse_inertia, scale + 2 * length);
@@ -455,22 +495,38 @@ impl Side {
         let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
         let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
         let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + length), 1 << 30)));
-        let scaled = |factor: FxFactor, bits: i32| {
-            let (mantissa, shift) = factor.parts();
-            (mantissa, shift - bits - unit + length)
-        };
         Self {
-            row,
+            row: pose.row,
+            pose: pose.number,
             masses: [mx, my, angular],
-            gain_limit: GAIN.min((1 << 61) / share).into(),
+            gain_limit: GAIN.min((1 << 61) / share),
             start,
             unit_start,
             arm: start,
             unit_arm: unit_start,
-            turn: scaled(clock.substep_turns, 64),
-            angle: scaled(clock.substep, 30),
+            angle: pose.angle,
             shift: [0; 3],
             applied_gain: [0; 3],
         }
+    }
+
+    /// Adds to the gains of the body the changes of velocity by the impulses of the sub-step, less the part that was added before. Masses are
+    /// at most 2^44, so that the products of raised masses and of impulses along x and y and of rotation, which are below 2^63, are below 2^126.
+    /// Returns the number of changes that were cut off.
+    #[inline(always)]
+    fn give_gains(&mut self, rows: &mut Rows, impulses: [i64; 3], sign: i64) -> u64 {
+        if !self.is_movable() {
+            return 0;
+        }
+        let gains = &mut rows.rows[self.row as usize].gain;
+        let mut cut = 0;
+        for k in 0..3 {
+            let wanted = upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k]));
+            let applied_gain = wanted.clamp(-self.gain_limit, self.gain_limit);
+            cut += u64::from(applied_gain != wanted);
+            gains[k] += sign * (applied_gain - self.applied_gain[k]);
+            self.applied_gain[k] = applied_gain;
+        }
+        cut
     }
 }

@@ -371,7 +371,7 @@ impl Solver {
         limit_wedges(pushes, groups);
         set_followers(bodies, flights);
         rolls.set(&input, graph, bodies, groups);
-        blocks.set_paths(&input, graph, bodies, paths);
+        blocks.set_paths(&input, graph, paths);
         impacts.clear();
     }
 

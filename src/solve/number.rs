@@ -43,6 +43,14 @@ pub(super) const fn lowered(value: i128, bits: i32) -> i128 {
     (value + (1 << (bits - 1)) + (value >> 127)) >> bits
 }
 
+/// [`lowered`] by 64 bits: the upper word, without a shift. *Domain* |value| < 2^126.
+#[inline(always)]
+pub(super) const fn upper(value: i128) -> i64 {
+    // A half, less by one for a negative value.
+    let half = (1_u64 << 63).wrapping_add((value >> 127) as u64);
+    ((value + half as i128) >> 64) as i64
+}
+
 /// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
 pub(super) fn divided(value: i128, divisor: i64) -> i128 {
     let divisor = i128::from(divisor);

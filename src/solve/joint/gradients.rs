@@ -23,6 +23,7 @@ use self::laws::{give, revise_laws, settle_laws};
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::tree::{FRACTION, RESIDUAL};
+use super::turn::Pose;
 use super::{Block, FINER, LOWER};
 use crate::slots::NONE;
 use crate::solve::matrix::{Inverse, Matrix};
@@ -170,6 +171,7 @@ impl Loops {
     pub(super) fn solve(
         &mut self,
         blocks: &mut [Block],
+        poses: &[Pose],
         laws: &mut [AxisRow],
         rows: &mut Rows,
         soft: &SoftRow,
@@ -183,7 +185,7 @@ impl Loops {
             let joints = &mut joints[range.clone()];
             let bodies = bodies.clone();
             for (joint, block) in joints.iter_mut().zip(&*blocks) {
-                joint.begin(block, rows, soft, is_biased);
+                joint.begin(block, poses, rows, soft, is_biased);
             }
             if *has_laws {
                 for block in blocks.iter() {
@@ -203,7 +205,7 @@ impl Loops {
                 iterate(joints, blocks, moved, bodies);
             }
             for (joint, block) in joints.iter().zip(blocks) {
-                let changes = joint.solution.map(|solution| lowered(solution.into(), FINER_STILL));
+                let changes = joint.solution.map(|solution| lowered(solution.into(), FINER_STILL) as i64);
                 cut += block.change(changes, laws) + block.give_gains(rows);
             }
         }
@@ -299,8 +301,8 @@ impl LoopJoint {
 
     /// Begins a pass with the residual of the rows.
     #[inline(always)]
-    fn begin(&mut self, block: &Block, rows: &Rows, soft: &SoftRow, is_biased: bool) {
-        let residual = block.residual(rows, if is_biased { Some(soft.rate.into()) } else { None });
+    fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
+        let residual = block.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
         self.residual = [0; 3];
         for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
             let mut sum = i128::from(shifted_word(part, 30 - FRACTION));

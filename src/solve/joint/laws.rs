@@ -24,7 +24,11 @@ impl Block {
     /// The velocity of a row that has a law, in 2^-30; in the solve pass with the second-order term of a distance.
     fn law_velocity(&self, row: usize, velocities: [Vector; 2], is_biased: bool) -> i64 {
         let velocity = self.velocity(row, velocities);
-        if row == 2 || !is_biased { velocity } else { velocity + self.second_order(row, velocities) }
+        if row == 2 || !is_biased {
+            velocity
+        } else {
+            velocity + self.second_order(row, velocities, self.bends(self.sweeps_at(velocities)))
+        }
     }
 
     /// Takes note of the velocities at the beginning of a sub-step, which springs ask for.

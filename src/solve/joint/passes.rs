@@ -8,9 +8,11 @@ use super::axis::AxisRow;
 use super::forest::Forest;
 use super::gradients::Loops;
 use super::tree::Trees;
+use super::turn::Pose;
 use super::{Block, Joint};
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
+use crate::slots::NONE;
 use crate::solve::apply::{Path, Total};
 use crate::solve::bodies::{BodyRows, STILL};
 use crate::solve::graph::Graph;
@@ -26,6 +28,13 @@ use crate::solve::{Flight, Impulses, StepInput};
 pub(in crate::solve) struct Joints {
     forest: Forest,
     pub(in crate::solve) blocks: Vec<Block>,
+    /// The rows of the bodies of blocks.
+    poses: Vec<Pose>,
+    /// The pose by row, [`NONE`] for rows without.
+    pose_of: Vec<u32>,
+    /// The number of sub-steps, and of moves of the bodies so far.
+    substeps: i32,
+    moves: i32,
     /// The laws of the rows of blocks, in their order.
     laws: Vec<AxisRow>,
     trees: Trees,
@@ -101,10 +110,13 @@ impl Joints {
 
     /// Prepares the joints.
     pub(in crate::solve) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
-        let Self { forest, blocks, laws, trees, loops, soft, counts, touched, loads, .. } = self;
-        let StepInput { softness, flights, joints, .. } = *input;
+        let Self { forest, blocks, poses, pose_of, laws, trees, loops, soft, counts, touched, loads, .. } = self;
+        let StepInput { clock, softness, flights, joints, .. } = *input;
+        (self.substeps, self.moves) = (clock.substeps as i32, 0);
         forest.update(flights, joints);
         blocks.clear();
+        poses.clear();
+        pose_of.clear();
         laws.clear();
         touched.clear();
         if joints.is_empty() {
@@ -129,12 +141,34 @@ impl Joints {
             let unit = bodies.bodies[mover as usize].unit;
             let rows = joint.bodies.map(|body| bodies.row(input, body, unit));
             let ends = joint.bodies.map(|body| &bodies.bodies[body as usize]);
+            let numbers = [0, 1].map(|side| {
+                let (row, body) = (rows[side], joint.bodies[side]);
+                pose_of.resize(bodies.rows.len() as usize, NONE);
+                let number = &mut pose_of[row as usize];
+                // Bodies at rest share a row, and each has an angle of a unit of its own.
+                if *number == NONE || row == STILL {
+                    *number = poses.len() as u32;
+                    poses.push(Pose::new(*number, row, body, &flights[body as usize], unit, clock));
+                }
+                *number as usize
+            });
             let shares = joint.bodies.map(|body| counts[body as usize].into());
-            blocks.push(Block::new(index as usize, input, ends, rows, shares, unit, laws));
+            blocks.push(Block::new(
+                index as usize,
+                input,
+                ends,
+                numbers.map(|number| &poses[number]),
+                shares,
+                unit,
+                laws,
+            ));
         }
         // An error that is cut off now is so after the first move, and counted there.
+        for pose in poses.iter_mut() {
+            pose.advance(&bodies.rows, 0, self.substeps);
+        }
         blocks.iter_mut().for_each(|block| {
-            block.turn(&bodies.rows, laws);
+            block.turn(poses, laws);
         });
         loads.find(input, forest, graph);
         trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
@@ -142,14 +176,8 @@ impl Joints {
     }
 
     /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
-    pub(in crate::solve) fn set_paths(
-        &mut self,
-        input: &StepInput<'_>,
-        graph: &Graph,
-        bodies: &BodyRows,
-        paths: &mut Vec<Path>,
-    ) {
-        let Self { blocks, held, .. } = self;
+    pub(in crate::solve) fn set_paths(&mut self, input: &StepInput<'_>, graph: &Graph, paths: &mut Vec<Path>) {
+        let Self { blocks, poses, held, .. } = self;
         let StepInput { clock, flights, joints, contacts, .. } = *input;
         paths.clear();
         if joints.is_empty() {
@@ -170,17 +198,16 @@ impl Joints {
             let is_held = island.is_some_and(|island| held[island as usize]);
             paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
         }
+        for pose in poses.iter_mut().filter(|pose| paths[pose.body as usize] == Path::Flight) {
+            let flight = &flights[pose.body as usize];
+            let [x, y, turn] = flight.offsets(clock);
+            let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
+            pose.shift = [shift(x, pose.unit), shift(y, pose.unit), shift(turn, pose.unit - flight.length())];
+        }
         for block in blocks {
-            let ends = joints[block.joint as usize].bodies;
-            let Some(mover) = graph.mover(ends) else { continue };
-            let unit = bodies.bodies[mover as usize].unit;
-            for (side, body) in block.sides.iter_mut().zip(ends) {
-                let flight = &flights[body as usize];
-                if paths[body as usize] == Path::Flight {
-                    let [x, y, turn] = flight.offsets(clock);
-                    let shift = |offset, unit| clamped(clock.length_of_bits(offset, unit), DISPLACEMENT.into());
-                    side.shift = [shift(x, unit), shift(y, unit), shift(turn, unit - flight.length())];
-                }
+            for side in &mut block.sides {
+                side.shift = poses[side.pose as usize].shift;
+                block.is_shifted |= side.shift != [0; 3];
             }
         }
     }
@@ -217,22 +244,34 @@ impl Joints {
         if self.blocks.is_empty() {
             return 0;
         }
+        self.moves += 1;
+        for pose in &mut self.poses {
+            pose.advance(rows, self.moves, self.substeps);
+        }
         let mut cut = 0;
         for block in &mut self.blocks {
-            cut += block.advance(rows, &mut self.laws);
+            cut += block.advance(&self.poses, &mut self.laws);
         }
         self.trees.factor(&self.blocks);
         self.loops.factor(&self.blocks, &self.soft);
         cut += self.pass(rows, lanes, false);
-        self.blocks.iter_mut().for_each(Block::end);
+        for block in &mut self.blocks {
+            block.end();
+        }
         cut
     }
 
     /// Solves trees and loops.
     #[inline(always)]
     fn pass<L: Lanes>(&mut self, rows: &mut Rows, lanes: L, is_biased: bool) -> u64 {
-        let Self { blocks, laws, trees, loops, soft, touched, .. } = self;
-        let cut = trees.solve(blocks, laws, rows, is_biased) + loops.solve(blocks, laws, rows, soft, is_biased);
+        let Self { blocks, poses, laws, trees, loops, soft, touched, .. } = self;
+        if is_biased {
+            for pose in poses.iter_mut() {
+                pose.set_sweep(rows);
+            }
+        }
+        let cut =
+            trees.solve(blocks, poses, laws, rows, is_biased) + loops.solve(blocks, poses, laws, rows, soft, is_biased);
         cut + rows.apply_gains(lanes, touched)
     }
 

@@ -52,6 +52,7 @@ use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::laws::RowChange;
+use super::turn::Pose;
 use crate::slots::NONE;
 use crate::solve::StepInput;
 use crate::solve::bodies::BodyRows;
@@ -169,6 +170,7 @@ impl Trees {
     pub(super) fn solve(
         &mut self,
         blocks: &mut [Block],
+        poses: &[Pose],
         laws: &mut [AxisRow],
         rows: &mut Rows,
         is_biased: bool,
@@ -179,7 +181,7 @@ impl Trees {
             let begin = tree.nodes.start;
             let nodes = &mut nodes[tree.nodes.clone()];
             for node in nodes.iter_mut() {
-                node.begin_pass(blocks, rows, is_biased);
+                node.begin_pass(blocks, poses, rows, is_biased);
             }
             if tree.has_laws {
                 begin_laws(nodes, blocks, laws, rows, is_biased);
@@ -342,6 +344,9 @@ fn set_joints(
     }
 }
 
+/// The largest change of an impulse that is told from others.
+const LARGEST: i128 = 1 << 61;
+
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
 fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], rows: &mut Rows) -> u64 {
@@ -362,7 +367,9 @@ fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [
         }
         let sign = if node.side == 0 { -1 } else { 1 };
         let block = &mut blocks[node.block as usize];
-        cut += block.change(push.map(|part| sign * shifted(part, bits)), laws) + block.give_gains(rows);
+        // Beyond that it is cut off as well.
+        let changes = push.map(|part| sign * shifted(part, bits).clamp(-LARGEST, LARGEST) as i64);
+        cut += block.change(changes, laws) + block.give_gains(rows);
     }
     cut
 }

@@ -5,41 +5,130 @@ use super::{Block, ERROR, FAR, Frame, along, perpendicular};
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
+use crate::scalar::FxFactor;
+use crate::slots::NONE;
+use crate::solve::Flight;
 use crate::solve::motion::{Rows, Vector};
-use crate::solve::number::{lowered, shifted, shifted_word};
+use crate::solve::number::{lowered, shifted, shifted_word, upper};
+use crate::solve::unit::Clock;
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
 const LARGEST_ANGLE: i64 = 107_374_182;
 
 /// value · k/n to nearest, ties away from zero. *Domain* |value| at most 2^28.
 fn part(value: i32, k: i32, n: i32) -> i32 {
+    if value == 0 {
+        return 0;
+    }
     let twice = 2 * i64::from(value) * i64::from(k);
     ((twice + i64::from(value.signum() * n)) / i64::from(2 * n)) as i32
 }
 
-/// A vector turned by an angle, of which sine and cosine are in 2^-62.
+/// A vector within ±2^60 turned by an angle, of which sine and cosine are in 2^-62: with two bits more, it stands in the upper words.
 #[inline(always)]
 fn turned([x, y]: [i64; 2], sin: i64, cos: i64) -> [i64; 2] {
-    let product = |a: i64, b: i64| i128::from(a) * i128::from(b);
-    [lowered(product(cos, x) - product(sin, y), 62) as i64, lowered(product(sin, x) + product(cos, y), 62) as i64]
+    let (x, y) = (i128::from(x << 2), i128::from(y << 2));
+    let (sin, cos) = (i128::from(sin), i128::from(cos));
+    [upper(cos * x - sin * y), upper(sin * x + cos * y)]
+}
+
+/// The angle that a body turns in a sub-step at an angular velocity, by the angle of a unit of it: in 2^-30 rad within ±0.1 rad.
+#[inline(always)]
+fn sweep((mantissa, shift): (u64, i32), velocity: i32) -> i64 {
+    let limit = i128::from(LARGEST_ANGLE);
+    // An angle that does not fit is as large as any.
+    mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(limit).clamp(-limit, limit) as i64
+}
+
+/// A row of a body with joints, as all of these see it.
+#[derive(Clone, Debug)]
+pub(super) struct Pose {
+    pub(super) number: u32,
+    pub(super) row: u32,
+    /// The number of the body.
+    pub(super) body: u32,
+    /// log2 of the unit of velocity of the row, m/s.
+    pub(super) unit: i32,
+    /// The turn of a unit of angular displacement, in 2^-64: mantissa and shift.
+    turn: (u64, i32),
+    /// The angle of a unit of angular velocity in a sub-step, in 2^-30 rad: mantissa and shift.
+    pub(super) angle: (u64, i32),
+    /// The excess of the displacement of the row over the displacement of the body, at the end of the step.
+    pub(super) shift: [i32; 3],
+    /// The displacement of the body since the start.
+    moved: [i32; 3],
+    /// Sine and cosine of its angle since the start, in 2^-62.
+    sin: i64,
+    cos: i64,
+    /// The angle that it turns in a sub-step at its velocity, in 2^-30 rad.
+    sweep: i64,
+}
+
+impl Pose {
+    /// A row of a body in a unit of velocity.
+    pub(super) fn new(number: u32, row: u32, body: u32, flight: &Flight, unit: i32, clock: &Clock) -> Self {
+        let scaled = |factor: FxFactor, bits: i32| {
+            let (mantissa, shift) = factor.parts();
+            (mantissa, shift - bits - unit + flight.length())
+        };
+        Self {
+            number,
+            row,
+            body,
+            unit,
+            turn: scaled(clock.substep_turns, 64),
+            angle: scaled(clock.substep, 30),
+            shift: [0; 3],
+            moved: [0; 3],
+            sin: 0,
+            cos: 1 << 62,
+            sweep: 0,
+        }
+    }
+
+    /// Takes the pose after `moves` of all sub-steps.
+    #[inline(always)]
+    pub(super) fn advance(&mut self, rows: &Rows, moves: i32, substeps: i32) {
+        let [x, y, turn, _] = rows.displacement(self.row);
+        let shift = self.shift.map(|shift| part(shift, moves, substeps));
+        self.moved = [x - shift[0], y - shift[1], turn - shift[2]];
+        let (mantissa, shift) = self.turn;
+        // Whole turns do not matter.
+        let turn = mul_shift_64(self.moved[2].into(), mantissa, shift).unwrap_or(0) as u64;
+        (self.sin, self.cos) = sin_cos_turn(turn);
+    }
+
+    /// Sets the angle of a sub-step at the present velocity.
+    #[inline(always)]
+    pub(super) fn set_sweep(&mut self, rows: &Rows) {
+        let [_, _, spin, _] = rows.velocity(self.row);
+        self.sweep = sweep(self.angle, spin);
+    }
+}
+
+/// The angles that both bodies turn in a sub-step, and the difference of the parts of their arms' motion that are of second order.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bends {
+    angles: [i64; 2],
+    bend: [i64; 2],
 }
 
 /// A body at a joint.
 #[derive(Clone, Debug)]
 pub(super) struct Side {
     pub(super) row: u32,
-    /// Changes of velocity along x and y and of rotation, by an impulse: below 2^44.
+    /// The number of its pose.
+    pub(super) pose: u32,
+    /// Changes of velocity along x and y and of rotation, by an impulse: at most 2^44.
     pub(super) masses: [i64; 3],
     /// The largest change of velocity by the joint in a sub-step.
-    pub(super) gain_limit: i128,
+    pub(super) gain_limit: i64,
     /// The arm at the start, and now.
     pub(super) start: [i64; 2],
     pub(super) arm: [i64; 2],
     /// The arm at the start and now, in 2^-30 of the length of the body.
     pub(super) unit_start: [i64; 2],
     pub(super) unit_arm: [i64; 2],
-    /// The turn of a unit of angular displacement, in 2^-64: mantissa and shift.
-    pub(super) turn: (u64, i32),
     /// The angle of a unit of angular velocity in a sub-step, in 2^-30 rad: mantissa and shift.
     pub(super) angle: (u64, i32),
     /// The excess of the displacement of the row over the displacement of the body, at the end of the step.
@@ -49,6 +138,7 @@ pub(super) struct Side {
 }
 
 impl Side {
+    #[inline(always)]
     pub(super) fn is_movable(&self) -> bool {
         self.masses != [0; 3]
     }
@@ -60,15 +150,11 @@ impl Side {
         mx + my + shifted(i128::from(angular) * (x * x + y * y), 60) as i64
     }
 
-    /// Turns the arm by an angular displacement since the start. Returns the sine and the cosine of its angle, in 2^-62.
-    fn turn_by(&mut self, displacement: i32) -> (i64, i64) {
-        let (mantissa, shift) = self.turn;
-        // Whole turns do not matter.
-        let turn = mul_shift_64(displacement.into(), mantissa, shift).unwrap_or(0) as u64;
-        let (sin, cos) = sin_cos_turn(turn);
-        self.arm = turned(self.start, sin, cos);
-        self.unit_arm = turned(self.unit_start, sin, cos);
-        (sin, cos)
+    /// Turns the arm to the pose.
+    #[inline(always)]
+    fn turn_to(&mut self, pose: &Pose) {
+        self.arm = turned(self.start, pose.sin, pose.cos);
+        self.unit_arm = turned(self.unit_start, pose.sin, pose.cos);
     }
 
     /// Takes the arm to the other point, which is off by this much.
@@ -82,6 +168,7 @@ impl Side {
     }
 
     /// The cross product of the arm with an axis.
+    #[inline(always)]
     fn across(&self, [ux, uy]: [i64; 2]) -> i64 {
         let [x, y] = self.unit_arm;
         lowered(i128::from(x) * i128::from(uy) - i128::from(y) * i128::from(ux), 30) as i64
@@ -90,20 +177,14 @@ impl Side {
 
 impl Block {
     /// Updates arms, axes and errors to the poses of the bodies. Returns the number of errors that were cut off.
-    pub(super) fn turn(&mut self, rows: &Rows, laws: &mut [AxisRow]) -> u64 {
-        let moved = [0, 1].map(|k| {
-            let Side { row, shift, .. } = &self.sides[k];
-            let [x, y, turn, _] = rows.displacement(*row);
-            let shift = shift.map(|s| part(s, self.moves, self.substeps));
-            [x - shift[0], y - shift[1], turn - shift[2]]
-        });
-        let mut sin_cos = [(0, 0); 2];
-        for ((side, moved), sin_cos) in self.sides.iter_mut().zip(moved).zip(&mut sin_cos) {
-            *sin_cos = side.turn_by(moved[2]);
-        }
+    #[inline(always)]
+    pub(super) fn turn(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
+        let [first, second] = [&poses[self.sides[0].pose as usize], &poses[self.sides[1].pose as usize]];
+        self.sides[0].turn_to(first);
+        self.sides[1].turn_to(second);
         let [a, b] = &self.sides;
         let offset = [0, 1].map(|i| {
-            let way = i64::from(moved[1][i]) - i64::from(moved[0][i]);
+            let way = i64::from(second.moved[i]) - i64::from(first.moved[i]);
             self.base[i] + way + b.arm[i] - a.arm[i]
         });
         let wanted = match self.frame {
@@ -115,8 +196,7 @@ impl Block {
                 [self.distance - self.lengths[0], 0]
             }
             Frame::Body(axis) => {
-                let (sin, cos) = sin_cos[0];
-                let axis = turned(axis, sin, cos);
+                let axis = turned(axis, first.sin, first.cos);
                 let across = perpendicular(axis);
                 (self.axes[0], self.axes[1]) = (axis, across);
                 self.sides[0].reach(offset);
@@ -124,7 +204,37 @@ impl Block {
             }
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
-        for (law, way) in self.laws.into_iter().zip(wanted) {
+        if self.laws != [NONE; 3] {
+            self.set_ways(wanted, [first.moved[2], second.moved[2]], laws);
+        }
+        match self.frame {
+            // The axes are those of the arms.
+            Frame::World => {
+                for k in 0..2 {
+                    let [x, y] = self.sides[k].unit_arm;
+                    for (row, cross) in [-y, x].into_iter().enumerate() {
+                        if self.is_active[row] {
+                            self.crosses[row][k] = cross;
+                        }
+                    }
+                }
+            }
+            Frame::Line | Frame::Body(_) => {
+                for row in 0..2 {
+                    if self.is_active[row] {
+                        let axis = self.axes[row];
+                        self.crosses[row] = [self.sides[0].across(axis), self.sides[1].across(axis)];
+                    }
+                }
+            }
+        }
+        let is_cut = |row: usize| self.held[row] && self.errors[row] != wanted[row];
+        u64::from(is_cut(0) || is_cut(1))
+    }
+
+    /// Tells the laws of the rows their ways: along the axes, and around by the turns of the bodies.
+    fn set_ways(&self, ways: [i64; 2], turns: [i32; 2], laws: &mut [AxisRow]) {
+        for (law, way) in self.laws.into_iter().zip(ways) {
             if let Some(law) = laws.get_mut(law as usize) {
                 law.set_way(way.clamp(-FAR as i64, FAR as i64));
             }
@@ -132,53 +242,61 @@ impl Block {
         if let Some(law) = laws.get_mut(self.laws[2] as usize) {
             let [across_a, across_b] = self.crosses[2];
             // Each below 2^61.
-            law.set_way(shifted_word(across_b * i64::from(moved[1][2]) - across_a * i64::from(moved[0][2]), 30));
+            law.set_way(shifted_word(across_b * i64::from(turns[1]) - across_a * i64::from(turns[0]), 30));
         }
-        for row in (0..2).filter(|&row| self.is_active[row]) {
-            self.crosses[row] = [0, 1].map(|k| self.sides[k].across(self.axes[row]));
-        }
-        let is_cut = |row: usize| self.held[row] && self.errors[row] != wanted[row];
-        u64::from(is_cut(0) || is_cut(1))
     }
 
-    /// The angle that a body turns in a sub-step at an angular velocity, in 2^-30 rad within ±0.1 rad.
-    pub(super) fn angle_of(&self, side: usize, velocity: i32) -> i64 {
-        let (mantissa, shift) = self.sides[side].angle;
-        let limit = i128::from(LARGEST_ANGLE);
-        // An angle that does not fit is as large as any.
-        mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(limit).clamp(-limit, limit) as i64
+    /// The angles that the bodies turn in a sub-step at the velocities of their poses, in 2^-30 rad within ±0.1 rad.
+    #[inline(always)]
+    pub(super) fn sweeps(&self, poses: &[Pose]) -> [i64; 2] {
+        [poses[self.sides[0].pose as usize].sweep, poses[self.sides[1].pose as usize].sweep]
+    }
+
+    /// [`sweeps`](Self::sweeps) at other velocities.
+    pub(super) fn sweeps_at(&self, velocities: [Vector; 2]) -> [i64; 2] {
+        [sweep(self.sides[0].angle, velocities[0][2]), sweep(self.sides[1].angle, velocities[1][2])]
+    }
+
+    /// The turns of the bodies and the bend of the arms by them.
+    #[inline(always)]
+    pub(super) fn bends(&self, angles: [i64; 2]) -> Bends {
+        let bend = |side: usize, i: usize| {
+            let square = i128::from(angles[side] * angles[side]);
+            lowered(square * i128::from(self.sides[side].arm[i]), 31) as i64
+        };
+        Bends { angles, bend: [bend(0, 0) - bend(1, 0), bend(0, 1) - bend(1, 1)] }
     }
 
     /// The part of the motion of the anchors in a sub-step along a row that the velocities at its end leave out, in 2^-30:
     /// −(φ_B²·r_B − φ_A²·r_A)/2, the shifts of the bodies, and the turn of a rod.
-    pub(super) fn second_order(&self, row: usize, velocities: [Vector; 2]) -> i64 {
-        let bend = [0, 1].map(|k| {
-            let angle = self.angle_of(k, velocities[k][2]);
-            self.sides[k].arm.map(|c| lowered(i128::from(angle * angle) * i128::from(c), 31) as i64)
-        });
-        let [x, y] = [0, 1].map(|i| bend[0][i] - bend[1][i]);
-        let [ux, uy] = self.axes[row];
-        let mut along = lowered(i128::from(ux) * i128::from(x) + i128::from(uy) * i128::from(y), 30) as i64;
-        let [a, b] = [self.sides[0].shift, self.sides[1].shift];
-        if (a, b) != ([0; 3], [0; 3]) {
-            let shifts = [a, b].map(|[x, y, turn]| [x, y, turn, 0]);
-            along -= self.velocity(row, shifts) / i64::from(self.substeps);
+    #[inline(always)]
+    pub(super) fn second_order(&self, row: usize, velocities: [Vector; 2], bends: Bends) -> i64 {
+        let mut sum = match self.frame {
+            Frame::World if row < 2 => bends.bend[row],
+            _ => along(self.axes[row], bends.bend),
+        };
+        if self.is_shifted {
+            let shifts = [0, 1].map(|k| {
+                let [x, y, turn] = self.sides[k].shift;
+                [x, y, turn, 0]
+            });
+            sum -= self.velocity(row, shifts) / i64::from(self.substeps);
         }
         match self.frame {
-            Frame::World => along,
-            Frame::Line => along + self.rod_turns(velocities),
-            Frame::Body(_) => along + self.axis_turns(row, velocities),
+            Frame::World => sum,
+            Frame::Line => sum + self.rod_turns(velocities),
+            Frame::Body(_) => sum + self.axis_turns(row, velocities, bends.angles),
         }
     }
 
     /// The part of the second-order term that the turn of the axes has, for the angle φ of the first body, in 2^-30: along an axis φ·(velocity along
     /// the other one), across −φ·(velocity along it), each − φ²/2·(offset along the axis), where the row is not held at no offset.
-    fn axis_turns(&self, row: usize, velocities: [Vector; 2]) -> i64 {
-        let angle = i128::from(self.angle_of(0, velocities[0][2]));
+    fn axis_turns(&self, row: usize, velocities: [Vector; 2], angles: [i64; 2]) -> i64 {
+        let angle = i128::from(angles[0]);
         // Of the points: the first one is at its own end. Velocities are below 2^30.5.
         let points = [0, 1].map(|k| {
-            let ([x, y], [vx, vy, spin, _]) = (self.sides[k].arm.map(i128::from), velocities[k]);
-            let turn = i128::from(self.angle_of(k, spin));
+            let ([x, y], [vx, vy, ..]) = (self.sides[k].arm.map(i128::from), velocities[k]);
+            let turn = i128::from(angles[k]);
             [(i128::from(vx) << 30) - turn * y, (i128::from(vy) << 30) + turn * x]
         });
         let [ux, uy] = self.axes[1 - row].map(i128::from);
@@ -209,6 +327,7 @@ impl Block {
     }
 
     /// The sum of a row's products with the velocities of both bodies, in 2^-30.
+    #[inline(always)]
     pub(super) fn velocity(&self, row: usize, [a, b]: [Vector; 2]) -> i64 {
         let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
         let [x, y] = [0, 1].map(|i| i64::from(b[i]) - i64::from(a[i]));

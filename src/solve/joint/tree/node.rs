@@ -14,6 +14,7 @@ use crate::slots::NONE;
 use crate::solve::Flight;
 use crate::solve::joint::axis::AxisRow;
 use crate::solve::joint::forest::Place;
+use crate::solve::joint::turn::Pose;
 use crate::solve::joint::{Block, Frame};
 use crate::solve::motion::Rows;
 use crate::solve::number::{bits_of, exponent, fixed, lowered, shifted, shifted_word};
@@ -273,12 +274,12 @@ impl Node {
 
     /// Begins a pass: the residual of the node against its parent.
     #[inline(always)]
-    pub(super) fn begin_pass(&mut self, blocks: &[Block], rows: &Rows, is_biased: bool) {
+    pub(super) fn begin_pass(&mut self, blocks: &[Block], poses: &[Pose], rows: &Rows, is_biased: bool) {
         if self.parent == NONE {
             return;
         }
         let block = &blocks[self.block as usize];
-        let residual = block.residual(rows, if is_biased { Some(RATE) } else { None });
+        let residual = block.residual(rows, poses, if is_biased { Some(RATE) } else { None });
         let bits = UNIT - FRACTION + i32::from(self.is_half);
         for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
             let mut sum = i128::from(shifted_word(part, bits));
