@@ -51,6 +51,36 @@ pub(super) const fn upper(value: i128) -> i64 {
     ((value + half as i128) >> 64) as i64
 }
 
+/// The lower word of [`lowered`]: all of it, if the result fits. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 63.
+#[inline(always)]
+pub(super) const fn lowered_low(value: i128, bits: i32) -> i64 {
+    // A half, less by one for a negative value.
+    let half = (1_u64 << (bits - 1)).wrapping_add((value >> 127) as u64);
+    let sum = value + half as i128;
+    ((sum as u64) >> bits | ((sum >> 64) as u64) << (64 - bits)) as i64
+}
+
+/// [`lowered`] within ±limit. *Domain* |value| < 2^126, 2 ≤ bits ≤ 63, and 0 ≤ limit ≤ 2^62.
+#[inline(always)]
+pub(super) const fn lowered_within(value: i128, bits: i32, limit: i64) -> i64 {
+    let high = (value >> 64) as i64;
+    let low = if (high ^ (high >> 63)) >> (bits - 2) == 0 {
+        // |value| is at most 2^(62 + bits).
+        lowered_low(value, bits)
+    } else if high < 0 {
+        -limit
+    } else {
+        limit
+    };
+    if low < -limit {
+        -limit
+    } else if low > limit {
+        limit
+    } else {
+        low
+    }
+}
+
 /// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
 pub(super) fn divided(value: i128, divisor: i64) -> i128 {
     let divisor = i128::from(divisor);

@@ -28,7 +28,7 @@ use super::{Block, FINER, LOWER};
 use crate::slots::NONE;
 use crate::solve::matrix::{Inverse, Matrix};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, shifted, shifted_word};
+use crate::solve::number::{lowered, lowered_low, lowered_within, lowered_word, shifted, upper};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -103,15 +103,20 @@ fn quotient(a: i128, b: i128) -> i64 {
     (((a >> down) << 30) / (b >> down).max(1)).min(1 << 40) as i64
 }
 
-/// v · factor/2^30.
+/// v · factor/2^30. *Domain* the result fits.
 #[inline(always)]
-fn multiple(v: i64, factor: i64) -> i128 {
-    lowered(i128::from(v) * i128::from(factor), 30)
+fn multiple(v: i64, factor: i64) -> i64 {
+    lowered_low(i128::from(v) * i128::from(factor), 30)
 }
 
 #[inline(always)]
 fn within(value: i128, limit: i128) -> i64 {
     value.clamp(-limit, limit) as i64
+}
+
+#[inline(always)]
+fn within_word(value: i64, limit: i128) -> i64 {
+    value.clamp(-limit as i64, limit as i64)
 }
 
 impl Loops {
@@ -294,7 +299,7 @@ impl LoopJoint {
         // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
         let inverse = Inverse::of(Matrix { k11, k12: k12.abs(), k22 });
         let rigid = (1_i64 << 60) / ((1 << 30) + i64::from(compliance));
-        let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid) as i64);
+        let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid));
         self.inverse = [e11, if k12 < 0 { -e12 } else { e12 }, e22];
         self.inverse_shift = inverse.exponent + down - block.mass_bits - FINER + FRACTION - FINER_STILL;
     }
@@ -304,13 +309,22 @@ impl LoopJoint {
     fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
         let residual = block.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
         self.residual = [0; 3];
-        for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
-            let mut sum = i128::from(shifted_word(part, 30 - FRACTION));
-            if is_biased {
-                let soft = i128::from(self.compliance[row]) * i128::from(block.impulses[row]);
-                sum += shifted(soft, block.mass_bits + FINER - FRACTION);
+        for row in 0..2 {
+            if block.held[row] {
+                // Below 2^62.
+                let mut sum = lowered_word(residual[row], 30 - FRACTION);
+                let bits = block.mass_bits + FINER - FRACTION;
+                if is_biased {
+                    let soft = i128::from(self.compliance[row]) * i128::from(block.impulses[row]);
+                    // More than the sum may be is as good as that.
+                    sum += if bits > 1 {
+                        lowered_within(soft, bits, 1 << 61)
+                    } else {
+                        within(shifted(soft, bits), 1 << 61)
+                    };
+                }
+                self.residual[row] = -within_word(sum, RESIDUAL);
             }
-            self.residual[row] = -within(sum, RESIDUAL);
         }
         let [first, second, _] = self.residual;
         self.start = [first, second];
@@ -333,7 +347,11 @@ impl LoopJoint {
             let [e11, e12, e22] = self.inverse.map(i128::from);
             let [x, y, _] = self.residual.map(i128::from);
             let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
-            let [x, y] = sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION));
+            let [x, y] = if matches!(self.inverse_shift, 2..64) {
+                sums.map(|sum| lowered_within(sum, self.inverse_shift, DIRECTION as i64))
+            } else {
+                sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION))
+            };
             [x, y, alone(2)]
         } else {
             [alone(0), alone(1), alone(2)]
@@ -350,43 +368,49 @@ impl LoopJoint {
     /// Adds the effect of the direction on the bodies.
     #[inline(always)]
     fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
-        let mut sums = [0; 4];
-        for row in (0..3).filter(|&row| block.is_active[row]) {
-            let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
-            for (sum, factor) in sums.iter_mut().zip([ux, uy, ka, kb]) {
-                *sum += i128::from(self.direction[row]) * i128::from(factor);
+        let [mut x, mut y, mut turn_a, mut turn_b] = [0; 4];
+        for row in 0..3 {
+            if block.is_active[row] {
+                let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+                let direction = i128::from(self.direction[row]);
+                x += direction * i128::from(ux);
+                y += direction * i128::from(uy);
+                turn_a += direction * i128::from(ka);
+                turn_b += direction * i128::from(kb);
             }
         }
-        let [x, y, turn_a, turn_b] = sums;
-        let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
-        let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
+        let [x, y] = [lowered_low(x, LOWER), lowered_low(y, LOWER)];
+        let [turn_a, turn_b] = [lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)];
+        // From 15 to 64 bits: masses of rows have at most 50.
         let bits = block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED;
-        for (side, turn, sign) in [(0, turn_a, -1), (1, turn_b, 1)] {
-            let Some(moved) = moved.get_mut(self.bodies[side] as usize) else { continue };
-            for ((sum, &mass), impulse) in moved.iter_mut().zip(&block.sides[side].masses).zip([x, y, turn]) {
-                *sum += sign * within(lowered(i128::from(mass) * i128::from(impulse), bits), FAST);
-            }
+        let [first, second] = self.bodies;
+        if let Some(moved) = moved.get_mut(first as usize) {
+            let [dx, dy, turn] = velocities_by(&block.sides[0].masses, [x, y, turn_a], bits);
+            *moved = [moved[0] - dx, moved[1] - dy, moved[2] - turn];
+        }
+        if let Some(moved) = moved.get_mut(second as usize) {
+            let [dx, dy, turn] = velocities_by(&block.sides[1].masses, [x, y, turn_b], bits);
+            *moved = [moved[0] + dx, moved[1] + dy, moved[2] + turn];
         }
     }
 
     /// The velocities of the rows by all directions.
     #[inline(always)]
     fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]]) {
-        let mut ends = [[0; 3]; 2];
-        for (end, &body) in ends.iter_mut().zip(&self.bodies) {
-            if let Some(moved) = moved.get(body as usize) {
-                for (part, &sum) in end.iter_mut().zip(moved) {
-                    *part = sum.clamp(-FASTEST, FASTEST);
-                }
-            }
-        }
-        let [a, b] = ends;
+        let velocity = |body: u32| {
+            let [x, y, turn] = moved.get(body as usize).copied().unwrap_or_default();
+            [x.clamp(-FASTEST, FASTEST), y.clamp(-FASTEST, FASTEST), turn.clamp(-FASTEST, FASTEST)]
+        };
+        let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
-        for row in (0..3).filter(|&row| block.is_active[row]) {
-            let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
-            let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
-            let sum = lowered(sum, 30 + MOVED - FRACTION) + i128::from(self.gives(block, row));
-            self.velocity[row] = within(sum, RESIDUAL);
+        for row in 0..3 {
+            if block.is_active[row] {
+                let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+                // Below 2^76.
+                let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
+                let sum = lowered_low(sum, 30 + MOVED - FRACTION) + self.gives(block, row);
+                self.velocity[row] = within_word(sum, RESIDUAL);
+            }
         }
     }
 
@@ -394,36 +418,54 @@ impl LoopJoint {
     #[inline(always)]
     fn gives(&self, block: &Block, row: usize) -> i64 {
         let gives = i128::from(self.compliance[row]) * i128::from(self.direction[row]);
-        within(shifted(gives, block.mass_bits + FINER + FINER_STILL - FRACTION), RESIDUAL)
+        // From 9 to 58 bits.
+        lowered_within(gives, block.mass_bits + FINER + FINER_STILL - FRACTION, RESIDUAL as i64)
     }
 
-    /// Goes a step along the direction.
+    /// Goes a step along the direction, by less than 2^62.
     #[inline(always)]
     fn advance(&mut self, step: i64) {
         for row in 0..3 {
-            let solution = i128::from(self.solution[row]) + multiple(self.direction[row], step);
-            self.solution[row] = within(solution, SOLUTION);
+            self.solution[row] = within_word(self.solution[row] + multiple(self.direction[row], step), SOLUTION);
         }
     }
 
-    /// Takes the part of a step off the residual.
+    /// Takes the part of a step off the residual: less than 2^47.
     #[inline(always)]
     fn lower_residual(&mut self, block: &Block, step: i64) {
         for row in 0..3 {
             if self.is_solved(row) {
-                let residual = i128::from(self.residual[row]) - multiple(self.velocity[row], step);
-                self.residual[row] = within(residual, RESIDUAL);
+                let residual = self.residual[row] - multiple(self.velocity[row], step);
+                self.residual[row] = within_word(residual, RESIDUAL);
             }
         }
         self.precondition(block);
     }
 
-    /// Turns to the next direction.
+    /// Turns to the next direction, by less than 2^62.
     #[inline(always)]
     fn turn(&mut self, kept: i64) {
         for row in 0..3 {
-            let direction = i128::from(self.preconditioned[row]) + multiple(self.direction[row], kept);
-            self.direction[row] = within(direction, DIRECTION);
+            let direction = self.preconditioned[row] + multiple(self.direction[row], kept);
+            self.direction[row] = within_word(direction, DIRECTION);
         }
     }
+}
+
+/// The changes of velocity of a body by impulses in 2^62 along x and y and of rotation, each within [`FAST`].
+#[inline(always)]
+fn velocities_by(masses: &[i64; 3], impulses: [i64; 3], bits: i32) -> [i64; 3] {
+    let mut velocities = [0; 3];
+    if matches!(bits, 46..65) {
+        // Raised by at most 18 bits masses are at most 2^62.
+        for k in 0..3 {
+            let product = i128::from(masses[k] << (64 - bits)) * i128::from(impulses[k]);
+            velocities[k] = within_word(upper(product), FAST);
+        }
+    } else {
+        for k in 0..3 {
+            velocities[k] = within(lowered(i128::from(masses[k]) * i128::from(impulses[k]), bits), FAST);
+        }
+    }
+    velocities
 }

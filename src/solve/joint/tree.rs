@@ -48,6 +48,7 @@ use core::ops::Range;
 
 use self::frame::FrameRows;
 use self::node::Node;
+use self::symmetric::within;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
@@ -57,7 +58,7 @@ use crate::slots::NONE;
 use crate::solve::StepInput;
 use crate::solve::bodies::BodyRows;
 use crate::solve::motion::Rows;
-use crate::solve::number::shifted;
+use crate::solve::number::{lowered_word, shifted};
 
 /// The bits of a mass in the unit of the body.
 const MASS: i32 = 36;
@@ -225,9 +226,6 @@ fn factor(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[
 /// Solves a tree: from the leaves to the centre and back.
 #[inline(always)]
 fn eliminate(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize) {
-    for node in nodes.iter_mut() {
-        (node.f, node.torque) = ([0; 2], 0);
-    }
     for index in 0..nodes.len() - 1 {
         let (before, after) = nodes.split_at_mut(index + 1);
         let node = &mut before[index];
@@ -347,13 +345,23 @@ fn set_joints(
 /// The largest change of an impulse that is told from others.
 const LARGEST: i128 = 1 << 61;
 
+/// A change of an impulse, which is below 2^62, in the unit of the block.
+#[inline(always)]
+fn change_of(push: i64, bits: i32) -> i64 {
+    if matches!(bits, 1..63) { lowered_word(push, bits) } else { within(shifted(push.into(), bits), LARGEST) }
+}
+
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
 fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], rows: &mut Rows) -> u64 {
     let mut cut = 0;
-    for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
-        let mut push = node.impulses(frames).map(i128::from);
-        let mut bits = node.push_shift;
+    for (index, node) in nodes.iter().enumerate() {
+        if node.parent == NONE {
+            continue;
+        }
+        let pushes = node.impulses(frames);
+        let sign = if node.side == 0 { -1 } else { 1 };
+        let mut changes = [0; 3];
         if node.is_half {
             let second = &nodes[index + 1];
             if !second.is_half {
@@ -361,14 +369,17 @@ fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [
                 continue;
             }
             // The mean of both halves of the joint.
-            let second_push = second.impulses(frames).map(i128::from);
-            push = [0, 1, 2].map(|row| push[row] - second_push[row]);
-            bits += 1;
+            let second_pushes = second.impulses(frames);
+            for row in 0..3 {
+                let sum = i128::from(pushes[row]) - i128::from(second_pushes[row]);
+                changes[row] = sign * within(shifted(sum, node.push_shift + 1), LARGEST);
+            }
+        } else {
+            for row in 0..3 {
+                changes[row] = sign * change_of(pushes[row], node.push_shift);
+            }
         }
-        let sign = if node.side == 0 { -1 } else { 1 };
         let block = &mut blocks[node.block as usize];
-        // Beyond that it is cut off as well.
-        let changes = push.map(|part| sign * shifted(part, bits).clamp(-LARGEST, LARGEST) as i64);
         cut += block.change(changes, laws) + block.give_gains(rows);
     }
     cut

@@ -125,6 +125,7 @@ impl LoopJoint {
     }
 
     /// The part of P r of a row that has a mass of its own.
+    #[inline(always)]
     pub(super) fn precondition_alone(&self, block: &Block, row: usize) -> i64 {
         if self.mass[row] == 0 {
             return 0;

@@ -248,6 +248,7 @@ impl FrameRows {
             let raised = |value: i128| within(within(value, IMPULSE).into(), IMPULSE >> up) << up;
             let f = [within(node.f[0], IMPULSE), within(node.f[1], IMPULSE)];
             let around = raised(node.torque - lowered(dot(node.point, f), UNIT));
+            (node.f, node.torque) = ([0; 2], 0);
             let [along, across] = into_frame(self.axis, f.map(|part| raised(part.into())));
             let sum = |value: i128| within(value, IMPULSE);
             let ratio = |ratio: i64, value: i64| lowered(product(ratio, value), RATIO);

@@ -4,7 +4,10 @@ use alloc::vec::Vec;
 
 use super::angle::AngleRow;
 use super::frame::FrameRows;
-use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, scaled, to_impulse, turned, within};
+use super::symmetric::{
+    Reciprocal, Symmetric, dot, moved, product, rarely_shifted, scaled, to_impulse, turned, unit_dot, within,
+    within_word,
+};
 use super::{
     COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
 };
@@ -17,7 +20,9 @@ use crate::solve::joint::forest::Place;
 use crate::solve::joint::turn::Pose;
 use crate::solve::joint::{Block, Frame};
 use crate::solve::motion::Rows;
-use crate::solve::number::{bits_of, exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::number::{
+    bits_of, exponent, fixed, lowered, lowered_low, lowered_within, lowered_word, shifted, shifted_word,
+};
 
 /// A node with the joint to its parent.
 #[derive(Clone, Debug, Default)]
@@ -191,16 +196,16 @@ impl Node {
         (self.t, self.turn) = ([0; 2], Reciprocal::new(0));
         // The middle of a joint turns if something acts on its axis.
         if self.inertia != 0 || !self.is_body && self.c > 0 {
-            let [x, y] = self.a.lowered_times(self.point, UNIT);
+            let [x, y] = self.a.times_unit(self.point);
             let b = [self.b[0] - x, self.b[1] - y];
-            c_alone = self.c - lowered(dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]), UNIT) as i64;
-            let stiffness = self.angle.map_or(0, |angle| angle.on_node(self.unit - self.joint_unit));
+            c_alone = self.c - unit_dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]);
+            let stiffness = self.angle.as_ref().map_or(0, |angle| angle.on_node(self.unit - self.joint_unit));
             self.turn = Reciprocal::new(c_alone + stiffness);
-            let t = [0, 1].map(|i| within(self.turn.times(b[i], RATIO), IMPULSE));
+            let t = [self.turn.times_within(b[0], RATIO, IMPULSE), self.turn.times_within(b[1], RATIO, IMPULSE)];
             self.t = t;
-            e.xx -= lowered(product(b[0], t[0]), RATIO) as i64;
-            e.xy -= lowered(product(b[0], t[1]) + product(b[1], t[0]), RATIO + 1) as i64;
-            e.yy -= lowered(product(b[1], t[1]), RATIO) as i64;
+            e.xx -= lowered_low(product(b[0], t[0]), RATIO);
+            e.xy -= lowered_low(product(b[0], t[1]) + product(b[1], t[0]), RATIO + 1);
+            e.yy -= lowered_low(product(b[1], t[1]), RATIO);
         }
         if self.parent == NONE {
             self.e = e;
@@ -228,9 +233,9 @@ impl Node {
     fn factor_rod(&mut self, e: &Symmetric) {
         let (along, across) = (self.axis, turned(self.axis));
         let (e_along, e_across) = (e.lowered_times(along, UNIT), e.lowered_times(across, UNIT));
-        let mixed = lowered(dot(along, e_across) + dot(across, e_along), UNIT + 1) as i64;
-        self.across = Reciprocal::new(lowered(dot(across, e_across), UNIT) as i64);
-        self.slant = within(self.across.times(mixed, RATIO), IMPULSE);
+        let mixed = lowered_low(dot(along, e_across) + dot(across, e_along), UNIT + 1);
+        self.across = Reciprocal::new(lowered_low(dot(across, e_across), UNIT));
+        self.slant = self.across.times_within(mixed, RATIO, IMPULSE);
         let left = (lowered(dot(along, e_along), UNIT) - lowered(product(mixed, self.slant), RATIO)).max(0) as i64;
         let sum = (1 << PART) + lowered(product(left, self.compliance), SOFT - PART);
         self.rod_spring = Reciprocal::of_double(sum).times(left, PART) as i64;
@@ -248,21 +253,20 @@ impl Node {
             // Pushes are along the rod: across it any spring will do.
             (true, true) => Symmetric::isotropic(self.rod_spring),
             (true, false) => {
-                let [x, y] = scaled(self.axis, self.rod_spring, UNIT);
+                let [x, y] = scaled(self.axis, self.rod_spring);
                 let [nx, ny] = self.axis;
-                let element = |product: i128, bits: i32| lowered(product, bits) as i64;
                 Symmetric {
-                    xx: element(product(x, nx), UNIT),
-                    xy: element(product(x, ny) + product(y, nx), UNIT + 1),
-                    yy: element(product(y, ny), UNIT),
+                    xx: lowered_low(product(x, nx), UNIT),
+                    xy: lowered_low(product(x, ny) + product(y, nx), UNIT + 1),
+                    yy: lowered_low(product(y, ny), UNIT),
                 }
             }
         };
         let spring = spring.shifted(parent.unit - self.joint_unit);
-        let moment = spring.lowered_times(self.parent_point, UNIT);
+        let moment = spring.times_unit(self.parent_point);
         parent.a = parent.a.plus(spring);
         parent.b = [parent.b[0] + moment[0], parent.b[1] + moment[1]];
-        parent.c += lowered(dot(self.parent_point, moment), UNIT) as i64;
+        parent.c += unit_dot(self.parent_point, moment);
         if let Some(angle) = &self.angle {
             let (b, c) = angle.terms(self);
             let down = parent.unit - self.joint_unit;
@@ -281,13 +285,22 @@ impl Node {
         let block = &blocks[self.block as usize];
         let residual = block.residual(rows, poses, if is_biased { Some(RATE) } else { None });
         let bits = UNIT - FRACTION + i32::from(self.is_half);
-        for (row, part) in residual.into_iter().enumerate().filter(|&(row, _)| block.held[row]) {
-            let mut sum = i128::from(shifted_word(part, bits));
-            if is_biased {
-                sum += shifted(product(self.compliance, block.impulses[row]), self.give_shift);
+        for row in 0..2 {
+            if block.held[row] {
+                // Below 2^62.
+                let mut sum = lowered_word(residual[row], bits);
+                if is_biased {
+                    let gives = product(self.compliance, block.impulses[row]);
+                    // More than the sum may be is as good as that.
+                    sum += if matches!(self.give_shift, 2..64) {
+                        lowered_within(gives, self.give_shift, 1 << 61)
+                    } else {
+                        within(shifted(gives, self.give_shift), 1 << 61)
+                    };
+                }
+                let sum = within_word(sum, RESIDUAL);
+                self.residual[row] = if self.side == 0 { -sum } else { sum };
             }
-            let sum = within(sum, RESIDUAL);
-            self.residual[row] = if self.side == 0 { -sum } else { sum };
         }
     }
 
@@ -317,37 +330,44 @@ impl Node {
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
-            let torque = self.angle.map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
-            self.tau = within(self.torque - lowered(dot(self.point, f), UNIT) + i128::from(torque), IMPULSE);
-            let left = [0, 1].map(|i| i128::from(f[i]) - lowered(product(self.t[i], self.tau), RATIO));
-            let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
+            let torque = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
+            let torque = self.torque + i128::from(torque) - i128::from(unit_dot(self.point, f));
+            self.tau = within(torque, IMPULSE);
             // At most 2^12 times as large.
-            g = left.map(|left| within(within(left, IMPULSE).into(), IMPULSE >> up) << up);
+            let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
+            // Each is below 2^62.
+            let turning = |t: i64| lowered_within(product(t, self.tau), RATIO, 1 << 61);
+            let left = |f: i64, t: i64| within_word(f - turning(t), IMPULSE >> up) << up;
+            g = [left(f[0], self.t[0]), left(f[1], self.t[1])];
         }
+        (self.f, self.torque) = ([0; 2], 0);
         if !self.is_rod || self.parent == NONE {
             self.g = g;
             let arg = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
             let push = self.spring.push(arg);
-            let torque = self.angle.map_or(0, |angle| {
-                let spin = self.turn.times(self.tau, TO_IMPULSE);
-                angle.pass_down(within(spin, SPEED), arg)
+            let torque = self.angle.as_ref().map_or(0, |angle| {
+                let spin = self.turn.times_within(self.tau, TO_IMPULSE, SPEED);
+                angle.pass_down(spin, arg)
             });
             return ([g[0] + push[0], g[1] + push[1]], torque);
         }
-        let across = lowered(dot(turned(self.axis), g), UNIT) as i64;
-        let along = lowered(dot(self.axis, g), UNIT) - lowered(product(self.slant, across), RATIO);
-        let along = within(along, IMPULSE);
+        let across = unit_dot(turned(self.axis), g);
+        // Both are below 2^62.
+        let along = unit_dot(self.axis, g) - lowered_within(product(self.slant, across), RATIO, 1 << 62);
+        let along = within_word(along, IMPULSE);
         self.g = [along, across];
         let push = to_impulse(product(self.rod_spring, self.residual[0] - self.give(along)));
-        (scaled(self.axis, within(i128::from(along) + i128::from(push), IMPULSE), UNIT), 0)
+        (scaled(self.axis, within_word(along + push, IMPULSE)), 0)
     }
 
     /// Adds the impulses of a child at its joint.
     #[inline(always)]
     pub(super) fn take(&mut self, impulse: [i64; 2], joint_unit: i32, point: [i64; 2]) {
-        let [x, y] = impulse.map(|part| shifted_word(part, self.unit - joint_unit));
+        let down = self.unit - joint_unit;
+        let [x, y] = [rarely_shifted(impulse[0], down), rarely_shifted(impulse[1], down)];
         (self.f[0], self.f[1]) = (self.f[0] + i128::from(x), self.f[1] + i128::from(y));
-        self.torque += lowered(dot(point, [x, y]), UNIT);
+        // At most 2^61 each.
+        self.torque += i128::from(lowered_low(dot(point, [x, y]), UNIT));
     }
 
     /// Adds the torque of the axis of a child.
@@ -372,12 +392,12 @@ impl Node {
         if self.is_rod {
             let (along, across) = (self.axis, turned(self.axis));
             let [g, g_across] = self.g;
-            let difference = lowered(dot(along, at), UNIT) as i64 - self.residual[0];
+            let difference = unit_dot(along, at) - self.residual[0];
             self.push = [to_impulse(product(self.rod_spring, difference + self.give(g))) - g, 0];
             if self.is_body {
-                let v = within((difference - self.give(self.push[0])).into(), SPEED);
-                let w = self.across.times(g_across, TO_IMPULSE) - lowered(product(self.slant, v), RATIO);
-                let ([x, y], [wx, wy]) = (scaled(along, v, UNIT), scaled(across, within(w, SPEED), UNIT));
+                let v = within_word(difference - self.give(self.push[0]), SPEED);
+                let w = self.across.less_ratio(g_across, product(self.slant, v));
+                let ([x, y], [wx, wy]) = (scaled(along, v), scaled(across, w));
                 self.finish([x + wx, y + wy]);
             }
         } else {
@@ -385,7 +405,7 @@ impl Node {
             let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
             let push = self.spring.push(arg);
             self.push = [push[0] - self.g[0], push[1] - self.g[1]];
-            let angle_spin = self.angle.map_or(0, |angle| angle.parent_spin(parent_spin));
+            let angle_spin = self.angle.as_ref().map_or(0, |angle| angle.parent_spin(parent_spin));
             if let Some(angle) = &self.angle {
                 let [x, y] = angle.push_of_point(angle_spin);
                 self.push = [self.push[0] + x, self.push[1] + y];
@@ -406,7 +426,7 @@ impl Node {
     pub(super) fn impulses(&self, frames: &[FrameRows]) -> [i64; 3] {
         match frames.get(self.frame as usize) {
             Some(frame) => frame.push,
-            None => [self.push[0], self.push[1], self.angle.map_or(0, |angle| angle.push)],
+            None => [self.push[0], self.push[1], self.angle.as_ref().map_or(0, |angle| angle.push)],
         }
     }
 
@@ -428,9 +448,9 @@ impl Node {
     /// The velocities of a node by the velocity of its point.
     #[inline(always)]
     fn finish(&mut self, velocity: [i64; 2]) {
-        let velocity = velocity.map(|part| within(part.into(), SPEED));
-        let spin = self.turn.times(self.tau, TO_IMPULSE) - lowered(dot(self.t, velocity), RATIO);
-        self.spin = within(spin, SPEED);
-        self.velocity = moved(velocity, -self.spin, self.point).map(|part| within(part.into(), SPEED));
+        let velocity = [within_word(velocity[0], SPEED), within_word(velocity[1], SPEED)];
+        self.spin = self.turn.less_ratio(self.tau, dot(self.t, velocity));
+        let [x, y] = moved(velocity, -self.spin, self.point);
+        self.velocity = [within_word(x, SPEED), within_word(y, SPEED)];
     }
 }

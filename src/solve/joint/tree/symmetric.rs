@@ -1,7 +1,12 @@
 //! Symmetric matrices of two rows, and reciprocals. [`tree`](super) has their ranges.
 
-use super::{IMPULSE, PART, SOFT, SPEED, TO_IMPULSE, UNIT};
-use crate::solve::number::{lowered, shifted, shifted_word};
+use super::{IMPULSE, PART, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
+use crate::solve::number::{lowered, lowered_low, lowered_within, shifted, shifted_word, upper};
+
+/// Bits by which vectors in 2^-[`UNIT`] are raised, to at most 2^62, and what they are multiplied with, to below 2^63: what is wanted of
+/// their products stands in the upper words.
+const RAISED_UNIT: i32 = 32;
+const RAISED: i32 = 64 - UNIT - RAISED_UNIT;
 
 /// A symmetric matrix.
 #[derive(Clone, Copy, Debug, Default)]
@@ -23,21 +28,39 @@ pub(super) fn dot(a: [i64; 2], b: [i64; 2]) -> i128 {
     product(a[0], b[0]) + product(a[1], b[1])
 }
 
-/// Both products of a vector and a number, over 2^bits.
+/// [`dot`] over 2^[`UNIT`]. *Domain* components of the first one are within 2^[`UNIT`], of the second one below 2^61.
 #[inline(always)]
-pub(super) fn scaled(v: [i64; 2], factor: i64, bits: i32) -> [i64; 2] {
-    [lowered(product(v[0], factor), bits) as i64, lowered(product(v[1], factor), bits) as i64]
+pub(super) fn unit_dot(unit: [i64; 2], v: [i64; 2]) -> i64 {
+    upper(dot([unit[0] << RAISED_UNIT, unit[1] << RAISED_UNIT], [v[0] << RAISED, v[1] << RAISED]))
+}
+
+/// Both products of a vector and a number, over 2^[`UNIT`]. *Domain* components are within 2^[`UNIT`], the factor is below 2^61.
+#[inline(always)]
+pub(super) fn scaled(v: [i64; 2], factor: i64) -> [i64; 2] {
+    let factor = factor << RAISED;
+    [upper(product(v[0] << RAISED_UNIT, factor)), upper(product(v[1] << RAISED_UNIT, factor))]
 }
 
 /// A product of masses and velocities as an impulse.
 #[inline(always)]
 pub(super) fn to_impulse(product: i128) -> i64 {
-    within(lowered(product, TO_IMPULSE), IMPULSE)
+    lowered_within(product, TO_IMPULSE, IMPULSE as i64)
 }
 
 #[inline(always)]
 pub(super) fn within(value: i128, limit: i128) -> i64 {
     value.clamp(-limit, limit) as i64
+}
+
+#[inline(always)]
+pub(super) fn within_word(value: i64, limit: i128) -> i64 {
+    value.clamp(-limit as i64, limit as i64)
+}
+
+/// [`shifted_word`], most often by no bits.
+#[inline(always)]
+pub(super) fn rarely_shifted(value: i64, bits: i32) -> i64 {
+    if bits == 0 { value } else { shifted_word(value, bits) }
 }
 
 /// A vector turned left by a quarter.
@@ -49,7 +72,7 @@ pub(super) fn turned([x, y]: [i64; 2]) -> [i64; 2] {
 /// The sum of a vector and a multiple of another one, in 2^-[`UNIT`].
 #[inline(always)]
 pub(super) fn moved(v: [i64; 2], factor: i64, along: [i64; 2]) -> [i64; 2] {
-    let [x, y] = scaled(along, factor, UNIT);
+    let [x, y] = scaled(along, factor);
     [v[0] + x, v[1] + y]
 }
 
@@ -67,14 +90,19 @@ impl Reciprocal {
         if value <= 0 {
             return Self { mantissa: 0, shift: 62 };
         }
-        // The top 63 bits, from 2^62 on.
+        // The top 63 bits.
         let zeros = value.leading_zeros() as i32 - 1;
-        let top = (value as u64) << zeros;
+        Self::of_top((value as u64) << zeros, 124 - zeros)
+    }
+
+    /// 2^124/top as the mantissa, with this shift. *Domain* 2^62 ≤ top < 2^63.
+    #[inline(always)]
+    fn of_top(top: u64, shift: i32) -> Self {
         // 2^94/top with 31 bits, and a step of Newton's method: r(2 − top·r).
         let first = (1_u64 << 63) / (top >> 31);
         let square = (u128::from(top) * u128::from(first)) >> 32;
         let less = (1_u64 << 63).wrapping_sub(square as u64);
-        Self { mantissa: ((u128::from(first) * u128::from(less)) >> 32) as i64, shift: 124 - zeros }
+        Self { mantissa: ((u128::from(first) * u128::from(less)) >> 32) as i64, shift }
     }
 
     #[inline(always)]
@@ -85,6 +113,13 @@ impl Reciprocal {
     /// The reciprocal of the top bits of a double word.
     #[inline(always)]
     pub(super) fn of_double(value: i128) -> Self {
+        let high = (value >> 64) as i64;
+        if high > 0 {
+            // The top 62 bits of 128, at the place of the top 63.
+            let zeros = high.leading_zeros() as i32;
+            let top = (high as u64) << zeros | (value as u64) >> 1 >> (63 - zeros);
+            return Self::of_top(top >> 2 << 1, 189 - zeros);
+        }
         let down = (bits_of_double(value) - 62).max(0);
         let Self { mantissa, shift } = Self::new((value >> down) as i64);
         Self { mantissa, shift: shift + down }
@@ -94,6 +129,47 @@ impl Reciprocal {
     #[inline(always)]
     pub(super) fn times(self, value: i64, up: i32) -> i128 {
         lowered(product(value, self.mantissa), self.shift - up)
+    }
+
+    /// [`times`](Self::times), if it is below 2^61.
+    #[inline(always)]
+    pub(super) fn times_small(self, value: i64, up: i32) -> Option<i64> {
+        let bits = self.shift - up;
+        if bits > 64 {
+            // The half is in the upper word.
+            let product = product(value, self.mantissa);
+            let high = ((product + (product >> 127)) >> 64) as i64;
+            return Some((high + (1 << (bits - 65))) >> (bits - 64));
+        }
+        // Raised, it is below 2^63, and the product with the mantissa below 2^125.
+        let room = 64 - bits;
+        let raised = value << room;
+        (raised >> room == value).then(|| upper(product(raised, self.mantissa)))
+    }
+
+    /// [`times`](Self::times) within ±limit.
+    #[inline(always)]
+    pub(super) fn times_within(self, value: i64, up: i32, limit: i128) -> i64 {
+        match self.times_small(value, up) {
+            Some(quotient) => within_word(quotient, limit),
+            None => within(self.times(value, up), limit),
+        }
+    }
+
+    /// [`times`](Self::times) of an impulse as a velocity, less a product in 2^-[`RATIO`], within ±[`SPEED`].
+    #[inline(always)]
+    pub(super) fn less_ratio(self, impulse: i64, ratio: i128) -> i64 {
+        match self.times_small(impulse, TO_IMPULSE) {
+            // More than that is too much in any case: both are below 2^62.
+            Some(velocity) => within_word(velocity - lowered_within(ratio, RATIO, 1 << 62), SPEED),
+            None => within(self.times(impulse, TO_IMPULSE) - lowered(ratio, RATIO), SPEED),
+        }
+    }
+
+    /// The lower word of [`times`](Self::times).
+    #[inline(always)]
+    fn times_low(self, value: i64, up: i32) -> i64 {
+        self.times_small(value, up).unwrap_or_else(|| self.times(value, up) as i64)
     }
 
     /// [`times`](Self::times) of a double word, within ±limit.
@@ -139,6 +215,14 @@ impl Symmetric {
     pub(super) fn lowered_times(&self, v: [i64; 2], bits: i32) -> [i64; 2] {
         let [x, y] = self.times(v);
         [lowered(x, bits) as i64, lowered(y, bits) as i64]
+    }
+
+    /// The product with a vector in 2^-[`UNIT`] within 2^[`UNIT`]. *Domain* elements are below 2^61.
+    #[inline(always)]
+    pub(super) fn times_unit(&self, unit: [i64; 2]) -> [i64; 2] {
+        let raised = Self { xx: self.xx << RAISED, xy: self.xy << RAISED, yy: self.yy << RAISED };
+        let [x, y] = raised.times([unit[0] << RAISED_UNIT, unit[1] << RAISED_UNIT]);
+        [upper(x), upper(y)]
     }
 
     /// The impulse of a spring by a velocity.
@@ -189,7 +273,15 @@ impl Symmetric {
         let numerators =
             [(i128::from(self.xx) << PART) + more, i128::from(self.xy) << PART, (i128::from(self.yy) << PART) + more];
         let reciprocal = Reciprocal::of_double(sum);
-        let down = (bits_of_double(numerators[0].max(numerators[2])) - 62).max(0);
+        let largest = numerators[0].max(numerators[2]);
+        let high = (largest >> 64) as i64;
+        if high > 0 && high.leading_zeros() > 3 {
+            // Most often. Below 2^124: from 3 to 62 bits.
+            let down = 66 - high.leading_zeros() as i32;
+            let element = |numerator: i128| reciprocal.times_low(lowered_low(numerator, down), PART + down);
+            return Self { xx: element(numerators[0]), xy: element(numerators[1]), yy: element(numerators[2]) };
+        }
+        let down = (bits_of_double(largest) - 62).max(0);
         let element = |numerator: i128| {
             let top = if down == 0 { numerator } else { lowered(numerator, down) };
             reciprocal.times(top as i64, PART + down) as i64
