@@ -198,7 +198,7 @@ impl Loops {
                 }
                 for round in 0..ROUNDS {
                     give(joints, blocks, laws, soft, moved, bodies.clone());
-                    iterate(joints, blocks, moved, bodies.clone());
+                    iterate::<3>(joints, blocks, moved, bodies.clone());
                     if round + 1 == ROUNDS || !revise_laws(joints, blocks, laws, moved, bodies.clone()) {
                         break;
                     }
@@ -207,10 +207,13 @@ impl Loops {
                     }
                 }
             } else {
-                iterate(joints, blocks, moved, bodies);
+                // Rows around have impulses by laws alone.
+                iterate::<2>(joints, blocks, moved, bodies);
             }
             for (joint, block) in joints.iter().zip(blocks) {
-                let changes = joint.solution.map(|solution| lowered(solution.into(), FINER_STILL) as i64);
+                let [x, y, turn] = joint.solution;
+                let changes =
+                    [lowered_word(x, FINER_STILL), lowered_word(y, FINER_STILL), lowered_word(turn, FINER_STILL)];
                 cut += block.change(changes, laws) + block.give_gains(rows);
             }
         }
@@ -223,41 +226,59 @@ impl Loops {
 fn move_by(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
     moved[bodies].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
-        joint.move_bodies(block, moved);
+        joint.move_bodies::<3>(block, moved);
     }
     for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.set_velocity(block, moved);
+        joint.set_velocity::<3>(block, moved);
     }
 }
 
-/// The iterations over a loop.
+/// The iterations over a loop with impulses of the first `ROWS` rows. Each goes over the joints three times: once each for the velocities of bodies
+/// by the directions, for those of rows, and for the next residuals.
 #[inline(always)]
-fn iterate(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
-    let mut square: i128 = joints.iter().map(|joint| joint.product(joint.residual, joint.preconditioned)).sum();
+fn iterate<const ROWS: usize>(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) {
+    let mut square = 0;
+    moved[bodies.clone()].fill([0; 3]);
+    for (joint, block) in joints.iter().zip(blocks) {
+        square += joint.product::<ROWS>(joint.residual, joint.preconditioned);
+        joint.move_bodies::<ROWS>(block, moved);
+    }
     for iteration in 1..=ITERATIONS {
         if square <= 0 {
             return;
         }
-        move_by(joints, blocks, moved, bodies.clone());
-        let along: i128 = joints.iter().map(|joint| joint.product(joint.velocity, joint.direction)).sum();
+        let mut along = 0;
+        for (joint, block) in joints.iter_mut().zip(blocks) {
+            joint.set_velocity::<ROWS>(block, moved);
+            along += joint.product::<ROWS>(joint.velocity, joint.direction);
+        }
         if along <= 0 {
             return;
         }
         let step = quotient(square, along);
-        for joint in joints.iter_mut() {
-            joint.advance(step);
-        }
         if iteration == ITERATIONS {
+            for joint in joints.iter_mut() {
+                joint.advance::<ROWS>(step);
+            }
             return;
         }
+        let mut next = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.lower_residual(block, step);
+            joint.advance::<ROWS>(step);
+            joint.lower_residual::<ROWS>(block, step);
+            next += joint.product::<ROWS>(joint.residual, joint.preconditioned);
         }
-        let next = joints.iter().map(|joint| joint.product(joint.residual, joint.preconditioned)).sum();
         let kept = quotient(i128::max(next, 0), square);
         square = next;
-        for joint in joints.iter_mut() {
-            joint.turn(kept);
+        moved[bodies.clone()].fill([0; 3]);
+        for (joint, block) in joints.iter_mut().zip(blocks) {
+            joint.turn::<ROWS>(kept);
+            joint.move_bodies::<ROWS>(block, moved);
         }
     }
 }
@@ -329,7 +350,7 @@ impl LoopJoint {
         let [first, second, _] = self.residual;
         self.start = [first, second];
         self.solution = [0; 3];
-        self.precondition(block);
+        self.precondition::<3>(block);
         self.direction = self.preconditioned;
     }
 
@@ -341,8 +362,8 @@ impl LoopJoint {
 
     /// P r
     #[inline(always)]
-    fn precondition(&mut self, block: &Block) {
-        let alone = |row: usize| self.precondition_alone(block, row);
+    fn precondition<const ROWS: usize>(&mut self, block: &Block) {
+        let alone = |row: usize| if row < ROWS { self.precondition_alone(block, row) } else { 0 };
         self.preconditioned = if self.is_pair {
             let [e11, e12, e22] = self.inverse.map(i128::from);
             let [x, y, _] = self.residual.map(i128::from);
@@ -360,26 +381,36 @@ impl LoopJoint {
 
     /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
     #[inline(always)]
-    fn product(&self, velocity: [i64; 3], impulse: [i64; 3]) -> i128 {
-        let product = |row: usize| i128::from(velocity[row]) * i128::from(impulse[row]);
-        (product(0) + product(1) + product(2)) >> self.coarser.min(127)
+    fn product<const ROWS: usize>(&self, velocity: [i64; 3], impulse: [i64; 3]) -> i128 {
+        let mut product = 0;
+        for row in 0..ROWS {
+            product += i128::from(velocity[row]) * i128::from(impulse[row]);
+        }
+        if self.coarser == 0 { product } else { product >> self.coarser.min(127) }
     }
 
     /// Adds the effect of the direction on the bodies.
     #[inline(always)]
-    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
+    fn move_bodies<const ROWS: usize>(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let [mut x, mut y, mut turn_a, mut turn_b] = [0; 4];
-        for row in 0..3 {
+        for row in 0..ROWS {
             if block.is_active[row] {
-                let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
                 let direction = i128::from(self.direction[row]);
-                x += direction * i128::from(ux);
-                y += direction * i128::from(uy);
+                if row == 2 || !self.is_pair {
+                    let [ux, uy] = block.axes[row];
+                    x += direction * i128::from(ux);
+                    y += direction * i128::from(uy);
+                }
+                let [ka, kb] = block.crosses[row];
                 turn_a += direction * i128::from(ka);
                 turn_b += direction * i128::from(kb);
             }
         }
-        let [x, y] = [lowered_low(x, LOWER), lowered_low(y, LOWER)];
+        let [mut x, mut y] = [lowered_low(x, LOWER), lowered_low(y, LOWER)];
+        if self.is_pair {
+            // The axes of a pair are those of the world.
+            (x, y) = (x + (self.direction[0] << (30 - LOWER)), y + (self.direction[1] << (30 - LOWER)));
+        }
         let [turn_a, turn_b] = [lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)];
         // From 15 to 64 bits: masses of rows have at most 50.
         let bits = block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED;
@@ -396,18 +427,25 @@ impl LoopJoint {
 
     /// The velocities of the rows by all directions.
     #[inline(always)]
-    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]]) {
+    fn set_velocity<const ROWS: usize>(&mut self, block: &Block, moved: &[[i64; 3]]) {
         let velocity = |body: u32| {
             let [x, y, turn] = moved.get(body as usize).copied().unwrap_or_default();
             [x.clamp(-FASTEST, FASTEST), y.clamp(-FASTEST, FASTEST), turn.clamp(-FASTEST, FASTEST)]
         };
         let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
-        for row in 0..3 {
+        for row in 0..ROWS {
             if block.is_active[row] {
-                let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+                let way = if row < 2 && self.is_pair {
+                    // The axes of a pair are those of the world.
+                    i128::from(b[row] - a[row]) << 30
+                } else {
+                    let [ux, uy] = block.axes[row];
+                    product(ux, b[0] - a[0]) + product(uy, b[1] - a[1])
+                };
+                let [ka, kb] = block.crosses[row];
                 // Below 2^76.
-                let sum = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2]);
+                let sum = way + product(kb, b[2]) - product(ka, a[2]);
                 let sum = lowered_low(sum, 30 + MOVED - FRACTION) + self.gives(block, row);
                 self.velocity[row] = within_word(sum, RESIDUAL);
             }
@@ -424,28 +462,28 @@ impl LoopJoint {
 
     /// Goes a step along the direction, by less than 2^62.
     #[inline(always)]
-    fn advance(&mut self, step: i64) {
-        for row in 0..3 {
+    fn advance<const ROWS: usize>(&mut self, step: i64) {
+        for row in 0..ROWS {
             self.solution[row] = within_word(self.solution[row] + multiple(self.direction[row], step), SOLUTION);
         }
     }
 
     /// Takes the part of a step off the residual: less than 2^47.
     #[inline(always)]
-    fn lower_residual(&mut self, block: &Block, step: i64) {
-        for row in 0..3 {
+    fn lower_residual<const ROWS: usize>(&mut self, block: &Block, step: i64) {
+        for row in 0..ROWS {
             if self.is_solved(row) {
                 let residual = self.residual[row] - multiple(self.velocity[row], step);
                 self.residual[row] = within_word(residual, RESIDUAL);
             }
         }
-        self.precondition(block);
+        self.precondition::<ROWS>(block);
     }
 
     /// Turns to the next direction, by less than 2^62.
     #[inline(always)]
-    fn turn(&mut self, kept: i64) {
-        for row in 0..3 {
+    fn turn<const ROWS: usize>(&mut self, kept: i64) {
+        for row in 0..ROWS {
             let direction = self.preconditioned[row] + multiple(self.direction[row], kept);
             self.direction[row] = within_word(direction, DIRECTION);
         }

@@ -120,7 +120,7 @@ impl LoopJoint {
             }
         }
         self.solution = self.given;
-        self.precondition(block);
+        self.precondition::<3>(block);
         self.direction = self.preconditioned;
     }
 
