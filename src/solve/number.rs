@@ -63,22 +63,13 @@ pub(super) const fn lowered_low(value: i128, bits: i32) -> i64 {
 /// [`lowered`] within ±limit. *Domain* |value| < 2^126, 2 ≤ bits ≤ 63, and 0 ≤ limit ≤ 2^62.
 #[inline(always)]
 pub(super) const fn lowered_within(value: i128, bits: i32, limit: i64) -> i64 {
-    let high = (value >> 64) as i64;
-    let low = if (high ^ (high >> 63)) >> (bits - 2) == 0 {
-        // |value| is at most 2^(62 + bits).
-        lowered_low(value, bits)
-    } else if high < 0 {
-        -limit
-    } else {
-        limit
-    };
-    if low < -limit {
-        -limit
-    } else if low > limit {
-        limit
-    } else {
-        low
-    }
+    let (high, low) = ((value >> 64) as i64, lowered_low(value, bits));
+    // Without a branch: compilers know that a factor is a word only within a block. |value| is at most 2^(62 + bits), or more than that.
+    let is_word = (high ^ (high >> 63)) >> (bits - 2) == 0;
+    let end = (high >> 63) ^ i64::MAX;
+    let low = if is_word { low } else { end };
+    let low = if low < -limit { -limit } else { low };
+    if low > limit { limit } else { low }
 }
 
 /// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.

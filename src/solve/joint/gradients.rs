@@ -17,6 +17,7 @@
 mod laws;
 
 use alloc::vec::Vec;
+use core::hint::black_box;
 use core::ops::Range;
 
 use self::laws::{give, revise_laws, settle_laws};
@@ -103,7 +104,8 @@ fn quotient(a: i128, b: i128) -> i64 {
     (((a >> down) << 30) / (b >> down).max(1)).min(1 << 40) as i64
 }
 
-/// v · factor/2^30. *Domain* the result fits.
+/// v · factor/2^30. *Domain* the result fits. Where all joints have the factor it comes out of a black box: compilers extend its sign ahead of
+/// the loop, and multiply by two words then.
 #[inline(always)]
 fn multiple(v: i64, factor: i64) -> i64 {
     lowered_low(i128::from(v) * i128::from(factor), 30)
@@ -392,26 +394,31 @@ impl LoopJoint {
     /// Adds the effect of the direction on the bodies.
     #[inline(always)]
     fn move_bodies<const ROWS: usize>(&self, block: &Block, moved: &mut [[i64; 3]]) {
-        let [mut x, mut y, mut turn_a, mut turn_b] = [0; 4];
-        for row in 0..ROWS {
-            if block.is_active[row] {
-                let direction = i128::from(self.direction[row]);
-                if row == 2 || !self.is_pair {
-                    let [ux, uy] = block.axes[row];
-                    x += direction * i128::from(ux);
-                    y += direction * i128::from(uy);
-                }
-                let [ka, kb] = block.crosses[row];
-                turn_a += direction * i128::from(ka);
-                turn_b += direction * i128::from(kb);
-            }
-        }
-        let [mut x, mut y] = [lowered_low(x, LOWER), lowered_low(y, LOWER)];
-        if self.is_pair {
+        let product = |row: usize, factor: i64| i128::from(self.direction[row]) * i128::from(factor);
+        let [x, y, turn_a, turn_b] = if self.is_pair {
             // The axes of a pair are those of the world.
-            (x, y) = (x + (self.direction[0] << (30 - LOWER)), y + (self.direction[1] << (30 - LOWER)));
-        }
-        let [turn_a, turn_b] = [lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)];
+            let [first, second, third] = self.direction;
+            let [[ka, kb], [la, lb], [ma, mb]] = block.crosses;
+            let (mut turn_a, mut turn_b) = (product(0, ka) + product(1, la), product(0, kb) + product(1, lb));
+            if ROWS > 2 {
+                (turn_a, turn_b) =
+                    (turn_a + i128::from(third) * i128::from(ma), turn_b + i128::from(third) * i128::from(mb));
+            }
+            let [x, y] = [first << (30 - LOWER), second << (30 - LOWER)];
+            [x, y, lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)]
+        } else {
+            let mut sums = [0; 4];
+            for row in 0..ROWS {
+                if block.is_active[row] {
+                    let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+                    sums[0] += product(row, ux);
+                    sums[1] += product(row, uy);
+                    sums[2] += product(row, ka);
+                    sums[3] += product(row, kb);
+                }
+            }
+            sums.map(|sum| lowered_low(sum, LOWER))
+        };
         // From 15 to 64 bits: masses of rows have at most 50.
         let bits = block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED;
         let [first, second] = self.bodies;
@@ -434,20 +441,26 @@ impl LoopJoint {
         };
         let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
+        // Below 2^76.
+        let velocity = |sum: i128, gives: i64| within_word(lowered_low(sum, 30 + MOVED - FRACTION) + gives, RESIDUAL);
+        if self.is_pair {
+            let [[ka, kb], [la, lb], [ma, mb]] = block.crosses;
+            // The axes of a pair are those of the world.
+            let first = product(1 << 30, b[0] - a[0]) + product(kb, b[2]) - product(ka, a[2]);
+            let second = product(1 << 30, b[1] - a[1]) + product(lb, b[2]) - product(la, a[2]);
+            self.velocity[0] = velocity(first, self.gives(block, 0));
+            self.velocity[1] = velocity(second, self.gives(block, 1));
+            if ROWS > 2 && block.is_active[2] {
+                self.velocity[2] = velocity(product(mb, b[2]) - product(ma, a[2]), self.gives(block, 2));
+            }
+            return;
+        }
         for row in 0..ROWS {
             if block.is_active[row] {
-                let way = if row < 2 && self.is_pair {
-                    // The axes of a pair are those of the world.
-                    i128::from(b[row] - a[row]) << 30
-                } else {
-                    let [ux, uy] = block.axes[row];
-                    product(ux, b[0] - a[0]) + product(uy, b[1] - a[1])
-                };
-                let [ka, kb] = block.crosses[row];
-                // Below 2^76.
+                let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
+                let way = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]);
                 let sum = way + product(kb, b[2]) - product(ka, a[2]);
-                let sum = lowered_low(sum, 30 + MOVED - FRACTION) + self.gives(block, row);
-                self.velocity[row] = within_word(sum, RESIDUAL);
+                self.velocity[row] = velocity(sum, self.gives(block, row));
             }
         }
     }
@@ -463,6 +476,7 @@ impl LoopJoint {
     /// Goes a step along the direction, by less than 2^62.
     #[inline(always)]
     fn advance<const ROWS: usize>(&mut self, step: i64) {
+        let step = black_box(step);
         for row in 0..ROWS {
             self.solution[row] = within_word(self.solution[row] + multiple(self.direction[row], step), SOLUTION);
         }
@@ -471,11 +485,10 @@ impl LoopJoint {
     /// Takes the part of a step off the residual: less than 2^47.
     #[inline(always)]
     fn lower_residual<const ROWS: usize>(&mut self, block: &Block, step: i64) {
+        let step = black_box(step);
         for row in 0..ROWS {
-            if self.is_solved(row) {
-                let residual = self.residual[row] - multiple(self.velocity[row], step);
-                self.residual[row] = within_word(residual, RESIDUAL);
-            }
+            let residual = within_word(self.residual[row] - multiple(self.velocity[row], step), RESIDUAL);
+            self.residual[row] = if self.is_solved(row) { residual } else { self.residual[row] };
         }
         self.precondition::<ROWS>(block);
     }
@@ -483,6 +496,7 @@ impl LoopJoint {
     /// Turns to the next direction, by less than 2^62.
     #[inline(always)]
     fn turn<const ROWS: usize>(&mut self, kept: i64) {
+        let kept = black_box(kept);
         for row in 0..ROWS {
             let direction = self.preconditioned[row] + multiple(self.direction[row], kept);
             self.direction[row] = within_word(direction, DIRECTION);
