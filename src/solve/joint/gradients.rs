@@ -135,7 +135,7 @@ impl Loops {
     }
 
     /// Prepares the loops of a step.
-    pub(super) fn set(&mut self, forest: &Forest, blocks: &[Block], rows: &Rows, soft: &SoftRow) {
+    pub(super) fn set(&mut self, forest: &Forest, blocks: &[Block], rows: &Rows) {
         self.clear();
         if forest.loops.is_empty() {
             return;
@@ -161,10 +161,10 @@ impl Loops {
             let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
             loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_laws });
         }
-        self.factor(blocks, soft);
     }
 
     /// Finds the matrices of single joints where the bodies are.
+    #[inline(always)]
     pub(super) fn factor(&mut self, blocks: &[Block], soft: &SoftRow) {
         // They come after the blocks of trees.
         let blocks_of_loops = &blocks[blocks.len() - self.joints.len()..];
@@ -287,6 +287,7 @@ fn iterate<const ROWS: usize>(
 
 impl Block {
     /// The velocity along row `i` by an impulse along row `j`, for one body.
+    #[inline(always)]
     fn element(&self, side: usize, i: usize, j: usize) -> i128 {
         let [mx, my, angular] = self.sides[side].masses;
         let ([ix, iy], [jx, jy]) = (self.axes[i], self.axes[j]);
@@ -299,6 +300,7 @@ impl Block {
 
 impl LoopJoint {
     /// Sets P and γ of the rows that are held.
+    #[inline(always)]
     fn invert(&mut self, block: &Block, compliance: i32) {
         let element = |i: usize, j: usize| block.element(0, i, j) + block.element(1, i, j);
         self.is_pair = block.held == [true; 2];

@@ -172,7 +172,7 @@ impl Joints {
         });
         loads.find(input, forest, graph);
         trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
-        loops.set(forest, blocks, &bodies.rows, soft);
+        loops.set(forest, blocks, &bodies.rows);
     }
 
     /// Settles where bodies with joints end the step, and tells the joints, which hold the points of bodies where they really are.
@@ -212,10 +212,18 @@ impl Joints {
         }
     }
 
-    /// Begins a sub-step, before bodies take up the changes of their free flight.
+    /// Begins a sub-step, before bodies take up the changes of their free flight: takes note of velocities, and finds matrices where they are
+    /// not known.
+    #[inline(always)]
     pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
-        for block in &self.blocks {
-            block.set_start(rows, &mut self.laws, is_first);
+        if !self.laws.is_empty() {
+            for block in &self.blocks {
+                block.set_start(rows, &mut self.laws, is_first);
+            }
+        }
+        self.trees.begin(&self.blocks, is_first);
+        if is_first {
+            self.loops.factor(&self.blocks, &self.soft);
         }
     }
 
@@ -252,7 +260,7 @@ impl Joints {
         for block in &mut self.blocks {
             cut += block.advance(&self.poses, &mut self.laws);
         }
-        self.trees.factor(&self.blocks);
+        self.trees.relax(&self.blocks);
         self.loops.factor(&self.blocks, &self.soft);
         cut += self.pass(rows, lanes, false);
         for block in &mut self.blocks {

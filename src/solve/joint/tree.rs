@@ -40,6 +40,7 @@
 mod angle;
 mod frame;
 mod node;
+mod pin;
 mod stiffness;
 mod symmetric;
 
@@ -156,13 +157,26 @@ impl Trees {
         for tree in input.contacts.iter().flat_map(|contact| contact.bodies).filter_map(|body| forest.tree_of(body)) {
             trees[tree].touches = true;
         }
-        self.factor(blocks);
     }
 
-    /// Finds the matrices where the bodies are.
+    /// Finds the matrices where the bodies are, before the sub-step: of all trees before the first one, then of those that have no relax pass.
     #[inline(always)]
-    pub(super) fn factor(&mut self, blocks: &[Block]) {
-        factor(&mut self.nodes, &mut self.frames, 0, blocks);
+    pub(super) fn begin(&mut self, blocks: &[Block], is_first: bool) {
+        self.factor(blocks, |tree| is_first || !tree.touches);
+    }
+
+    /// Finds the matrices where the bodies are, before the relax pass.
+    #[inline(always)]
+    pub(super) fn relax(&mut self, blocks: &[Block]) {
+        self.factor(blocks, |tree| tree.touches);
+    }
+
+    #[inline(always)]
+    fn factor(&mut self, blocks: &[Block], is_meant: impl Fn(&Tree) -> bool) {
+        let Self { nodes, frames, trees } = self;
+        for tree in trees.iter().filter(|tree| is_meant(tree)) {
+            factor(&mut nodes[tree.nodes.clone()], frames, tree.nodes.start, blocks);
+        }
     }
 
     /// Changes the impulses of the joints of trees by a pass. The relax pass is for trees that touch other bodies: an exact solution leaves

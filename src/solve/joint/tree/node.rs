@@ -36,6 +36,9 @@ pub(super) struct Node {
     pub(super) is_rod: bool,
     /// The number of the frame of the joint, if rows of it along the axes have laws or are free; else [`NONE`].
     pub(super) frame: u32,
+    /// True for a body that turns freely at a joint that holds a point; and if all its values are of the sizes that they most often have.
+    pub(super) may_be_pin: bool,
+    pub(super) is_pin: bool,
     /// True if the parent is the middle of the joint.
     pub(super) is_half: bool,
     /// log2 of the length of the body, m.
@@ -163,6 +166,8 @@ impl Node {
         } else {
             self.angle = AngleRow::new(block, laws, self, opposite);
         }
+        let is_point = block.held == [true; 2] && self.frame == NONE && self.angle.is_none();
+        self.may_be_pin = is_point && self.is_body && self.inertia != 0;
     }
 
     /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
@@ -181,6 +186,10 @@ impl Node {
     /// Eliminates the rotation, and finds the spring that the parent sees.
     #[inline(always)]
     pub(super) fn factor(&mut self, frames: &mut [FrameRows]) {
+        self.is_pin = self.may_be_pin && self.factor_pin();
+        if self.is_pin {
+            return;
+        }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
             frame.factor(self);
             return;
@@ -317,13 +326,18 @@ impl Node {
 
     /// The velocity by which the joint gives way to an impulse.
     #[inline(always)]
-    fn give(&self, impulse: i64) -> i64 {
+    pub(super) fn give(&self, impulse: i64) -> i64 {
         lowered(product(self.compliance, impulse), SOFT - TO_IMPULSE) as i64
     }
 
     /// On the way to the centre: the impulses that are left at the joint, which go to the parent, and the torque of its axis.
     #[inline(always)]
     pub(super) fn pass_down(&mut self, frames: &mut [FrameRows]) -> ([i64; 2], i64) {
+        if self.is_pin {
+            if let Some(impulse) = self.pass_down_pin() {
+                return (impulse, 0);
+            }
+        }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
             return frame.pass_down(self);
         }
@@ -385,6 +399,9 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_up(&mut self, frames: &mut [FrameRows], parent_velocity: [i64; 2], parent_spin: i64) {
         let at = moved(parent_velocity, parent_spin, self.parent_point);
+        if self.is_pin && self.pass_up_pin(at) {
+            return;
+        }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
             frame.pass_up(self, at, parent_spin);
             return;

@@ -80,8 +80,8 @@ pub(super) fn moved(v: [i64; 2], factor: i64, along: [i64; 2]) -> [i64; 2] {
 /// positive.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Reciprocal {
-    mantissa: i64,
-    shift: i32,
+    pub(super) mantissa: i64,
+    pub(super) shift: i32,
 }
 
 impl Reciprocal {
@@ -90,6 +90,12 @@ impl Reciprocal {
         if value <= 0 {
             return Self { mantissa: 0, shift: 62 };
         }
+        Self::of_positive(value)
+    }
+
+    /// [`new`](Self::new) of a positive value.
+    #[inline(always)]
+    pub(super) fn of_positive(value: i64) -> Self {
         // The top 63 bits.
         let zeros = value.leading_zeros() as i32 - 1;
         Self::of_top((value as u64) << zeros, 124 - zeros)
@@ -115,14 +121,20 @@ impl Reciprocal {
     pub(super) fn of_double(value: i128) -> Self {
         let high = (value >> 64) as i64;
         if high > 0 {
-            // The top 62 bits of 128, at the place of the top 63.
-            let zeros = high.leading_zeros() as i32;
-            let top = (high as u64) << zeros | (value as u64) >> 1 >> (63 - zeros);
-            return Self::of_top(top >> 2 << 1, 189 - zeros);
+            return Self::of_high(value, high);
         }
         let down = (bits_of_double(value) - 62).max(0);
         let Self { mantissa, shift } = Self::new((value >> down) as i64);
         Self { mantissa, shift: shift + down }
+    }
+
+    /// The reciprocal of the top bits of a double word with an upper word that is positive.
+    #[inline(always)]
+    pub(super) fn of_high(value: i128, high: i64) -> Self {
+        // The top 62 bits of 128, at the place of the top 63.
+        let zeros = high.leading_zeros() as i32;
+        let top = (high as u64) << zeros | (value as u64) >> 1 >> (63 - zeros);
+        Self::of_top(top >> 2 << 1, 189 - zeros)
     }
 
     /// value/denominator · 2^up. *Domain* |value| < 2^63, and 1 ≤ shift − up ≤ 126.
