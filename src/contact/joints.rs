@@ -19,12 +19,19 @@ use crate::math::Vec2;
 use crate::scalar::{FxAccumulator, FxWide, Turn};
 use crate::solve::{ContactSolver, Impulses, Joint};
 
-/// An end of a joint on a body: its flight, and the arm from its centre of mass, m.
+/// An end of a joint on a body: its flight, the point from its centre of mass in its axes, m, and its angle.
 #[derive(Clone, Copy)]
 struct MovingEnd {
     flight: u32,
-    arm: Vec2,
+    point: Vec2,
     angle: Turn,
+}
+
+impl MovingEnd {
+    /// The arm in world axes.
+    fn arm(&self) -> Vec2 {
+        turned(self.point, self.angle)
+    }
 }
 
 /// An end of a joint in a step.
@@ -72,7 +79,7 @@ impl JointList {
             let slot = flights.body(flight).slot;
             for (index, side) in scene.joints.of(slot) {
                 let Place::Body(_, point) = scene.joints.link(index).ends[side].place else { continue };
-                let end = MovingEnd { flight, arm: turned(point, start.angle), angle: start.angle };
+                let end = MovingEnd { flight, point, angle: start.angle };
                 self.push(scene, flights, end, index, side);
             }
         }
@@ -92,7 +99,7 @@ impl JointList {
             StepEnd::Moving(far_end) if far_end.flight < end.flight => return,
             StepEnd::Moving(far_end) if is_dynamic(end.flight) || is_dynamic(far_end.flight) => far_end,
             StepEnd::Fixed(point, angle) if is_dynamic(end.flight) => {
-                MovingEnd { flight: flights.push_fixed_point(point), arm: Vec2::ZERO, angle }
+                MovingEnd { flight: flights.push_fixed_point(point), point: Vec2::ZERO, angle }
             }
             StepEnd::Moving(_) | StepEnd::Fixed(..) => return,
             StepEnd::Absent => {
@@ -104,10 +111,10 @@ impl JointList {
         flights.complete(scene, far_end.flight);
         let [first, second] = if side == 0 { [end, far_end] } else { [far_end, end] };
         let bodies = [first.flight, second.flight];
-        let (anchors, angles) = ([first.arm, second.arm], [first.angle, second.angle]);
+        let (anchors, angles) = ([first.arm(), second.arm()], [first.angle, second.angle]);
         let joint = link.posed(&scene.joints.states[index as usize], bodies, anchors, angles, flights.all());
         if joint.kind.frame_angle().is_some() {
-            flights.reach_point(first.flight, first.arm, joint.offset(flights.all()));
+            flights.reach_point(first.flight, anchors[0], joint.offset(flights.all()));
         }
         self.solver_joints.push(joint);
         self.starts.push(joint.impulses);
@@ -167,7 +174,7 @@ fn step_end(scene: &Scene<'_>, flights: &Flights, place: &Place) -> StepEnd {
     // Bodies that move have the first flights.
     let moving = flights.at(slot).and_then(|flight| Some((flight, scene.starts.get(flight as usize)?)));
     if let Some((flight, start)) = moving {
-        return StepEnd::Moving(MovingEnd { flight, arm: turned(point, start.angle), angle: start.angle });
+        return StepEnd::Moving(MovingEnd { flight, point, angle: start.angle });
     }
     let Some(dense) = scene.bodies.index_in(slot) else { return StepEnd::Absent };
     let stands = match scene.bodies.activity(dense) {

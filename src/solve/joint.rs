@@ -237,7 +237,7 @@ pub(super) struct Block {
     pub(super) impulses: [i64; 3],
     /// The impulses applied in the sub-step, in 2^-30: along x and y, and the angular ones of both bodies.
     change: [i128; 4],
-    /// Sums of the changes of sub-steps.
+    /// Sums of the changes of the sub-steps before.
     pub(super) applied: [i128; 4],
     /// Sums over sub-steps of the changes applied up to the move.
     pub(super) weighted: [i128; 4],
@@ -348,6 +348,9 @@ impl Block {
     /// Begins a sub-step with the impulses of the one before, at the present arms. Returns the number of values that were cut off.
     #[inline(always)]
     fn warm_start(&mut self, rows: &mut Rows) -> u64 {
+        for i in 0..4 {
+            self.applied[i] += self.change[i];
+        }
         self.change = [0; 4];
         self.push(self.impulses);
         self.give_gains(rows)
@@ -360,6 +363,11 @@ impl Block {
             self.weighted[i] += self.applied[i] + self.change[i];
         }
         self.turn(poses, laws)
+    }
+
+    /// The sums of the changes of all sub-steps.
+    fn applied(&self) -> [i128; 4] {
+        [0, 1, 2, 3].map(|i| self.applied[i] + self.change[i])
     }
 
     /// Returns true if the joint holds a length, and nothing else.
@@ -416,14 +424,6 @@ impl Block {
         }
         self.push(applied);
         cut
-    }
-
-    /// Ends a sub-step: adds up its impulses.
-    #[inline(always)]
-    fn end(&mut self) {
-        for i in 0..4 {
-            self.applied[i] += self.change[i];
-        }
     }
 
     /// Adds impulses of the rows to the change of the sub-step.

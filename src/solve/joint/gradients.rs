@@ -38,6 +38,8 @@ const ITERATIONS: usize = 3;
 const MOVED: i32 = 12;
 /// Fraction bits of impulses, in units of the block.
 const FINER_STILL: i32 = 8;
+/// Bits by which residuals are raised, so that what is wanted of their products with elements of the inverse stands in the upper word.
+const RAISED_RESIDUAL: i32 = 26;
 /// The largest direction and solution.
 const DIRECTION: i128 = 1 << 51;
 const SOLUTION: i128 = 1 << 58;
@@ -226,12 +228,21 @@ impl Loops {
 /// Finds the velocities of all rows by the directions.
 #[inline(always)]
 fn move_by(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
-    moved[bodies].fill([0; 3]);
+    moved[bodies.clone()].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
         joint.move_bodies::<3>(block, moved);
     }
+    bound(&mut moved[bodies]);
     for (joint, block) in joints.iter_mut().zip(blocks) {
         joint.set_velocity::<3>(block, moved);
+    }
+}
+
+/// Bounds the velocities of bodies by all joints.
+#[inline(always)]
+fn bound(moved: &mut [[i64; 3]]) {
+    for part in moved.as_flattened_mut() {
+        *part = (*part).clamp(-FASTEST, FASTEST);
     }
 }
 
@@ -254,6 +265,7 @@ fn iterate<const ROWS: usize>(
         if square <= 0 {
             return;
         }
+        bound(&mut moved[bodies.clone()]);
         let mut along = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
             joint.set_velocity::<ROWS>(block, moved);
@@ -369,12 +381,18 @@ impl LoopJoint {
     fn precondition<const ROWS: usize>(&mut self, block: &Block) {
         let alone = |row: usize| if row < ROWS { self.precondition_alone(block, row) } else { 0 };
         self.preconditioned = if self.is_pair {
-            let [e11, e12, e22] = self.inverse.map(i128::from);
-            let [x, y, _] = self.residual.map(i128::from);
-            let sums = [e11 * x + e12 * y, e12 * x + e22 * y];
-            let [x, y] = if matches!(self.inverse_shift, 2..64) {
-                sums.map(|sum| lowered_within(sum, self.inverse_shift, DIRECTION as i64))
+            let [e11, e12, e22] = self.inverse;
+            let [x, y, _] = self.residual;
+            let product = |a: i64, b: i64| i128::from(a) * i128::from(b);
+            let room = 64 - RAISED_RESIDUAL - self.inverse_shift;
+            let [x, y] = if matches!(room, 0..31) {
+                // Elements have 31 bits, and residuals 36: they are raised to 61 and 62 bits.
+                let ([e11, e12, e22], [x, y]) =
+                    ([e11 << room, e12 << room, e22 << room], [x << RAISED_RESIDUAL, y << RAISED_RESIDUAL]);
+                let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
+                [within_word(upper(sums[0]), DIRECTION), within_word(upper(sums[1]), DIRECTION)]
             } else {
+                let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
                 sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION))
             };
             [x, y, alone(2)]
@@ -437,10 +455,7 @@ impl LoopJoint {
     /// The velocities of the rows by all directions.
     #[inline(always)]
     fn set_velocity<const ROWS: usize>(&mut self, block: &Block, moved: &[[i64; 3]]) {
-        let velocity = |body: u32| {
-            let [x, y, turn] = moved.get(body as usize).copied().unwrap_or_default();
-            [x.clamp(-FASTEST, FASTEST), y.clamp(-FASTEST, FASTEST), turn.clamp(-FASTEST, FASTEST)]
-        };
+        let velocity = |body: u32| moved.get(body as usize).copied().unwrap_or_default();
         let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         let product = |factor: i64, velocity: i64| i128::from(factor) * i128::from(velocity);
         // Below 2^76.
@@ -450,8 +465,8 @@ impl LoopJoint {
             // The axes of a pair are those of the world.
             let first = product(1 << 30, b[0] - a[0]) + product(kb, b[2]) - product(ka, a[2]);
             let second = product(1 << 30, b[1] - a[1]) + product(lb, b[2]) - product(la, a[2]);
-            self.velocity[0] = velocity(first, self.gives(block, 0));
-            self.velocity[1] = velocity(second, self.gives(block, 1));
+            self.velocity[0] = velocity(first, self.gives_held(block, 0));
+            self.velocity[1] = velocity(second, self.gives_held(block, 1));
             if ROWS > 2 && block.is_active[2] {
                 self.velocity[2] = velocity(product(mb, b[2]) - product(ma, a[2]), self.gives(block, 2));
             }
@@ -473,6 +488,15 @@ impl LoopJoint {
         let gives = i128::from(self.compliance[row]) * i128::from(self.direction[row]);
         // From 9 to 58 bits.
         lowered_within(gives, block.mass_bits + FINER + FINER_STILL - FRACTION, RESIDUAL as i64)
+    }
+
+    /// [`gives`](Self::gives) of a row that is held: its compliance is at most twice the largest mass of a row.
+    #[inline(always)]
+    fn gives_held(&self, block: &Block, row: usize) -> i64 {
+        let room = 64 - (block.mass_bits + FINER + FINER_STILL - FRACTION);
+        // Below 2^57 · 2^51.
+        let gives = i128::from(self.compliance[row] << room) * i128::from(self.direction[row]);
+        within_word(upper(gives), RESIDUAL)
     }
 
     /// Goes a step along the direction, by less than 2^62.

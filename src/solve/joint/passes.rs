@@ -262,11 +262,7 @@ impl Joints {
         }
         self.trees.relax(&self.blocks);
         self.loops.factor(&self.blocks, &self.soft);
-        cut += self.pass(rows, lanes, false);
-        for block in &mut self.blocks {
-            block.end();
-        }
-        cut
+        cut + self.pass(rows, lanes, false)
     }
 
     /// Solves trees and loops.
@@ -286,7 +282,7 @@ impl Joints {
     /// The number of each joint and its impulses along x and y over the step on the second body, in 2^-32 N·s.
     pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
         self.blocks.iter().map(|block| {
-            let [x, y, ..] = block.applied;
+            let [x, y, ..] = block.applied();
             // From 2^(exponent − 30).
             (block.joint, [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent)))
         })
@@ -302,7 +298,7 @@ impl Joints {
             joint.impulses = Impulses { values: block.values(), exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
-            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied), (true, block.weighted)] {
+            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied()), (true, block.weighted)] {
                 let [x, y] = [x, y].map(|value| shifted_within(value, bits));
                 for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
                     let turn = shifted_within(turn, bits - flights[body as usize].length());

@@ -95,7 +95,7 @@ impl Pose {
         let (mantissa, shift) = self.turn;
         // Whole turns do not matter.
         let turn = mul_shift_64(self.moved[2].into(), mantissa, shift).unwrap_or(0) as u64;
-        (self.sin, self.cos) = sin_cos_turn(turn);
+        (self.sin, self.cos) = if turn == 0 { (0, 1 << 62) } else { sin_cos_turn(turn) };
     }
 
     /// Sets the angle of a sub-step at the present velocity.

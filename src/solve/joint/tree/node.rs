@@ -48,9 +48,9 @@ pub(super) struct Node {
     /// log2 of the units of mass of the node and of the joint, kg.
     pub(super) unit: i32,
     pub(super) joint_unit: i32,
-    /// Along x and y, and the lighter one of them as if no axis were locked.
+    /// Along x and y, and one over the lighter one of them as if no axis were locked, in 2^-[`SOFT`].
     pub(super) mass: [i64; 2],
-    pub(super) lightest: i64,
+    pub(super) linear: i128,
     /// Zero for a body that cannot turn, too.
     pub(super) inertia: i64,
     /// γ
@@ -67,7 +67,7 @@ pub(super) struct Node {
     pub(super) parent_point: [i64; 2],
     /// The axis of a rod.
     pub(super) axis: [i64; 2],
-    /// t and 1/c'.
+    /// t and 1/c'; at first one over the inertia.
     pub(super) t: [i64; 2],
     pub(super) turn: Reciprocal,
     /// S; of a rod with its elements as multiples of one number, which stands beside it.
@@ -114,7 +114,7 @@ impl Node {
             let mass_y = if y == x || y.is_zero() { mass_x } else { FxFactor::ONE.over(y) };
             node.unit = exponent(mass_x).max(exponent(mass_y)) - MASS + bits_of(place.children.into());
             let masses = [mass_x, mass_y].map(|mass| fixed(mass, -node.unit).max(1));
-            node.lightest = masses[0].min(masses[1]);
+            node.linear = Reciprocal::new(masses[0].min(masses[1])).times(1 << 60, SOFT - 60);
             node.mass =
                 [(0, x), (1, y)].map(|(axis, inverse)| masses[axis] << if inverse.is_zero() { LOCKED } else { 0 });
             if !inverse_inertia.is_zero() {
@@ -124,19 +124,19 @@ impl Node {
                 let is_large = exponent(inertia) + up > bits_of(largest);
                 node.inertia = if is_large { largest } else { fixed(inertia, up).clamp(smallest, largest) };
             }
+            node.turn = Reciprocal::new(node.inertia);
         }
         node
     }
 
     /// Half the sum of the inverse mass of the node at a point along x and along y, in 2^-[`SOFT`]: 1/m + q²/2c; below 2^91.
     fn mobility(&self, [x, y]: [i64; 2]) -> i128 {
-        let linear = Reciprocal::new(self.lightest).times(1 << 60, SOFT - 60);
         if self.inertia == 0 {
-            return linear;
+            return self.linear;
         }
         // Below 2^61.
-        let square = (product(x, x) + product(y, y)) as i64;
-        linear + Reciprocal::new(self.inertia).times(square, SOFT - 2 * UNIT - 1)
+        let square = x * x + y * y;
+        self.linear + self.turn.times(square, SOFT - 2 * UNIT - 1)
     }
 
     /// Sets the values that follow from the masses at the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
