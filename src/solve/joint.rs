@@ -181,6 +181,12 @@ enum Frame {
     Body([i64; 2]),
 }
 
+/// The magnitude of a value; of a negative one less by one.
+#[inline(always)]
+fn magnitude(value: i64) -> i64 {
+    value ^ (value >> 63)
+}
+
 /// A direction turned left by a quarter.
 fn perpendicular([ux, uy]: [i64; 2]) -> [i64; 2] {
     [-uy, ux]
@@ -452,7 +458,6 @@ impl Block {
         // From products with masses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
         let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
         let up = 64 - RAISED - bits;
-        let magnitude = |impulse: i64| impulse ^ (impulse >> 63);
         let bound = magnitude(x) | magnitude(y) | magnitude(turn_a) | magnitude(turn_b);
         if bound >> (63 - up) != 0 {
             return self.give_large_gains(rows, [x, y, turn_a, turn_b], bits);
@@ -519,14 +524,20 @@ impl Side {
             return 0;
         }
         let gains = &mut rows.rows[self.row as usize].gain;
+        let gain = |k: usize| upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k]));
+        let mut applied_gain = [gain(0), gain(1), gain(2)];
         let mut cut = 0;
-        for k in 0..3 {
-            let wanted = upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k]));
-            let applied_gain = wanted.clamp(-self.gain_limit, self.gain_limit);
-            cut += u64::from(applied_gain != wanted);
-            gains[k] += sign * (applied_gain - self.applied_gain[k]);
-            self.applied_gain[k] = applied_gain;
+        if magnitude(applied_gain[0]) | magnitude(applied_gain[1]) | magnitude(applied_gain[2]) >= self.gain_limit {
+            for part in &mut applied_gain {
+                let wanted = *part;
+                *part = wanted.clamp(-self.gain_limit, self.gain_limit);
+                cut += u64::from(*part != wanted);
+            }
         }
+        for k in 0..3 {
+            gains[k] += sign * (applied_gain[k] - self.applied_gain[k]);
+        }
+        self.applied_gain = applied_gain;
         cut
     }
 }

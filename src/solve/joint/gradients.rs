@@ -324,7 +324,15 @@ impl LoopJoint {
             }
             return;
         }
-        let (k11, k12, k22) = (element(0, 0), element(0, 1), element(1, 1));
+        // The axes of a pair are those of the world: an impulse along one moves no centre along the other, and masses along them are whole.
+        let turning = |side: usize, i: usize, j: usize| {
+            let crosses = block.crosses[i][side] * block.crosses[j][side];
+            i128::from(lowered_low(i128::from(block.sides[side].masses[2]) * i128::from(crosses), 60))
+        };
+        let linear = |axis: usize| i128::from(block.sides[0].masses[axis]) + i128::from(block.sides[1].masses[axis]);
+        let k11 = linear(0) + turning(0, 0, 0) + turning(1, 0, 0);
+        let k12 = turning(0, 0, 1) + turning(1, 0, 1);
+        let k22 = linear(1) + turning(0, 1, 1) + turning(1, 1, 1);
         let softness = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
         (self.compliance[0], self.compliance[1]) = (softness, softness);
         // Bodies that move along one axis only make the matrix singular.

@@ -227,13 +227,36 @@ fn factor(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[
     for node in nodes.iter_mut() {
         node.begin(blocks);
     }
-    for index in 0..nodes.len() {
-        let (before, after) = nodes.split_at_mut(index + 1);
-        let node = &mut before[index];
-        node.factor(frames);
-        if node.parent != NONE {
-            node.join(frames, &mut after[node.parent as usize - begin - index - 1]);
+    // Nodes that are as far from the centre stand side by side.
+    let mut index = 0;
+    while index < nodes.len() {
+        let waits = nodes[index].parent as usize == begin + index + 1;
+        match &mut nodes[index..] {
+            [first, second, ..] if first.may_be_pin && second.may_be_pin && !waits => {
+                Node::factor_pins(first, second);
+                first.factor_others(frames);
+                second.factor_others(frames);
+                join(nodes, frames, begin, index);
+                join(nodes, frames, begin, index + 1);
+                index += 2;
+            }
+            [node, ..] => {
+                node.factor(frames);
+                join(nodes, frames, begin, index);
+                index += 1;
+            }
+            [] => {}
         }
+    }
+}
+
+/// Adds the spring of a node to its parent.
+#[inline(always)]
+fn join(nodes: &mut [Node], frames: &[FrameRows], begin: usize, index: usize) {
+    let (before, after) = nodes.split_at_mut(index + 1);
+    let node = &before[index];
+    if node.parent != NONE {
+        node.join(frames, &mut after[node.parent as usize - begin - index - 1]);
     }
 }
 

@@ -186,7 +186,15 @@ impl Node {
     /// Eliminates the rotation, and finds the spring that the parent sees.
     #[inline(always)]
     pub(super) fn factor(&mut self, frames: &mut [FrameRows]) {
-        self.is_pin = self.may_be_pin && self.factor_pin();
+        if self.may_be_pin {
+            self.factor_pin();
+        }
+        self.factor_others(frames);
+    }
+
+    /// [`factor`](Self::factor) of a node that is no pin.
+    #[inline(always)]
+    pub(super) fn factor_others(&mut self, frames: &mut [FrameRows]) {
         if self.is_pin {
             return;
         }

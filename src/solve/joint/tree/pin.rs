@@ -44,55 +44,113 @@ fn quotient(reciprocal: Reciprocal, value: i64, up: i32, above: i32) -> (i64, i6
     ((high + (1 << (down - 1))) >> down, (raised >> room) ^ value)
 }
 
-/// [`softened`](Symmetric::softened), and zero if it is so: for values of other sizes.
-#[inline(always)]
-fn softened(e: &Symmetric, compliance: i64) -> (Symmetric, i64) {
-    // E is below 2^61, the compliance at most 2^54: ten bits raise their products to the upper word.
-    let part = |value: i64| upper(product(value << 2, compliance << (62 - SOFT + PART)));
-    let g = Symmetric { xx: part(e.xx), xy: part(e.xy), yy: part(e.yy) };
-    let sum = (1 << (2 * PART)) + ((i128::from(g.xx) + i128::from(g.yy)) << PART) + g.determinant();
-    let more = ((product(g.xx, e.yy) + product(g.yy, e.xx)) >> 1) - product(g.xy, e.xy);
-    let numerators = [(i128::from(e.xx) << PART) + more, i128::from(e.xy) << PART, (i128::from(e.yy) << PART) + more];
-    let high = (sum >> 64) as i64;
-    let reciprocal = Reciprocal::of_high(sum, high.max(1));
-    let largest = (numerators[0].max(numerators[2]) >> 64) as i64;
-    // From 5 to 65 bits are taken off the numerators, and from 65 to 126 bits off the products.
-    let down = 66 - largest.clamp(1, 1 << 58).leading_zeros() as i32;
-    let bits = reciprocal.shift - PART - down;
-    let fitting = bits.clamp(65, 126);
-    let element = |numerator: i128| {
-        let product = product(lowered_low(numerator, down), reciprocal.mantissa);
-        let upper = ((product + (product >> 127)) >> 64) as i64;
-        (upper + (1 << (fitting - 65))) >> (fitting - 64)
-    };
-    let rest = i64::from(high <= 0) | i64::from(largest <= 0) | largest >> 58 | i64::from(bits != fitting);
-    (Symmetric { xx: element(numerators[0]), xy: element(numerators[1]), yy: element(numerators[2]) }, rest)
+/// A node whose rotation is being eliminated: b', and 1/c' with c'.
+struct Turning {
+    b: [i64; 2],
+    c: i64,
+    turn: Reciprocal,
+}
+
+/// A node whose rotation is eliminated: t and E in the unit of the joint, and zero if the quotients are right.
+struct Turned {
+    t: [i64; 2],
+    e: Symmetric,
+    rest: i64,
+}
+
+/// S as [`softened`](Symmetric::softened) has it, as fractions: both denominators are one, whose reciprocal this is.
+struct Fractions {
+    numerators: [i128; 3],
+    reciprocal: Reciprocal,
+    /// Zero if the denominator has more than a word.
+    rest: i64,
+}
+
+impl Fractions {
+    #[inline(always)]
+    fn new(e: &Symmetric, compliance: i64) -> Self {
+        // E is below 2^61, the compliance at most 2^54: ten bits raise their products to the upper word.
+        let part = |value: i64| upper(product(value << 2, compliance << (62 - SOFT + PART)));
+        let g = Symmetric { xx: part(e.xx), xy: part(e.xy), yy: part(e.yy) };
+        let sum = (1 << (2 * PART)) + ((i128::from(g.xx) + i128::from(g.yy)) << PART) + g.determinant();
+        let more = ((product(g.xx, e.yy) + product(g.yy, e.xx)) >> 1) - product(g.xy, e.xy);
+        let numerators =
+            [(i128::from(e.xx) << PART) + more, i128::from(e.xy) << PART, (i128::from(e.yy) << PART) + more];
+        let high = (sum >> 64) as i64;
+        Self { numerators, reciprocal: Reciprocal::of_high(sum, high.max(1)), rest: i64::from(high <= 0) }
+    }
+
+    /// The quotients, and zero if they are right.
+    #[inline(always)]
+    fn quotients(&self) -> (Symmetric, i64) {
+        let [xx, xy, yy] = self.numerators;
+        let largest = (xx.max(yy) >> 64) as i64;
+        // From 3 to 61 bits are taken off the numerators, and from 65 to 126 bits off the products.
+        let down = 66 - largest.clamp(1, 1 << 58).leading_zeros() as i32;
+        let bits = self.reciprocal.shift - PART - down;
+        let fitting = bits.clamp(65, 126);
+        let element = |numerator: i128| {
+            let product = product(lowered_low(numerator, down), self.reciprocal.mantissa);
+            let upper = ((product + (product >> 127)) >> 64) as i64;
+            (upper + (1 << (fitting - 65))) >> (fitting - 64)
+        };
+        let rest = self.rest | i64::from(largest <= 0) | largest >> 58 | i64::from(bits != fitting);
+        (Symmetric { xx: element(xx), xy: element(xy), yy: element(yy) }, rest)
+    }
 }
 
 impl Node {
-    /// [`factor`](Self::factor). Returns false for values of other sizes.
+    /// [`factor`](Self::factor).
     #[inline(always)]
-    pub(super) fn factor_pin(&mut self) -> bool {
+    pub(super) fn factor_pin(&mut self) {
+        let turning = self.turning();
+        let turned = self.turned(&turning);
+        let fractions = Fractions::new(&turned.e, self.compliance);
+        let (spring, rest) = fractions.quotients();
+        self.set_pin(&turning, &turned, spring, rest);
+    }
+
+    /// [`factor`](Self::factor) of two nodes of which neither waits for the other one: a processor works on both at once.
+    #[inline(always)]
+    pub(super) fn factor_pins(first: &mut Self, second: &mut Self) {
+        let turning = [first.turning(), second.turning()];
+        let turned = [first.turned(&turning[0]), second.turned(&turning[1])];
+        let fractions =
+            [Fractions::new(&turned[0].e, first.compliance), Fractions::new(&turned[1].e, second.compliance)];
+        let (first_spring, first_rest) = fractions[0].quotients();
+        let (second_spring, second_rest) = fractions[1].quotients();
+        first.set_pin(&turning[0], &turned[0], first_spring, first_rest);
+        second.set_pin(&turning[1], &turned[1], second_spring, second_rest);
+    }
+
+    #[inline(always)]
+    fn turning(&self) -> Turning {
         let [x, y] = self.a.times_unit(self.point);
         let b = [self.b[0] - x, self.b[1] - y];
         let c = self.c - unit_dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]);
-        let turn = Reciprocal::of_positive(c.max(1));
-        let (tx, x_rest) = quotient(turn, b[0], RATIO, RATIO_ABOVE);
-        let (ty, y_rest) = quotient(turn, b[1], RATIO, RATIO_ABOVE);
-        // b is below 2^61.
-        let e = Symmetric {
-            xx: self.a.xx - lowered_low(product(b[0], tx), RATIO),
-            xy: self.a.xy - lowered_low(product(b[0], ty) + product(b[1], tx), RATIO + 1),
-            yy: self.a.yy - lowered_low(product(b[1], ty), RATIO),
-        };
+        Turning { b, c, turn: Reciprocal::of_positive(c.max(1)) }
+    }
+
+    #[inline(always)]
+    fn turned(&self, turning: &Turning) -> Turned {
+        let b = turning.b;
+        let (tx, x_rest) = quotient(turning.turn, b[0], RATIO, RATIO_ABOVE);
+        let (ty, y_rest) = quotient(turning.turn, b[1], RATIO, RATIO_ABOVE);
+        // What wraps has a quotient that is not right.
+        let xx = self.a.xx.wrapping_sub(lowered_low(product(b[0], tx), RATIO));
+        let xy = self.a.xy.wrapping_sub(lowered_low(product(b[0], ty) + product(b[1], tx), RATIO + 1));
+        let yy = self.a.yy.wrapping_sub(lowered_low(product(b[1], ty), RATIO));
         let up = self.unit - self.joint_unit;
-        let e = Symmetric { xx: e.xx << up, xy: e.xy << up, yy: e.yy << up };
-        let (spring, spring_rest) = softened(&e, self.compliance);
-        if x_rest | y_rest | spring_rest != 0 || !(1..1 << 50).contains(&c) {
-            return false;
+        Turned { t: [tx, ty], e: Symmetric { xx: xx << up, xy: xy << up, yy: yy << up }, rest: x_rest | y_rest }
+    }
+
+    /// Takes the values of a pin, if all are right.
+    #[inline(always)]
+    fn set_pin(&mut self, turning: &Turning, turned: &Turned, spring: Symmetric, rest: i64) {
+        self.is_pin = turned.rest | rest == 0 && (1..1 << 50).contains(&turning.c);
+        if self.is_pin {
+            (self.t, self.turn, self.spring) = (turned.t, turning.turn, spring);
         }
-        (self.t, self.turn, self.spring) = ([tx, ty], turn, spring);
-        true
     }
 
     /// [`pass_down`](Self::pass_down) without a torque. `None` for values of other sizes.
@@ -104,11 +162,11 @@ impl Node {
             (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ self.torque);
         let mut rest = (words >> 64) as i64 | beyond(f[0], IMPULSE_BITS) | beyond(f[1], IMPULSE_BITS);
         rest |= beyond(torque, IMPULSE_BITS + 1);
-        let tau = torque - unit_dot(self.point, f);
+        // What wraps is beyond.
+        let tau = torque.wrapping_sub(unit_dot(self.point, f));
         let turning = [product(self.t[0], tau), product(self.t[1], tau)];
         rest |= beyond(tau, IMPULSE_BITS) | wide_beyond(turning[0], 62 + RATIO) | wide_beyond(turning[1], 62 + RATIO);
-        // Both terms are below 2^62.
-        let left = [f[0] - lowered_low(turning[0], RATIO), f[1] - lowered_low(turning[1], RATIO)];
+        let left = [0, 1].map(|i| f[i].wrapping_sub(lowered_low(turning[i], RATIO)));
         let up = self.unit - self.joint_unit;
         rest |= beyond(left[0], IMPULSE_BITS - up) | beyond(left[1], IMPULSE_BITS - up);
         let g = [left[0] << up, left[1] << up];
@@ -129,7 +187,8 @@ impl Node {
         let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
         let [x, y] = self.spring.times(arg);
         let mut rest = wide_beyond(x, IMPULSE_BITS + TO_IMPULSE) | wide_beyond(y, IMPULSE_BITS + TO_IMPULSE);
-        let push = [lowered_low(x, TO_IMPULSE) - self.g[0], lowered_low(y, TO_IMPULSE) - self.g[1]];
+        let push =
+            [lowered_low(x, TO_IMPULSE).wrapping_sub(self.g[0]), lowered_low(y, TO_IMPULSE).wrapping_sub(self.g[1])];
         let velocity = [difference[0] - self.give(push[0]), difference[1] - self.give(push[1])];
         rest |= beyond(velocity[0], SPEED_BITS) | beyond(velocity[1], SPEED_BITS);
         let (given, given_rest) = quotient(self.turn, self.tau, TO_IMPULSE, SPEED_ABOVE);
