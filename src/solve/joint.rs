@@ -65,7 +65,7 @@ use self::axis::AxisRow;
 use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
-use super::number::{bits_of, clamped, fixed, lowered, shifted, shifted_word, upper};
+use super::number::{bits_of, clamped, fixed, lowered, lowered_word, shifted, shifted_word, upper};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
@@ -323,7 +323,12 @@ impl Block {
         let warm = |row: usize, length: i32| {
             let impulse = if is_active[row] { joint.impulses.values[row] } else { 0 };
             let bits = (exponent + length).saturating_sub(joint.impulses.exponent).max(bits_of(impulse) - 100);
-            shifted(impulse.into(), bits).clamp(-i128::from(IMPULSE), i128::from(IMPULSE)) as i64
+            let limit = i128::from(IMPULSE);
+            match bits {
+                // Within 2^62.
+                1..63 => lowered_word(impulse, bits).clamp(-IMPULSE, IMPULSE),
+                _ => shifted(impulse.into(), bits).clamp(-limit, limit) as i64,
+            }
         };
         Self {
             joint: index as u32,
@@ -499,7 +504,10 @@ impl Side {
         let limit = 1 << (32 + length).clamp(0, 62);
         let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
         let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
-        let unit_start = anchor.map(|c| i64::from(clamped(shifted(c.into(), 2 + length), 1 << 30)));
+        let unit_start = anchor.map(|c| match 2 + length {
+            down @ 1..64 => shifted_word(c, down).clamp(-(1 << 30), 1 << 30),
+            down => i64::from(clamped(shifted(c.into(), down), 1 << 30)),
+        });
         Self {
             row: pose.row,
             pose: pose.number,

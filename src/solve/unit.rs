@@ -79,7 +79,10 @@ impl Clock {
     /// [`length`](Self::length) of 2^-32 m.
     pub(super) fn length_of_bits(&self, bits: i128, unit: i32) -> i128 {
         let (mantissa, shift) = self.rate.parts();
-        mul_shift_64(bits, mantissa, shift + 32 + unit).unwrap_or(if bits < 0 { -i128::MAX } else { i128::MAX })
+        match (i64::try_from(bits), shift + 32 + unit) {
+            (Ok(word), down @ 64..128) => multiple(word, mantissa, down).into(),
+            (_, down) => mul_shift_64(bits, mantissa, down).unwrap_or(if bits < 0 { -i128::MAX } else { i128::MAX }),
+        }
     }
 }
 
