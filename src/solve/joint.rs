@@ -400,16 +400,16 @@ impl Block {
         let mut residual = [0; 2];
         if let Some(rate) = rate {
             let bends = self.bends(self.sweeps(poses));
-            for row in 0..2 {
+            for (row, sum) in residual.iter_mut().enumerate() {
                 if self.held[row] {
                     let repair = rate * self.errors[row];
-                    residual[row] = self.velocity(row, velocities) + repair + self.second_order(row, velocities, bends);
+                    *sum = self.velocity(row, velocities) + repair + self.second_order(row, velocities, bends);
                 }
             }
         } else {
-            for row in 0..2 {
+            for (row, sum) in residual.iter_mut().enumerate() {
                 if self.held[row] {
-                    residual[row] = self.velocity(row, velocities);
+                    *sum = self.velocity(row, velocities);
                 }
             }
         }
@@ -440,10 +440,10 @@ impl Block {
     /// Adds impulses of the rows to the change of the sub-step.
     #[inline(always)]
     fn push(&mut self, impulses: [i64; 3]) {
-        for row in 0..3 {
+        for (row, impulse) in impulses.into_iter().enumerate() {
             if self.is_active[row] {
                 let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
-                let impulse = i128::from(impulses[row]);
+                let impulse = i128::from(impulse);
                 self.change[0] += impulse * i128::from(ux);
                 self.change[1] += impulse * i128::from(uy);
                 self.change[2] += impulse * i128::from(ka);

@@ -354,10 +354,10 @@ impl LoopJoint {
     fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
         let residual = block.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
         self.residual = [0; 3];
-        for row in 0..2 {
+        for (row, part) in residual.into_iter().enumerate() {
             if block.held[row] {
                 // Below 2^62.
-                let mut sum = lowered_word(residual[row], 30 - FRACTION);
+                let mut sum = lowered_word(part, 30 - FRACTION);
                 let bits = block.mass_bits + FINER - FRACTION;
                 if is_biased {
                     let soft = i128::from(self.compliance[row]) * i128::from(block.impulses[row]);

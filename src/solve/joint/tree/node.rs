@@ -302,10 +302,10 @@ impl Node {
         let block = &blocks[self.block as usize];
         let residual = block.residual(rows, poses, if is_biased { Some(RATE) } else { None });
         let bits = UNIT - FRACTION + i32::from(self.is_half);
-        for row in 0..2 {
+        for (row, part) in residual.into_iter().enumerate() {
             if block.held[row] {
                 // Below 2^62.
-                let mut sum = lowered_word(residual[row], bits);
+                let mut sum = lowered_word(part, bits);
                 if is_biased {
                     let gives = product(self.compliance, block.impulses[row]);
                     // More than the sum may be is as good as that.
