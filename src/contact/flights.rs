@@ -237,14 +237,24 @@ impl Flights {
         !self.followers.is_empty()
     }
 
-    /// Extends the radius of a body to the point at an offset from one of its own, and by a quarter beyond for the way of the step.
-    pub(super) fn reach_point(&mut self, flight: u32, arm: Vec2, offset: [i128; 2]) {
-        // Points are within 2^31 m of each other: the sum is below 2^66 units.
-        let size = |arm: Fx, offset: i128| i128::from(arm.to_bits().unsigned_abs()) + offset.abs();
-        let reach = size(arm.x, offset[0]) + size(arm.y, offset[1]);
+    /// Extends the radius of a body to a point of another one, at an offset from one of its own, throughout the step: to the farther end of its free
+    /// flight, with the turn of an arm, and by a quarter beyond for the way by impulses.
+    pub(super) fn reach_point(&mut self, flights: [u32; 2], arms: [Vec2; 2], offset: [i128; 2]) {
+        let [first, second] = flights.map(|flight| &self.flights[flight as usize]);
+        let bits = |number: Fx| i128::from(number.to_bits());
+        let ways = [
+            bits(second.displacement.x) - bits(first.displacement.x),
+            bits(second.displacement.y) - bits(first.displacement.y),
+        ];
+        let [x, y] = [0, 1].map(|axis| offset[axis].abs().max((offset[axis] + ways[axis]).abs()));
+        let size = |arm: Vec2| bits(arm.x).abs() + bits(arm.y).abs();
+        // At most the diameter of the circle on which it goes round.
+        let turned = (bits(second.rotation).abs().min(2 << 32) * size(arms[1])) >> 32;
+        // Points are within 2^31 m of each other, and ways within 2^32 m: the sum is below 2^67 units.
+        let reach = size(arms[0]) + x + y + turned;
         let reach = reach + (reach >> 2);
         let reach = Fx::from_bits(reach.min(limits::JOINT_LENGTH.to_bits().into()) as i64);
-        let radius = &mut self.flights[flight as usize].radius;
+        let radius = &mut self.flights[flights[0] as usize].radius;
         *radius = (*radius).max(reach);
     }
 

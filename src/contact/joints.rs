@@ -114,7 +114,7 @@ impl JointList {
         let (anchors, angles) = ([first.arm(), second.arm()], [first.angle, second.angle]);
         let joint = link.posed(&scene.joints.states[index as usize], bodies, anchors, angles, flights.all());
         if joint.kind.frame_angle().is_some() {
-            flights.reach_point(first.flight, anchors[0], joint.offset(flights.all()));
+            flights.reach_point(bodies, anchors, joint.offset(flights.all()));
         }
         self.solver_joints.push(joint);
         self.starts.push(joint.impulses);

@@ -28,6 +28,7 @@ mod fields;
 mod files;
 mod golden;
 mod held;
+mod joints;
 mod motion;
 mod springs;
 mod trial;
@@ -209,6 +210,9 @@ scenes! {
     belts: collisions::belts, "boxes on moving surfaces, with friction by every rule: the closed form, and a mirror image";
     compounds: collisions::compounds, "compounds in a pile: as bodies with a collider for each part, and a mirror image";
     chains: collisions::chains, "a ball over seams as over one segment; a crowd on hills of 400 segments, its mirror image, and a cave";
+    joined_chains: joints::chains, "a chain, a bridge with motors against limits, a beam of welds, a net of rods: a mirror image";
+    joined_ragdolls: joints::ragdolls, "ragdolls land on crates: all limbs take part in impacts, as their mirror images do";
+    joined_machines: joints::machines, "a car on springs drives over crates, a lift reaches its end: a mirror image";
     contacts_pile: contacts::pile, "boxes, discs and a wedge come to rest between walls: a mirror image of itself";
     contacts_cluster: contacts::cluster, "bodies meet in free flight: impulses are equal and opposite";
     contacts_extremes: contacts::extremes, "1 kg and 2^24, shots, needles, what turns and rises: mirror image, and in any order";

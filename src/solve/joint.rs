@@ -31,6 +31,7 @@
 //!   damping ratio of [`SolverOptions`](super::SolverOptions).
 //! - *Paths*: joints hold points where the bodies really are, so they must know where a body without further impulses ends
 //!   ([`Path`](super::apply::Path)).
+//! - *Impacts*: joints answer the impulses of contacts within an impact (`impact`), before their passes.
 //! - *Sums*: each block adds up its impulses with the arms that they had, exactly; `apply` hands them to the bodies once.
 //!
 //! # Ranges
@@ -41,7 +42,7 @@
 //!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
 //! - Impulses are within ±2^50 ([`IMPULSE`]). A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
 //!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Lowered by 20 bits, times a mass of at most 2^44, this is below
-//!   2^107. Weighted sums over 16 sub-steps are at most 136 times as much: below 2^90.
+//!   2^107. Weighted sums over 16 sub-steps are at most 136 times as much: below 2^90; with impacts, up to 64 in a sub-step, below 2^97.
 //! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
 //!   the difference of two of them: gains are within ±2^62.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
@@ -51,6 +52,7 @@ mod effective;
 mod energy;
 mod forest;
 mod gradients;
+mod impact;
 mod kind;
 mod laws;
 mod passes;
@@ -77,6 +79,7 @@ use crate::scalar::{FxFactor, Turn};
 use crate::slots::NONE;
 
 pub use self::axis::{Axis, AxisSpring};
+pub(super) use self::impact::Response;
 pub use self::kind::JointKind;
 pub(super) use self::passes::Joints;
 
@@ -90,9 +93,9 @@ const ERROR: i64 = 1 << 30;
 const IMPULSE: i64 = 1 << 50;
 /// The largest change of velocity in a sub-step, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
-/// Bits by which the products of impulses and axes are lowered, before those with masses.
+/// Bits by which the products of impulses and axes are lowered, before the products with masses.
 const LOWER: i32 = 20;
-/// Bits by which masses are raised, so that those of changes of velocity stand in the upper word of a product.
+/// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
 const RAISED: i32 = 18;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
@@ -223,7 +226,7 @@ pub(super) struct Block {
     base: [i64; 2],
     /// The number of sub-steps.
     substeps: i32,
-    /// True if the displacement of a row differs from that of its body.
+    /// True if the displacement of a row differs from the displacement of its body.
     is_shifted: bool,
     /// log2 of the unit of its impulses, N·s.
     pub(super) exponent: i32,

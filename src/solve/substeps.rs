@@ -30,8 +30,8 @@ impl Job for SubSteps<'_> {
             Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
             follow(&mut solver.bodies);
             let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };
-            let (bodies, groups) = (&mut solver.bodies, &mut solver.groups);
-            timed!(solver, impacts, solver.impacts.solve(substep, bodies, groups, lanes));
+            let (bodies, groups, joints) = (&mut solver.bodies, &mut solver.groups, &mut solver.joints);
+            timed!(solver, impacts, solver.impacts.solve(substep, bodies, groups, joints, lanes));
             follow(&mut solver.bodies);
             if k == 1 {
                 cut += solver.pass(Pass::WarmStart, lanes);

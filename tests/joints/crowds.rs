@@ -2,8 +2,8 @@
 
 use super::scenes::falling;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, BodyKind, BodyRef, ColliderDef, Filter, Fx, JointDef, JointId, JointKind, JointLimits,
-    JointMotor, JointRef, Random, Revolute, Shape, Vec2, World, fx, vec2,
+    Activity, BodyDef, BodyId, BodyKind, BodyRef, ColliderDef, Distance, Filter, Fx, JointDef, JointId, JointKind,
+    JointLimits, JointMotor, JointRef, Random, Revolute, Shape, Vec2, World, fx, vec2,
 };
 
 /// A limb: its middle over the place of the ragdoll, its size, the limb that it hangs on, the joint's point and its limits, degrees.
@@ -90,10 +90,16 @@ fn ground(world: &mut World) {
     }
 }
 
-/// Ten ragdolls fall on crates and on each other: nobody is thrown, joints and limits hold but for landings, and piles sleep within 20 s.
+/// Kinetic and potential energy, J.
+fn total_energy(world: &World) -> Fx {
+    world.energy().expect("an energy").to_scalar().expect("below 2^31 J")
+}
+
+/// Ten ragdolls fall on crates and on each other: nobody is thrown, joints and limits hold but for landings, and piles sleep within 20 s. They land at
+/// 9 m/s; the free end of a body that is stopped at the other one whips at half as much again.
 #[test]
 fn ragdolls_among_crates_hold_together() {
-    let (mut slept, mut worst) = (0, [fx!(0); 3]);
+    let (mut slept, mut worst, mut gained) = (0, [fx!(0); 3], fx!(0));
     for seed in 0..4 {
         let mut random = Random::seeded(seed);
         let mut world = falling();
@@ -110,17 +116,22 @@ fn ragdolls_among_crates_hold_together() {
                 world.set_angular_velocity(body, spin).expect("a speed");
             }
         }
+        let mut energy = total_energy(&world);
         for _ in 0..1_200 {
             world.step();
+            let energy_before = core::mem::replace(&mut energy, total_energy(&world));
+            gained = gained.max(energy - energy_before);
             let fastest = world.bodies().map(|body| body.velocity().length()).fold(fx!(0), Fx::max);
             worst = [worst[0].max(gap(&world)), worst[1].max(beyond(&world)), worst[2].max(fastest)];
         }
         let is_at_rest = |body: BodyRef<'_>| body.kind() == BodyKind::Static || body.activity() == Activity::Asleep;
         slept += usize::from(world.bodies().all(is_at_rest));
     }
-    println!("{slept} of 4 asleep; gap, angle beyond limits, speed: {worst:?}");
+    println!("{slept} of 4 asleep; gap, angle beyond limits, speed: {worst:?}; energy gained in a step: {gained}");
     assert_eq!(slept, 4);
-    assert!(worst[0] < fx!(0.035) && worst[1] < fx!(0.2) && worst[2] < fx!(12), "{worst:?}");
+    assert!(worst[0] < fx!(0.015) && worst[1] < fx!(0.1) && worst[2] < fx!(14), "{worst:?}");
+    // Of 25 kJ at first.
+    assert!(gained < fx!(25), "{gained}");
 }
 
 /// Planks between two posts with limits at their hinges, and discs that roll over them.
@@ -281,7 +292,7 @@ fn a_bridge_with_friction_between_two_banks_holds() {
 }
 
 /// Motors that turn hinges of a bridge between two banks to and fro against friction of the same torque: rows go on from place to place in each
-/// pass, and where they have not come to an end all are settled. Without that the bridge would fly to pieces in its first second.
+/// pass.
 #[test]
 fn a_bridge_with_motors_against_friction_holds() {
     let force = fx!(5);
@@ -291,4 +302,66 @@ fn a_bridge_with_motors_against_friction_holds() {
     });
     let [widest, fastest] = run_bridge(&mut world, 200);
     assert!(widest < fx!(0.005) && fastest < fx!(1), "{widest}, {fastest}");
+}
+
+/// A bridge whose hinges all have limits, friction and motors of any speeds at once, by a seed.
+fn driven_bridge(seed: u64) -> (World, i32) {
+    let mut random = Random::seeded(seed);
+    let mut number = |range| random.integer(range) as i32;
+    let (planks, torque) = (number(4..=15), Fx::from(number(1..=100)));
+    let speeds: Vec<i32> = (0..=planks).map(|_| number(-3..=3)).collect();
+    let largest = number(1..=30);
+    let hinge = |i: i32| Revolute {
+        limits: Some(JointLimits::degrees(-largest, largest)),
+        friction: torque,
+        motor: Some(JointMotor { speed: Fx::from(speeds[i as usize]), max_force: torque }),
+        ..Revolute::default()
+    };
+    (bridge(planks, hinge), planks)
+}
+
+/// The widest gap of hinges, the largest angle beyond a limit and the largest speed of a bridge within two seconds.
+fn drive(world: &mut World) -> [Fx; 3] {
+    let mut worst = [fx!(0); 3];
+    for _ in 0..120 {
+        world.step();
+        let hinges = world.joints().filter(|joint| matches!(joint.def().kind, JointKind::Revolute(_)));
+        worst[0] = hinges.map(|joint| joint.length()).fold(worst[0], Fx::max);
+        worst[1] = worst[1].max(beyond(world));
+        worst[2] = world.bodies().map(|body| body.velocity().length()).fold(worst[2], Fx::max);
+    }
+    worst
+}
+
+/// Rows press against each other from bank to bank, and for some sets of them the search for their places goes round in circles. One bridge of fifteen
+/// would fly apart at 100 km/s if its last impulses were taken.
+#[test]
+fn bridges_with_limits_and_motors_of_any_speeds_hold() {
+    let mut worst = [fx!(0); 3];
+    for seed in 0..200 {
+        let (mut world, _) = driven_bridge(seed);
+        let seen = drive(&mut world);
+        (0..3).for_each(|i| worst[i] = worst[i].max(seen[i]));
+    }
+    println!("bridges: gap, angle beyond limits, speed: {worst:?}");
+    assert!(worst[0] < fx!(0.002) && worst[1] < fx!(0.02) && worst[2] < fx!(3), "{worst:?}");
+}
+
+/// With a brace from the second plank to the last one a bridge is a loop, which is softer.
+#[test]
+fn braced_bridges_with_limits_and_motors_hold() {
+    let mut worst = [fx!(0); 3];
+    for seed in 0..60 {
+        let (mut world, planks) = driven_bridge(seed);
+        let mut bodies = world.bodies().map(|body| body.id());
+        let ends = [bodies.nth(1), bodies.last()].map(|body| body.expect("four planks"));
+        let [from, to] = ends.map(|body| world.body(body).expect("a body").position());
+        let brace = JointDef::between(&world, ends[0], from, ends[1], to).expect("a joint");
+        let kind = JointKind::Distance(Distance::rod(Fx::from(planks - 2)));
+        world.add_joint(JointDef { kind, ..brace }).expect("a joint");
+        let seen = drive(&mut world);
+        (0..3).for_each(|i| worst[i] = worst[i].max(seen[i]));
+    }
+    println!("braced bridges: gap, angle beyond limits, speed: {worst:?}");
+    assert!(worst[0] < fx!(0.03) && worst[1] < fx!(0.05) && worst[2] < fx!(5), "{worst:?}");
 }

@@ -8,6 +8,7 @@ mod calls;
 mod crowds;
 mod energy;
 mod gears;
+mod impacts;
 mod motion;
 mod motors;
 mod pairs;

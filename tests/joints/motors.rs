@@ -158,6 +158,28 @@ fn an_offset_turns_with_the_first_body() {
     }
 }
 
+/// Points that move apart by metres within a step: the arm of the first body reaches to where the point is then, so no momentum is lost.
+#[test]
+fn fast_ends_keep_their_momenta() {
+    for speed in [10, 60, 80, 100, 200, 500] {
+        let mut world = still();
+        let ship = world.add_body(BodyDef { mass: solid(50), ..BodyDef::dynamic() }).expect("a body");
+        let (position, velocity) = (Vec2::new(fx!(0.1), fx!(-0.1)), vec2(0, speed));
+        let drone = BodyDef { mass: solid(1), position, velocity, ..BodyDef::dynamic() };
+        let drone = world.add_body(drone).expect("a body");
+        let spring = Some(PlanarSpring::new(vec2(2, 0), fx!(4), fx!(1)));
+        let ends = [ship, drone].map(|body| End::Body(Attachment::centre(body)));
+        let kind = JointKind::Motor(Motor { spring, ..Motor::default() });
+        world.add_joint(JointDef::new(ends, kind)).expect("a joint");
+        let before = momenta(&world);
+        steps(&mut world, 60);
+        for (before, after) in before.into_iter().zip(momenta(&world)) {
+            println!("{speed} m/s: {before} {after}");
+            assert!((after - before).abs() < 1e-5 * before.abs().max(1.0), "{speed} m/s: {before} {after}");
+        }
+    }
+}
+
 /// Motors give velocities in the frame of the first end, and a speed of turning.
 #[test]
 fn motors_reach_their_velocities() {

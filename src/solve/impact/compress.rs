@@ -11,6 +11,7 @@
 
 use super::super::bodies::BodyRows;
 use super::super::groups::ContactGroups;
+use super::super::joint::Joints;
 use super::super::number::{lowered, shifted, shifted_word};
 use super::jacobian::product;
 use super::shock::{Beside, Shock, WORD, beside};
@@ -221,15 +222,17 @@ pub(super) fn compress(
     substep: SubStep<'_>,
     bodies: &BodyRows,
     groups: &ContactGroups,
+    joints: &mut Joints,
     grows: bool,
 ) -> bool {
     impacts.shocks.iter_mut().for_each(Shock::begin);
-    set_shares(impacts);
+    set_shares(impacts, joints);
     for &body in &impacts.set {
         let struck = &mut impacts.struck[body as usize];
         struck.begun = struck.velocity;
     }
-    match iterate(impacts, substep, bodies, groups, grows) {
+    impacts.assemblies.set.iter().for_each(|&assembly| joints.mark_impact(assembly as usize));
+    match iterate(impacts, substep, bodies, groups, joints, grows) {
         None => return false,
         Some(residual) if residual <= impacts.fastest >> 4 => return residual <= impacts.tolerance,
         Some(_) => impacts.is_clamped = true,
@@ -241,39 +244,52 @@ pub(super) fn compress(
         let struck = &mut impacts.struck[body as usize];
         struck.velocity = struck.begun;
     }
+    impacts.assemblies.set.iter().for_each(|&assembly| joints.reset_impact(assembly as usize, impacts.coarse));
     for _ in 0..MIN_ITERATIONS {
         impacts.count_work();
         run_ahead(impacts, 0);
         correct(impacts, true);
+        impacts.answer(joints);
     }
     false
 }
 
-/// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is.
+/// The iterations of a compression. Returns the largest residual before the last one; `None` for a large set that is left as it is, and where joints
+/// need coarser velocities.
 fn iterate(
     impacts: &mut Impacts,
     substep: SubStep<'_>,
     bodies: &BodyRows,
     groups: &ContactGroups,
+    joints: &mut Joints,
     grows: bool,
 ) -> Option<i64> {
-    let (mut momentum, mut work, mut largest) = (0, 0, 0);
+    let (mut momentum, mut work, mut largest, mut joint_residual) = (0, 0, 0, 0);
     let mut has_grown = false;
     for iteration in 1..=ITERATIONS {
-        work += impacts.shocks.len();
+        work += impacts.iteration_work();
         impacts.count_work();
         if iteration > MIN_ITERATIONS && (work > WORK || impacts.is_busy()) {
             return None;
         }
         run_ahead(impacts, momentum);
+        if momentum > 1 {
+            joint_residual = impacts.answer(joints);
+        }
         let (residual, uphill) = correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
-        largest = residual;
+        // The residuals are of the velocities after the last answer of the joints.
+        largest = residual.max(joint_residual);
+        joint_residual = impacts.answer(joints);
+        if impacts.are_joints_cut(joints) {
+            impacts.is_cut = true;
+            return None;
+        }
         momentum = if uphill > 0 { 0 } else { momentum + 1 };
         // Large sets are less exact.
         let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
-        let is_done = residual >> loose <= impacts.tolerance;
+        let is_done = largest >> loose <= impacts.tolerance;
         if is_done || has_grown || iteration.is_power_of_two() {
-            has_grown = grows && iteration <= GROWING && join_closing(impacts, substep, bodies, groups);
+            has_grown = grows && iteration <= GROWING && join_closing(impacts, substep, bodies, groups, joints);
             if is_done && !has_grown {
                 break;
             }
@@ -283,7 +299,13 @@ fn iterate(
 }
 
 /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
-fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) -> bool {
+fn join_closing(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    joints: &mut Joints,
+) -> bool {
     let before = impacts.shocks.len();
     let slowest = impacts.slowest();
     let mut index = 0;
@@ -307,7 +329,7 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
                     Beside::Apart => is_open = false,
                     Beside::Closing(before) => {
                         let shock = Shock::new(substep, bodies, groups, contact.place, before, impacts.moment);
-                        impacts.join(shock, substep, &bodies.rows);
+                        impacts.join(shock, substep, &bodies.rows, joints);
                         is_open = false;
                     }
                 }
@@ -327,14 +349,16 @@ fn join_closing(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, 
         impacts.exponent = impacts.exponent.max(shock.exponent);
     }
     if impacts.shocks.len() > before {
-        set_shares(impacts);
+        set_shares(impacts, joints);
     }
     impacts.shocks.len() > before
 }
 
 /// Finds the matrices of the shocks for the shares of their bodies.
-fn set_shares(impacts: &mut Impacts) {
-    let Impacts { shocks, struck, .. } = impacts;
+fn set_shares(impacts: &mut Impacts, joints: &mut Joints) {
+    let Impacts { shocks, struck, struck_of, assemblies, .. } = impacts;
+    assemblies.give_shares(struck, struck_of);
+    assemblies.find_responses(shocks, struck, joints);
     for shock in shocks {
         shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
     }

@@ -1,10 +1,11 @@
 //! Expansion: impacts return a share of their impulses, as far as all impulses together do no work.
 //!
-//! Reads: the shocks of a set, compressed. Writes: their impulses; then strikes, the impulses and separations of their contacts, and the
+//! Reads: the shocks of a set, compressed. Writes: their impulses; then strikes, sums of joints, the impulses and separations of their contacts, and the
 //! rows of their bodies.
 
 use super::super::bodies::{BodyRows, STILL};
 use super::super::groups::ContactGroups;
+use super::super::joint::Joints;
 use super::super::motion::Rows;
 use super::super::number::shifted;
 use super::compress::compress;
@@ -74,32 +75,48 @@ fn difference(a: [i64; 3], b: [i64; 3]) -> [i64; 3] {
 
 /// Solves the shocks of a set, by coarser velocities where velocities of bodies do not hold the changes by impulses. Where coarser ones do
 /// not either, there is no impact, and the passes stop the bodies.
-pub(super) fn solve_shocks(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) {
-    solve_set(impacts, substep, bodies, groups);
-    if is_cut_off(impacts) {
+pub(super) fn solve_shocks(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    joints: &mut Joints,
+) {
+    solve_set(impacts, substep, bodies, groups, joints);
+    if is_cut_off(impacts, joints) {
         impacts.coarse = COARSER;
         for &body in &impacts.set {
             let struck = &mut impacts.struck[body as usize];
             struck.start = coarsened(struck.start, COARSER);
         }
-        take_all_back(impacts);
-        solve_set(impacts, substep, bodies, groups);
-        if is_cut_off(impacts) {
-            take_all_back(impacts);
+        take_all_back(impacts, joints);
+        solve_set(impacts, substep, bodies, groups, joints);
+        if is_cut_off(impacts, joints) {
+            take_all_back(impacts, joints);
         }
     }
 }
 
 /// Compression, expansion, and compression of the contacts that the expansion closes.
-fn solve_set(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, groups: &ContactGroups) {
+fn solve_set(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    joints: &mut Joints,
+) {
     let fastest = impacts.shocks.iter().flat_map(|shock| shock.speeds).max().unwrap_or(0);
-    impacts.is_clamped = false;
+    (impacts.is_clamped, impacts.is_cut) = (false, false);
     impacts.moment = impacts.shocks.iter().map(Shock::moment).min().unwrap_or(0);
     impacts.tolerance = (fastest >> 12).max(1 << (FRACTION - 2));
     impacts.fastest = fastest;
     impacts.exponent = impacts.shocks.iter().map(|shock| shock.exponent).max().unwrap_or(0);
-    if !compress(impacts, substep, bodies, groups, true) {
-        take_back_gain(impacts);
+    let is_converged = compress(impacts, substep, bodies, groups, joints, true);
+    if impacts.is_cut {
+        return;
+    }
+    if !is_converged {
+        take_back_gain(impacts, joints);
     }
     for shock in &mut impacts.shocks {
         shock.workless = shock.impulses;
@@ -108,29 +125,30 @@ fn solve_set(impacts: &mut Impacts, substep: SubStep<'_>, bodies: &BodyRows, gro
     if impacts.shocks.iter().all(|shock| shock.extra == [0; 3]) {
         return;
     }
-    add_within_energy(impacts);
+    add_within_energy(impacts, joints);
     for shock in &mut impacts.shocks {
         shock.lower_bounds = [shock.impulses[0], shock.impulses[1]];
     }
-    compress(impacts, substep, bodies, groups, false);
+    compress(impacts, substep, bodies, groups, joints, false);
     // Normal impulses can only take energy away here; friction may not.
-    take_back_gain(impacts);
+    take_back_gain(impacts, joints);
 }
 
 /// Takes back a share of the impulses beyond the ones that surely do no work, if all of them do work: friction and a compression that
 /// ended early may.
-fn take_back_gain(impacts: &mut Impacts) {
+fn take_back_gain(impacts: &mut Impacts, joints: &mut Joints) {
     let Impacts { shocks, struck, coarse, .. } = impacts;
     for shock in shocks {
         shock.extra = difference(shock.impulses, shock.workless);
         shock.push(struck, *coarse, shock.extra.map(|impulse| -impulse));
         shock.impulses = shock.workless;
     }
-    add_within_energy(impacts);
+    impacts.answer_fully(joints);
+    add_within_energy(impacts, joints);
 }
 
 /// Adds a share of `extra` to the impulses of the shocks: the largest one up to 1 with which all of them do no work.
-fn add_within_energy(impacts: &mut Impacts) {
+fn add_within_energy(impacts: &mut Impacts, joints: &mut Joints) {
     let Impacts { shocks, struck, exponent, coarse, .. } = impacts;
     let mut total = Work::default();
     for shock in shocks.iter_mut() {
@@ -143,6 +161,8 @@ fn add_within_energy(impacts: &mut Impacts) {
     for shock in shocks.iter() {
         shock.push(struck, *coarse, shock.extra);
     }
+    impacts.answer_fully(joints);
+    let Impacts { shocks, struck, exponent, coarse, .. } = impacts;
     for shock in shocks.iter() {
         let down = *exponent - shock.exponent;
         let change = difference(shock.velocities(struck, *coarse), shock.after);
@@ -160,11 +180,14 @@ fn add_within_energy(impacts: &mut Impacts) {
         }
         shock.impulses = sum(shock.impulses, added);
     }
+    if share < 1 << SHARE {
+        impacts.answer_fully(joints);
+    }
 }
 
 /// Returns true if the velocity of a body is not the one that the impulses of the shocks give it. Without limits it is, but for the
 /// rounding of coarse ones.
-fn is_cut_off(impacts: &mut Impacts) -> bool {
+fn is_cut_off(impacts: &mut Impacts, joints: &Joints) -> bool {
     for &body in &impacts.set {
         let struck = &mut impacts.struck[body as usize];
         struck.begun = struck.start;
@@ -176,6 +199,11 @@ fn is_cut_off(impacts: &mut Impacts) -> bool {
             (0..3).for_each(|axis| begun[axis] = begun[axis].wrapping_add(change[axis]));
         }
     }
+    if impacts.is_cut || impacts.are_joints_cut(joints) {
+        return true;
+    }
+    let Impacts { struck, struck_of, assemblies, .. } = impacts;
+    assemblies.add_gains(struck, struck_of, joints);
     impacts.set.iter().any(|&body| {
         let Struck { begun, velocity, .. } = &impacts.struck[body as usize];
         (0..3).any(|axis| begun[axis].abs_diff(velocity[axis]) > ROUNDING)
@@ -183,9 +211,10 @@ fn is_cut_off(impacts: &mut Impacts) -> bool {
 }
 
 /// Takes all impulses of the shocks back.
-fn take_all_back(impacts: &mut Impacts) {
+fn take_all_back(impacts: &mut Impacts, joints: &mut Joints) {
+    impacts.assemblies.set.iter().for_each(|&assembly| joints.begin_impact(assembly as usize));
     for shock in &mut impacts.shocks {
-        (shock.impulses, shock.lower_bounds) = ([0; 3], [0; 2]);
+        (shock.impulses, shock.lower_bounds, shock.workless) = ([0; 3], [0; 2], [0; 3]);
     }
     for &body in &impacts.set {
         let struck = &mut impacts.struck[body as usize];
@@ -194,10 +223,16 @@ fn take_all_back(impacts: &mut Impacts) {
 }
 
 /// Applies the impulses of a round to the bodies and to the sums of their contacts, and lists the contacts to look at again.
-pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, groups: &mut ContactGroups, lanes: L) {
+pub(super) fn strike<L: Lanes>(
+    impacts: &mut Impacts,
+    bodies: &mut BodyRows,
+    groups: &mut ContactGroups,
+    joints: &mut Joints,
+    lanes: L,
+) {
     let mean = mean_moment(impacts);
-    let Impacts { shocks, struck, set, strikes, is_joined, coarse, velocities, .. } = impacts;
-    for shock in shocks {
+    let Impacts { shocks, struck, struck_of, set, strikes, is_joined, coarse, velocities, assemblies, .. } = impacts;
+    for shock in shocks.iter() {
         is_joined[shock.place as usize] = false;
         if shock.impulses == [0; 3] {
             continue;
@@ -222,6 +257,7 @@ pub(super) fn strike<L: Lanes>(impacts: &mut Impacts, bodies: &mut BodyRows, gro
         let speeds = shock.speeds.map(|speed| speed >> FRACTION);
         strikes.push(Strike { place: shock.place, impulses: shock.impulses, speeds });
     }
+    assemblies.strike(struck, struck_of, *coarse, joints);
     for body in set.iter() {
         let struck = &mut struck[*body as usize];
         let back = core::mem::take(&mut struck.back);

@@ -1,6 +1,7 @@
 //! The rows of a contact in words, for impacts: velocities along them, and changes of bodies by impulses along them.
 
 use super::super::group::Group;
+use super::super::joint::Response;
 use super::super::number::{bits_of, lowered, shifted, shifted_word};
 use super::{COARSER, FINE, FRACTION};
 
@@ -149,15 +150,40 @@ impl Jacobian {
         60 - bits_of(share) - bits_of(linear).max(bits_of(turning) + self.angular_shift as i32)
     }
 
+    /// The gain of a body by an impulse of one unit along a row.
+    fn unit_gain(&self, side: usize, row: usize) -> [i64; 3] {
+        let [x, y] = self.linear[side][row / 2].map(i64::from);
+        let turned = i128::from(self.angular[row][side]) << self.angular_shift;
+        [x, y, limited(turned, 1)]
+    }
+
     /// The elements of the matrix by one body.
     pub(super) fn elements(&self, side: usize) -> Elements {
-        let column = |row: usize| {
-            let [x, y] = self.linear[side][row / 2].map(i64::from);
-            // The gain by an impulse of one unit.
-            let turned = i128::from(self.angular[row][side]) << self.angular_shift;
-            let change = [x, y, limited(turned, 1)];
-            if side == 0 { self.along(change, [0; 3], 0) } else { self.along([0; 3], change, 0) }
-        };
+        self.elements_by(side, [0, 1, 2].map(|row| self.unit_gain(side, row)))
+    }
+
+    /// The elements of the matrix by one body that is joined to others, for its response.
+    pub(super) fn joined_elements(&self, side: usize, response: &Response) -> Elements {
+        let gains = [0, 1, 2].map(|row| {
+            let gain = self.unit_gain(side, row);
+            [0, 1, 2].map(|axis| {
+                let sum: i128 = (0..3).map(|from| product(response[from][axis], gain[from])).sum();
+                limited(lowered(sum, 30), 1)
+            })
+        });
+        let mut elements = self.elements_by(side, gains);
+        // Responses of loops are not exact: no row moves a body by less than 2^-16 of its own inverse mass.
+        let alone = self.elements(side);
+        for row in [0, 2, 5] {
+            elements[row] = elements[row].max(alone[row] >> 16);
+        }
+        elements
+    }
+
+    /// The elements of the matrix by one body with these gains by impulses of one unit.
+    fn elements_by(&self, side: usize, gains: [[i64; 3]; 3]) -> Elements {
+        let column =
+            |row: usize| if side == 0 { self.along(gains[row], [0; 3], 0) } else { self.along([0; 3], gains[row], 0) };
         let ([k11, k21, k1t], [k12, k22, k2t], [_, _, ktt]) = (column(0), column(1), column(2));
         // Both ways, so that the points may come in either order.
         [k11, (k12 + k21) >> 1, k22, k1t, k2t, ktt]

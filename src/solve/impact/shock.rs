@@ -69,6 +69,8 @@ pub(super) struct Shock {
     pub(super) exponent: i32,
     pub(super) jacobian: Jacobian,
     pub(super) elements: [Elements; 2],
+    /// True for elements of a body with all that is joined to it, by its response.
+    pub(super) has_response: [bool; 2],
     /// In 2^-22.
     pub(super) matrix: [i64; 6],
     pub(super) inverse: Inverse,
@@ -177,6 +179,7 @@ impl Shock {
             exponent,
             jacobian,
             elements: [0, 1].map(|side| jacobian.elements(side)),
+            has_response: [false; 2],
             matrix: [0; 6],
             inverse: Inverse::default(),
             shares: [0; 2],

@@ -21,8 +21,8 @@
 //! So limits and a motor have no order among them, both limits change places in a mirror, and one impulse tells the state of all: a pass
 //! only asks on which step or level the row ends. It takes the step that the joint alone would end on; if the impulse then lies beyond the
 //! step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more ([`AxisRow::revise`]). Where rows
-//! move on still, all keep the impulses that they have reached, within their ranges, and the points are solved once more with these: points
-//! that counted on more than a row can give would come apart, and a chain between two supports explodes.
+//! move on still after some rounds, as where limits of a chain between two supports press against motors, the pass begins anew with a descent
+//! ([`AxisRow::descend`]), which cannot go round in circles.
 //!
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
 //! their force.
@@ -44,7 +44,7 @@ use super::{FAR, IMPULSE};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::scalar::FxFactor;
-use crate::solve::number::shifted;
+use crate::solve::number::{lowered, shifted};
 use crate::solve::unit::Clock;
 
 /// The free row of a joint, with all that acts along it: for an angle in rad, rad/s and N·m, for a distance in m, m/s and N.
@@ -95,7 +95,7 @@ enum Place {
     /// A level on which the spring is at its largest force, with the sign of its impulse.
     Strained(usize, i64),
     /// The impulse that the row has at the end, whatever its velocity.
-    Settled(i64),
+    Given(i64),
 }
 
 /// A row at the end of a pass, to be reached by the change Δ of its impulse with the change Δw of its velocity: Δ = `change` − `slope`·Δw.
@@ -245,7 +245,18 @@ impl AxisRow {
         self.strain = None;
         self.velocity = velocity;
         self.set_steps(rate);
-        self.place = self.find_place(velocity, impulse);
+        self.place = self.find_place(velocity, impulse, self.by_mass);
+    }
+
+    /// Begins an impact with a change of the velocity, in 2^-60, at an impulse of the row: a row with one position takes it back, all others are free.
+    pub(super) fn begin_impact(&mut self, change: i128, impulse: i64) {
+        self.is_biased = false;
+        self.place = Place::Given(impulse);
+        if self.is_locked() {
+            self.velocity = lowered(change, 30).clamp(-FASTEST, FASTEST) as i64;
+            (self.count, self.velocities[0], self.place) = (1, 0, Place::Step(0));
+            (self.levels[0], self.levels[1]) = (-ENDLESS, ENDLESS);
+        }
     }
 
     /// Lists the steps, from the highest velocity down.
@@ -292,7 +303,7 @@ impl AxisRow {
     }
 
     /// Returns true if the limits leave one position.
-    fn is_locked(&self) -> bool {
+    pub(super) fn is_locked(&self) -> bool {
         self.lower == self.upper
     }
 
@@ -315,10 +326,10 @@ impl AxisRow {
         -impulse.clamp(-self.spring, self.spring)
     }
 
-    /// The place where the row would end if it met nothing but its own effective mass.
-    fn find_place(&self, velocity: i64, impulse: i64) -> Place {
+    /// The place where the row would end if it met nothing but a mass, as the factor `by_mass` of impulses by velocities.
+    fn find_place(&self, velocity: i64, impulse: i64, by_mass: (u64, i32)) -> Place {
         for step in 0..self.count {
-            let change = product(self.by_mass, i128::from(self.velocities[step]) - i128::from(velocity), ENDLESS);
+            let change = product(by_mass, i128::from(self.velocities[step]) - i128::from(velocity), ENDLESS);
             let wanted = impulse + change - self.spring_at(self.velocities[step]);
             if wanted < self.levels[step] {
                 return Place::Level(step);
@@ -340,22 +351,19 @@ impl AxisRow {
             }
             Place::Level(level) => {
                 let change = self.levels[level] + self.spring_at(velocity) - impulse;
-                let is_elastic = self.is_biased && self.spring > 0 && self.strain.is_none();
-                Aim::Impulse { change, is_elastic }
+                Aim::Impulse { change, is_elastic: self.is_elastic() }
             }
             Place::Strained(level, sign) => {
                 Aim::Impulse { change: self.levels[level] + sign * self.spring - impulse, is_elastic: false }
             }
-            Place::Settled(settled) => Aim::Impulse { change: settled - impulse, is_elastic: false },
+            Place::Given(given) => Aim::Impulse { change: given - impulse, is_elastic: false },
         }
     }
 
     /// Moves on to the next place if the row has left its place, at the end of a pass with this change of its velocity, in 2^-[`FRACTION`], and this
     /// impulse. Returns true if it has.
     pub(super) fn revise(&mut self, change: i64, impulse: i64) -> bool {
-        let limit = i128::from(i64::MAX);
-        let velocity = i128::from(self.velocity) + (i128::from(change) << (30 - FRACTION));
-        let velocity = velocity.clamp(-limit, limit) as i64;
+        let velocity = self.velocity_after(change);
         if self.is_biased {
             self.spring_impulse = self.spring_part(impulse);
         }
@@ -382,7 +390,7 @@ impl AxisRow {
                     self.place
                 }
             }
-            Place::Settled(_) => self.place,
+            Place::Given(_) => self.place,
         };
         let has_left = place != self.place;
         self.place = place;
@@ -396,17 +404,56 @@ impl AxisRow {
             Place::Level(level) | Place::Strained(level, _) => {
                 (impulse - self.levels[level]).clamp(-self.spring, self.spring)
             }
-            Place::Settled(_) => self.spring_impulse,
+            Place::Given(_) => self.spring_impulse,
         }
     }
 
-    /// Ends the search for a place after [`revise`](Self::revise): the row keeps its impulse at the end of a pass, within the range of its place. On a
-    /// level only the spring may differ, whose impulse is known from before the row moved there: what a motor lacks is not for the spring to give.
-    pub(super) fn settle(&mut self, impulse: i64) {
-        self.place = Place::Settled(match self.place {
-            Place::Level(level) | Place::Strained(level, _) => self.levels[level] + self.spring_impulse,
-            Place::Step(_) | Place::Settled(_) => self.finish(impulse),
+    /// Begins a [descent](super::tree) after [`begin`](Self::begin), from the impulse of the row.
+    pub(super) fn begin_descent(&mut self, impulse: i64) {
+        self.place = Place::Given(impulse);
+    }
+
+    /// An iteration of a descent, after the change of its velocity since the beginning of the pass, in 2^-[`FRACTION`]: the impulse that the law has
+    /// where the row meets 2^-`share` of its own effective mass.
+    pub(super) fn descend(&mut self, change: i64, share: i32) {
+        let Place::Given(impulse) = self.place else { return };
+        let velocity = self.velocity_after(change);
+        let (mantissa, shift) = self.by_mass;
+        let by_mass = (mantissa, shift + share);
+        let place = self.find_place(velocity, impulse, by_mass);
+        let spring = match place {
+            Place::Step(step) => self.spring_at(self.velocities[step]),
+            Place::Level(level) if self.is_elastic() => {
+                let wanted = self.levels[level] + self.spring_at(velocity) - impulse;
+                // The spring gives way by its damping d, and the row by its mass m: the share m/(m + d) is left.
+                let damping = self.damping.times(FxFactor::from_ratio(1 << share, 1));
+                let left = self.mass.over(self.mass.plus(damping));
+                let reached = impulse + product(left.parts(), wanted.into(), ENDLESS);
+                (reached - self.levels[level]).clamp(-self.spring, self.spring)
+            }
+            Place::Level(_) | Place::Strained(..) | Place::Given(_) => self.spring_at(velocity),
+        };
+        if self.is_biased {
+            self.spring_impulse = spring;
+        }
+        self.place = Place::Given(match place {
+            Place::Step(step) => {
+                impulse + product(by_mass, i128::from(self.velocities[step]) - i128::from(velocity), ENDLESS)
+            }
+            Place::Level(level) | Place::Strained(level, _) => self.levels[level] + spring,
+            Place::Given(_) => impulse,
         });
+    }
+
+    /// Returns true if the impulse of the spring follows from the velocity.
+    fn is_elastic(&self) -> bool {
+        self.is_biased && self.spring > 0 && self.strain.is_none()
+    }
+
+    /// The velocity after a change since the beginning of the pass, in 2^-[`FRACTION`].
+    fn velocity_after(&self, change: i64) -> i64 {
+        let limit = i128::from(i64::MAX);
+        (i128::from(self.velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64
     }
 
     /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.
@@ -425,7 +472,7 @@ impl AxisRow {
                 self.levels[level] + self.spring_impulse
             }
             Place::Level(_) | Place::Strained(..) => impulse,
-            Place::Settled(settled) => settled,
+            Place::Given(impulse) => impulse,
         };
         impulse.clamp(-IMPULSE, IMPULSE)
     }

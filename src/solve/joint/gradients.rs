@@ -14,13 +14,14 @@
 //! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
 //! quotients of sums have 30 bits after the point and are below 2^10.
 
+mod impact;
 mod laws;
 
 use alloc::vec::Vec;
 use core::hint::black_box;
 use core::ops::Range;
 
-use self::laws::{give, revise_laws, settle_laws};
+use self::laws::{descend, find_places};
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::tree::{FRACTION, RESIDUAL};
@@ -29,7 +30,7 @@ use super::{Block, FINER, LOWER};
 use crate::slots::NONE;
 use crate::solve::matrix::{Inverse, Matrix};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, lowered_low, lowered_within, lowered_word, shifted, upper};
+use crate::solve::number::{bits_of, lowered, lowered_low, lowered_within, lowered_word, shifted, upper};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -38,7 +39,7 @@ const ITERATIONS: usize = 3;
 const MOVED: i32 = 12;
 /// Fraction bits of impulses, in units of the block.
 const FINER_STILL: i32 = 8;
-/// Bits by which residuals are raised, so that what is wanted of their products with elements of the inverse stands in the upper word.
+/// Bits by which residuals are raised, so that the wanted bits of their products with elements of the inverse stand in the upper word.
 const RAISED_RESIDUAL: i32 = 26;
 /// The largest direction and solution.
 const DIRECTION: i128 = 1 << 51;
@@ -55,6 +56,8 @@ struct LoopJoint {
     /// Elements 11, 12 and 22 of P, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity.
     inverse: [i64; 3],
     inverse_shift: i32,
+    /// The share of masses that rows of the joint meet in a [descent](super::tree), as minus log2.
+    share: i32,
     /// True if the inverse is of both rows along the axes; else each row has a mass of its own.
     is_pair: bool,
     /// γ of the rows, as factors of mass of the block.
@@ -83,8 +86,9 @@ pub(super) struct Loops {
     /// The velocities of bodies by directions.
     moved: Vec<[i64; 3]>,
     loops: Vec<Loop>,
-    /// The number of a body by its row.
+    /// The number of a body by its row, and the other way round.
     body_of: Vec<u32>,
+    rows: Vec<u32>,
 }
 
 /// The joints and bodies of a loop.
@@ -96,7 +100,7 @@ struct Loop {
     has_laws: bool,
 }
 
-/// The largest number of times that a loop is solved in a pass: until no row leaves its place, and the last one with all laws settled.
+/// The largest number of times that a loop is solved in a pass: until no row leaves its place.
 const ROUNDS: usize = 4;
 
 /// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
@@ -133,6 +137,7 @@ impl Loops {
     pub(super) fn clear(&mut self) {
         self.joints.clear();
         self.moved.clear();
+        self.rows.clear();
         self.loops.clear();
     }
 
@@ -142,7 +147,7 @@ impl Loops {
         if forest.loops.is_empty() {
             return;
         }
-        let Self { joints, moved, loops, body_of } = self;
+        let Self { joints, moved, loops, body_of, rows: row_of } = self;
         body_of.clear();
         body_of.resize(rows.len() as usize, NONE);
         for range in &forest.loops {
@@ -155,12 +160,13 @@ impl Loops {
                     if side.is_movable() && *number == NONE {
                         *number = moved.len() as u32;
                         moved.push([0; 3]);
+                        row_of.push(side.row);
                     }
                     *body = if side.is_movable() { *number } else { NONE };
                 }
                 joints.push(joint);
             }
-            let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
+            let has_laws = set_shares(&mut joints[first_joint..], &blocks[range.clone()], moved);
             loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_laws });
         }
     }
@@ -200,19 +206,15 @@ impl Loops {
                 for block in blocks.iter() {
                     block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
                 }
-                for round in 0..ROUNDS {
-                    give(joints, blocks, laws, soft, moved, bodies.clone());
-                    iterate::<3>(joints, blocks, moved, bodies.clone());
-                    if round + 1 == ROUNDS || !revise_laws(joints, blocks, laws, moved, bodies.clone()) {
-                        break;
+                if !find_places(joints, blocks, laws, soft, moved, bodies.clone()) {
+                    for block in blocks.iter() {
+                        block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
                     }
-                    if round + 2 == ROUNDS {
-                        settle_laws(joints, blocks, laws);
-                    }
+                    descend(joints, blocks, laws, soft, moved, bodies);
                 }
             } else {
                 // Rows around have impulses by laws alone.
-                iterate::<2>(joints, blocks, moved, bodies);
+                iterate::<2>(joints, blocks, moved, bodies, ITERATIONS);
             }
             for (joint, block) in joints.iter().zip(blocks) {
                 let [x, y, turn] = joint.solution;
@@ -223,6 +225,24 @@ impl Loops {
         }
         cut
     }
+}
+
+/// Counts the rows with laws at the bodies of a loop, and sets the shares of masses that they meet in a descent. Returns true if there is one.
+/// `counts` is memory of bodies.
+fn set_shares(joints: &mut [LoopJoint], blocks: &[Block], counts: &mut [[i64; 3]]) -> bool {
+    let law_count = |block: &Block| block.laws.into_iter().filter(|&law| law != NONE).count() as i64;
+    for (joint, block) in joints.iter().zip(blocks) {
+        for body in joint.bodies {
+            if let Some([count, ..]) = counts.get_mut(body as usize) {
+                *count += law_count(block);
+            }
+        }
+    }
+    for joint in joints.iter_mut() {
+        let counts_at = joint.bodies.map(|body| counts.get(body as usize).map_or(0, |&[count, ..]| count));
+        joint.share = bits_of(counts_at[0].max(counts_at[1]) - 1);
+    }
+    blocks.iter().any(|block| law_count(block) > 0)
 }
 
 /// Finds the velocities of all rows by the directions.
@@ -247,13 +267,14 @@ fn bound(moved: &mut [[i64; 3]]) {
 }
 
 /// The iterations over a loop with impulses of the first `ROWS` rows. Each goes over the joints three times: once each for the velocities of bodies
-/// by the directions, for those of rows, and for the next residuals.
+/// by the directions, for the velocities of rows, and for the next residuals.
 #[inline(always)]
 fn iterate<const ROWS: usize>(
     joints: &mut [LoopJoint],
     blocks: &[Block],
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
+    iterations: usize,
 ) {
     let mut square = 0;
     moved[bodies.clone()].fill([0; 3]);
@@ -261,7 +282,7 @@ fn iterate<const ROWS: usize>(
         square += joint.product::<ROWS>(joint.residual, joint.preconditioned);
         joint.move_bodies::<ROWS>(block, moved);
     }
-    for iteration in 1..=ITERATIONS {
+    for iteration in 1..=iterations {
         if square <= 0 {
             return;
         }
@@ -275,7 +296,7 @@ fn iterate<const ROWS: usize>(
             return;
         }
         let step = quotient(square, along);
-        if iteration == ITERATIONS {
+        if iteration == iterations {
             for joint in joints.iter_mut() {
                 joint.advance::<ROWS>(step);
             }
@@ -324,7 +345,7 @@ impl LoopJoint {
             }
             return;
         }
-        // The axes of a pair are those of the world: an impulse along one moves no centre along the other, and masses along them are whole.
+        // The axes of a pair are the world's: an impulse along one moves no centre along the other, and masses along them are whole.
         let turning = |side: usize, i: usize, j: usize| {
             let crosses = block.crosses[i][side] * block.crosses[j][side];
             i128::from(lowered_low(i128::from(block.sides[side].masses[2]) * i128::from(crosses), 60))
@@ -424,7 +445,7 @@ impl LoopJoint {
     fn move_bodies<const ROWS: usize>(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let product = |row: usize, factor: i64| i128::from(self.direction[row]) * i128::from(factor);
         let [x, y, turn_a, turn_b] = if self.is_pair {
-            // The axes of a pair are those of the world.
+            // The axes of a pair are the world's.
             let [first, second, third] = self.direction;
             let [[ka, kb], [la, lb], [ma, mb]] = block.crosses;
             let (mut turn_a, mut turn_b) = (product(0, ka) + product(1, la), product(0, kb) + product(1, lb));
@@ -470,7 +491,7 @@ impl LoopJoint {
         let velocity = |sum: i128, gives: i64| within_word(lowered_low(sum, 30 + MOVED - FRACTION) + gives, RESIDUAL);
         if self.is_pair {
             let [[ka, kb], [la, lb], [ma, mb]] = block.crosses;
-            // The axes of a pair are those of the world.
+            // The axes of a pair are the world's.
             let first = product(1 << 30, b[0] - a[0]) + product(kb, b[2]) - product(ka, a[2]);
             let second = product(1 << 30, b[1] - a[1]) + product(lb, b[2]) - product(la, a[2]);
             self.velocity[0] = velocity(first, self.gives_held(block, 0));

@@ -81,17 +81,24 @@ impl Block {
         [0, 1].map(|row| self.pushed(row, changes[row].impulse))
     }
 
-    /// Settles all laws at their impulses with changes.
-    pub(super) fn settle_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) {
-        let impulses = self.pushed_pair(&changes);
-        if let Some(pair) = self.pair(laws) {
-            AxisRow::settle_pair(pair, impulses);
-        }
-        for (row, change) in changes.into_iter().enumerate() {
-            let impulse = self.pushed(row, change.impulse);
+    /// Begins a descent of the laws, after [`begin_laws`](Self::begin_laws).
+    pub(super) fn begin_descent(&self, laws: &mut [AxisRow]) {
+        for row in 0..3 {
             if let Some(law) = laws.get_mut(self.laws[row] as usize) {
-                law.settle(impulse);
+                law.begin_descent(self.impulses[row]);
             }
+        }
+    }
+
+    /// An iteration of a descent of the laws, in which rows meet 2^-`share` of their own effective masses.
+    pub(super) fn descend(&self, laws: &mut [AxisRow], changes: [RowChange; 3], share: i32) {
+        for (row, change) in changes.into_iter().enumerate() {
+            if let Some(law) = laws.get_mut(self.laws[row] as usize) {
+                law.descend(change.velocity, share);
+            }
+        }
+        if let Some(pair) = self.pair(laws) {
+            AxisRow::shorten_pair(pair);
         }
     }
 

@@ -7,6 +7,7 @@ use alloc::vec::Vec;
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::gradients::Loops;
+use super::impact::JointImpact;
 use super::tree::Trees;
 use super::turn::Pose;
 use super::{Block, Joint};
@@ -36,11 +37,13 @@ pub(in crate::solve) struct Joints {
     substeps: i32,
     moves: i32,
     /// The laws of the rows of blocks, in their order.
-    laws: Vec<AxisRow>,
-    trees: Trees,
-    loops: Loops,
+    pub(super) laws: Vec<AxisRow>,
+    pub(super) trees: Trees,
+    /// By block: its impulses in the impacts of a round; empty until a step needs them.
+    pub(super) impacts: Vec<JointImpact>,
+    pub(super) loops: Loops,
     /// The softness of loops.
-    soft: SoftRow,
+    pub(super) soft: SoftRow,
     /// The number of joints by body.
     counts: Vec<u32>,
     /// The rows of bodies that joints can move.
@@ -115,6 +118,7 @@ impl Joints {
         (self.substeps, self.moves) = (clock.substeps as i32, 0);
         forest.update(flights, joints);
         blocks.clear();
+        self.impacts.clear();
         poses.clear();
         pose_of.clear();
         laws.clear();

@@ -39,6 +39,7 @@
 
 mod angle;
 mod frame;
+mod impact;
 mod node;
 mod pin;
 mod stiffness;
@@ -57,9 +58,9 @@ use super::laws::RowChange;
 use super::turn::Pose;
 use crate::slots::NONE;
 use crate::solve::StepInput;
-use crate::solve::bodies::BodyRows;
+use crate::solve::bodies::{BodyRows, STILL};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered_word, shifted};
+use crate::solve::number::{bits_of, lowered_word, shifted};
 
 /// The bits of a mass in the unit of the body.
 const MASS: i32 = 36;
@@ -91,8 +92,11 @@ const IMPULSE: i128 = 1 << 60;
 /// ropes on a floor shake.
 const RATE: i64 = 107_374_182;
 
-/// The largest number of times that a tree is solved in a pass: until no axis leaves its place, and the last one with all axes settled.
-const ROUNDS: usize = 4;
+/// The largest number of times that a tree is solved in a pass until no row leaves its place.
+const ROUNDS: usize = 8;
+
+/// The iterations of a descent.
+pub(super) const DESCENT: usize = 8;
 
 /// The compliance of a joint over its inverse mass, as minus log2; and in trees among other constraints, under heavy loads.
 const COMPLIANCE: i32 = 11;
@@ -111,6 +115,7 @@ pub(super) struct Trees {
 #[derive(Clone, Debug)]
 struct Tree {
     nodes: Range<usize>,
+    blocks: Range<usize>,
     /// True if one of its bodies is in a contact.
     touches: bool,
     /// True if a row of one of its joints has a law.
@@ -143,23 +148,29 @@ impl Trees {
         self.clear();
         let Self { nodes, frames, trees } = self;
         let length = |body: u32| bodies.bodies[body as usize].length;
-        nodes.extend(forest.places.iter().map(|place| Node::new(place, input.flights, length)));
+        for place in &forest.places {
+            let row = if place.body == NONE { STILL } else { bodies.row_of[place.body as usize] };
+            nodes.push(Node { row, ..Node::new(place, input.flights, length) });
+        }
         for range in &forest.trees {
             let is_loaded =
                 forest.places[range.clone()].iter().any(|place| place.body != NONE && is_loaded(place.body));
             set_units(nodes, range.start, range.end - 1);
             let bits = if is_loaded { LOADED_COMPLIANCE } else { COMPLIANCE };
             set_joints(nodes, frames, range.clone(), blocks, laws, bits);
-            let has_law = |node: &Node| node.parent != NONE && blocks[node.block as usize].laws != [NONE; 3];
-            let has_laws = nodes[range.clone()].iter().any(has_law);
-            trees.push(Tree { nodes: range.clone(), touches: false, has_laws });
+            let has_laws = set_shares(&mut nodes[range.clone()], range.start, blocks);
+            // A node has one joint; the middle of a joint is a node more.
+            let centre = &nodes[range.end - 1];
+            let joint_count = range.len() - 1 - usize::from(!centre.is_body);
+            let begin = trees.last().map_or(0, |tree: &Tree| tree.blocks.end);
+            trees.push(Tree { nodes: range.clone(), blocks: begin..begin + joint_count, touches: false, has_laws });
         }
         for tree in input.contacts.iter().flat_map(|contact| contact.bodies).filter_map(|body| forest.tree_of(body)) {
             trees[tree].touches = true;
         }
     }
 
-    /// Finds the matrices where the bodies are, before the sub-step: of all trees before the first one, then of those that have no relax pass.
+    /// Finds the matrices where the bodies are, before the sub-step: of all trees before the first one, then of trees without a relax pass.
     #[inline(always)]
     pub(super) fn begin(&mut self, blocks: &[Block], is_first: bool) {
         self.factor(blocks, |tree| is_first || !tree.touches);
@@ -200,17 +211,9 @@ impl Trees {
             }
             if tree.has_laws {
                 begin_laws(nodes, blocks, laws, rows, is_biased);
-                for round in 0..ROUNDS {
-                    if set_aims(nodes, frames, blocks, laws) {
-                        factor(nodes, frames, begin, blocks);
-                    }
-                    eliminate(nodes, frames, begin);
-                    if round + 1 == ROUNDS || !revise_laws(nodes, frames, blocks, laws) {
-                        break;
-                    }
-                    if round + 2 == ROUNDS {
-                        settle_laws(nodes, frames, blocks, laws);
-                    }
+                if !find_places(nodes, frames, begin, blocks, laws) {
+                    begin_laws(nodes, blocks, laws, rows, is_biased);
+                    descend(nodes, frames, begin, blocks, laws);
                 }
             } else {
                 eliminate(nodes, frames, begin);
@@ -288,6 +291,54 @@ fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Row
     }
 }
 
+/// Solves a tree until no row leaves its place. Returns false if rows still do.
+fn find_places(
+    nodes: &mut [Node],
+    frames: &mut [FrameRows],
+    begin: usize,
+    blocks: &[Block],
+    laws: &mut [AxisRow],
+) -> bool {
+    for _ in 0..ROUNDS {
+        solve_aims(nodes, frames, begin, blocks, laws);
+        if !revise_laws(nodes, frames, blocks, laws) {
+            return true;
+        }
+    }
+    false
+}
+
+/// Solves a tree by a *descent* of its kinetic energy: in each iteration every row takes the impulse that its law alone has for the present velocity,
+/// with the points solved exactly.
+///
+/// Rows of a body move each other, so that all at once would overshoot. With the masses of both bodies split among the k rows of each, no
+/// iteration can raise the energy: for the matrix K of the rows and the part D of it in which each row is alone, K ≤ k·D. From the impulses of the
+/// pass before it leads to the end as slowly as projected Jacobi iterations do, but the search for places may go round in circles, and its last
+/// impulses, solved for limits that hold where they do not, would tear a chain between two supports apart in a step.
+fn descend(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block], laws: &mut [AxisRow]) {
+    for node in nodes.iter().filter(|node| node.parent != NONE) {
+        blocks[node.block as usize].begin_descent(laws);
+    }
+    for _ in 0..DESCENT {
+        solve_aims(nodes, frames, begin, blocks, laws);
+        for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
+            let block = &blocks[node.block as usize];
+            if let Some(changes) = row_changes(nodes, frames, index, block) {
+                block.descend(laws, changes, node.share);
+            }
+        }
+    }
+    solve_aims(nodes, frames, begin, blocks, laws);
+}
+
+/// Solves a tree for the present aims of its laws.
+fn solve_aims(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block], laws: &[AxisRow]) {
+    if set_aims(nodes, frames, blocks, laws) {
+        factor(nodes, frames, begin, blocks);
+    }
+    eliminate(nodes, frames, begin);
+}
+
 /// Sets the aims of laws in a round. Returns true if the matrices change by it.
 fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow]) -> bool {
     let mut have_changed = false;
@@ -333,14 +384,22 @@ fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mu
     have_left
 }
 
-/// Settles all laws at the impulses of the last round.
-fn settle_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow]) {
-    for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
-        let block = &blocks[node.block as usize];
-        if let Some(changes) = row_changes(nodes, frames, index, block) {
-            block.settle_laws(laws, changes);
-        }
+/// Counts the rows with laws at the bodies of a tree, and sets the shares of masses that they meet in a descent. Returns true if there is one.
+fn set_shares(nodes: &mut [Node], begin: usize, blocks: &[Block]) -> bool {
+    let centre = nodes.len() - 1;
+    for index in 0..centre {
+        let laws = blocks[nodes[index].block as usize].laws;
+        let count = laws.into_iter().filter(|&law| law != NONE).count() as i64;
+        let parent = nodes[index].parent as usize - begin;
+        nodes[index].law_count += count;
+        nodes[parent].law_count += count;
     }
+    for index in 0..centre {
+        let opposite = opposite_end(nodes, begin, index);
+        let count = nodes[index].law_count.max(nodes[opposite].law_count);
+        nodes[index].share = bits_of(count - 1);
+    }
+    nodes.iter().any(|node| node.law_count > 0)
 }
 
 /// Units from the centre, the node `centre`, to the leaves.
@@ -359,6 +418,11 @@ fn set_units(nodes: &mut [Node], begin: usize, centre: usize) {
     }
 }
 
+/// The node at the other end of the joint of a node to its parent: the parent, or the other child of the middle of the joint.
+fn opposite_end(nodes: &[Node], begin: usize, index: usize) -> usize {
+    if nodes[index].is_half { 2 * nodes.len() - 5 - index } else { nodes[index].parent as usize - begin }
+}
+
 /// Sets the values that follow from the masses at both ends of joints.
 fn set_joints(
     nodes: &mut [Node],
@@ -368,15 +432,19 @@ fn set_joints(
     laws: &[AxisRow],
     bits: i32,
 ) {
-    let centre = range.end - 1;
-    for index in range.start..centre {
-        // Both children of the middle of a joint are at its ends.
-        let opposite = if nodes[index].is_half { 2 * centre - 3 - index } else { nodes[index].parent as usize };
+    let begin = range.start;
+    for index in begin..range.end - 1 {
+        let opposite = begin + opposite_end(&nodes[range.clone()], begin, index - begin);
         let (low, high) = nodes.split_at_mut(index.max(opposite));
         let (first, second) = (&mut low[index.min(opposite)], &mut high[0]);
         let (node, opposite_node) = if index < opposite { (first, second) } else { (second, first) };
         node.set_joint(opposite_node, &blocks[node.block as usize], laws, bits, frames);
     }
+}
+
+/// True for the second half of a joint, which has its impulses with the first one.
+fn is_second_half(nodes: &[Node], index: usize) -> bool {
+    nodes[index].is_half && !nodes[index + 1].is_half
 }
 
 /// The largest change of an impulse that is told from others.
@@ -388,35 +456,39 @@ fn change_of(push: i64, bits: i32) -> i64 {
     if matches!(bits, 1..63) { lowered_word(push, bits) } else { within(shifted(push.into(), bits), LARGEST) }
 }
 
+/// The changes of the impulses of the joint between a node and its parent, or in the middle of which the node is the first end; `None` for the
+/// second end.
+#[inline(always)]
+fn joint_impulses(nodes: &[Node], frames: &[FrameRows], index: usize) -> Option<[i64; 3]> {
+    let node = &nodes[index];
+    let pushes = node.impulses(frames);
+    let sign = if node.side == 0 { -1 } else { 1 };
+    let mut changes = [0; 3];
+    if !node.is_half {
+        for row in 0..3 {
+            changes[row] = sign * change_of(pushes[row], node.push_shift);
+        }
+        return Some(changes);
+    }
+    if is_second_half(nodes, index) {
+        return None;
+    }
+    // The mean of both halves of the joint.
+    let second_pushes = nodes[index + 1].impulses(frames);
+    for row in 0..3 {
+        let sum = i128::from(pushes[row]) - i128::from(second_pushes[row]);
+        changes[row] = sign * within(shifted(sum, node.push_shift + 1), LARGEST);
+    }
+    Some(changes)
+}
+
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
 fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], rows: &mut Rows) -> u64 {
     let mut cut = 0;
-    for (index, node) in nodes.iter().enumerate() {
-        if node.parent == NONE {
-            continue;
-        }
-        let pushes = node.impulses(frames);
-        let sign = if node.side == 0 { -1 } else { 1 };
-        let mut changes = [0; 3];
-        if node.is_half {
-            let second = &nodes[index + 1];
-            if !second.is_half {
-                // The second one, which is done.
-                continue;
-            }
-            // The mean of both halves of the joint.
-            let second_pushes = second.impulses(frames);
-            for row in 0..3 {
-                let sum = i128::from(pushes[row]) - i128::from(second_pushes[row]);
-                changes[row] = sign * within(shifted(sum, node.push_shift + 1), LARGEST);
-            }
-        } else {
-            for row in 0..3 {
-                changes[row] = sign * change_of(pushes[row], node.push_shift);
-            }
-        }
-        let block = &mut blocks[node.block as usize];
+    for index in 0..nodes.len() - 1 {
+        let Some(changes) = joint_impulses(nodes, frames, index) else { continue };
+        let block = &mut blocks[nodes[index].block as usize];
         cut += block.change(changes, laws) + block.give_gains(rows);
     }
     cut

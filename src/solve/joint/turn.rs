@@ -34,7 +34,8 @@ fn turned([x, y]: [i64; 2], sin: i64, cos: i64) -> [i64; 2] {
 
 /// The angle that a body turns in a sub-step at an angular velocity, by the angle of a unit of it: in 2^-30 rad within ±0.1 rad.
 #[inline(always)]
-fn sweep((mantissa, shift): (u64, i32), velocity: i32) -> i64 {
+fn sweep(factor: (u64, i32), velocity: i32) -> i64 {
+    let (mantissa, shift) = factor;
     let limit = i128::from(LARGEST_ANGLE);
     // An angle that does not fit is as large as any.
     mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(limit).clamp(-limit, limit) as i64
@@ -208,7 +209,7 @@ impl Block {
             self.set_ways(wanted, [first.moved[2], second.moved[2]], laws);
         }
         match self.frame {
-            // The axes are those of the arms.
+            // Arms have these axes.
             Frame::World => {
                 for k in 0..2 {
                     let [x, y] = self.sides[k].unit_arm;

@@ -237,7 +237,7 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     for k in 1..=n {
         Begin { rows: &mut solver.bodies.rows, k, n }.run(Portable);
         let substep = SubStep { k, n, clock: &clock, graph: &solver.graph, contacts: &contacts };
-        solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, Portable);
+        solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, &mut solver.joints, Portable);
         if k == 1 {
             cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
         }

@@ -53,16 +53,21 @@ impl AxisRow {
         short_springs.is_some() || short_motors.is_some()
     }
 
-    /// Settles a pair that was revised at these impulses: the motors within their bound, the springs as they came out then.
-    pub(in super::super) fn settle_pair(pair: &mut [Self; 2], impulses: [i64; 2]) {
-        let Some([motor_bound, _]) = pair[0].pair else { return };
+    /// Shortens the impulses of a pair after an iteration of a descent: the motors within their bound, the springs within theirs.
+    pub(in super::super) fn shorten_pair(pair: &mut [Self; 2]) {
+        let Some([motor_bound, spring_bound]) = pair[0].pair else { return };
+        let springs = [0, 1].map(|row| pair[row].spring_impulse);
         let motors = [0, 1].map(|row| match pair[row].place {
-            Place::Level(level) => pair[row].levels[level],
-            _ => impulses[row] - pair[row].spring_part(impulses[row]),
+            Place::Given(impulse) => impulse - springs[row],
+            _ => 0,
         });
+        let springs = shortened(springs, spring_bound).unwrap_or(springs);
         let motors = shortened(motors, motor_bound).unwrap_or(motors);
-        for (law, motor) in pair.iter_mut().zip(motors) {
-            law.place = Place::Settled(motor + law.spring_impulse);
+        for row in 0..2 {
+            pair[row].place = Place::Given(motors[row] + springs[row]);
+            if pair[row].is_biased {
+                pair[row].spring_impulse = springs[row];
+            }
         }
     }
 }

@@ -3,17 +3,17 @@
 
 use core::ops::Range;
 
-use super::{DIRECTION, FINER_STILL, LoopJoint, move_by, within};
+use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, iterate, move_by, within};
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
-use crate::solve::joint::tree::{FRACTION, RESIDUAL};
+use crate::solve::joint::tree::{DESCENT, FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
 use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word};
 use crate::solve::unit::SoftRow;
 
 /// Begins the iterations: sets the aims of laws, and gives the impulses that do not follow from velocities.
-pub(super) fn give(
+fn give(
     joints: &mut [LoopJoint],
     blocks: &[Block],
     laws: &[AxisRow],
@@ -30,30 +30,64 @@ pub(super) fn give(
     }
 }
 
-/// Moves rows on that have left their places. Returns true if there is one.
-pub(super) fn revise_laws(
+/// Solves a loop until no row leaves its place. Returns false if rows still do.
+pub(super) fn find_places(
     joints: &mut [LoopJoint],
     blocks: &[Block],
     laws: &mut [AxisRow],
+    soft: &SoftRow,
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
 ) -> bool {
+    for _ in 0..ROUNDS {
+        solve_aims(joints, blocks, laws, soft, moved, bodies.clone());
+        let mut have_left = false;
+        for (joint, block) in joints.iter().zip(blocks) {
+            have_left |= block.revise_laws(laws, joint.row_changes(block));
+        }
+        if !have_left {
+            return true;
+        }
+    }
+    false
+}
+
+/// Solves a loop by a descent, as [`tree`](super::super::tree) has it.
+pub(super) fn descend(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    laws: &mut [AxisRow],
+    soft: &SoftRow,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) {
+    for block in blocks {
+        block.begin_descent(laws);
+    }
+    for _ in 0..DESCENT {
+        solve_aims(joints, blocks, laws, soft, moved, bodies.clone());
+        for (joint, block) in joints.iter().zip(blocks) {
+            block.descend(laws, joint.row_changes(block), joint.share);
+        }
+    }
+    solve_aims(joints, blocks, laws, soft, moved, bodies);
+}
+
+/// Solves a loop for the present aims of its laws, and finds the velocities of rows by the solution.
+fn solve_aims(
+    joints: &mut [LoopJoint],
+    blocks: &[Block],
+    laws: &[AxisRow],
+    soft: &SoftRow,
+    moved: &mut [[i64; 3]],
+    bodies: Range<usize>,
+) {
+    give(joints, blocks, laws, soft, moved, bodies.clone());
+    iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
     for joint in joints.iter_mut() {
         joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
     }
     move_by(joints, blocks, moved, bodies);
-    let mut have_left = false;
-    for (joint, block) in joints.iter().zip(blocks) {
-        have_left |= block.revise_laws(laws, joint.row_changes(block));
-    }
-    have_left
-}
-
-/// Settles all laws at the impulses of the last round.
-pub(super) fn settle_laws(joints: &[LoopJoint], blocks: &[Block], laws: &mut [AxisRow]) {
-    for (joint, block) in joints.iter().zip(blocks) {
-        block.settle_laws(laws, joint.row_changes(block));
-    }
 }
 
 impl LoopJoint {

@@ -27,6 +27,8 @@ use crate::solve::number::{
 /// A node with the joint to its parent.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
+    /// The row of the body; [`STILL`](crate::solve::bodies::STILL) for other nodes.
+    pub(super) row: u32,
     /// [`NONE`] for the centre.
     pub(super) parent: u32,
     pub(super) block: u32,
@@ -41,6 +43,9 @@ pub(super) struct Node {
     pub(super) is_pin: bool,
     /// True if the parent is the middle of the joint.
     pub(super) is_half: bool,
+    /// The number of rows with laws at the node, and the share of the masses of both ends that rows of its joint meet in a descent, as minus log2.
+    pub(super) law_count: i64,
+    pub(super) share: i32,
     /// log2 of the length of the body, m.
     pub(super) length: i32,
     /// The axis of the joint, if something acts on it.

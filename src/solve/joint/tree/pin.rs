@@ -1,10 +1,10 @@
-//! Nodes at pins that turn freely, which are most of them: what [`Node`] does, where all values are as small as they most often are.
+//! Nodes at pins that turn freely, the usual joints: the kernels of [`Node`] for values of the usual sizes.
 //!
 //! Each function gives up where a value is not, before it changes anything, and the general one has its place. There is no branch in between:
 //! compilers know that a factor is a word within a block only, and multiply by two words elsewhere.
 //!
 //! # Ranges
-//! [`tree`](super) has those of all values. Here c' is below 2^50. Quotients of b' and τ by it have 8 and 12 bits of the 63 of a word above those
+//! [`tree`](super) has the ranges of all values. Here c' is below 2^50. Quotients of b' and τ by it have 8 and 12 bits of the 63 of a word above the bits
 //! of c': t is below 2^9, in 2^-[`RATIO`] below 2^49, and velocities by τ are below 2^37.
 
 use super::node::Node;
@@ -12,7 +12,7 @@ use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, unit_dot};
 use super::{IMPULSE, PART, RATIO, SOFT, TO_IMPULSE};
 use crate::solve::number::{lowered_low, upper};
 
-/// The bits that b' and τ may have above those of c'.
+/// The bits that b' and τ may have above the bits of c'.
 const RATIO_ABOVE: i32 = 8;
 const SPEED_ABOVE: i32 = 12;
 /// log2 of the largest impulse, and of the largest velocity here.

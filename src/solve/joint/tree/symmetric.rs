@@ -3,8 +3,8 @@
 use super::{IMPULSE, PART, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::solve::number::{lowered, lowered_low, lowered_within, shifted, shifted_word, upper};
 
-/// Bits by which vectors in 2^-[`UNIT`] are raised, to at most 2^62, and what they are multiplied with, to below 2^63: what is wanted of
-/// their products stands in the upper words.
+/// Bits by which vectors in 2^-[`UNIT`] are raised, to at most 2^62, and their factors, to below 2^63: the wanted bits of the products stand in
+/// the upper words.
 const RAISED_UNIT: i32 = 32;
 const RAISED: i32 = 64 - UNIT - RAISED_UNIT;
 
@@ -78,10 +78,17 @@ pub(super) fn moved(v: [i64; 2], factor: i64, along: [i64; 2]) -> [i64; 2] {
 
 /// A quotient's denominator as a factor: 1/value = mantissa · 2^-shift, with 61 or 62 bits. *Error* 2^-60. Zero for a value that is not
 /// positive.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Reciprocal {
     pub(super) mantissa: i64,
     pub(super) shift: i32,
+}
+
+impl Default for Reciprocal {
+    /// The one of zero.
+    fn default() -> Self {
+        Self::new(0)
+    }
 }
 
 impl Reciprocal {

@@ -1,0 +1,242 @@
+//! Joints in impacts: they answer the impulses of contacts within the impact.
+//!
+//! Without an answer a light body that is joined to a heavy one would be stopped alone, with a small part of the impulse, and then be
+//! pushed on by the joint and back by the contact in turn: it rebounds, and the joint opens.
+//!
+//! Changes of velocities are in 2^(coarse − [`GAIN_BITS`]), as the impacts have them.
+//!
+//! Reads: trees, loops, blocks. Writes: the impulses of joints by impacts; in the end the sums of blocks.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use super::axis::AxisRow;
+use super::passes::Joints;
+use super::{Block, FINER, IMPULSE, LOWER};
+use crate::kernel::simd::GAIN_BITS;
+use crate::solve::number::{lowered, shifted};
+
+/// The change of the velocity of a body in an assembly by a change of the body alone, in 2^-30: by axis of the latter.
+pub(in crate::solve) type Response = [[i64; 3]; 3];
+
+/// log2 of the velocity by which responses are found, in units.
+pub(super) const TRIAL: i32 = 24;
+
+/// A joint in the impacts of a round.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct JointImpact {
+    /// Impulses by row, now and where the iterations began.
+    impulses: [i64; 3],
+    begun: [i64; 3],
+    /// The changes of velocity of both bodies by these impulses.
+    pub(super) gains: [[i64; 3]; 2],
+    /// True if impulses or changes were cut off.
+    is_cut: bool,
+}
+
+impl JointImpact {
+    /// Adds impulses. Returns the changes of velocity by them.
+    pub(super) fn add(&mut self, impulses: [i128; 3], block: &Block, coarse: i32) -> [[i64; 3]; 2] {
+        let sums = [0, 1, 2].map(|row| i128::from(self.impulses[row]) + impulses[row]);
+        self.set(sums, block, coarse)
+    }
+
+    /// Sets the impulses. Returns the changes of velocity by the difference.
+    fn set(&mut self, impulses: [i128; 3], block: &Block, coarse: i32) -> [[i64; 3]; 2] {
+        let before = self.gains;
+        self.impulses = impulses.map(|impulse| impulse.clamp(-LARGEST_IMPULSE, LARGEST_IMPULSE) as i64);
+        let gains = block.gains(block.sums(self.impulses), coarse);
+        // Sums over the joints of a body are below 2^62.
+        self.gains = [0, 1].map(|side| {
+            let limit = i128::from(block.sides[side].gain_limit);
+            gains[side].map(|part: i128| part.clamp(-limit, limit) as i64)
+        });
+        self.is_cut = impulses != self.impulses.map(i128::from) || gains != self.gains.map(|gain| gain.map(i128::from));
+        [0, 1].map(|side| [0, 1, 2].map(|axis| self.gains[side][axis] - before[side][axis]))
+    }
+}
+
+/// The most answers to the ways of an impact, and the largest way by which joints may open then, in 2^-[`GAIN_BITS`] of a unit.
+const WAY_ANSWERS: usize = 4;
+const SMALL_WAY: i64 = 1 << 20;
+/// The largest impulse of a row.
+const LARGEST_IMPULSE: i128 = IMPULSE as i128;
+
+impl Block {
+    /// The change of the velocity of a row by changes of the velocities of both bodies, 2^30 times as large.
+    ///
+    /// # Ranges
+    /// Changes are below 2^61, axes and cross products at most 2^30.5: sums of six products are below 2^94.
+    pub(super) fn change_along(&self, row: usize, [a, b]: [[i64; 3]; 2]) -> i128 {
+        let product = |factor: i64, change: i64| i128::from(factor) * i128::from(change);
+        let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+        product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2])
+    }
+
+    /// The largest velocity of the rows that the joint holds, also by limits at one position, by changes of the velocities of both bodies.
+    pub(super) fn largest_residual(&self, ends: [[i64; 3]; 2], laws: &[AxisRow]) -> i64 {
+        let mut largest = 0;
+        for row in 0..3 {
+            let law = laws.get(self.laws[row] as usize);
+            if law.map_or(row < 2 && self.held[row], AxisRow::is_locked) {
+                largest = largest.max(self.change_along(row, ends).abs());
+            }
+        }
+        // Below 2^64: changes are below 2^62.
+        lowered(largest, 30).min(i64::MAX.into()) as i64
+    }
+
+    /// Impulses of the rows along x and y and around both bodies, in 2^-30.
+    fn sums(&self, impulses: [i64; 3]) -> [i128; 4] {
+        let mut sums = [0; 4];
+        for (row, impulse) in impulses.into_iter().enumerate().filter(|&(row, _)| self.is_active[row]) {
+            let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+            for (sum, factor) in sums.iter_mut().zip([ux, uy, ka, kb]) {
+                *sum += i128::from(impulse) * i128::from(factor);
+            }
+        }
+        sums
+    }
+
+    /// The changes of velocity of both bodies by these sums of impulses.
+    fn gains(&self, [x, y, turn_a, turn_b]: [i128; 4], coarse: i32) -> [[i128; 3]; 2] {
+        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS + coarse;
+        let gain = |side: usize, axis: usize, impulse: i128| {
+            shifted(i128::from(self.sides[side].masses[axis]) * lowered(impulse, LOWER), bits)
+        };
+        [[-gain(0, 0, x), -gain(0, 1, y), -gain(0, 2, turn_a)], [gain(1, 0, x), gain(1, 1, y), gain(1, 2, turn_b)]]
+    }
+}
+
+/// Adds a change of velocity to another one.
+pub(super) fn add_gain(change: &mut [i64; 3], gain: [i64; 3]) {
+    (0..3).for_each(|axis| change[axis] += gain[axis]);
+}
+
+/// Assemblies of joined bodies have numbers: trees first, then loops.
+impl Joints {
+    /// The number of assemblies.
+    pub(in crate::solve) fn assembly_count(&self) -> usize {
+        self.trees.len() + self.loops.len()
+    }
+
+    /// The loop of an assembly that is no tree.
+    fn loop_of(&self, assembly: usize) -> Option<usize> {
+        assembly.checked_sub(self.trees.len())
+    }
+
+    /// Lists the rows of the nodes of an assembly; [`STILL`](crate::solve::bodies::STILL) for nodes that are no bodies.
+    pub(in crate::solve) fn list_rows(&self, assembly: usize, rows: &mut Vec<u32>) {
+        match self.loop_of(assembly) {
+            None => rows.extend(self.trees.rows(assembly)),
+            Some(index) => rows.extend(self.loops.rows(index)),
+        }
+    }
+
+    /// The blocks of an assembly.
+    fn blocks_of(&self, assembly: usize) -> Range<usize> {
+        match self.loop_of(assembly) {
+            None => self.trees.blocks(assembly),
+            Some(index) => {
+                let first = self.blocks.len() - self.loops.joint_count();
+                let joints = self.loops.joints(index);
+                first + joints.start..first + joints.end
+            }
+        }
+    }
+
+    /// The work of an answer of an assembly with so many nodes, in shocks of an iteration. (A loop has its conjugate gradients.)
+    pub(in crate::solve) fn answer_work(&self, assembly: usize, node_count: usize) -> usize {
+        if self.loop_of(assembly).is_some() { 4 * node_count } else { node_count / 16 }
+    }
+
+    /// Begins an impact of an assembly.
+    pub(in crate::solve) fn begin_impact(&mut self, assembly: usize) {
+        self.impacts.resize(self.blocks.len(), JointImpact::default());
+        let blocks = self.blocks_of(assembly);
+        self.impacts[blocks].fill(JointImpact::default());
+    }
+
+    /// Lets the joints of an assembly answer changes of the velocities of its nodes since the beginning of the impact, and adds the answer to these.
+    /// Returns the largest velocity by which a joint gives way.
+    pub(in crate::solve) fn answer_impact(&mut self, assembly: usize, changes: &mut [[i64; 3]], coarse: i32) -> i64 {
+        let (index, range) = (self.loop_of(assembly), self.blocks_of(assembly));
+        let Self { trees, loops, blocks, laws, soft, impacts, .. } = self;
+        match index {
+            None => {
+                trees.answer_impact(assembly, changes, coarse, blocks, laws, impacts);
+                trees.largest_residual(assembly, changes, blocks, laws)
+            }
+            Some(index) => {
+                let (blocks, impacts) = (&blocks[range.clone()], &mut impacts[range]);
+                loops.answer_impact(index, changes, coarse, blocks, laws, soft, impacts);
+                loops.largest_residual(index, changes, blocks, laws)
+            }
+        }
+    }
+
+    /// The response of a node of an assembly. `changes` is any memory for the nodes.
+    pub(in crate::solve) fn impact_response(
+        &mut self,
+        assembly: usize,
+        node: usize,
+        changes: &mut [[i64; 3]],
+    ) -> Response {
+        let (index, range) = (self.loop_of(assembly), self.blocks_of(assembly));
+        let Self { trees, loops, blocks, laws, soft, .. } = self;
+        match index {
+            None => trees.response(assembly, node, changes, blocks, laws),
+            Some(index) => loops.response(index, node, changes, &blocks[range], laws, soft),
+        }
+    }
+
+    /// Takes note of the impulses of an assembly, to go [back](Self::reset_impact) to.
+    pub(in crate::solve) fn mark_impact(&mut self, assembly: usize) {
+        for block in self.blocks_of(assembly) {
+            let impact = &mut self.impacts[block];
+            impact.begun = impact.impulses;
+        }
+    }
+
+    /// Goes back to the impulses that were noted.
+    pub(in crate::solve) fn reset_impact(&mut self, assembly: usize, coarse: i32) {
+        for block in self.blocks_of(assembly) {
+            let impact = &mut self.impacts[block];
+            impact.set(impact.begun.map(i128::from), &self.blocks[block], coarse);
+        }
+    }
+
+    /// Returns true if the joints of an assembly have impulses or changes that were cut off.
+    pub(in crate::solve) fn is_impact_cut(&self, assembly: usize) -> bool {
+        self.impacts[self.blocks_of(assembly)].iter().any(|impact| impact.is_cut)
+    }
+
+    /// Adds the changes of the velocities of the nodes of an assembly by the impulses of its joints.
+    pub(in crate::solve) fn add_impacts(&self, assembly: usize, changes: &mut [[i64; 3]]) {
+        match self.loop_of(assembly) {
+            None => self.trees.add_impacts(assembly, changes, &self.impacts),
+            Some(index) => self.loops.add_impacts(index, changes, &self.impacts[self.blocks_of(assembly)]),
+        }
+    }
+
+    /// Adds the impulses of the impact to the sums of the joints of an assembly. `ways` are the ways of its nodes in the sub-step that the impulses of
+    /// contacts take back, as changes of velocities, and then with the part by the joints.
+    pub(in crate::solve) fn apply_impact(&mut self, assembly: usize, ways: &mut [[i64; 3]], coarse: i32) {
+        for index in self.blocks_of(assembly) {
+            let block = &mut self.blocks[index];
+            let sums = block.sums(self.impacts[index].impulses);
+            (0..4).for_each(|axis| block.applied[axis] += sums[axis]);
+        }
+        self.begin_impact(assembly);
+        for _ in 0..WAY_ANSWERS {
+            if self.answer_impact(assembly, ways, coarse) <= SMALL_WAY {
+                break;
+            }
+        }
+        for index in self.blocks_of(assembly) {
+            let block = &mut self.blocks[index];
+            let sums = block.sums(self.impacts[index].impulses);
+            (0..4).for_each(|axis| block.weighted[axis] -= sums[axis]);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! Trees in impacts: the impulses of joints that impulses of contacts bring about.
+//!
+//! An impact takes no time: joints keep the velocities of the rows that they hold, and springs, motors and friction have none to act in. So a
+//! tree is solved for the changes of velocities alone, without a bias. Rows with laws are free, but for limits that leave one position.
+
+use core::ops::Range;
+
+use super::node::Node;
+use super::symmetric::within;
+use super::{FRACTION, RESIDUAL, Trees, eliminate, factor, is_second_half, joint_impulses, opposite_end, set_aims};
+use crate::kernel::simd::GAIN_BITS;
+use crate::solve::joint::Block;
+use crate::solve::joint::axis::AxisRow;
+use crate::solve::joint::impact::{JointImpact, Response, TRIAL, add_gain};
+use crate::solve::number::lowered;
+
+impl Node {
+    /// Sets the residual of the joint to the parent for changes of the velocities of its ends.
+    fn begin_impact(&mut self, ends: [[i64; 3]; 2], block: &Block, laws: &mut [AxisRow]) {
+        let bits = 30 + GAIN_BITS - FRACTION + i32::from(self.is_half);
+        for row in (0..3).filter(|&row| block.is_active[row]) {
+            let change = block.change_along(row, ends);
+            match laws.get_mut(block.laws[row] as usize) {
+                Some(law) => law.begin_impact(change, block.impulses[row]),
+                None => {
+                    let residual = within(lowered(change, bits), RESIDUAL);
+                    self.residual[row] = if self.side == 0 { -residual } else { residual };
+                }
+            }
+        }
+    }
+}
+
+/// The nodes at both ends of the joint of a node to its parent.
+fn ends(nodes: &[Node], begin: usize, index: usize) -> [usize; 2] {
+    let opposite = opposite_end(nodes, begin, index);
+    if nodes[index].side == 0 { [index, opposite] } else { [opposite, index] }
+}
+
+fn add_gains(changes: &mut [[i64; 3]], ends: [usize; 2], gains: [[i64; 3]; 2]) {
+    for (end, gain) in ends.into_iter().zip(gains) {
+        add_gain(&mut changes[end], gain);
+    }
+}
+
+impl Trees {
+    /// The number of trees.
+    pub(in crate::solve::joint) fn len(&self) -> usize {
+        self.trees.len()
+    }
+
+    /// The rows of the nodes of a tree.
+    pub(in crate::solve::joint) fn rows(&self, tree: usize) -> impl Iterator<Item = u32> + '_ {
+        self.nodes[self.trees[tree].nodes.clone()].iter().map(|node| node.row)
+    }
+
+    /// The blocks of a tree.
+    pub(in crate::solve::joint) fn blocks(&self, tree: usize) -> Range<usize> {
+        self.trees[tree].blocks.clone()
+    }
+
+    /// Solves a tree for the changes of the velocities of its nodes, in coarse units throughout.
+    fn solve_impact(&mut self, tree: usize, changes: &[[i64; 3]], blocks: &[Block], laws: &mut [AxisRow]) {
+        let Self { nodes, frames, trees } = self;
+        let tree = &trees[tree];
+        let begin = tree.nodes.start;
+        let nodes = &mut nodes[tree.nodes.clone()];
+        for index in 0..nodes.len() - 1 {
+            let changes = ends(nodes, begin, index).map(|end| changes[end]);
+            let node = &mut nodes[index];
+            node.begin_impact(changes, &blocks[node.block as usize], laws);
+        }
+        if tree.has_laws && set_aims(nodes, frames, blocks, laws) {
+            factor(nodes, frames, begin, blocks);
+        }
+        eliminate(nodes, frames, begin);
+    }
+
+    /// Adds the impulses of joints by which a tree answers changes of the velocities of its nodes to the impacts of joints, and the changes by them
+    /// to these.
+    pub(in crate::solve::joint) fn answer_impact(
+        &mut self,
+        tree: usize,
+        changes: &mut [[i64; 3]],
+        coarse: i32,
+        blocks: &[Block],
+        laws: &mut [AxisRow],
+        impacts: &mut [JointImpact],
+    ) {
+        self.solve_impact(tree, changes, blocks, laws);
+        let Self { nodes, frames, trees } = self;
+        let tree = &trees[tree];
+        let begin = tree.nodes.start;
+        let nodes = &nodes[tree.nodes.clone()];
+        for index in 0..nodes.len() - 1 {
+            let Some(impulses) = joint_impulses(nodes, frames, index) else { continue };
+            let block = nodes[index].block as usize;
+            // Below 2^61 · 2^12.
+            let impulses = impulses.map(|impulse| i128::from(impulse) << coarse);
+            let gains = impacts[block].add(impulses, &blocks[block], coarse);
+            add_gains(changes, ends(nodes, begin, index), gains);
+        }
+    }
+
+    /// The largest velocity of a row that a joint holds by changes of the velocities of the nodes of a tree.
+    pub(in crate::solve::joint) fn largest_residual(
+        &self,
+        tree: usize,
+        changes: &[[i64; 3]],
+        blocks: &[Block],
+        laws: &[AxisRow],
+    ) -> i64 {
+        let tree = &self.trees[tree];
+        let nodes = &self.nodes[tree.nodes.clone()];
+        let mut largest = 0;
+        for index in (0..nodes.len() - 1).filter(|&index| !is_second_half(nodes, index)) {
+            let ends = ends(nodes, tree.nodes.start, index).map(|end| changes[end]);
+            largest = largest.max(blocks[nodes[index].block as usize].largest_residual(ends, laws));
+        }
+        largest
+    }
+
+    /// Adds the changes of the velocities of the nodes of a tree by the impacts of its joints.
+    pub(in crate::solve::joint) fn add_impacts(&self, tree: usize, changes: &mut [[i64; 3]], impacts: &[JointImpact]) {
+        let tree = &self.trees[tree];
+        let begin = tree.nodes.start;
+        let nodes = &self.nodes[tree.nodes.clone()];
+        for index in (0..nodes.len() - 1).filter(|&index| !is_second_half(nodes, index)) {
+            add_gains(changes, ends(nodes, begin, index), impacts[nodes[index].block as usize].gains);
+        }
+    }
+
+    /// The change of the velocity of a node of a tree, with all that hangs on it, by a change of the node alone, in 2^-30: by axis of the latter.
+    pub(in crate::solve::joint) fn response(
+        &mut self,
+        tree: usize,
+        node: usize,
+        changes: &mut [[i64; 3]],
+        blocks: &[Block],
+        laws: &mut [AxisRow],
+    ) -> Response {
+        let mut response = [[0; 3]; 3];
+        for (axis, change) in response.iter_mut().enumerate() {
+            changes.fill([0; 3]);
+            changes[node][axis] = 1 << (TRIAL + GAIN_BITS);
+            self.solve_impact(tree, changes, blocks, laws);
+            let node = &self.nodes[self.trees[tree].nodes.start + node];
+            let [x, y] = node.velocity;
+            *change = [x, y, node.spin].map(|part| lowered(i128::from(part) << 30, FRACTION + TRIAL) as i64);
+            change[axis] += 1 << 30;
+        }
+        response
+    }
+}

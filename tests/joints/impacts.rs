@@ -1,0 +1,216 @@
+//! Impacts of joined bodies: a tree takes part as a whole.
+
+use super::scenes::{assert_images_and_copies, bar, falling};
+use umbra_physics::{
+    BodyDef, BodyId, ColliderDef, Filter, Fx, JointDef, JointKind, Mass, Material, Revolute, Shape, Vec2, Weld, World,
+    WorldDef, fx, vec2,
+};
+
+/// A chain of three bars, one of them on a weld, that is thrown at a floor beside a crate.
+fn thrown() -> World {
+    let mut world = falling();
+    let floor = BodyDef::fixed().with_collider(Shape::rectangle(20, 1).expect("a shape"));
+    world.add_body(BodyDef { position: vec2(0, fx!(-0.5)), ..floor }).expect("a body");
+    let cube = BodyDef::dynamic().with_collider(Shape::rectangle(1, 1).expect("a shape"));
+    world.add_body(BodyDef { position: vec2(2, fx!(0.5)), ..cube }).expect("a body");
+    let bars = [-1, 0, 1].map(|x| {
+        let bar = bar(&mut world, vec2(x, 2));
+        world.set_velocity(bar, Vec2::new(fx!(4), fx!(-6))).expect("a velocity");
+        bar
+    });
+    for (i, kind) in
+        [JointKind::Revolute(Revolute::default()), JointKind::Weld(Weld::default())].into_iter().enumerate()
+    {
+        let point = Vec2::new(fx!(-0.5) + fx!(1) * i as i32, fx!(2));
+        let joint = JointDef::at(&world, bars[i], bars[i + 1], point).expect("a joint");
+        world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+    }
+    world
+}
+
+#[test]
+fn images_and_copies_of_joined_bodies_have_the_same_impacts() {
+    assert_images_and_copies(thrown);
+}
+
+/// A wheel of 20 kg in front of a hull that it is joined to, both at 10 m/s, 0.55 m from a wall.
+fn crash(hull_mass: Fx, kind: JointKind, restitution: Fx) -> (World, [BodyId; 2]) {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let wall = BodyDef::fixed().with_collider(Shape::rectangle(1, 10).expect("a shape"));
+    world.add_body(BodyDef { position: vec2(fx!(0.95), 0), ..wall }).expect("a body");
+    let mut part = |x: Fx, shape: Shape, mass: Fx| {
+        let material = Material { restitution, ..Material::default() };
+        let collider = ColliderDef { material, hit_events: true, ..ColliderDef::new(shape) };
+        let body = BodyDef {
+            position: Vec2::new(x, fx!(0)),
+            velocity: vec2(10, 0),
+            colliders: vec![collider],
+            ..BodyDef::dynamic()
+        };
+        world.add_body(BodyDef { mass: Mass::Kilograms(mass), ..body }).expect("a body")
+    };
+    let wheel = part(fx!(-1), Shape::circle(fx!(0.45)).expect("a shape"), fx!(20));
+    let hull = part(fx!(-2), Shape::rectangle(fx!(1), fx!(0.5)).expect("a shape"), hull_mass);
+    let joint = JointDef::at(&world, hull, wheel, vec2(-1, 0)).expect("a joint");
+    world.add_joint(JointDef { kind, ..joint }).expect("a joint");
+    (world, [wheel, hull])
+}
+
+/// The horizontal velocities of wheel and hull.
+fn speeds(world: &World, bodies: [BodyId; 2]) -> [Fx; 2] {
+    bodies.map(|body| world.body(body).expect("a body").velocity().x)
+}
+
+/// Whatever the hull weighs, the first hit has the momentum of both, the joint stays closed, and nothing rebounds. Stopped alone, the wheel would
+/// take 200 N·s of 10,200 and the hull push it into the wall; it would rebound with 6.5 m/s (6.4 in Box2D).
+#[test]
+fn a_wheel_in_front_of_a_hull_stops_it() {
+    for mass in [2, 20, 60, 200, 1_000, 20_000] {
+        for kind in [JointKind::Weld(Weld::default()), JointKind::Revolute(Revolute::default())] {
+            let (mut world, bodies) = crash(Fx::from(mass), kind, fx!(0));
+            let (mut hits, mut gap) = (Vec::new(), fx!(0));
+            for _ in 0..60 {
+                hits.extend_from_slice(world.step().hits);
+                gap = world.joints().map(|joint| joint.length()).fold(gap, Fx::max);
+            }
+            let momentum = Fx::from(10 * (mass + 20));
+            let impulse = hits[0].normal_impulse;
+            println!("{mass} kg: {:?}, {impulse} N·s of {momentum}, gap {gap}", speeds(&world, bodies));
+            assert!((impulse - momentum).abs() < momentum / 1_000 && gap < fx!(0.0001), "{mass} kg: {impulse}, {gap}");
+            assert!(speeds(&world, bodies).into_iter().all(|speed| speed.abs() < fx!(0.001)), "{mass} kg");
+        }
+    }
+}
+
+/// A load on a foot of 20 kg that it is welded to falls 5 m: it lands as one body does, and stands.
+#[test]
+fn a_load_on_a_light_foot_lands() {
+    for mass in [20, 200, 1_000] {
+        let mut world = falling();
+        let floor = BodyDef::fixed().with_collider(Shape::rectangle(20, 1).expect("a shape"));
+        world.add_body(BodyDef { position: vec2(0, fx!(-0.5)), ..floor }).expect("a body");
+        let [foot, load] = [(fx!(5.25), 20), (fx!(6), mass)].map(|(y, mass)| {
+            let shape = Shape::rectangle(fx!(1), if y < fx!(6) { fx!(0.5) } else { fx!(1) }).expect("a shape");
+            let body =
+                BodyDef { position: Vec2::new(fx!(0), y), mass: Mass::Kilograms(Fx::from(mass)), ..BodyDef::dynamic() };
+            world.add_body(body.with_collider(shape)).expect("a body")
+        });
+        let joint = JointDef::at(&world, load, foot, Vec2::new(fx!(0), fx!(5.5))).expect("a joint");
+        world.add_joint(JointDef { kind: JointKind::Weld(Weld::default()), ..joint }).expect("a joint");
+        let (mut lowest, mut rebound, mut gap) = (fx!(9), fx!(0), fx!(0));
+        for _ in 0..300 {
+            world.step();
+            let y = world.body(foot).expect("a body").position().y;
+            lowest = lowest.min(y);
+            rebound = rebound.max(y - lowest);
+            gap = world.joints().map(|joint| joint.length()).fold(gap, Fx::max);
+        }
+        let y = world.body(foot).expect("a body").position().y;
+        println!("foot under {mass} kg: lowest {lowest}, rebound {rebound}, at last {y}, gap {gap}");
+        assert!(rebound < fx!(0.002) && gap < fx!(0.002) && (y - fx!(0.25)).abs() < fx!(0.004), "{mass} kg");
+    }
+}
+
+/// A hub of 1 kg with 40 spokes welded to it strikes a post: changes of the hub by single joints are far larger than any velocity, and cancel. Nothing
+/// overflows, also with spokes of four tonnes, and with spokes of 20 kg no step gains energy.
+#[test]
+fn a_light_hub_of_heavy_spokes_strikes_a_post() {
+    for mass in [20, 4_096] {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let post = BodyDef::fixed().with_collider(Shape::circle(fx!(0.5)).expect("a shape"));
+        world.add_body(BodyDef { position: vec2(6, 0), ..post }).expect("a body");
+        let velocity = vec2(20, 0);
+        let hub = BodyDef { mass: Mass::Kilograms(fx!(1)), velocity, ..BodyDef::dynamic() };
+        let hub = world.add_body(hub).expect("a body");
+        for i in 0..40 {
+            let angle = Fx::TAU * i / 40;
+            let position = Vec2::new(angle.cos(), angle.sin()) * 4;
+            let filter = Filter { group: -1, ..Filter::default() };
+            let collider = ColliderDef { filter, ..ColliderDef::new(Shape::rectangle(2, fx!(0.25)).expect("a shape")) };
+            let mass = Mass::Kilograms(Fx::from(mass));
+            let spoke = BodyDef { position, angle, velocity, mass, ..BodyDef::dynamic() };
+            let spoke = world.add_body(spoke.with_collider(collider)).expect("a body");
+            let joint = JointDef::at(&world, hub, spoke, vec2(0, 0)).expect("a joint");
+            world.add_joint(JointDef { kind: JointKind::Weld(Weld::default()), ..joint }).expect("a joint");
+        }
+        let before = world.energy().expect("an energy");
+        for _ in 0..60 {
+            world.step();
+            assert!(mass > 20 || world.energy().expect("an energy") <= before);
+        }
+    }
+}
+
+/// Two hinges in place of a weld make a loop.
+#[test]
+fn a_wheel_on_two_hinges_stops_its_hull() {
+    for mass in [2, 20, 60, 200, 1_000] {
+        let (mut world, bodies) = crash(Fx::from(mass), JointKind::Revolute(Revolute::default()), fx!(0));
+        let [wheel, hull] = bodies;
+        let second = JointDef::at(&world, hull, wheel, Vec2::new(fx!(-1.2), fx!(0.2))).expect("a joint");
+        world.add_joint(second).expect("a joint");
+        let (mut hits, mut gap) = (Vec::new(), fx!(0));
+        for _ in 0..60 {
+            hits.extend_from_slice(world.step().hits);
+            gap = world.joints().map(|joint| joint.length()).fold(gap, Fx::max);
+        }
+        let momentum = Fx::from(10 * (mass + 20));
+        let impulse = hits[0].normal_impulse;
+        println!("loop {mass} kg: {:?}, {impulse} N·s of {momentum}, gap {gap}", speeds(&world, bodies));
+        assert!((impulse - momentum).abs() < momentum / 100 && gap < fx!(0.001), "{mass} kg: {impulse}, {gap}");
+        assert!(speeds(&world, bodies).into_iter().all(|speed| speed.abs() < fx!(0.01)), "{mass} kg");
+    }
+}
+
+/// Joined bodies bounce as one body does: with the restitution of the contact, and without a gain.
+#[test]
+fn a_wheel_in_front_of_a_hull_bounces_with_it() {
+    for restitution in [fx!(0.5), fx!(1)] {
+        for mass in [20, 200, 1_000] {
+            let (mut world, bodies) = crash(Fx::from(mass), JointKind::Weld(Weld::default()), restitution);
+            let mut gap = fx!(0);
+            for _ in 0..10 {
+                world.step();
+                gap = world.joints().map(|joint| joint.length()).fold(gap, Fx::max);
+            }
+            println!("{restitution}, {mass} kg: {:?}, gap {gap}", speeds(&world, bodies));
+            assert!(gap < fx!(0.0001), "{gap}");
+            for speed in speeds(&world, bodies) {
+                assert!((speed + restitution * 10).abs() < fx!(0.01), "{restitution}, {mass} kg: {speed}");
+            }
+        }
+    }
+}
+
+/// A rod of two halves with a hinge in the middle that falls with one end on a post: the impulse is by the articulated inverse mass of that end.
+#[test]
+fn a_hinged_rod_meets_its_articulated_mass() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let post = BodyDef::fixed().with_collider(ColliderDef::new(Shape::circle(fx!(0.5)).expect("a shape")));
+    world.add_body(BodyDef { position: vec2(-1, fx!(-0.6)), ..post }).expect("a body");
+    let mass = Mass::Explicit { mass: fx!(1), inertia: Fx::from_ratio(1, 12) };
+    let halves = [fx!(-0.5), fx!(0.5)].map(|x| {
+        let shape = Shape::rectangle(fx!(1), fx!(0.1)).expect("a shape");
+        let material = Material { friction: fx!(0), ..Material::default() };
+        let collider = ColliderDef { hit_events: true, material, ..ColliderDef::new(shape) };
+        let position = Vec2::new(x, fx!(0.5));
+        let half = BodyDef { mass, position, velocity: vec2(0, -6), colliders: vec![collider], ..BodyDef::dynamic() };
+        world.add_body(half).expect("a body")
+    });
+    let joint = JointDef::at(&world, halves[0], halves[1], Vec2::new(fx!(0), fx!(0.5))).expect("a joint");
+    world.add_joint(joint).expect("a joint");
+    let mut hits = Vec::new();
+    while hits.is_empty() {
+        hits.extend_from_slice(world.step().hits);
+    }
+    // With J at the end and H at the hinge: 4·J + 2·H = 6 m/s stop the end, and −2·J − 4·H = 4·H keep the hinge closed.
+    let [hit] = hits[..] else { panic!("one hit, and not {}", hits.len()) };
+    assert!((hit.normal_impulse - Fx::from_ratio(12, 7)).abs() < fx!(0.001), "{}", hit.normal_impulse);
+    // In the rest of the step the hinge goes on to pull the halves round.
+    let is_near = |value: Fx, expected: Fx| (value - expected).abs() < fx!(0.02);
+    for (half, [speed, spin]) in halves.into_iter().zip([[-27, -54], [-45, 18]]) {
+        let half = world.body(half).expect("a body");
+        let (velocity, angular_velocity) = (half.velocity().y, half.angular_velocity());
+        assert!(is_near(velocity, Fx::from_ratio(speed, 7)) && is_near(angular_velocity, Fx::from_ratio(spin, 7)));
+    }
+}
