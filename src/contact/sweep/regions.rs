@@ -48,7 +48,7 @@ impl Regions {
             }
             let [reach, width] = [start.body.turning_radius, start.body.width].map(Fx::to_bits);
             self.count_way(flight, leg.farthest(reach));
-            if reach <= 2 * width {
+            if reach <= width.saturating_mul(2) {
                 continue;
             }
             for collider in paths.scene.colliders.solid_of_slot(start.body.slot) {
