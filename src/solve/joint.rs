@@ -51,6 +51,7 @@ mod axis;
 mod effective;
 mod energy;
 mod forest;
+mod gains;
 mod gradients;
 mod impact;
 mod kind;
@@ -67,11 +68,10 @@ use self::axis::AxisRow;
 use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
-use super::number::{bits_of, clamped, fixed, lowered, lowered_word, shifted, shifted_word, upper};
+use super::number::{bits_of, clamped, fixed, lowered, lowered_word, shifted, shifted_word};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
-use crate::kernel::simd::GAIN_BITS;
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
@@ -95,8 +95,6 @@ const IMPULSE: i64 = 1 << 50;
 const GAIN: i64 = 1 << 58;
 /// Bits by which the products of impulses and axes are lowered, before the products with masses.
 const LOWER: i32 = 20;
-/// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
-const RAISED: i32 = 18;
 /// The largest component of an offset.
 const FAR: i128 = 1 << 60;
 
@@ -182,12 +180,6 @@ enum Frame {
     Line,
     /// Along a direction that turns with the first body: at the start, in 2^-30.
     Body([i64; 2]),
-}
-
-/// The magnitude of a value; of a negative one less by one.
-#[inline(always)]
-fn magnitude(value: i64) -> i64 {
-    value ^ (value >> 63)
 }
 
 /// A direction turned left by a quarter.
@@ -359,17 +351,6 @@ impl Block {
         }
     }
 
-    /// Begins a sub-step with the impulses of the one before, at the present arms. Returns the number of values that were cut off.
-    #[inline(always)]
-    fn warm_start(&mut self, rows: &mut Rows) -> u64 {
-        for i in 0..4 {
-            self.applied[i] += self.change[i];
-        }
-        self.change = [0; 4];
-        self.push(self.impulses);
-        self.give_gains(rows)
-    }
-
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
     #[inline(always)]
     fn advance(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
@@ -377,11 +358,6 @@ impl Block {
             self.weighted[i] += self.applied[i] + self.change[i];
         }
         self.turn(poses, laws)
-    }
-
-    /// The sums of the changes of all sub-steps.
-    fn applied(&self) -> [i128; 4] {
-        [0, 1, 2, 3].map(|i| self.applied[i] + self.change[i])
     }
 
     /// Returns true if the joint holds a length, and nothing else.
@@ -439,62 +415,6 @@ impl Block {
         self.push(applied);
         cut
     }
-
-    /// Adds impulses of the rows to the change of the sub-step.
-    #[inline(always)]
-    fn push(&mut self, impulses: [i64; 3]) {
-        for (row, impulse) in impulses.into_iter().enumerate() {
-            if self.is_active[row] {
-                let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
-                let impulse = i128::from(impulse);
-                self.change[0] += impulse * i128::from(ux);
-                self.change[1] += impulse * i128::from(uy);
-                self.change[2] += impulse * i128::from(ka);
-                self.change[3] += impulse * i128::from(kb);
-            }
-        }
-    }
-
-    /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
-    /// Returns the number of changes that were cut off.
-    #[inline(always)]
-    fn give_gains(&mut self, rows: &mut Rows) -> u64 {
-        // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
-        let [x, y, turn_a, turn_b] = self.change;
-        let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
-        let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
-        // From products with masses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
-        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS;
-        let up = 64 - RAISED - bits;
-        let bound = magnitude(x) | magnitude(y) | magnitude(turn_a) | magnitude(turn_b);
-        if bound >> (63 - up) != 0 {
-            return self.give_large_gains(rows, [x, y, turn_a, turn_b], bits);
-        }
-        let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
-        let [a, b] = &mut self.sides;
-        a.give_gains(rows, [x, y, turn_a], -1) + b.give_gains(rows, [x, y, turn_b], 1)
-    }
-
-    /// [`give_gains`](Self::give_gains) by impulses of any size along x and y and of rotation.
-    #[cold]
-    fn give_large_gains(&mut self, rows: &mut Rows, [x, y, turn_a, turn_b]: [i64; 4], bits: i32) -> u64 {
-        let mut cut = 0;
-        for (side, (turn, sign)) in self.sides.iter_mut().zip([(turn_a, -1), (turn_b, 1)]) {
-            if !side.is_movable() {
-                continue;
-            }
-            for (k, impulse) in [x, y, turn].into_iter().enumerate() {
-                // Products with masses are below 2^107.
-                let wanted = shifted(i128::from(side.masses[k]) * i128::from(impulse), bits);
-                let limit = i128::from(side.gain_limit);
-                let applied_gain = wanted.clamp(-limit, limit) as i64;
-                cut += u64::from(i128::from(applied_gain) != wanted);
-                rows.rows[side.row as usize].gain[k] += sign * (applied_gain - side.applied_gain[k]);
-                side.applied_gain[k] = applied_gain;
-            }
-        }
-        cut
-    }
 }
 
 impl Side {
@@ -524,31 +444,5 @@ impl Side {
             shift: [0; 3],
             applied_gain: [0; 3],
         }
-    }
-
-    /// Adds to the gains of the body the changes of velocity by the impulses of the sub-step, less the part that was added before. Masses are
-    /// at most 2^44, so that the products of raised masses and of impulses along x and y and of rotation, which are below 2^63, are below 2^126.
-    /// Returns the number of changes that were cut off.
-    #[inline(always)]
-    fn give_gains(&mut self, rows: &mut Rows, impulses: [i64; 3], sign: i64) -> u64 {
-        if !self.is_movable() {
-            return 0;
-        }
-        let gains = &mut rows.rows[self.row as usize].gain;
-        let gain = |k: usize| upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k]));
-        let mut applied_gain = [gain(0), gain(1), gain(2)];
-        let mut cut = 0;
-        if magnitude(applied_gain[0]) | magnitude(applied_gain[1]) | magnitude(applied_gain[2]) >= self.gain_limit {
-            for part in &mut applied_gain {
-                let wanted = *part;
-                *part = wanted.clamp(-self.gain_limit, self.gain_limit);
-                cut += u64::from(*part != wanted);
-            }
-        }
-        for k in 0..3 {
-            gains[k] += sign * (applied_gain[k] - self.applied_gain[k]);
-        }
-        self.applied_gain = applied_gain;
-        cut
     }
 }

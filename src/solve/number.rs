@@ -72,6 +72,24 @@ pub(super) const fn lowered_within(value: i128, bits: i32, limit: i64) -> i64 {
     if low > limit { limit } else { low }
 }
 
+/// The exact product.
+#[inline(always)]
+pub(super) fn product(a: i64, b: i64) -> i128 {
+    i128::from(a) * i128::from(b)
+}
+
+/// The value within ±limit. *Domain* 0 ≤ limit < 2^63.
+#[inline(always)]
+pub(super) fn within(value: i128, limit: i128) -> i64 {
+    value.clamp(-limit, limit) as i64
+}
+
+/// [`within`] of a word.
+#[inline(always)]
+pub(super) fn within_word(value: i64, limit: i128) -> i64 {
+    value.clamp(-limit as i64, limit as i64)
+}
+
 /// value/divisor to nearest, halves away from zero. *Domain* |value| < 2^125, divisor > 0.
 pub(super) fn divided(value: i128, divisor: i64) -> i128 {
     let divisor = i128::from(divisor);

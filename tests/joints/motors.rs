@@ -3,8 +3,8 @@
 use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Attachment, BodyDef, BodyId, End, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring,
-    Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Revolute, Shape, Vec2, World, WorldDef, fx, vec2,
+    Attachment, BodyDef, BodyId, Distance, End, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor,
+    JointSpring, Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Revolute, Shape, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn solid(mass: i32) -> Mass {
@@ -260,22 +260,35 @@ fn a_mouse_keeps_to_its_bounds_where_other_rows_move_on() {
         (vec![(None, motor(-2, 9))], vec2(1, -1), 4, 5),
     ];
     for (hinges, point, hertz, bound) in cases {
-        let mut world = falling();
-        let (bodies, joints) = chain(&mut world, hinges.len() as i32);
-        for (&joint, &(limits, motor)) in joints.iter().zip(&hinges) {
-            let kind = JointKind::Revolute(Revolute { limits, motor, ..Revolute::default() });
-            world.set_joint_kind(joint, kind).expect("a kind");
-        }
-        let max_force = Fx::from(bound);
-        let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force });
-        let mouse = Motor { motor, ..Motor::target(point, Fx::from(hertz), fx!(1), max_force) };
-        let hand = bodies[hinges.len() - 1];
-        let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
-        let mouse = world.add_joint(JointDef::new(ends, JointKind::Motor(mouse))).expect("a joint");
-        for tick in 0..120 {
-            world.step();
-            let force = world.joint(mouse).expect("a joint").force().length();
-            assert!(force < max_force * fx!(2.0001), "tick {tick}: {force} of {max_force}");
+        // Alone; with a brace from the first bar to the last one, in a loop; on a floor, so that there is a relax pass.
+        for (has_brace, has_floor) in [(false, false), (true, false), (false, true), (true, true)] {
+            let mut world = falling();
+            if has_floor {
+                let floor = BodyDef::fixed().with_collider(Shape::rectangle(40, 1).expect("a shape"));
+                world.add_body(BodyDef { position: vec2(0, fx!(-0.62)), ..floor }).expect("a body");
+            }
+            let (bodies, joints) = chain(&mut world, hinges.len() as i32);
+            for (&joint, &(limits, motor)) in joints.iter().zip(&hinges) {
+                let kind = JointKind::Revolute(Revolute { limits, motor, ..Revolute::default() });
+                world.set_joint_kind(joint, kind).expect("a kind");
+            }
+            let hand = bodies[hinges.len() - 1];
+            if has_brace && hand != bodies[0] {
+                let ends = [bodies[0], hand].map(|body| End::Body(Attachment::centre(body)));
+                let length = Fx::from(hinges.len() as i32 - 1);
+                let brace = JointDef::new(ends, JointKind::Distance(Distance::rod(length)));
+                world.add_joint(brace).expect("a joint");
+            }
+            let max_force = Fx::from(bound);
+            let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force });
+            let mouse = Motor { motor, ..Motor::target(point, Fx::from(hertz), fx!(1), max_force) };
+            let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
+            let mouse = world.add_joint(JointDef::new(ends, JointKind::Motor(mouse))).expect("a joint");
+            for tick in 0..120 {
+                world.step();
+                let force = world.joint(mouse).expect("a joint").force().length();
+                assert!(force < max_force * fx!(2.0001), "{has_brace} {has_floor} tick {tick}: {force} of {max_force}");
+            }
         }
     }
 }

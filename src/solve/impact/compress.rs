@@ -12,8 +12,7 @@
 use super::super::bodies::BodyRows;
 use super::super::groups::ContactGroups;
 use super::super::joint::Joints;
-use super::super::number::{lowered, shifted, shifted_word};
-use super::jacobian::product;
+use super::super::number::{lowered, product, shifted, shifted_word};
 use super::shock::{Beside, Shock, WORD, beside};
 use super::{FRACTION, Impacts, Struck, SubStep};
 

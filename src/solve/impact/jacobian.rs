@@ -2,7 +2,7 @@
 
 use super::super::group::Group;
 use super::super::joint::Response;
-use super::super::number::{bits_of, lowered, shifted, shifted_word};
+use super::super::number::{bits_of, lowered, product, shifted, shifted_word};
 use super::{COARSER, FINE, FRACTION};
 
 /// Elements 11, 12, 22, 1t, 2t and tt of the matrix of a contact by one body, in 2^-30.
@@ -232,12 +232,6 @@ impl NormalRows {
 #[inline(always)]
 pub(super) fn coarsened(velocity: [i64; 3], coarse: i32) -> [i64; 3] {
     if coarse == 0 { velocity } else { velocity.map(|part| shifted_word(part, coarse)) }
-}
-
-/// The product of words.
-#[inline(always)]
-pub(super) fn product(a: i64, b: i64) -> i128 {
-    i128::from(a) * i128::from(b)
 }
 
 /// A change within ±2^60 over a share. *Domain* shares are below 2^22.

@@ -40,6 +40,7 @@ mod expand;
 mod fast;
 mod index;
 mod jacobian;
+mod set;
 mod shock;
 mod velocities;
 
@@ -49,7 +50,6 @@ use self::assemblies::Assemblies;
 use self::expand::{renew_separation, solve_shocks, strike};
 use self::fast::FastLanes;
 use self::index::ContactIndex;
-use self::jacobian::{NormalRows, coarsened};
 use self::shock::Shock;
 use self::velocities::Velocities;
 use super::bodies::BodyRows;
@@ -357,110 +357,12 @@ impl Impacts {
         }
     }
 
-    /// Adds a contact to the shocks, with its bodies.
-    fn join(&mut self, mut shock: Shock, substep: SubStep<'_>, rows: &Rows, joints: &mut Joints) {
-        for side in 0..2 {
-            let row = shock.rows[side];
-            let body = self.join_body(row, substep, rows);
-            shock.bodies[side] = body;
-            match self.assemblies.assembly_of(row) {
-                Some(assembly) => self.join_assembly(assembly, substep, rows, joints),
-                None => self.struck[body as usize].share += 1,
-            }
-        }
-        self.is_joined[shock.place as usize] = true;
-        self.shocks.push(shock);
-    }
-
-    /// Adds a shock to an assembly, and the assembly to the set of the shocks.
-    fn join_assembly(&mut self, assembly: u32, substep: SubStep<'_>, rows: &Rows, joints: &mut Joints) {
-        if self.assemblies.add(assembly, joints) {
-            for node in self.assemblies.nodes(assembly) {
-                if let Some(row) = self.assemblies.row(node) {
-                    self.join_body(row, substep, rows);
-                }
-            }
-        }
-        self.assemblies.count_shock(assembly);
-    }
-
-    /// The index of a body among the bodies of the impacts, as one of the set of the shocks.
-    fn join_body(&mut self, row: u32, substep: SubStep<'_>, rows: &Rows) -> u32 {
-        let body = self.struck_of(row);
-        if !self.struck[body as usize].is_in_set {
-            let start = coarsened(self.velocities.at(rows, row, substep), self.coarse);
-            let struck = &mut self.struck[body as usize];
-            (struck.is_in_set, struck.share, struck.response) = (true, 0, NONE);
-            struck.open = self.index.places_of(row).len() as u32;
-            struck.start = start;
-            (struck.velocity, struck.begun) = (struck.start, struck.start);
-            self.set.push(body);
-        }
-        body
-    }
-
-    /// Lets joints answer the impulses so far. Returns the largest velocity by which a joint gives way, in 2^-[`FRACTION`].
-    fn answer(&mut self, joints: &mut Joints) -> i64 {
-        let Self { assemblies, struck, struck_of, coarse, .. } = self;
-        assemblies.answer(struck, struck_of, *coarse, joints)
-    }
-
-    /// Returns true if impulses of joints were cut off.
-    fn are_joints_cut(&self, joints: &Joints) -> bool {
-        self.assemblies.set.iter().any(|&assembly| joints.is_impact_cut(assembly as usize))
-    }
-
-    /// Lets joints answer until they give way by less than the tolerance.
-    fn answer_fully(&mut self, joints: &mut Joints) {
-        for _ in 0..ANSWERS {
-            if self.answer(joints) <= self.tolerance {
-                return;
-            }
-        }
-    }
-
-    /// Returns true if the island of the shocks has done much work in the step.
-    fn is_busy(&self) -> bool {
-        self.work[self.island] > BUSY
-    }
-
-    /// Counts an iteration over the shocks.
-    fn count_work(&mut self) {
-        self.work[self.island] += self.iteration_work() as u32;
-    }
-
-    /// The work of an iteration, in shocks.
-    fn iteration_work(&self) -> usize {
-        self.shocks.len() + self.assemblies.answer_work()
-    }
-
-    /// Returns true if the other body of a contact has changed too, and its row comes first: so that contacts between two bodies of the set
-    /// are looked at once.
-    fn has_earlier_body(&self, row: u32, contact: &NormalRows) -> bool {
-        let earlier = contact.rows[0].min(contact.rows[1]);
-        let body = self.struck_of[earlier as usize];
-        earlier != row
-            && body != NONE
-            && self.struck[body as usize].is_in_set
-            && self.struck[body as usize].has_changed()
-    }
-
     /// The moment of the last impact of a row in the sub-step.
     fn moment_of(&self, row: u32) -> i64 {
         match self.struck_of.get(row as usize) {
             Some(&body) if body != NONE => self.struck[body as usize].moment,
             _ => 0,
         }
-    }
-
-    /// Contacts that close by more than this join the shocks: 2^-6 of the fastest impact, more where there are many.
-    fn slowest(&self) -> i64 {
-        let bits = match self.shocks.len() {
-            ..32 => 6,
-            32..128 => 4,
-            _ => 3,
-        };
-        (self.fastest >> bits).max(2 << FRACTION)
     }
 
     /// Forgets the bodies of a sub-step.

@@ -5,8 +5,8 @@ use super::super::bodies::BodyRows;
 use super::super::group::Group;
 use super::super::groups::{ContactGroups, Place};
 use super::super::motion::{Rows, Vector};
-use super::super::number::{lowered, shifted};
-use super::jacobian::{Elements, Jacobian, NormalRows, coarsened, product};
+use super::super::number::{lowered, product, shifted};
+use super::jacobian::{Elements, Jacobian, NormalRows, coarsened};
 use super::{AT_ONCE, FRACTION, Impacts, LATEST, NEAR, NONE, ONE, Struck, SubStep, TOUCH};
 
 /// Bits of a word.

@@ -3,7 +3,7 @@
 //! Without an answer a light body that is joined to a heavy one would be stopped alone, with a small part of the impulse, and then be
 //! pushed on by the joint and back by the contact in turn: it rebounds, and the joint opens.
 //!
-//! Changes of velocities are in 2^(coarse − [`GAIN_BITS`]), as the impacts have them.
+//! Changes of velocities are in 2^(coarse − [`GAIN_BITS`](crate::kernel::simd::GAIN_BITS)), as the impacts have them.
 //!
 //! Reads: trees, loops, blocks. Writes: the impulses of joints by impacts; in the end the sums of blocks.
 
@@ -12,9 +12,8 @@ use core::ops::Range;
 
 use super::axis::AxisRow;
 use super::passes::Joints;
-use super::{Block, FINER, IMPULSE, LOWER};
-use crate::kernel::simd::GAIN_BITS;
-use crate::solve::number::{lowered, shifted};
+use super::{Block, IMPULSE};
+use crate::solve::number::{lowered, product, within};
 
 /// The change of the velocity of a body in an assembly by a change of the body alone, in 2^-30: by axis of the latter.
 pub(in crate::solve) type Response = [[i64; 3]; 3];
@@ -45,18 +44,19 @@ impl JointImpact {
     fn set(&mut self, impulses: [i128; 3], block: &Block, coarse: i32) -> [[i64; 3]; 2] {
         let before = self.gains;
         self.impulses = impulses.map(|impulse| impulse.clamp(-LARGEST_IMPULSE, LARGEST_IMPULSE) as i64);
-        let gains = block.gains(block.sums(self.impulses), coarse);
+        let sums = block.sums(self.impulses);
+        let wanted = [0, 1].map(|side| block.gains(side, sums, coarse));
         // Sums over the joints of a body are below 2^62.
-        self.gains = [0, 1].map(|side| {
-            let limit = i128::from(block.sides[side].gain_limit);
-            gains[side].map(|part: i128| part.clamp(-limit, limit) as i64)
-        });
-        self.is_cut = impulses != self.impulses.map(i128::from) || gains != self.gains.map(|gain| gain.map(i128::from));
+        let [first, second] =
+            [0, 1].map(|side| wanted[side].map(|gain| within(gain, block.sides[side].gain_limit.into())));
+        self.gains = [first.map(|gain| -gain), second];
+        self.is_cut =
+            impulses != self.impulses.map(i128::from) || wanted != [first, second].map(|gain| gain.map(i128::from));
         [0, 1].map(|side| [0, 1, 2].map(|axis| self.gains[side][axis] - before[side][axis]))
     }
 }
 
-/// The most answers to the ways of an impact, and the largest way by which joints may open then, in 2^-[`GAIN_BITS`] of a unit.
+/// The most answers to the ways of an impact, and the largest way by which joints may open then, in 2^-30 of a unit.
 const WAY_ANSWERS: usize = 4;
 const SMALL_WAY: i64 = 1 << 20;
 /// The largest impulse of a row.
@@ -68,7 +68,6 @@ impl Block {
     /// # Ranges
     /// Changes are below 2^61, axes and cross products at most 2^30.5: sums of six products are below 2^94.
     pub(super) fn change_along(&self, row: usize, [a, b]: [[i64; 3]; 2]) -> i128 {
-        let product = |factor: i64, change: i64| i128::from(factor) * i128::from(change);
         let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
         product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2])
     }
@@ -84,27 +83,6 @@ impl Block {
         }
         // Below 2^64: changes are below 2^62.
         lowered(largest, 30).min(i64::MAX.into()) as i64
-    }
-
-    /// Impulses of the rows along x and y and around both bodies, in 2^-30.
-    fn sums(&self, impulses: [i64; 3]) -> [i128; 4] {
-        let mut sums = [0; 4];
-        for (row, impulse) in impulses.into_iter().enumerate().filter(|&(row, _)| self.is_active[row]) {
-            let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
-            for (sum, factor) in sums.iter_mut().zip([ux, uy, ka, kb]) {
-                *sum += i128::from(impulse) * i128::from(factor);
-            }
-        }
-        sums
-    }
-
-    /// The changes of velocity of both bodies by these sums of impulses.
-    fn gains(&self, [x, y, turn_a, turn_b]: [i128; 4], coarse: i32) -> [[i128; 3]; 2] {
-        let bits = self.mass_bits + FINER + 30 - LOWER - GAIN_BITS + coarse;
-        let gain = |side: usize, axis: usize, impulse: i128| {
-            shifted(i128::from(self.sides[side].masses[axis]) * lowered(impulse, LOWER), bits)
-        };
-        [[-gain(0, 0, x), -gain(0, 1, y), -gain(0, 2, turn_a)], [gain(1, 0, x), gain(1, 1, y), gain(1, 2, turn_b)]]
     }
 }
 

@@ -50,7 +50,6 @@ use core::ops::Range;
 
 use self::frame::FrameRows;
 use self::node::Node;
-use self::symmetric::within;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
@@ -60,7 +59,7 @@ use crate::slots::NONE;
 use crate::solve::StepInput;
 use crate::solve::bodies::{BodyRows, STILL};
 use crate::solve::motion::Rows;
-use crate::solve::number::{bits_of, lowered_word, shifted};
+use crate::solve::number::{bits_of, lowered_word, shifted, within};
 
 /// The bits of a mass in the unit of the body.
 const MASS: i32 = 36;

@@ -3,12 +3,12 @@
 
 use core::ops::Range;
 
-use super::{FINER_STILL, FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate, within};
+use super::{FINER_STILL, FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
 use crate::solve::joint::impact::{JointImpact, Response, TRIAL, add_gain};
-use crate::solve::number::{lowered, lowered_word};
+use crate::solve::number::{lowered, lowered_word, within};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of an answer.

@@ -3,91 +3,70 @@
 
 use core::ops::Range;
 
-use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, iterate, move_by, within};
+use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, iterate, move_by};
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
 use crate::solve::joint::tree::{DESCENT, FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
-use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word};
+use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word, within};
 use crate::solve::unit::SoftRow;
 
-/// Begins the iterations: sets the aims of laws, and gives the impulses that do not follow from velocities.
-fn give(
-    joints: &mut [LoopJoint],
-    blocks: &[Block],
-    laws: &[AxisRow],
-    soft: &SoftRow,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) {
-    for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.set_aims(block, laws, soft);
-    }
-    move_by(joints, blocks, moved, bodies);
-    for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.begin_round(block);
-    }
+/// A loop with laws in a pass.
+pub(super) struct LawLoop<'a> {
+    pub(super) joints: &'a mut [LoopJoint],
+    pub(super) blocks: &'a [Block],
+    pub(super) soft: &'a SoftRow,
+    pub(super) moved: &'a mut [[i64; 3]],
+    pub(super) bodies: Range<usize>,
 }
 
-/// Solves a loop until no row leaves its place. Returns false if rows still do.
-pub(super) fn find_places(
-    joints: &mut [LoopJoint],
-    blocks: &[Block],
-    laws: &mut [AxisRow],
-    soft: &SoftRow,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) -> bool {
-    for _ in 0..ROUNDS {
-        solve_aims(joints, blocks, laws, soft, moved, bodies.clone());
-        let mut have_left = false;
-        for (joint, block) in joints.iter().zip(blocks) {
-            have_left |= block.revise_laws(laws, joint.row_changes(block));
+impl LawLoop<'_> {
+    /// Solves the loop until no row leaves its place. Returns false if rows still do.
+    pub(super) fn find_places(&mut self, laws: &mut [AxisRow]) -> bool {
+        for _ in 0..ROUNDS {
+            self.solve_aims(laws);
+            let mut have_left = false;
+            for (joint, block) in self.joints.iter().zip(self.blocks) {
+                have_left |= block.revise_laws(laws, joint.row_changes(block));
+            }
+            if !have_left {
+                return true;
+            }
         }
-        if !have_left {
-            return true;
-        }
+        false
     }
-    false
-}
 
-/// Solves a loop by a descent, as [`tree`](super::super::tree) has it.
-pub(super) fn descend(
-    joints: &mut [LoopJoint],
-    blocks: &[Block],
-    laws: &mut [AxisRow],
-    soft: &SoftRow,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) {
-    for block in blocks {
-        block.begin_descent(laws);
-    }
-    for _ in 0..DESCENT {
-        solve_aims(joints, blocks, laws, soft, moved, bodies.clone());
-        for (joint, block) in joints.iter().zip(blocks) {
-            block.descend(laws, joint.row_changes(block), joint.share);
+    /// Solves the loop by a descent, as [`tree`](super::super::tree) has it.
+    pub(super) fn descend(&mut self, laws: &mut [AxisRow]) {
+        for block in self.blocks {
+            block.begin_descent(laws);
         }
+        for _ in 0..DESCENT {
+            self.solve_aims(laws);
+            for (joint, block) in self.joints.iter().zip(self.blocks) {
+                block.descend(laws, joint.row_changes(block), joint.share);
+            }
+        }
+        self.solve_aims(laws);
     }
-    solve_aims(joints, blocks, laws, soft, moved, bodies);
-}
 
-/// Solves a loop for the present aims of its laws, and finds the velocities of rows by the solution.
-fn solve_aims(
-    joints: &mut [LoopJoint],
-    blocks: &[Block],
-    laws: &[AxisRow],
-    soft: &SoftRow,
-    moved: &mut [[i64; 3]],
-    bodies: Range<usize>,
-) {
-    give(joints, blocks, laws, soft, moved, bodies.clone());
-    iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
-    for joint in joints.iter_mut() {
-        joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
+    /// Solves the loop for the present aims of its laws, whose impulses that are given come first, and finds the velocities of rows by the solution.
+    fn solve_aims(&mut self, laws: &[AxisRow]) {
+        let Self { joints, blocks, soft, moved, bodies } = self;
+        for (joint, block) in joints.iter_mut().zip(*blocks) {
+            joint.set_aims(block, laws, soft);
+        }
+        move_by(joints, blocks, moved, bodies.clone());
+        for (joint, block) in joints.iter_mut().zip(*blocks) {
+            joint.begin_round(block);
+        }
+        iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+        for joint in joints.iter_mut() {
+            joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
+        }
+        move_by(joints, blocks, moved, bodies.clone());
     }
-    move_by(joints, blocks, moved, bodies);
 }
 
 impl LoopJoint {

@@ -18,11 +18,11 @@
 
 use super::node::Node;
 use super::stiffness::{RowAim, STIFF, Stiffness};
-use super::symmetric::{Reciprocal, dot, product, to_impulse, within};
+use super::symmetric::{Reciprocal, dot, to_impulse};
 use super::{IMPULSE, PART, RATIO, SOFT, SPEED, UNIT};
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::{Aim, AxisRow};
-use crate::solve::number::{lowered, shifted_word};
+use crate::solve::number::{lowered, product, shifted_word, within};
 
 /// The largest product of κ and t.
 const MOMENT: i128 = 1 << 52;

@@ -27,11 +27,11 @@
 
 use super::node::Node;
 use super::stiffness::{RowAim, STIFF, Stiffness};
-use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, to_impulse, turned, within};
+use super::symmetric::{Reciprocal, Symmetric, dot, moved, to_impulse, turned};
 use super::{IMPULSE, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
-use crate::solve::number::{lowered, shifted, shifted_word};
+use crate::solve::number::{lowered, product, shifted, shifted_word, within};
 
 /// Fraction bits of s.
 const SHARE: i32 = 60;

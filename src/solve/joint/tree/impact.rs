@@ -6,13 +6,12 @@
 use core::ops::Range;
 
 use super::node::Node;
-use super::symmetric::within;
 use super::{FRACTION, RESIDUAL, Trees, eliminate, factor, is_second_half, joint_impulses, opposite_end, set_aims};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
 use crate::solve::joint::impact::{JointImpact, Response, TRIAL, add_gain};
-use crate::solve::number::lowered;
+use crate::solve::number::{lowered, within};
 
 impl Node {
     /// Sets the residual of the joint to the parent for changes of the velocities of its ends.

@@ -4,10 +4,7 @@ use alloc::vec::Vec;
 
 use super::angle::AngleRow;
 use super::frame::FrameRows;
-use super::symmetric::{
-    Reciprocal, Symmetric, dot, moved, product, rarely_shifted, scaled, to_impulse, turned, unit_dot, within,
-    within_word,
-};
+use super::symmetric::{Reciprocal, Symmetric, dot, moved, rarely_shifted, scaled, to_impulse, turned, unit_dot};
 use super::{
     COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
 };
@@ -21,7 +18,8 @@ use crate::solve::joint::turn::Pose;
 use crate::solve::joint::{Block, Frame};
 use crate::solve::motion::Rows;
 use crate::solve::number::{
-    bits_of, exponent, fixed, lowered, lowered_low, lowered_within, lowered_word, shifted, shifted_word,
+    bits_of, exponent, fixed, lowered, lowered_low, lowered_within, lowered_word, product, shifted, shifted_word,
+    within, within_word,
 };
 
 /// A node with the joint to its parent.

@@ -8,9 +8,9 @@
 //! of c': t is below 2^9, in 2^-[`RATIO`] below 2^49, and velocities by τ are below 2^37.
 
 use super::node::Node;
-use super::symmetric::{Reciprocal, Symmetric, dot, moved, product, unit_dot};
+use super::symmetric::{Reciprocal, Symmetric, dot, moved, unit_dot};
 use super::{IMPULSE, PART, RATIO, SOFT, TO_IMPULSE};
-use crate::solve::number::{lowered_low, upper};
+use crate::solve::number::{lowered_low, product, upper};
 
 /// The bits that b' and τ may have above the bits of c'.
 const RATIO_ABOVE: i32 = 8;

@@ -1,11 +1,11 @@
 //! The stiffness of a row that has a law, between a node and its parent.
 
 use super::node::Node;
-use super::symmetric::{Reciprocal, product, within};
+use super::symmetric::Reciprocal;
 use super::{FRACTION, IMPULSE, RESIDUAL, SOFT, UNIT};
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow, STIFFEST};
-use crate::solve::number::{exponent, fixed, shifted, shifted_word};
+use crate::solve::number::{exponent, fixed, product, shifted, shifted_word, within};
 
 /// The bits of κ.
 pub(super) const STIFF: i32 = 47;

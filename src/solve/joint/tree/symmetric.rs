@@ -1,7 +1,9 @@
 //! Symmetric matrices of two rows, and reciprocals. [`tree`](super) has their ranges.
 
 use super::{IMPULSE, PART, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
-use crate::solve::number::{lowered, lowered_low, lowered_within, shifted, shifted_word, upper};
+use crate::solve::number::{
+    lowered, lowered_low, lowered_within, product, shifted, shifted_word, upper, within, within_word,
+};
 
 /// Bits by which vectors in 2^-[`UNIT`] are raised, to at most 2^62, and their factors, to below 2^63: the wanted bits of the products stand in
 /// the upper words.
@@ -14,12 +16,6 @@ pub(super) struct Symmetric {
     pub(super) xx: i64,
     pub(super) xy: i64,
     pub(super) yy: i64,
-}
-
-/// The exact product of numbers.
-#[inline(always)]
-pub(super) fn product(a: i64, b: i64) -> i128 {
-    i128::from(a) * i128::from(b)
 }
 
 /// The exact scalar product.
@@ -45,16 +41,6 @@ pub(super) fn scaled(v: [i64; 2], factor: i64) -> [i64; 2] {
 #[inline(always)]
 pub(super) fn to_impulse(product: i128) -> i64 {
     lowered_within(product, TO_IMPULSE, IMPULSE as i64)
-}
-
-#[inline(always)]
-pub(super) fn within(value: i128, limit: i128) -> i64 {
-    value.clamp(-limit, limit) as i64
-}
-
-#[inline(always)]
-pub(super) fn within_word(value: i64, limit: i128) -> i64 {
-    value.clamp(-limit as i64, limit as i64)
 }
 
 /// [`shifted_word`], most often by no bits.
