@@ -38,8 +38,8 @@ impl Block {
     #[inline(always)]
     pub(super) fn push(&mut self, impulses: [i64; 3]) {
         let sums = self.sums(impulses);
-        for i in 0..4 {
-            self.change[i] += sums[i];
+        for (change, sum) in self.change.iter_mut().zip(sums) {
+            *change += sum;
         }
     }
 
@@ -101,11 +101,11 @@ impl Block {
             if !self.sides[side].is_movable() {
                 continue;
             }
-            let wanted = self.gains(side, self.change, 0);
+            let wanted_gains = self.gains(side, self.change, 0);
             let side = &mut self.sides[side];
-            for axis in 0..3 {
-                let gain = within(wanted[axis], side.gain_limit.into());
-                cut += u64::from(i128::from(gain) != wanted[axis]);
+            for (axis, wanted_gain) in wanted_gains.into_iter().enumerate() {
+                let gain = within(wanted_gain, side.gain_limit.into());
+                cut += u64::from(i128::from(gain) != wanted_gain);
                 rows.rows[side.row as usize].gain[axis] += sign * (gain - side.applied_gain[axis]);
                 side.applied_gain[axis] = gain;
             }
