@@ -312,6 +312,9 @@ fn part_mut<T, const N: usize>(words: &mut [T; GROUP], at: usize) -> &mut [T; N]
 }
 
 /// A loop over lanes.
+///
+/// A job is compiled as one function, with all that is inlined into it. Without optimisation each inlined part has a place on the stack of its
+/// own: with debug assertions the larger parts are functions, so that a step needs 0.5 MB of it and not 2.6.
 pub(crate) trait Job {
     type Result;
     fn run<L: Lanes>(self, lanes: L) -> Self::Result;

@@ -168,7 +168,7 @@ impl Job for Apply<'_> {
 
 impl Apply<'_> {
     /// Writes the impulses of contacts, and adds them to the sums.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_contacts<L: Lanes>(&mut self, lanes: L) {
         let Self { bodies, groups: ContactGroups { groups, places, .. }, impulses, contacts, .. } = self;
         let ImpulseSums { sums, large, .. } = &mut **impulses;

@@ -106,7 +106,7 @@ impl Batch {
 
     /// Writes arms, factors and the limits of gains to a group. `is_short` if a length is below a quarter of a metre; `rate` is that of
     /// the sub-steps.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn fill<L: Lanes>(&mut self, lanes: L, group: &mut Group, is_short: bool, rate: i32) {
         loop {
             self.set_rows(lanes, group, is_short, rate);
@@ -130,7 +130,7 @@ impl Batch {
     }
 
     /// Makes the lanes of contacts empty that move no body. Returns true if there are any that were not empty.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn leave_out_held(&mut self, group: &mut Group) -> bool {
         let mut is_any_left_out = false;
         for lane in 0..group.count {
@@ -144,7 +144,7 @@ impl Batch {
     }
 
     /// Writes the rows.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_rows<L: Lanes>(&mut self, lanes: L, group: &mut Group, is_short: bool, rate: i32) {
         for at in (0..GROUP).step_by(L::WIDTH) {
             self.load_masses(lanes, at);
@@ -159,7 +159,7 @@ impl Batch {
     }
 
     /// Writes the arms along the rows. `UP` if a lane has a length below a quarter of a metre.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn arms<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
         let (nx, ny) = lanes.pair(&group.normal, at);
         let tangent = (ny, lanes.minus(lanes.splat(0), nx));
@@ -175,7 +175,7 @@ impl Batch {
     }
 
     /// Finds the elements of the matrices.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn elements<L: Lanes>(&mut self, lanes: L, group: &Group, at: usize) {
         let a = self.elements_of(lanes, group, at, 0);
         let b = self.elements_of(lanes, group, at, 1);
@@ -204,7 +204,7 @@ impl Batch {
 
     /// Finds the elements of one body, and writes its changes of velocity. Elements of the matrix do not change in a mirror, so that ties
     /// may go upwards; the coupling changes its sign.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn elements_of<L: Lanes>(&mut self, lanes: L, group: &Group, at: usize, side: usize) -> BodyElements<L::Wide> {
         let (nx, ny) = lanes.pair(&group.normal, at);
         let (mx, my) = (lanes.low(lanes.wide(&self.mass[side][0], at)), lanes.low(lanes.wide(&self.mass[side][1], at)));
@@ -246,7 +246,7 @@ impl Batch {
 
     /// Returns true if the contact of a lane can move a body along the normal at both points, by a change of velocity above the rounding of
     /// the matrix. Smaller changes are of a body that can only turn, at a lever below 10^-4 of its length.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn moves(&self, lane: usize) -> bool {
         self.whole[0][lane].min(self.whole[2][lane]) >= LEAST
     }
@@ -256,7 +256,7 @@ impl Batch {
     /// All contacts of a phase together change the velocity of a body by no more than one of them alone may: factors of velocities are at
     /// most a quarter, factors of angular velocities at most 2^16. The coupling is at most a quarter too: friction that saw less of the
     /// change by the normal impulses would turn a body against a small lever, and give it energy.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn choose_bits<L: Lanes>(&mut self, lanes: L, group: &mut Group, at: usize) -> bool {
         let (k11, k22) = (lanes.wide(&self.whole[0], at), lanes.wide(&self.whole[2], at));
         let tangent = lanes.wide(&self.tangent[0], at);
@@ -286,7 +286,7 @@ impl Batch {
     /// Writes the changes of velocity by impulses, and the coupling. `UP` if a lane has fewer bits than a factor.
     ///
     /// With the share of the body these are below 2^bits, angular ones below 2^(bits + shift): the factors are at most a quarter.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn factors<L: Lanes, const UP: bool>(&self, lanes: L, group: &mut Group, at: usize) {
         let bits = lanes.sub(lanes.wide(&self.bits, at), lanes.all(FACTOR_BITS));
         let shift = Shift::<L>::new::<UP>(lanes, bits);
@@ -310,7 +310,7 @@ impl Batch {
     }
 
     /// Writes the largest gains of bodies by one contact.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn limits(&self, group: &mut Group) {
         /// The limits by share, as divisions are slow.
         const FEW: [i64; 16] = {
@@ -332,7 +332,7 @@ impl Batch {
 }
 
 /// The arms of one body along the rows, for arms (x, y) of the first and the last point.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn arms_of<L: Lanes, const UP: bool>(
     lanes: L,
     shift: &Shift<L>,
@@ -354,7 +354,7 @@ fn arms_of<L: Lanes, const UP: bool>(
 }
 
 /// The arm of a body along a row.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn arm<L: Lanes>(lanes: L, group: &Group, at: usize, row: usize, side: usize) -> L::Narrow {
     let (arm_a, arm_b) = lanes.pair(&group.arms[row], at);
     if side == 0 { arm_a } else { arm_b }

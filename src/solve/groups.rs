@@ -181,7 +181,7 @@ impl Job for SetGroups<'_> {
 
 impl SetGroups<'_> {
     /// Writes a group of contacts.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn set_group<L: Lanes>(&mut self, lanes: L, at: usize, indices: &[u32], phase: usize) {
         if self.groups.groups.len() == at {
             self.groups.groups.push(Group::empty(STILL));

@@ -58,7 +58,7 @@ impl Size {
 }
 
 /// Adds the impulses of contacts to the sums of both bodies. `MIDDLE` for groups of that size.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn add_impulses<L: Lanes, const MIDDLE: bool>(lanes: L, group: &Group, at: usize, sums: &mut [Sums]) {
     let [x, y, a, b] = limbs::<L, MIDDLE>(lanes, group, at, &group.applied);
     let [wx, wy, wa, wb] = limbs::<L, MIDDLE>(lanes, group, at, &group.weighted);

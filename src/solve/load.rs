@@ -58,7 +58,7 @@ impl Batch {
     }
 
     /// Loads the masses, in the larger unit of both bodies.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load_masses<L: Lanes>(&mut self, lanes: L, at: usize) {
         let (a, b) = (lanes.columns(&self.masses[0], at), lanes.columns(&self.masses[1], at));
         let (measures_a, measures_b) = (lanes.floored::<32>(a[3]), lanes.floored::<32>(b[3]));
@@ -71,7 +71,7 @@ impl Batch {
     }
 
     /// Stores the masses of a body in the unit of the contact.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn align<L: Lanes>(
         &mut self,
         lanes: L,
@@ -104,7 +104,7 @@ impl Batch {
     /// # Ranges
     /// Separations are within (2^29.5 · 2^after)/rate + 1, so that products with the rate are within 2^60.6. Changes of velocities are within
     /// 2^29: a sum of two products with normals is below 2^60.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load_values<L: Lanes>(&self, lanes: L, group: &mut Group, at: usize, rate: i32) {
         let Self { separation: [first, last], friction, surface, change, scales, .. } = self;
         let first = scales.separation(lanes, at, lanes.wide(first, at), rate);
@@ -132,7 +132,7 @@ impl Batch {
     }
 
     /// Writes the impulses that the step begins with, and log2 of their unit.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn start<L: Lanes>(&mut self, lanes: L, group: &mut Group, at: usize) {
         // The unit of masses · 2^-exponent is 2^-(bits + 2).
         let bits = lanes.add(lanes.wide(&self.bits, at), lanes.all(2));

@@ -72,7 +72,7 @@ struct Rows<L: Lanes> {
 const ELEMENT_BITS: i64 = 30;
 
 /// Writes the inverse matrices of contacts, with their shifts, ratios, compliance and the inverse of friction.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group) {
     let fewest = batch.bits.iter().fold(i64::MAX, |fewest, &bits| fewest.min(bits));
     for at in (0..GROUP).step_by(L::WIDTH) {
@@ -91,7 +91,7 @@ pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group)
 }
 
 /// Writes the compliance of contacts. Returns the parts of both diagonal elements by softness.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn soften<L: Lanes, const UP: bool>(lanes: L, batch: &Batch, group: &mut Group, at: usize) -> [L::Wide; 2] {
     let [k11, k12, k22] = &batch.whole;
     let (k11, k12, k22) = (lanes.wide(k11, at), lanes.wide(k12, at), lanes.wide(k22, at));
@@ -123,7 +123,7 @@ impl<L: Lanes> Rows<L> {
     /// # Ranges
     /// Elements are below 2^56 and at least 2^4 in lanes with a contact: units are from 2^-26 to 2^28, and the sum of the diagonal below
     /// 2^59 when it is shifted.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(lanes: L, batch: &Batch, at: usize, softness: [L::Wide; 2]) -> Self {
         let [k11, k12, k22] = &batch.split;
         let two = lanes.wide(&batch.two, at);
@@ -158,7 +158,7 @@ impl<L: Lanes> Rows<L> {
     }
 
     /// Elements 11 and 22 with no point soft, or with both.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn diagonal(&self, lanes: L, is_soft: bool) -> [L::Narrow; 2] {
         let [soft_1, soft_2] = self.soft;
         if is_soft {
@@ -170,7 +170,7 @@ impl<L: Lanes> Rows<L> {
 
     /// Writes the inverses with no point soft and with both, in a unit in which the largest element has 30 bits. The rigid ones have it:
     /// softness only makes them smaller. In the places of the others it leaves what [`make_one_soft`] makes them from.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn write_inverses(&self, lanes: L, two: L::Wide, bits: L::Wide, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
         // One over the unit of the impulses, in units of the inverse matrix, is 2^(bits + 2).
@@ -198,7 +198,7 @@ impl<L: Lanes> Rows<L> {
     }
 
     /// Writes element 12 over the diagonal ones in 2^-28, within ±[`RATIO`]: by one reciprocal of the product of both.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn write_ratios(&self, lanes: L, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
         // From the unit of element 12 to the unit of element 11, as log2.
@@ -220,7 +220,7 @@ impl<L: Lanes> Rows<L> {
 }
 
 /// Makes the inverses with one point soft, from the values in their places: few groups have a contact of which one point alone is pressed.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn make_one_soft<L: Lanes>(lanes: L, group: &mut Group) {
     group.has_one_soft = true;
     for at in (0..GROUP).step_by(L::WIDTH) {
@@ -252,7 +252,7 @@ struct Adjugate<L: Lanes> {
 
 impl<L: Lanes> Adjugate<L> {
     /// The inverse of the matrix with elements 11 and 22, below 2^31, and 12. Its elements are products of these with a reciprocal below 2^30.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn new(lanes: L, [k11, k22]: [L::Narrow; 2], k12: L::Narrow) -> Self {
         let determinant = lanes.sub(lanes.times(k11, k22), lanes.times(k12, k12));
         let (reciprocal, exponent) = reciprocal_of(lanes, determinant);
@@ -261,7 +261,7 @@ impl<L: Lanes> Adjugate<L> {
     }
 
     /// Elements 11, 12 and 22 as factors, for these units of the rows as log2. With one point element 22 is zero.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn factors(&self, lanes: L, [unit_1, unit_2]: [L::Wide; 2], two: L::Wide) -> [L::Narrow; 3] {
         let [e11, e22, e12] = self.elements;
         let e22 = lanes.if_negative(two, factor_of(lanes, e22, lanes.add(self.exponent, unit_2)), lanes.all(0));
@@ -316,7 +316,7 @@ fn ratio_of<L: Lanes>(lanes: L, value: L::Wide, bits: L::Wide) -> L::Narrow {
 }
 
 /// Writes the inverse of the friction row in 2^-(27 + bits + 2), for the velocity along the tangent by an impulse along it.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn write_friction<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group, at: usize) {
     let tangent = lanes.wide(&batch.tangent[1], at);
     let (reciprocal, exponent) = reciprocal_of(lanes, tangent);

@@ -96,7 +96,7 @@ fn choose<L: Lanes>(lanes: L, [s1, s2]: [L::Narrow; 2], values: [L::Narrow; 4]) 
 type Elements<N> = [N; 3];
 
 /// The matrix with the points softened that are pressed, and the velocities that both points aim at.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn soft<L: Lanes>(
     lanes: L,
     group: &mut Group,
@@ -281,7 +281,7 @@ fn separations<L: Lanes>(
 }
 
 /// Both normal rows of contacts as one block; friction after them when they are relaxed.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn normal<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) -> u64 {
     let (a, b) = (lanes.gather(&rows.rows, &group.a, at), lanes.gather(&rows.rows, &group.b, at));
     let n = lanes.pair(&group.normal, at);
@@ -403,7 +403,7 @@ fn add_up<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, at: usize, k: us
 }
 
 /// Applies the impulses of the step before.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn warm_start<L: Lanes>(lanes: L, group: &mut Group, rows: &mut Rows, at: usize) {
     let (l1, l2) = (lanes.wide(&group.impulses[0], at), lanes.wide(&group.impulses[1], at));
     let sum = lanes.add(l1, l2);

@@ -1,6 +1,7 @@
 //! Impacts of joined bodies: a tree takes part as a whole.
 
 use super::scenes::{assert_images_and_copies, bar, falling};
+use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, Filter, Fx, JointDef, JointKind, Mass, Material, Revolute, Shape, Vec2, Weld, World,
     WorldDef, fx, vec2,
@@ -85,6 +86,48 @@ fn a_wheel_in_front_of_a_hull_stops_it() {
             assert!(speeds(&world, bodies).into_iter().all(|speed| speed.abs() < fx!(0.001)), "{mass} kg");
         }
     }
+}
+
+/// A bar of two halves, welded in the middle or of one piece, flies at two posts at 6 m/s. The posts stand so that the left end is struck within a
+/// sub-step and the right end 1.5 ms later.
+fn bar_at_posts(is_welded: bool) -> World {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    for (x, y) in [(fx!(-0.9), fx!(0.124)), (fx!(0.9), fx!(0.133))] {
+        let post = BodyDef::fixed().with_collider(Shape::circle(fx!(0.1)).expect("a shape"));
+        world.add_body(BodyDef { position: Vec2::new(x, -y), ..post }).expect("a body");
+    }
+    let y = fx!(0.1);
+    let bar = |x: Fx, width: Fx| {
+        let collider = ColliderDef {
+            material: Material { restitution: fx!(0.5), ..Material::default() },
+            density: fx!(10),
+            ..ColliderDef::new(Shape::rectangle(width, fx!(0.2)).expect("a shape"))
+        };
+        BodyDef { position: Vec2::new(x, y), velocity: vec2(0, -6), colliders: vec![collider], ..BodyDef::dynamic() }
+    };
+    if !is_welded {
+        world.add_body(bar(fx!(0), fx!(2))).expect("a body");
+        return world;
+    }
+    let halves = [fx!(-0.5), fx!(0.5)].map(|x| world.add_body(bar(x, fx!(1))).expect("a body"));
+    let joint = JointDef::at(&world, halves[0], halves[1], Vec2::new(fx!(0), y)).expect("a joint");
+    world.add_joint(JointDef { kind: JointKind::Weld(Weld::default()), ..joint }).expect("a joint");
+    world
+}
+
+/// Where an end is struck after the other end within a sub-step, the second impact sees the velocities of both halves that the first one has left:
+/// as of one bar, whose momenta would be (0, 12, 0) if both ends were struck at once.
+#[test]
+fn welded_halves_strike_one_post_after_the_other_as_one_bar_does() {
+    let [joined, whole] = [true, false].map(|is_welded| {
+        let mut world = bar_at_posts(is_welded);
+        (0..30).for_each(|_| _ = world.step());
+        let Vec2 { x, y } = world.momentum().expect("a momentum");
+        [x, y, world.angular_momentum().expect("an angular momentum")].map(ToF64::to_f64)
+    });
+    println!("two halves: {joined:?}, one bar: {whole:?}");
+    assert!(joined.iter().zip(whole).all(|(joined, whole)| (joined - whole).abs() < 0.001), "{joined:?}, {whole:?}");
+    assert!(whole[1] < 10.0, "{whole:?}");
 }
 
 /// A load on a foot of 20 kg that it is welded to falls 5 m: it lands as one body does, and stands.

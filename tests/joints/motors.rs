@@ -4,7 +4,8 @@ use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps}
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, Distance, End, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Revolute, Shape, Vec2, World, WorldDef, fx, vec2,
+    JointSpring, Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Random, Revolute, Shape, Vec2, World, WorldDef, fx,
+    vec2,
 };
 
 fn solid(mass: i32) -> Mass {
@@ -247,47 +248,54 @@ fn a_mouse_drags_a_chain() {
     assert!(handle.length() < fx!(8.05), "{handle}");
 }
 
-/// A mouse with friction pulls the end of a chain whose hinges have limits and motors, so that all rows move on until the last round of a pass: it
-/// pulls with no more than both its bounds.
+/// A mouse with friction pulls the end of a chain whose hinges have limits, motors and friction, by a seed. Returns the world, the mouse and its bound.
+fn mouse_at_a_chain(seed: u64, has_brace: bool, has_floor: bool) -> (World, JointId, Fx) {
+    let mut random = Random::seeded(seed);
+    let mut number = |range| random.integer(range) as i32;
+    let mut world = falling();
+    if has_floor {
+        let floor = BodyDef::fixed().with_collider(Shape::rectangle(40, 1).expect("a shape"));
+        world.add_body(BodyDef { position: vec2(0, fx!(-0.62)), ..floor }).expect("a body");
+    }
+    let count = number(2..=5);
+    let (bodies, joints) = chain(&mut world, count);
+    for joint in joints {
+        let limits = (number(0..=2) > 0).then(|| JointLimits::degrees(-number(1..=40), number(1..=40)));
+        let motor =
+            (number(0..=1) > 0).then(|| JointMotor { speed: number(-3..=3).into(), max_force: number(1..=60).into() });
+        let friction = Fx::from(number(0..=1) * number(1..=30));
+        let kind = JointKind::Revolute(Revolute { limits, motor, friction, ..Revolute::default() });
+        world.set_joint_kind(joint, kind).expect("a kind");
+    }
+    let hand = bodies[count as usize - 1];
+    if has_brace {
+        let ends = [bodies[0], hand].map(|body| End::Body(Attachment::centre(body)));
+        let kind = JointKind::Distance(Distance::rod(Fx::from(count - 1)));
+        world.add_joint(JointDef::new(ends, kind)).expect("a joint");
+    }
+    let max_force = Fx::from(number(1..=60));
+    let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force });
+    let target = vec2(number(-5..=5), number(-3..=5));
+    let mouse = Motor { motor, ..Motor::target(target, number(1..=8).into(), fx!(1), max_force) };
+    let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
+    let mouse = world.add_joint(JointDef::new(ends, JointKind::Motor(mouse))).expect("a joint");
+    (world, mouse, max_force)
+}
+
+/// Rows move on until the last round of a pass: alone; with a brace from the first bar to the last one, in a loop; on a floor, so that there is a relax
+/// pass. A mouse pulls with no more than both its bounds.
 #[test]
 fn a_mouse_keeps_to_its_bounds_where_other_rows_move_on() {
-    let motor =
-        |speed: i32, max_force: i32| Some(JointMotor { speed: Fx::from(speed), max_force: Fx::from(max_force) });
-    let limits = Some(JointLimits::degrees(-30, 30));
-    let cases = [
-        (vec![(limits, None); 3], vec2(-2, 3), 3, 22),
-        (vec![(limits, motor(1, 10)), (limits, motor(2, 6))], vec2(-5, 0), 4, 59),
-        (vec![(None, motor(-2, 9))], vec2(1, -1), 4, 5),
-    ];
-    for (hinges, point, hertz, bound) in cases {
-        // Alone; with a brace from the first bar to the last one, in a loop; on a floor, so that there is a relax pass.
-        for (has_brace, has_floor) in [(false, false), (true, false), (false, true), (true, true)] {
-            let mut world = falling();
-            if has_floor {
-                let floor = BodyDef::fixed().with_collider(Shape::rectangle(40, 1).expect("a shape"));
-                world.add_body(BodyDef { position: vec2(0, fx!(-0.62)), ..floor }).expect("a body");
-            }
-            let (bodies, joints) = chain(&mut world, hinges.len() as i32);
-            for (&joint, &(limits, motor)) in joints.iter().zip(&hinges) {
-                let kind = JointKind::Revolute(Revolute { limits, motor, ..Revolute::default() });
-                world.set_joint_kind(joint, kind).expect("a kind");
-            }
-            let hand = bodies[hinges.len() - 1];
-            if has_brace && hand != bodies[0] {
-                let ends = [bodies[0], hand].map(|body| End::Body(Attachment::centre(body)));
-                let length = Fx::from(hinges.len() as i32 - 1);
-                let brace = JointDef::new(ends, JointKind::Distance(Distance::rod(length)));
-                world.add_joint(brace).expect("a joint");
-            }
-            let max_force = Fx::from(bound);
-            let motor = Some(PlanarMotor { velocity: vec2(0, 0), max_force });
-            let mouse = Motor { motor, ..Motor::target(point, Fx::from(hertz), fx!(1), max_force) };
-            let ends = [End::World(vec2(0, 0)), End::Body(Attachment { body: hand, point: vec2(fx!(0.5), 0) })];
-            let mouse = world.add_joint(JointDef::new(ends, JointKind::Motor(mouse))).expect("a joint");
-            for tick in 0..120 {
+    for (has_brace, has_floor) in [(false, false), (true, false), (false, true), (true, true)] {
+        for seed in 0..100 {
+            let (mut world, mouse, max_force) = mouse_at_a_chain(seed, has_brace, has_floor);
+            for tick in 0..60 {
                 world.step();
                 let force = world.joint(mouse).expect("a joint").force().length();
-                assert!(force < max_force * fx!(2.0001), "{has_brace} {has_floor} tick {tick}: {force} of {max_force}");
+                assert!(
+                    force < max_force * fx!(2.0001),
+                    "{has_brace} {has_floor} seed {seed} tick {tick}: {force} of {max_force}"
+                );
             }
         }
     }

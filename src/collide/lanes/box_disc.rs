@@ -20,7 +20,7 @@ struct Face<L: Lanes> {
 }
 
 /// `corners` and `centre` are in the pair's unit, relative to the position of the box.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn find_face<L: Lanes>(lanes: L, a: &Rectangle<L>, corners: [Vector<L>; 2], centre: Vector<L>) -> Face<L> {
     let zero = lanes.all(0);
     let [first, second] = a.normals;
@@ -54,7 +54,7 @@ fn find_face<L: Lanes>(lanes: L, a: &Rectangle<L>, corners: [Vector<L>; 2], cent
 
 /// The height of the farther end of a face, and a mask of the lanes in which the corners that are farthest out along its normal are not just
 /// its two ends.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn highest_end<L: Lanes>(lanes: L, a: &Rectangle<L>, face: &Face<L>, unit: &Unit<L>) -> (L::Wide, L::Mask) {
     let slack = unit.length(lanes, lanes.add(lanes.raised_by(lanes.all(3), unit.k), lanes.floored::<29>(a.extent)));
     let [first, second] = face.heights;
@@ -65,7 +65,7 @@ fn highest_end<L: Lanes>(lanes: L, a: &Rectangle<L>, face: &Face<L>, unit: &Unit
 }
 
 /// Collides the pairs of the lanes from `at` on.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn collide<L: Lanes>(
     lanes: L,
     tables: &Tables<'_>,
@@ -135,7 +135,7 @@ pub(super) fn collide<L: Lanes>(
 }
 
 /// The manifold of a disc on a face over which its centre is as high as this.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn on_face<L: Lanes>(lanes: L, face: &Face<L>, disc: &Disc<L>, offset: Vector<L>, depth: L::Wide) -> Point<L> {
     // The centre moved against the normal, half of the way to the face and half of the radius.
     let arm_b = moved_back(lanes, disc.centre, face.n, lanes.add(depth, disc.radius));

@@ -9,7 +9,7 @@ use super::{LaneManifolds, LanePairs, Tables};
 use crate::kernel::simd::Lanes;
 
 /// Collides the pairs of the lanes from `at` on.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn collide<L: Lanes>(
     lanes: L,
     tables: &Tables<'_>,

@@ -14,7 +14,7 @@ pub(super) struct Corners<L: Lanes> {
 
 impl<L: Lanes> Corners<L> {
     /// The point between the corners, with feature 0, where `m` says yes and the corners are not at one place.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn between(&self, lanes: L, m: L::Mask) -> (Point<L>, L::Mask) {
         let Self { corners: [a, b], offset, radii: [radius_a, radius_b] } = *self;
         let zero = lanes.all(0);

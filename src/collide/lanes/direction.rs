@@ -175,7 +175,7 @@ pub(super) fn separation<L: Lanes>(lanes: L, offset: L::Wide, target: [L::Wide; 
     lanes.sub(distance, lanes.larger(edge[0], edge[1]))
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn find_direction<L: Lanes>(lanes: L, a: &Rectangle<L>, b: &Rectangle<L>, units: &Units<L>) -> Direction<L> {
     let zero = lanes.all(0);
     let normals = [a.normals[0], a.normals[1], b.normals[0], b.normals[1]];

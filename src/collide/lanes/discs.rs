@@ -18,7 +18,7 @@ pub(super) struct Disc<L: Lanes> {
 }
 
 impl<L: Lanes> Disc<L> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load(lanes: L, lines: &[Line], index: &[u32; GROUP], at: usize) -> Self {
         let [cx, cy, _, _, radius, _, x, y] = lanes.words_of(lines, index, at);
         Self { centre: [cx, cy], radius, position: [x, y], extent: lanes.largest([cx, cy]) }
@@ -26,7 +26,7 @@ impl<L: Lanes> Disc<L> {
 }
 
 /// Collides the pairs of the lanes from `at` on.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn collide<L: Lanes>(
     lanes: L,
     tables: &Tables<'_>,

@@ -14,7 +14,7 @@ pub(super) struct Edge<L: Lanes> {
 
 /// The edge that faces along `w`, for the components of the first two corners along `w` and across it: corners count as equally far within
 /// the slack.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn facing_edge<L: Lanes>(
     lanes: L,
     w: Vector<L>,
@@ -75,7 +75,7 @@ pub(super) struct Facing<L: Lanes> {
 }
 
 /// The ends of an edge of a box by its corners.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn ends<L: Lanes>(lanes: L, rectangle: &Rectangle<L>, corners: [Corner<L>; 2], places: [L::Wide; 2]) -> Ends<L> {
     Ends {
         corners: [corners[0].vector(lanes, rectangle.corners), corners[1].vector(lanes, rectangle.corners)],
@@ -84,7 +84,7 @@ fn ends<L: Lanes>(lanes: L, rectangle: &Rectangle<L>, corners: [Corner<L>; 2], p
     }
 }
 
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn find_facing<L: Lanes>(
     lanes: L,
     a: &Rectangle<L>,

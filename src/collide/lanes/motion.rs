@@ -33,7 +33,7 @@ impl<L: Lanes> Way<L> {
 
 impl<L: Lanes> Motion<L> {
     /// The motion of a body with corners up to this extent.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn load(lanes: L, motions: &[Line], index: &[u32; GROUP], extent: L::Wide, at: usize) -> Self {
         let [x, y, turned, way_x, way_y, rotation, ..] = lanes.words_of(motions, index, at);
         let angle = lanes.magnitude(rotation);
@@ -50,7 +50,7 @@ impl<L: Lanes> Motion<L> {
 
     /// Bounds of the largest separation that is within a margin and the distance that two bodies close, from below and from above: as
     /// [`Margin`](super::super::Margin) has them.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn limits(&self, lanes: L, motion: &Self, margin: L::Wide) -> [L::Wide; 2] {
         let way = minus(lanes, motion.displacement, self.displacement);
         let (x, y) = (lanes.magnitude(way[0]), lanes.magnitude(way[1]));
@@ -69,7 +69,7 @@ pub(super) fn half_gap<L: Lanes>(lanes: L, n: Vector<L>, separation: L::Wide) ->
 }
 
 /// The distance that the surfaces at the ends of two arms close up to the moment of the manifold, rounded up to ulps, as a negative one.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn closed<L: Lanes>(lanes: L, n: Vector<L>, ways: [&Way<L>; 2], arms: [Vector<L>; 2]) -> L::Wide {
     let (a, b) = (ways[0].along_row(lanes, n, arms[0]), ways[1].along_row(lanes, n, arms[1]));
     lanes.floored::<30>(lanes.sub(a, b))

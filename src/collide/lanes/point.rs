@@ -81,7 +81,7 @@ impl<L: Lanes> Point<L> {
     }
 
     /// Writes the point, as it is seen with A and B swapped where `is_swapped` says yes.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn store(
         &self,
         lanes: L,
@@ -121,7 +121,7 @@ pub(super) struct Rounding<L: Lanes> {
 }
 
 /// The corners of A and B moved to the middle between the surfaces, for a separation of the cores.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn middles<L: Lanes>(
     lanes: L,
     n: Vector<L>,
@@ -143,7 +143,7 @@ fn middles<L: Lanes>(
 
 /// The point at an end of the overlap of two edges, and a mask of the lanes in which the separations at the ends of the edge across from the
 /// corner differ by half a metre.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn end_of_overlap<L: Lanes>(
     lanes: L,
     offset: Vector<L>,

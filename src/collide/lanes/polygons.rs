@@ -23,7 +23,7 @@ struct Polygon<L: Lanes, const N: usize> {
 }
 
 impl<L: Lanes, const N: usize> Polygon<L, N> {
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn load(lanes: L, polygons: &Polygons, index: &[u32; GROUP], at: usize) -> Self {
         let [size, radius, x, y, low_x, low_y, high_x, high_y] = lanes.words_of(&polygons.heads, index, at);
         let zero = lanes.all(0);
@@ -53,13 +53,13 @@ impl<L: Lanes, const N: usize> Polygon<L, N> {
     }
 
     /// True for a disc.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn is_disc(&self, lanes: L) -> L::Mask {
         lanes.equal(self.count, lanes.all(1))
     }
 
     /// The corners in a unit, shifted.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn units(&self, lanes: L, unit: &Unit<L>, shift: Vector<L>) -> [Vector<L>; N] {
         let mut units = [shift; N];
         for (place, corner) in units.iter_mut().zip(self.corners) {
@@ -81,7 +81,7 @@ struct Best<L: Lanes> {
 
 impl<L: Lanes> Best<L> {
     /// Goes through the separations of a core along the normals of a polygon: A, or B if `is_b` says so.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn add_faces<const N: usize>(
         &mut self,
         lanes: L,
@@ -130,7 +130,7 @@ struct Side<L: Lanes> {
 
 impl<L: Lanes> Side<L> {
     /// The first and the last of the corners that are farthest out, of the values at the ends of the edge.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn support(&self, lanes: L, [start, end]: [L::Wide; 2]) -> [L::Wide; 2] {
         let is_start = lanes.unless(self.is_corner, self.is_end);
         let is_end = lanes.both(self.is_corner, self.is_end);
@@ -138,13 +138,13 @@ impl<L: Lanes> Side<L> {
     }
 
     /// The first of the corners that are farthest out where `is_first` says yes, else the last, of the values at the ends of the edge.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearest(&self, lanes: L, is_first: L::Mask, values: [L::Wide; 2]) -> L::Wide {
         let [first, last] = self.support(lanes, values);
         lanes.select(is_first, first, last)
     }
 
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn nearest_corner(&self, lanes: L, is_first: L::Mask) -> Vector<L> {
         let [[start_x, start_y], [end_x, end_y]] = self.corners;
         [self.nearest(lanes, is_first, [start_x, end_x]), self.nearest(lanes, is_first, [start_y, end_y])]
@@ -153,7 +153,7 @@ impl<L: Lanes> Side<L> {
 
 /// The edge of a polygon that faces along `w`: the edge between two corners that are farthest out, or of the two edges beside one corner the
 /// one whose normal is nearer.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn find_side<L: Lanes, const N: usize>(
     lanes: L,
     polygon: &Polygon<L, N>,
@@ -220,7 +220,7 @@ fn find_side<L: Lanes, const N: usize>(
 }
 
 /// Collides the pairs of the lanes from `at` on, of outlines of at most `N` corners.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn collide<L: Lanes, const N: usize>(
     lanes: L,
     tables: &Tables<'_>,
@@ -303,7 +303,7 @@ pub(super) fn collide<L: Lanes, const N: usize>(
 }
 
 /// The gap between the boxes around two outlines.
-#[inline(always)]
+#[cfg_attr(not(debug_assertions), inline(always))]
 fn gap<L: Lanes, const N: usize>(lanes: L, a: &Polygon<L, N>, b: &Polygon<L, N>, offset: Vector<L>) -> L::Wide {
     let after = minus(lanes, plus(lanes, b.low, offset), a.high);
     let before = minus(lanes, a.low, plus(lanes, b.high, offset));
@@ -328,7 +328,7 @@ struct Beside<L: Lanes> {
 
 impl<L: Lanes> Chosen<'_, L> {
     /// The edges that face each other, left where they do not overlap, and the places of the corners that are farthest out.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn facing(&self, lanes: L, unit: &Unit<L>, offset: Vector<L>) -> (Facing<L>, [[L::Wide; 2]; 2]) {
         let &Self { n, a, b, discs } = self;
         let across = [lanes.sub(lanes.all(0), n[1]), n[0]];
@@ -353,7 +353,7 @@ impl<L: Lanes> Chosen<'_, L> {
     }
 
     /// The corners at the gap of supports with these places.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     fn beside(&self, lanes: L, [places_a, places_b]: [[L::Wide; 2]; 2]) -> Beside<L> {
         let Self { a, b, .. } = self;
         let gap_before = lanes.sub(places_a[0], places_b[1]);

@@ -218,7 +218,7 @@ impl Joints {
 
     /// Begins a sub-step, before bodies take up the changes of their free flight: takes note of velocities, and finds matrices where they are
     /// not known.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
         if !self.laws.is_empty() {
             for block in &self.blocks {
@@ -232,7 +232,7 @@ impl Joints {
     }
 
     /// Begins the solve pass of a sub-step with the impulses of the one before. Returns the number of values that were cut off.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::solve) fn warm_start<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
         if self.blocks.is_empty() {
             return 0;
@@ -245,13 +245,13 @@ impl Joints {
     }
 
     /// The pass before the contacts are solved. Returns the number of values that were cut off.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::solve) fn solve<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
         if self.blocks.is_empty() { 0 } else { self.pass(rows, lanes, true) }
     }
 
     /// The pass after the move of a sub-step, before the contacts are relaxed.
-    #[inline(always)]
+    #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::solve) fn relax<L: Lanes>(&mut self, rows: &mut Rows, lanes: L) -> u64 {
         if self.blocks.is_empty() {
             return 0;
