@@ -29,7 +29,7 @@ use super::tree::{FRACTION, RESIDUAL};
 use super::turn::Pose;
 use crate::slots::NONE;
 use crate::solve::motion::Rows;
-use crate::solve::number::{bits_of, lowered_word};
+use crate::solve::number::lowered_word;
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -55,8 +55,6 @@ struct LoopJoint {
     /// Elements 11, 12 and 22 of P, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity.
     inverse: [i64; 3],
     inverse_shift: i32,
-    /// The share of masses that rows of the joint meet in a [descent](super::tree), as minus log2.
-    share: i32,
     /// True if the inverse is of both rows along the axes; else each row has a mass of its own.
     is_pair: bool,
     /// γ of the rows, as factors of mass of the block.
@@ -99,7 +97,8 @@ struct Loop {
     has_laws: bool,
 }
 
-/// The largest number of times that a loop is solved in a pass: until no row leaves its place.
+/// The largest number of times that a loop is solved in a pass: until no row leaves its place. Rows that still do end in the place that they come to:
+/// loops are soft enough not to need the [descent](super::tree) of trees (1,000 braced bridges with limits, friction and motors are alike with it).
 const ROUNDS: usize = 4;
 
 /// a/b in 2^-30, within 2^10. *Domain* a ≥ 0, b > 0.
@@ -148,7 +147,7 @@ impl Loops {
                 }
                 joints.push(joint);
             }
-            let has_laws = set_shares(&mut joints[first_joint..], &blocks[range.clone()], moved);
+            let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
             loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_laws });
         }
     }
@@ -188,13 +187,7 @@ impl Loops {
                 for block in blocks.iter() {
                     block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
                 }
-                let mut law_loop = LawLoop { joints, blocks, soft, moved, bodies };
-                if !law_loop.find_places(laws) {
-                    for block in law_loop.blocks {
-                        block.begin_laws(rows, laws, if is_biased { Some(soft.rate.into()) } else { None });
-                    }
-                    law_loop.descend(laws);
-                }
+                LawLoop { joints, blocks, soft, moved, bodies }.solve(laws);
             } else {
                 // Rows around have impulses by laws alone.
                 iterate::<2>(joints, blocks, moved, bodies, ITERATIONS);
@@ -208,24 +201,6 @@ impl Loops {
         }
         cut
     }
-}
-
-/// Counts the rows with laws at the bodies of a loop, and sets the shares of masses that they meet in a descent. Returns true if there is one.
-/// `counts` is memory of bodies.
-fn set_shares(joints: &mut [LoopJoint], blocks: &[Block], counts: &mut [[i64; 3]]) -> bool {
-    let law_count = |block: &Block| block.laws.into_iter().filter(|&law| law != NONE).count() as i64;
-    for (joint, block) in joints.iter().zip(blocks) {
-        for body in joint.bodies {
-            if let Some([count, ..]) = counts.get_mut(body as usize) {
-                *count += law_count(block);
-            }
-        }
-    }
-    for joint in joints.iter_mut() {
-        let counts_at = joint.bodies.map(|body| counts.get(body as usize).map_or(0, |&[count, ..]| count));
-        joint.share = bits_of(counts_at[0].max(counts_at[1]) - 1);
-    }
-    blocks.iter().any(|block| law_count(block) > 0)
 }
 
 /// Finds the velocities of all rows by the directions.

@@ -95,7 +95,7 @@ const RATE: i64 = 107_374_182;
 const ROUNDS: usize = 8;
 
 /// The iterations of a descent.
-pub(super) const DESCENT: usize = 8;
+const DESCENT: usize = 8;
 
 /// The compliance of a joint over its inverse mass, as minus log2; and in trees among other constraints, under heavy loads.
 const COMPLIANCE: i32 = 11;

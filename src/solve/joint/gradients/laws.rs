@@ -7,7 +7,7 @@ use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, iterate, move
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
-use crate::solve::joint::tree::{DESCENT, FRACTION, RESIDUAL};
+use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
 use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word, within};
 use crate::solve::unit::SoftRow;
@@ -22,8 +22,8 @@ pub(super) struct LawLoop<'a> {
 }
 
 impl LawLoop<'_> {
-    /// Solves the loop until no row leaves its place. Returns false if rows still do.
-    pub(super) fn find_places(&mut self, laws: &mut [AxisRow]) -> bool {
+    /// Solves the loop until no row leaves its place, or [`ROUNDS`] times.
+    pub(super) fn solve(&mut self, laws: &mut [AxisRow]) {
         for _ in 0..ROUNDS {
             self.solve_aims(laws);
             let mut have_left = false;
@@ -31,24 +31,9 @@ impl LawLoop<'_> {
                 have_left |= block.revise_laws(laws, joint.row_changes(block));
             }
             if !have_left {
-                return true;
+                return;
             }
         }
-        false
-    }
-
-    /// Solves the loop by a descent, as [`tree`](super::super::tree) has it.
-    pub(super) fn descend(&mut self, laws: &mut [AxisRow]) {
-        for block in self.blocks {
-            block.begin_descent(laws);
-        }
-        for _ in 0..DESCENT {
-            self.solve_aims(laws);
-            for (joint, block) in self.joints.iter().zip(self.blocks) {
-                block.descend(laws, joint.row_changes(block), joint.share);
-            }
-        }
-        self.solve_aims(laws);
     }
 
     /// Solves the loop for the present aims of its laws, whose impulses that are given come first, and finds the velocities of rows by the solution.
