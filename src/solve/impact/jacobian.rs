@@ -177,6 +177,13 @@ impl Jacobian {
         for row in [0, 2, 5] {
             elements[row] = elements[row].max(alone[row] >> 16);
         }
+        // Nor has any pair of rows more in common than both have.
+        for (between, [first, second]) in [(1, [0, 2]), (3, [0, 5]), (4, [2, 5])] {
+            let [first, second] = [elements[first], elements[second]];
+            if product(elements[between], elements[between]) > product(first, second) {
+                elements[between] = elements[between].signum() * first.min(second);
+            }
+        }
         elements
     }
 
