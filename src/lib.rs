@@ -146,7 +146,7 @@ pub use fx::{Fx, IntoFx, MathError, ParseFxError};
 pub use integrate::{Integrator, Stage, StageKind};
 pub use joint::{
     Distance, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
-    Prismatic, Revolute, Weld, Wheel,
+    Prismatic, Pulley, Revolute, Weld, Wheel,
 };
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
 pub use query::ShapeHit;

@@ -40,7 +40,7 @@
 //! assert_eq!((limits::COLLIDERS, limits::FRICTION, limits::SURFACE_SPEED), (1 << 24, power(5), power(10)));
 //! assert_eq!((limits::EXCLUDED_PAIRS, limits::MATERIAL_PAIRS, limits::TICK), (1 << 16, 1 << 12, 1 << 63));
 //! assert_eq!((limits::QUERY, limits::JOINT_LENGTH, limits::JOINTS), (power(20), power(20), 1 << 24));
-//! assert_eq!((limits::JOINT_ANGLE, limits::TEETH), (power(17), 1 << 10));
+//! assert_eq!((limits::JOINT_ANGLE, limits::TEETH, limits::STRANDS), (power(17), 1 << 10, 64));
 //! ```
 
 use crate::error::Error;
@@ -111,8 +111,10 @@ pub const JOINTS: usize = 1 << 24;
 pub const JOINT_LENGTH: Fx = power(20);
 /// The largest angle of a limit or of the spring of a joint: 2^17 rad either way, which is 20,860 turns.
 pub const JOINT_ANGLE: Fx = power(17);
-/// The most teeth of a gear.
+/// The most teeth of a gear or a ratchet.
 pub const TEETH: u16 = 1 << 10;
+/// The most strands of the rope of a pulley between a body and its point.
+pub const STRANDS: u8 = 64;
 /// The most pairs of bodies that are excluded from contacts: 65,536.
 pub const EXCLUDED_PAIRS: usize = 1 << 16;
 /// The most pairs of materials of a world that have coefficients of their own.

@@ -528,6 +528,7 @@ fn by_method(world: &mut World, command: &Command) -> Result<Created, Error> {
         Command::SetJointKind { joint, kind } => nothing(world.set_joint_kind(joint, kind)),
         Command::SetJointMotor { joint, motor } => nothing(world.set_joint_motor(joint, motor)),
         Command::SetJointBreak { joint, force } => nothing(world.set_joint_break(joint, force)),
+        Command::SetJointBreakTorque { joint, torque } => nothing(world.set_joint_break_torque(joint, torque)),
         Command::EnableJoint { joint, enabled } => nothing(world.enable_joint(joint, enabled)),
         command => panic!("{command:?} has no case here"),
     }
@@ -641,6 +642,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetJointMotor { joint, motor: None },
         Command::SetJointKind { joint, kind: JointKind::Distance(Distance::rod(fx!(3))) },
         Command::SetJointBreak { joint, force: Some(fx!(9)) },
+        Command::SetJointBreakTorque { joint, torque: Some(fx!(9)) },
         Command::EnableJoint { joint, enabled: false },
         Command::RemoveJoint(joint),
         Command::RemoveJoint(joint),

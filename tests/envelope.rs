@@ -12,15 +12,15 @@ use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
     ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_ANGLE,
     JOINT_LENGTH, MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN,
-    SIZE_MAX, SIZE_MIN, SPEED, SURFACE_SPEED, TEETH,
+    SIZE_MAX, SIZE_MIN, SPEED, STRANDS, SURFACE_SPEED, TEETH,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
     Command, ContactSettings, CustomForce, CustomForceError, Damping, Dependence, Dimension, Distance, End, Error,
     Exclusion, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
     FxFactor, Gear, Integrator, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair,
-    Part, Quantity, QueryFilter, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, World, WorldDef, fx,
-    vec2,
+    Part, Pulley, Quantity, QueryFilter, Region, Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, World,
+    WorldDef, fx, vec2,
 };
 
 const ULP: Fx = Fx::DELTA;
@@ -233,7 +233,17 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     for (count, is_within) in [(1, true), (-largest, true), (largest, true), (0, false), (largest + 1, false)] {
         let gear = hinge(first, JointKind::Gear(Gear { teeth: [1, count] }));
         expect(&mut world, &gear, if is_within { Ok(()) } else { out_of(Quantity::Teeth) });
+        let ratchet = hinge(first, JointKind::Revolute(Revolute { ratchet: Some(count), ..revolute }));
+        expect(&mut world, &ratchet, if is_within { Ok(()) } else { out_of(Quantity::Teeth) });
     }
+    let pulley = Pulley { grounds: [Vec2::ZERO; 2], strands: [1; 2], length: fx!(1) };
+    for (count, is_within) in [(0, false), (1, true), (STRANDS, true), (STRANDS + 1, false)] {
+        let rope = hinge(first, JointKind::Pulley(Pulley { strands: [1, count], ..pulley }));
+        expect(&mut world, &rope, if is_within { Ok(()) } else { out_of(Quantity::Strands) });
+    }
+    try_scalar([SIZE_MIN, JOINT_LENGTH], Quantity::JointLength, |length, body, _| {
+        hinge(body, JointKind::Pulley(Pulley { length, ..pulley }))
+    });
     let elastic = |body, spring| hinge(body, JointKind::Weld(Weld { spring: Some(spring) }));
     let spring_of = JointSpring::new(fx!(1), fx!(1));
     try_scalar([none, fx!(1_000_000)], Quantity::SpringFrequency, |hertz, body, _| {
@@ -250,6 +260,9 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     });
     try_scalar([none, Fx::MAX], Quantity::BreakForce, |force, body, _| {
         Command::AddJoint(JointDef { break_force: Some(force), ..rod(body, fx!(1)) })
+    });
+    try_scalar([none, Fx::MAX], Quantity::BreakForce, |torque, body, _| {
+        Command::AddJoint(JointDef { break_torque: Some(torque), ..rod(body, fx!(1)) })
     });
     try_scalar([none, POSITION], Quantity::RestLength, |rest, body, id| {
         set(id, spring(body, End::World(Vec2::ZERO), rest, fx!(1), fx!(1)))

@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 2] = [(106, "Error::NoShape"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 169] = [
+const GIVEN: [(u16, &str); 170] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -127,6 +127,7 @@ const GIVEN: [(u16, &str); 169] = [
     (213, "Quantity::DampingRatio"),
     (214, "Error::NoMotor"),
     (215, "Quantity::Teeth"),
+    (216, "Quantity::Strands"),
     (301, "SnapshotError::Foreign"),
     (302, "SnapshotError::Format"),
     (303, "SnapshotError::PhysicsVersion"),

@@ -156,27 +156,20 @@ fn hash_of(state: &Value) -> u64 {
             let (joint_state, impulses) = (&joint["state"], &joint["state"]["impulses"]);
             hashed.extend(joint_state["exponent"].bytes());
             hashed.extend(joint_state["broken"].bytes());
-            match impulses.case() {
-                "Revolute" => {
-                    hashed.extend([0; 2]);
-                    hashed.extend(impulses["x"].bytes());
-                    hashed.extend(impulses["y"].bytes());
-                    hashed.extend([0; 8]);
+            // Turns, tooth, and three impulses.
+            let zeros = |count: usize| vec![0; count];
+            let parts = match impulses.case() {
+                "Revolute" => [zeros(6), impulses["x"].bytes().to_vec(), impulses["y"].bytes().to_vec(), zeros(8)],
+                "Distance" => [zeros(6), impulses["along"].bytes().to_vec(), zeros(8), zeros(8)],
+                case => {
+                    let tooth = if case == "Ratchet" { impulses["tooth"].bytes() } else { &[0; 4] };
+                    let [x, y] = if case == "Slider" { ["along", "across"] } else { ["x", "y"] };
+                    let rows = [x, y, "torque"].map(|name| impulses[name].bytes().to_vec());
+                    let [first, second, third] = rows;
+                    [[impulses["turns"].bytes(), tooth].concat(), first, second, third]
                 }
-                "Axis" => ["turns", "x", "y", "torque"]
-                    .map(|name| hashed.extend(impulses[name].bytes()))
-                    .into_iter()
-                    .collect(),
-                "Slider" => ["turns", "along", "across", "torque"]
-                    .map(|name| hashed.extend(impulses[name].bytes()))
-                    .into_iter()
-                    .collect(),
-                _ => {
-                    hashed.extend([0; 2]);
-                    hashed.extend(impulses["along"].bytes());
-                    hashed.extend([0; 16]);
-                }
-            }
+            };
+            hashed.extend(parts.concat());
         }
         hashed.extend(state["pulled_at_tick"].bytes());
     }

@@ -24,8 +24,8 @@ use umbra_physics::{
     ColliderId, Command, ContactSettings, Created, CustomForceError, Damping, Dependence, Dimension, Distance, Elapsed,
     End, Error, Fault, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxAccumulator,
     FxFactor, FxWide, Gear, Geometry, Input, InputResult, Inputs, Integrator, Irreversible, JointId, JointKind, Locks,
-    Mass, Material, MathError, MixRule, Motor, ParseFxError, Part, Prismatic, Quantity, Random, Region, Rot, Shape,
-    SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
+    Mass, Material, MathError, MixRule, Motor, ParseFxError, Part, Prismatic, Pulley, Quantity, Random, Region, Rot,
+    Shape, SpringConstants, Stage, StageKind, TimeStep, Turn, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
 fn through_both<T: Serialize + DeserializeOwned + PartialEq + Debug>(value: &T) {
@@ -133,6 +133,7 @@ fn quantities() -> Vec<Quantity> {
         JointAngle,
         JointLimits,
         Teeth,
+        Strands,
         JointForce,
         MotorSpeed,
         SpringFrequency,
@@ -331,6 +332,7 @@ fn every_variant_of_every_enum_comes_back() {
         JointKind::Wheel(Wheel::default()),
         JointKind::Motor(Motor::default()),
         JointKind::Gear(Gear { teeth: [1, 2] }),
+        JointKind::Pulley(Pulley { grounds: [vec2(0, 1), vec2(2, 1)], strands: [1, 2], length: fx!(3) }),
     ]);
     every_variant([ParseFxError::Empty, ParseFxError::InvalidDigit { position: 7 }, ParseFxError::OutOfRange]);
     every_variant([MathError::NotPositive, MathError::Overflow]);

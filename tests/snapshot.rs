@@ -294,7 +294,7 @@ fn bytes_that_are_no_snapshot_are_refused_with_a_reason() {
     assert_eq!(read(&bytes), Ok(()));
     assert_eq!(read(b"{}"), Err(SnapshotError::Foreign));
     for (at, error) in [
-        (8, SnapshotError::Format { found: 6, known: 7 }),
+        (8, SnapshotError::Format { found: 9, known: 8 }),
         (12, SnapshotError::PhysicsVersion { found: PHYSICS_VERSION ^ 1, own: PHYSICS_VERSION }),
     ] {
         let mut changed = bytes.clone();

@@ -583,7 +583,7 @@ typedef uint32_t UmbraJointKind;
 
 // A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
 // `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
-// `umbra_joint_def_motor` and `umbra_joint_def_gear` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
 // their kind says.
 typedef struct UmbraJointDef {
     // The kind.
@@ -604,16 +604,21 @@ typedef struct UmbraJointDef {
     uint32_t has_planar_spring;
     // 1 if there is a planar motor. Default 0.
     uint32_t has_planar_motor;
-    // 0.
-    uint32_t reserved;
+    // The teeth of the ratchet of a revolute joint, which turns back to the last tooth at most: 1 to 1,024, or negative for one that turns on
+    // clockwise; 0 for none, the default.
+    int32_t ratchet;
     // The teeth of two gears, 1 to 1,024 or negative.
     int32_t teeth[2];
+    // The strands of the rope of a pulley on both sides, 1 to 64. Default 1.
+    uint32_t strands[2];
     // The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
     uint64_t bodies[2];
     // Points of the bodies in their own axes from their centres of mass, or of the world, m.
     struct UmbraVec2 points[2];
     // The angles of the joint's frame in the axes of both ends, rad.
     UmbraFx angles[2];
+    // The points of the world over which the rope of a pulley runs, m.
+    struct UmbraVec2 grounds[2];
     // The lowest angle, within ±2^17 rad, or distance, within ±2^20 m.
     UmbraFx lower;
     // The highest one, likewise.
@@ -646,6 +651,8 @@ typedef struct UmbraJointDef {
     UmbraFx planar_motor_max_force;
     // The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     UmbraFx break_force;
+    // The mean torque over a step above which the joint breaks, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    UmbraFx break_torque;
     // Number of the caller's own, by which joints are listed.
     uint64_t key;
     // Number of the caller's own.
@@ -656,7 +663,7 @@ typedef struct UmbraJointDef {
 typedef struct UmbraJointState {
     // The two ends in the world, m.
     struct UmbraVec2 points[2];
-    // The distance of the ends, m.
+    // The distance of the ends, m; of a pulley the length of its rope in use.
     UmbraFx length;
     // The way of the second end along the axis of a prismatic, a wheel or a motor joint, m; of other kinds the distance.
     UmbraFx translation;
@@ -664,6 +671,8 @@ typedef struct UmbraJointState {
     struct UmbraVec2 offset;
     // The angle from the frame of the first end to that of the second one, rad.
     UmbraFx angle;
+    // The angle of the tooth of a ratchet that is engaged, rad; 0 without one.
+    UmbraFx stop;
     // The speed of the angle, rad/s.
     UmbraFx speed;
     // The force on the second end in the last step, N.
@@ -686,6 +695,8 @@ typedef struct UmbraJointBroke {
     uint64_t bodies[2];
     // The mean force on the second end over the step, N.
     struct UmbraVec2 force;
+    // The mean torque on the second body over the step, N·m.
+    UmbraFx torque;
 } UmbraJointBroke;
 
 // A condition of the caller's on a collider, with its `user_data`: 0 to leave it out. It is called in the order of the results, and must
@@ -1204,6 +1215,10 @@ typedef struct UmbraReplayLimits {
 
 // The bodies turn at a ratio: two gears, a chain, a belt. Reads the teeth.
 #define UMBRA_GEAR 6
+
+// A rope from one body over two points of the world to the other body, which pulls. Reads the points `grounds`, the strands, and `upper`, the length
+// of the rope.
+#define UMBRA_PULLEY 7
 
 #ifdef __cplusplus
 extern "C" {
@@ -1795,6 +1810,21 @@ UmbraStatus umbra_joint_def_gear(const struct UmbraWorld *world,
                                  int32_t second_teeth,
                                  struct UmbraJointDef *def);
 
+// Fills in the definition of a rope from a point of one body over two points of the world to a point of another body, all given where they are in the
+// world, m, with one strand on each side: set `strands` and `upper`, the length of the rope, for more. It is as long as the points are apart.
+UmbraStatus umbra_joint_def_pulley(const struct UmbraWorld *world,
+                                   uint64_t first,
+                                   UmbraFx first_x,
+                                   UmbraFx first_y,
+                                   UmbraFx first_ground_x,
+                                   UmbraFx first_ground_y,
+                                   uint64_t second,
+                                   UmbraFx second_x,
+                                   UmbraFx second_y,
+                                   UmbraFx second_ground_x,
+                                   UmbraFx second_ground_y,
+                                   struct UmbraJointDef *def);
+
 // Fills in the definition of a rigid rod between points of two bodies, given where they are in the world, m; `UMBRA_NO_HANDLE` is the world.
 // It is as long as the points are apart.
 UmbraStatus umbra_joint_def_distance(const struct UmbraWorld *world,
@@ -1826,6 +1856,9 @@ UmbraStatus umbra_world_set_joint_motor(struct UmbraWorld *world,
 
 // Sets the mean force over a step above which a joint breaks, N, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
 UmbraStatus umbra_world_set_joint_break(struct UmbraWorld *world, uint64_t joint, UmbraFx force);
+
+// Sets the mean torque over a step above which a joint breaks, N·m, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
+UmbraStatus umbra_world_set_joint_break_torque(struct UmbraWorld *world, uint64_t joint, UmbraFx torque);
 
 // Enables a joint, or with 0 disables it; wakes its bodies. Either repairs a broken joint.
 UmbraStatus umbra_world_enable_joint(struct UmbraWorld *world, uint64_t joint, uint32_t is_enabled);

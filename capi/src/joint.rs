@@ -4,7 +4,7 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{
     Attachment, BodyId, Command, Distance, End, Fx, Gear, JointBroke, JointDef, JointId, JointKind, JointLimits,
-    JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel, World,
+    JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Pulley, Revolute, Vec2, Weld, Wheel, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -35,10 +35,13 @@ pub const UMBRA_WHEEL: UmbraJointKind = 4;
 pub const UMBRA_MOTOR: UmbraJointKind = 5;
 /// The bodies turn at a ratio: two gears, a chain, a belt. Reads the teeth.
 pub const UMBRA_GEAR: UmbraJointKind = 6;
+/// A rope from one body over two points of the world to the other body, which pulls. Reads the points `grounds`, the strands, and `upper`, the length
+/// of the rope.
+pub const UMBRA_PULLEY: UmbraJointKind = 7;
 
 /// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
 /// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
-/// `umbra_joint_def_motor` and `umbra_joint_def_gear` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
+/// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
 /// their kind says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,16 +64,21 @@ pub struct UmbraJointDef {
     pub has_planar_spring: u32,
     /// 1 if there is a planar motor. Default 0.
     pub has_planar_motor: u32,
-    /// 0.
-    pub reserved: u32,
+    /// The teeth of the ratchet of a revolute joint, which turns back to the last tooth at most: 1 to 1,024, or negative for one that turns on
+    /// clockwise; 0 for none, the default.
+    pub ratchet: i32,
     /// The teeth of two gears, 1 to 1,024 or negative.
     pub teeth: [i32; 2],
+    /// The strands of the rope of a pulley on both sides, 1 to 64. Default 1.
+    pub strands: [u32; 2],
     /// The bodies at the two ends, or `UMBRA_NO_HANDLE` for the world. At least one is dynamic.
     pub bodies: [u64; 2],
     /// Points of the bodies in their own axes from their centres of mass, or of the world, m.
     pub points: [UmbraVec2; 2],
     /// The angles of the joint's frame in the axes of both ends, rad.
     pub angles: [UmbraFx; 2],
+    /// The points of the world over which the rope of a pulley runs, m.
+    pub grounds: [UmbraVec2; 2],
     /// The lowest angle, within ±2^17 rad, or distance, within ±2^20 m.
     pub lower: UmbraFx,
     /// The highest one, likewise.
@@ -103,6 +111,8 @@ pub struct UmbraJointDef {
     pub planar_motor_max_force: UmbraFx,
     /// The mean force over a step above which the joint breaks, from 0, N, or `UMBRA_NO_LIMIT`, the default.
     pub break_force: UmbraFx,
+    /// The mean torque over a step above which the joint breaks, from 0, N·m, or `UMBRA_NO_LIMIT`, the default.
+    pub break_torque: UmbraFx,
     /// Number of the caller's own, by which joints are listed.
     pub key: u64,
     /// Number of the caller's own.
@@ -115,7 +125,7 @@ pub struct UmbraJointDef {
 pub struct UmbraJointState {
     /// The two ends in the world, m.
     pub points: [UmbraVec2; 2],
-    /// The distance of the ends, m.
+    /// The distance of the ends, m; of a pulley the length of its rope in use.
     pub length: UmbraFx,
     /// The way of the second end along the axis of a prismatic, a wheel or a motor joint, m; of other kinds the distance.
     pub translation: UmbraFx,
@@ -123,6 +133,8 @@ pub struct UmbraJointState {
     pub offset: UmbraVec2,
     /// The angle from the frame of the first end to that of the second one, rad.
     pub angle: UmbraFx,
+    /// The angle of the tooth of a ratchet that is engaged, rad; 0 without one.
+    pub stop: UmbraFx,
     /// The speed of the angle, rad/s.
     pub speed: UmbraFx,
     /// The force on the second end in the last step, N.
@@ -147,6 +159,8 @@ pub struct UmbraJointBroke {
     pub bodies: [u64; 2],
     /// The mean force on the second end over the step, N.
     pub force: UmbraVec2,
+    /// The mean torque on the second body over the step, N·m.
+    pub torque: UmbraFx,
 }
 
 /// A joint of a kind between nothing.
@@ -160,11 +174,13 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     has_spring: 0,
     has_planar_spring: 0,
     has_planar_motor: 0,
-    reserved: 0,
+    ratchet: 0,
     teeth: [1; 2],
+    strands: [1; 2],
     bodies: [UMBRA_NO_HANDLE; 2],
     points: [UmbraVec2 { x: 0, y: 0 }; 2],
     angles: [0; 2],
+    grounds: [UmbraVec2 { x: 0, y: 0 }; 2],
     lower: 0,
     upper: 0,
     motor_speed: 0,
@@ -181,6 +197,7 @@ const BLANK: UmbraJointDef = UmbraJointDef {
     planar_motor_velocity: UmbraVec2 { x: 0, y: 0 },
     planar_motor_max_force: 0,
     break_force: UMBRA_NO_LIMIT,
+    break_torque: UMBRA_NO_LIMIT,
     key: 0,
     user_data: 0,
 };
@@ -208,6 +225,16 @@ fn optional_force(bits: UmbraFx) -> Option<Fx> {
 
 fn force_bits(force: Option<Fx>) -> UmbraFx {
     force.map_or(UMBRA_NO_LIMIT, Fx::to_bits)
+}
+
+/// Beyond 16 bits it is refused like any other out of range.
+fn teeth(count: i32) -> i16 {
+    i16::try_from(count).unwrap_or(i16::MAX)
+}
+
+/// Likewise.
+fn strands(count: u32) -> u8 {
+    u8::try_from(count).unwrap_or(0)
 }
 
 impl UmbraJointDef {
@@ -256,16 +283,20 @@ impl UmbraJointDef {
         let (limits, motor, spring) = (self.limits(), self.motor(), self.spring());
         let friction = Fx::from_bits(self.friction);
         Ok(match self.kind {
-            UMBRA_REVOLUTE => JointKind::Revolute(Revolute { limits, motor, spring, friction }),
+            UMBRA_REVOLUTE => {
+                let ratchet = (self.ratchet != 0).then(|| teeth(self.ratchet));
+                JointKind::Revolute(Revolute { limits, motor, spring, friction, ratchet })
+            }
             UMBRA_DISTANCE => JointKind::Distance(Distance { limits, motor, spring, friction }),
             UMBRA_WELD => JointKind::Weld(Weld { spring }),
             UMBRA_PRISMATIC => JointKind::Prismatic(Prismatic { limits, motor, spring, friction }),
             UMBRA_WHEEL => JointKind::Wheel(Wheel { limits, spring, motor, friction }),
-            UMBRA_GEAR => {
-                // Beyond 16 bits it is refused like any other out of range.
-                let teeth = self.teeth.map(|count| i16::try_from(count).unwrap_or(0));
-                JointKind::Gear(Gear { teeth })
-            }
+            UMBRA_GEAR => JointKind::Gear(Gear { teeth: self.teeth.map(teeth) }),
+            UMBRA_PULLEY => JointKind::Pulley(Pulley {
+                grounds: self.grounds.map(Vec2::from),
+                strands: self.strands.map(strands),
+                length: Fx::from_bits(self.upper),
+            }),
             UMBRA_MOTOR => JointKind::Motor(Motor {
                 spring: self.planar_spring(),
                 motor: self.planar_motor(),
@@ -284,6 +315,7 @@ impl UmbraJointDef {
             collide_connected: self.collide_connected != 0,
             enabled: self.is_enabled != 0,
             break_force: optional_force(self.break_force),
+            break_torque: optional_force(self.break_torque),
             events: self.events != 0,
             key: self.key,
             user_data: self.user_data,
@@ -326,6 +358,7 @@ impl UmbraJointDef {
             events: joint.events.into(),
             angles: joint.angles.map(Fx::to_bits),
             break_force: force_bits(joint.break_force),
+            break_torque: force_bits(joint.break_torque),
             key: joint.key,
             user_data: joint.user_data,
             ..BLANK
@@ -337,8 +370,9 @@ impl UmbraJointDef {
             };
         }
         let spring = match joint.kind {
-            JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
+            JointKind::Revolute(Revolute { limits, motor, spring, friction, ratchet }) => {
                 def.set_parts(limits, motor, friction);
+                def.ratchet = ratchet.map_or(0, i32::from);
                 spring
             }
             JointKind::Weld(Weld { spring }) => {
@@ -370,6 +404,11 @@ impl UmbraJointDef {
                 (def.kind, def.teeth) = (UMBRA_GEAR, teeth.map(i32::from));
                 None
             }
+            JointKind::Pulley(Pulley { grounds, strands, length }) => {
+                (def.kind, def.strands) = (UMBRA_PULLEY, strands.map(u32::from));
+                (def.grounds, def.upper) = (grounds.map(UmbraVec2::from), length.to_bits());
+                None
+            }
             _ => return Err(Refusal::bad("this interface does not have the kind of this joint")),
         };
         def.set_spring(spring);
@@ -384,6 +423,7 @@ impl From<&JointBroke> for UmbraJointBroke {
             key: broke.key,
             bodies: broke.bodies.map(optional_word),
             force: broke.force.into(),
+            torque: broke.torque.to_bits(),
         }
     }
 }
@@ -513,8 +553,33 @@ pub extern "C" fn umbra_joint_def_gear(
     def: Option<&mut MaybeUninit<UmbraJointDef>>,
 ) -> UmbraStatus {
     look(world, def, |world| {
-        let teeth = [first_teeth, second_teeth].map(|count| i16::try_from(count).unwrap_or(0));
+        let teeth = [first_teeth, second_teeth].map(teeth);
         UmbraJointDef::of(&JointDef::gear(world, body_id(first), body_id(second), teeth)?)
+    })
+}
+
+/// Fills in the definition of a rope from a point of one body over two points of the world to a point of another body, all given where they are in the
+/// world, m, with one strand on each side: set `strands` and `upper`, the length of the rope, for more. It is as long as the points are apart.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_pulley(
+    world: Option<&UmbraWorld>,
+    first: u64,
+    first_x: UmbraFx,
+    first_y: UmbraFx,
+    first_ground_x: UmbraFx,
+    first_ground_y: UmbraFx,
+    second: u64,
+    second_x: UmbraFx,
+    second_y: UmbraFx,
+    second_ground_x: UmbraFx,
+    second_ground_y: UmbraFx,
+    def: Option<&mut MaybeUninit<UmbraJointDef>>,
+) -> UmbraStatus {
+    look(world, def, |world| {
+        let points = [point(first_x, first_y), point(second_x, second_y)];
+        let grounds = [point(first_ground_x, first_ground_y), point(second_ground_x, second_ground_y)];
+        let bodies = [first, second].map(body_id);
+        UmbraJointDef::of(&JointDef::pulley(world, bodies, points, grounds, [1; 2])?)
     })
 }
 
@@ -597,6 +662,16 @@ pub extern "C" fn umbra_world_set_joint_break(
     change(world, Command::SetJointBreak { joint: joint_id(joint), force: optional_force(force) })
 }
 
+/// Sets the mean torque over a step above which a joint breaks, N·m, or `UMBRA_NO_LIMIT` for never; wakes its bodies.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_set_joint_break_torque(
+    world: Option<&mut UmbraWorld>,
+    joint: u64,
+    torque: UmbraFx,
+) -> UmbraStatus {
+    change(world, Command::SetJointBreakTorque { joint: joint_id(joint), torque: optional_force(torque) })
+}
+
 /// Enables a joint, or with 0 disables it; wakes its bodies. Either repairs a broken joint.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_enable_joint(world: Option<&mut UmbraWorld>, joint: u64, is_enabled: u32) -> UmbraStatus {
@@ -628,6 +703,7 @@ pub extern "C" fn umbra_world_joint_state(
             translation: joint.translation().to_bits(),
             offset: joint.offset().into(),
             angle: joint.angle().to_bits(),
+            stop: joint.stop().unwrap_or_default().to_bits(),
             speed: joint.speed().to_bits(),
             force: joint.force().into(),
             torque: joint.torque().to_bits(),

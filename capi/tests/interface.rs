@@ -10,8 +10,8 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
     Gear, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material,
-    MaterialPair, MixRule, Motor, OneWay, PlanarMotor, PlanarSpring, Prismatic, Random, Region, Revolute, Shape,
-    Snapshot, SpringConstants, TimeStep, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
+    MaterialPair, MixRule, Motor, OneWay, PlanarMotor, PlanarSpring, Prismatic, Pulley, Random, Region, Revolute,
+    Shape, Snapshot, SpringConstants, TimeStep, Vec2, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 use umbra_physics_capi::*;
 
@@ -743,6 +743,9 @@ fn every_change_is_the_command_of_its_name() {
         umbra_world_enable_joint(FIELD_WORD, 0) => Command::EnableJoint { joint: JOINT, enabled: false };
         umbra_world_set_joint_break(FIELD_WORD, 7) => Command::SetJointBreak { joint: JOINT, force: Some(bits(7)) };
         umbra_world_set_joint_break(FIELD_WORD, UMBRA_NO_LIMIT) => Command::SetJointBreak { joint: JOINT, force: None };
+        umbra_world_set_joint_break_torque(FIELD_WORD, 7) => Command::SetJointBreakTorque { joint: JOINT, torque: Some(bits(7)) };
+        umbra_world_set_joint_break_torque(FIELD_WORD, UMBRA_NO_LIMIT) =>
+            Command::SetJointBreakTorque { joint: JOINT, torque: None };
         umbra_world_set_joint_motor(FIELD_WORD, 7, 8) =>
             Command::SetJointMotor { joint: JOINT, motor: Some(JointMotor { speed: bits(7), max_force: bits(8) }) };
         umbra_world_set_joint_motor(FIELD_WORD, 7, UMBRA_NO_LIMIT) => Command::SetJointMotor { joint: JOINT, motor: None };
@@ -885,6 +888,8 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
         spring_max_force: 8,
         friction: 15,
         break_force: 16,
+        break_torque: 19,
+        ratchet: -20,
         key: 17,
         user_data: 18,
         ..plain
@@ -894,12 +899,14 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
         motor: Some(JointMotor { speed: bits(13), max_force: bits(14) }),
         spring: Some(spring),
         friction: bits(15),
+        ratchet: Some(-20),
     });
     let full_joint = JointDef {
         angles: [bits(11), bits(12)],
         collide_connected: true,
         enabled: false,
         break_force: Some(bits(16)),
+        break_torque: Some(bits(19)),
         events: true,
         key: 17,
         user_data: 18,
@@ -965,6 +972,19 @@ fn joints() -> Vec<(UmbraJointDef, JointDef)> {
             UmbraJointDef { kind: UMBRA_GEAR, teeth: [12, -36], ..plain },
             JointDef::new(ends, JointKind::Gear(Gear { teeth: [12, -36] })),
         ),
+        (
+            UmbraJointDef {
+                kind: UMBRA_PULLEY,
+                grounds: [UmbraVec2 { x: 1, y: 2 }, UmbraVec2 { x: 3, y: 4 }],
+                strands: [1, 2],
+                upper: 9 * ONE,
+                ..plain
+            },
+            JointDef::new(
+                ends,
+                JointKind::Pulley(Pulley { grounds: [place(1, 2), place(3, 4)], strands: [1, 2], length: fx!(9) }),
+            ),
+        ),
     ]
 }
 
@@ -985,7 +1005,7 @@ fn joints_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
-    assert_eq!(out(|def| umbra_joint_def_default(7, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_joint_def_default(8, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     let weld = added
         .iter()
         .map(|(_, id)| *id)
@@ -1039,6 +1059,7 @@ fn joints_pull_and_break_as_in_the_library() {
                 translation: joint.translation().to_bits(),
                 offset: joint.offset().into(),
                 angle: joint.angle().to_bits(),
+                stop: joint.stop().unwrap_or_default().to_bits(),
                 speed: joint.speed().to_bits(),
                 force: joint.force().into(),
                 torque: joint.torque().to_bits(),
@@ -1055,6 +1076,7 @@ fn joints_pull_and_break_as_in_the_library() {
             key: 4,
             bodies: [UMBRA_NO_HANDLE, bodies[0]],
             force: broke.force.into(),
+            torque: broke.torque.to_bits(),
         });
         let expected: Vec<_> = expected.collect();
         broken += expected.len();
@@ -1085,6 +1107,52 @@ fn gears_turn_at_their_ratio() {
     }
     let speed = out(|state| umbra_world_body(Some(&here), bodies[1], state)).expect("a state").angular_velocity;
     assert!((speed + ONE).abs() < ONE / 1_000, "{speed}");
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn loads_on_a_pulley_move_as_atwood_says() {
+    let mut here = world();
+    let [light, heavy] = [1, 3].map(|mass| {
+        let position = UmbraVec2 { x: mass * ONE, y: 0 };
+        let def =
+            UmbraBodyDef { position, mass_kind: UMBRA_MASS_EXPLICIT, mass: mass * ONE, inertia: ONE, ..body_def() };
+        add(&mut here, &def).expect("a body")
+    });
+    let rope = out(|def| {
+        let (x, top) = ([ONE, 3 * ONE], 8 * ONE);
+        umbra_joint_def_pulley(Some(&here), light, x[0], 0, x[0], top, heavy, x[1], 0, x[1], top, def)
+    });
+    let rope = rope.expect("a definition");
+    assert_eq!((rope.upper, rope.strands), (16 * ONE, [1, 1]));
+    let rope = out(|id| umbra_world_add_joint(Some(&mut here), Some(&rope), id)).expect("a joint");
+    for _ in 0..60 {
+        for (body, mass) in [(light, 1), (heavy, 3)] {
+            assert_eq!(umbra_world_apply_force(Some(&mut here), body, 0, -10 * mass * ONE, None, 0), UMBRA_OK);
+        }
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    let speed = out(|state| umbra_world_body(Some(&here), light, state)).expect("a state").velocity.y;
+    assert!((speed - 5 * ONE).abs() < ONE / 1_000, "{speed}");
+    let state = out(|state| umbra_world_joint_state(Some(&here), rope, state)).expect("a state");
+    assert!((state.force.y - 15 * ONE).abs() < ONE / 100 && state.stop == 0, "{state:?}");
+    umbra_world_free(Some(here));
+}
+
+#[test]
+fn a_ratchet_holds_its_tooth() {
+    let mut here = world();
+    let def = UmbraBodyDef { mass_kind: UMBRA_MASS_EXPLICIT, mass: ONE, inertia: ONE, ..body_def() };
+    let body = add(&mut here, &UmbraBodyDef { angular_velocity: 2 * ONE, ..def }).expect("a body");
+    let axle = out(|def| umbra_joint_def_revolute(Some(&here), UMBRA_NO_HANDLE, body, 0, 0, def));
+    let axle = UmbraJointDef { ratchet: 12, ..axle.expect("a definition") };
+    let axle = out(|id| umbra_world_add_joint(Some(&mut here), Some(&axle), id)).expect("a joint");
+    for _ in 0..60 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    // 2 rad are three teeth and a part.
+    let stop = out(|state| umbra_world_joint_state(Some(&here), axle, state)).expect("a state").stop;
+    assert!((Fx::from_bits(stop) - Fx::TAU / 4).abs() < fx!(0.000001), "{stop}");
     umbra_world_free(Some(here));
 }
 

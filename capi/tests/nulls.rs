@@ -315,6 +315,8 @@ fn null_is_refused_everywhere() {
         umbra_joint_def_motor(Some(w), UMBRA_NO_HANDLE, b, 0, 0, None);
         umbra_joint_def_gear(None, b, b, 1, 1, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_gear(Some(w), b, b, 1, 1, None);
+        umbra_joint_def_pulley(None, b, 0, 0, 0, 1, b, 0, 0, 0, 1, Some(&mut MaybeUninit::uninit()));
+        umbra_joint_def_pulley(Some(w), b, 0, 0, 0, 1, b, 0, 0, 0, 1, None);
         umbra_joint_def_distance(None, UMBRA_NO_HANDLE, 0, 0, b, 0, 0, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_distance(Some(w), UMBRA_NO_HANDLE, 0, 0, b, 0, 0, None);
         umbra_world_add_joint(None, Some(&joint_def), Some(&mut MaybeUninit::uninit()));
@@ -325,6 +327,7 @@ fn null_is_refused_everywhere() {
         umbra_world_set_joint_kind(Some(w), j, None);
         umbra_world_set_joint_motor(None, j, 0, 0);
         umbra_world_set_joint_break(None, j, 0);
+        umbra_world_set_joint_break_torque(None, j, 0);
         umbra_world_enable_joint(None, j, 1);
         umbra_world_joint(None, j, Some(&mut MaybeUninit::uninit()));
         umbra_world_joint(Some(w), j, None);

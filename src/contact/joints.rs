@@ -52,8 +52,8 @@ pub(crate) struct JointList {
     pub(super) starts: Vec<Impulses>,
     /// The index of each joint in its set.
     indices: Vec<u32>,
-    /// The impulses along x and y over the step on the second body, in 2^-32 N·s; empty where no joint may break.
-    totals: Vec<[i128; 2]>,
+    /// The impulses over the step on the second body, along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s; empty where no joint may break.
+    totals: Vec<[i128; 3]>,
     /// The indices of joints to bodies that take no part.
     idle: Vec<u32>,
 }
@@ -133,7 +133,7 @@ impl JointList {
 
     /// Reads the impulses over the step from the solvers, which have solved all joints, or the joints of this part.
     pub(super) fn read_totals<C: ContactSolver>(&mut self, solvers: &Solvers<C>, part: Option<&Part>) {
-        self.totals.resize(self.solver_joints.len(), [0; 2]);
+        self.totals.resize(self.solver_joints.len(), [0; 3]);
         for (joint, total) in solvers.joint_totals() {
             let number = part.map_or(joint, |part| part.joint_numbers[joint as usize]);
             self.totals[number as usize] = total;
@@ -158,9 +158,9 @@ impl JointList {
         self.indices.iter().copied().zip(self.solver_joints.iter().map(|joint| joint.bodies))
     }
 
-    /// The joints by their indices in the set, each with its impulses along x and y over the step on the second body, in 2^-32 N·s; none
-    /// where no joint may break.
-    pub(crate) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+    /// The joints by their indices in the set, each with its impulses over the step on the second body, along x and y, in 2^-32 N·s, and around, in
+    /// 2^-32 N·m·s; none where no joint may break.
+    pub(crate) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.indices.iter().copied().zip(self.totals.iter().copied())
     }
 }

@@ -232,8 +232,9 @@ impl<C: ContactSolver> Solvers<C> {
         })
     }
 
-    /// The number of each joint that was solved, and its impulses along x and y over the step on the second body, in 2^-32 N·s.
-    pub(super) fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+    /// The number of each joint that was solved, and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and
+    /// around, in 2^-32 N·m·s.
+    pub(super) fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.solved_parts().flat_map(move |part| {
             let number = move |joint: u32| {
                 if self.is_split { self.parts[part].joint_numbers[joint as usize] } else { joint }

@@ -5,7 +5,7 @@ use super::pose::{Placed, Pose};
 use crate::body::{Activity, BodyKind};
 use crate::contact::Contact;
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
-use crate::joint::{JointKind, Motor, Prismatic, Wheel};
+use crate::joint::{JointKind, Motor, Prismatic, Pulley, Wheel};
 use crate::math::Vec2;
 use crate::scalar::{Scalar, ToF64};
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
@@ -75,7 +75,7 @@ pub enum Role {
     Zone(FieldId),
     /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
     Buoyancy(FieldId),
-    /// The two ends of a joint, and the line between them; of a prismatic or a wheel joint the axis too, from its lower limit to its upper
+    /// The two ends of a joint, and the line between them, of a pulley over its points; of a prismatic or a wheel joint the axis too, from its lower limit to its upper
     /// one, or half a metre on both sides of the first end if it has none. Of a motor joint the point that its spring pulls to, in place of the first
     /// end; without a spring the second end alone.
     Joint(JointId),
@@ -356,7 +356,12 @@ impl<S: Scalar + ToF64> World<S> {
             JointKind::Motor(Motor { spring, .. }) => spring.map_or(to, |spring| frame.point(spring.rest.to_f64())),
             _ => from,
         };
-        draw.segment([from, to], role);
+        if let JointKind::Pulley(Pulley { grounds, .. }) = &def.kind {
+            let [left, right] = grounds.map(|ground| ground.to_f64());
+            [[from, left], [left, right], [right, to]].into_iter().for_each(|line| draw.segment(line, role));
+        } else {
+            draw.segment([from, to], role);
+        }
         if let JointKind::Prismatic(Prismatic { limits, .. }) | JointKind::Wheel(Wheel { limits, .. }) = &def.kind {
             let ways = limits.map_or([-0.5, 0.5], |limits| [limits.lower, limits.upper].map(ToF64::to_f64));
             draw.segment(ways.map(|way| frame.point([way, 0.0])), role);

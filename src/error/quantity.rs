@@ -129,8 +129,10 @@ pub enum Quantity {
     SpringFrequency,
     /// The damping ratio of the spring of a joint.
     DampingRatio,
-    /// The teeth of a gear.
+    /// The teeth of a gear or a ratchet.
     Teeth,
+    /// The strands of the rope of a pulley.
+    Strands,
 }
 
 /// A size of a shape.
@@ -231,9 +233,10 @@ impl Quantity {
             Self::FluidBox => "a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one",
             Self::JointPoint => "a point of a joint within ±2^12 m of its body's centre of mass, a component",
             Self::JointLength => "a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m",
-            Self::BreakForce => "a force of at least zero at which a joint breaks",
+            Self::BreakForce => "a force or a torque of at least zero at which a joint breaks",
             Self::JointAngle => "an angle of a joint within ±2^17 rad",
-            Self::Teeth => "whole numbers of teeth of gears from 1 to 1,024 or negative",
+            Self::Teeth => "whole numbers of teeth from 1 to 1,024 or negative",
+            Self::Strands => "whole numbers of strands from 1 to 64",
             Self::JointLimits => "limits of a joint of which the upper one is not below the lower one",
             Self::JointForce => "a force or torque in a joint of at least zero",
             Self::MotorSpeed => "a speed of a joint's motor within ±2^20 rad/s or m/s",
@@ -300,6 +303,7 @@ codes!(Quantity {
     SpringFrequency = 212,
     DampingRatio = 213,
     Teeth = 215,
+    Strands = 216,
 });
 
 impl core::error::Error for Quantity {}

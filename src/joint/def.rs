@@ -48,6 +48,8 @@ pub struct JointDef<S = Fx> {
     pub enabled: bool,
     /// The mean force over a step, N, above which the joint breaks; from 0. `None` by default: it never does.
     pub break_force: Option<S>,
+    /// The mean [torque](crate::JointRef::torque) over a step, N·m, above which the joint breaks; from 0. `None` by default: it never does.
+    pub break_torque: Option<S>,
     /// True if steps report when the joint breaks; false by default.
     pub events: bool,
     /// A key of your own: joints are listed and reported by it.
@@ -56,10 +58,21 @@ pub struct JointDef<S = Fx> {
     pub user_data: u64,
 }
 
-codec_struct!(JointDef { ends, angles, kind, collide_connected, enabled, break_force, events, key, user_data });
+codec_struct!(JointDef {
+    ends,
+    angles,
+    kind,
+    collide_connected,
+    enabled,
+    break_force,
+    break_torque,
+    events,
+    key,
+    user_data
+});
 
-/// Refuses a force at which a joint cannot break.
-pub(crate) fn check_break_force<S: Scalar>(force: Option<S>) -> Result<(), Error> {
+/// Refuses a force or a torque at which a joint cannot break.
+pub(crate) fn check_break<S: Scalar>(force: Option<S>) -> Result<(), Error> {
     check(force.is_none_or(|force| force >= S::ZERO && force.is_finite()), Quantity::BreakForce)
 }
 
@@ -85,6 +98,7 @@ impl<S: Scalar> JointDef<S> {
             collide_connected: false,
             enabled: true,
             break_force: None,
+            break_torque: None,
             events: false,
             key: 0,
             user_data: 0,
@@ -118,7 +132,8 @@ impl<S: Scalar> JointDef<S> {
         }
         self.angles.iter().try_for_each(|&angle| check_angle(angle))?;
         self.kind.check()?;
-        check_break_force(self.break_force)
+        check_break(self.break_force)?;
+        check_break(self.break_torque)
     }
 
     /// The bodies at the ends.

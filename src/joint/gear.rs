@@ -1,5 +1,6 @@
 //! Gears.
 
+use super::parts::check;
 use crate::codec::codec_plain;
 use crate::error::{Error, Quantity};
 use crate::limits;
@@ -37,7 +38,11 @@ codec_plain!(Gear { teeth });
 impl Gear {
     /// Refuses numbers of teeth out of range.
     pub(super) fn check(self) -> Result<(), Error> {
-        let is_within = |teeth: &i16| *teeth != 0 && teeth.unsigned_abs() <= limits::TEETH;
-        if self.teeth.iter().all(is_within) { Ok(()) } else { Err(Error::OutOfRange { quantity: Quantity::Teeth }) }
+        self.teeth.into_iter().try_for_each(check_teeth)
     }
+}
+
+/// Refuses a number of teeth out of range.
+pub(super) fn check_teeth(teeth: i16) -> Result<(), Error> {
+    check(teeth != 0 && teeth.unsigned_abs() <= limits::TEETH, Quantity::Teeth)
 }

@@ -1,8 +1,9 @@
 //! The kinds of joints.
 
-use super::gear::Gear;
+use super::gear::{Gear, check_teeth};
 use super::motor::Motor;
 use super::parts::{JointLimits, JointMotor, JointSpring, Parts, Unit, check};
+use super::pulley::Pulley;
 use crate::codec::{codec_enum, codec_struct};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
@@ -33,6 +34,8 @@ pub enum JointKind<S = Fx> {
     Motor(Motor<S>),
     /// The bodies turn at a ratio: two gears, a chain, a belt.
     Gear(Gear),
+    /// A rope over two points of the world: what one end gives, the other one takes.
+    Pulley(Pulley<S>),
 }
 
 /// A revolute joint. [`Revolute::default`] turns freely.
@@ -71,6 +74,10 @@ pub struct Revolute<S = Fx> {
     pub spring: Option<JointSpring<S>>,
     /// The largest torque of friction in the joint, N·m, from 0; 0 by default. With a little of it ragdolls come to rest.
     pub friction: S,
+    /// The teeth of a ratchet, from 1 to [`limits::TEETH`] = 1,024: the angle grows freely, and falls back to the last tooth at most, as of a winch or a
+    /// socket wrench. With a negative number it is the other way round. Teeth are at whole parts of a turn from angle 0; a step in which one is passed
+    /// engages it ([`JointRef::stop`](crate::JointRef::stop)). `None` by default.
+    pub ratchet: Option<i16>,
 }
 
 /// A weld. [`Weld::default`] is rigid.
@@ -271,7 +278,7 @@ impl<S: Scalar> Default for Wheel<S> {
 impl<S: Scalar> Default for Revolute<S> {
     /// A joint that turns freely.
     fn default() -> Self {
-        Self { limits: None, motor: None, spring: None, friction: S::ZERO }
+        Self { limits: None, motor: None, spring: None, friction: S::ZERO, ratchet: None }
     }
 }
 
@@ -282,7 +289,7 @@ impl<S: Scalar> Default for JointKind<S> {
     }
 }
 
-codec_struct!(Revolute { limits, motor, spring, friction });
+codec_struct!(Revolute { limits, motor, spring, friction, ratchet });
 codec_struct!(Weld { spring });
 codec_struct!(Distance { limits, motor, spring, friction });
 codec_struct!(Prismatic { limits, motor, spring, friction });
@@ -295,6 +302,7 @@ codec_enum!(JointKind<S>, "the number of a kind of joint", {
     4 => Wheel(wheel),
     5 => Motor(motor),
     6 => Gear(gear),
+    7 => Pulley(pulley),
 });
 
 impl<S: Scalar> JointKind<S> {
@@ -315,8 +323,13 @@ impl<S: Scalar> JointKind<S> {
         self.along().check(Unit::Metres)?;
         self.across().check(Unit::Metres)?;
         self.around().check(Unit::Radians)?;
-        if let Self::Gear(gear) = self {
-            return gear.check();
+        if let Some(teeth) = self.ratchet() {
+            check_teeth(teeth)?;
+        }
+        match self {
+            Self::Gear(gear) => return gear.check(),
+            Self::Pulley(pulley) => return pulley.check(),
+            _ => {}
         }
         let Self::Distance(Distance { limits, spring, .. }) = self else { return Ok(()) };
         let is_length = |length: S| length >= S::ZERO;
@@ -334,7 +347,7 @@ impl<S: Scalar> JointKind<S> {
             }
             Self::Wheel(Wheel { limits, spring, .. }) => Parts { limits, spring, ..Parts::NONE },
             Self::Motor(motor) => motor.planar()[0],
-            Self::Revolute(_) | Self::Weld(_) | Self::Gear(_) => Parts::NONE,
+            Self::Revolute(_) | Self::Weld(_) | Self::Gear(_) | Self::Pulley(_) => Parts::NONE,
         }
     }
 
@@ -346,12 +359,14 @@ impl<S: Scalar> JointKind<S> {
     /// The parts that act on the angle of the joint.
     fn around(&self) -> Parts<S> {
         match *self {
-            Self::Revolute(Revolute { limits, motor, spring, friction }) => Parts { limits, motor, spring, friction },
+            Self::Revolute(Revolute { limits, motor, spring, friction, .. }) => {
+                Parts { limits, motor, spring, friction }
+            }
             Self::Weld(Weld { spring: Some(spring) }) => Parts { spring: Some(spring), ..Parts::NONE },
             Self::Weld(Weld { spring: None }) | Self::Prismatic(_) | Self::Gear(_) => Parts::LOCKED,
             Self::Wheel(Wheel { motor, friction, .. }) => Parts { motor, friction, ..Parts::NONE },
             Self::Motor(motor) => motor.around(),
-            Self::Distance(_) => Parts::NONE,
+            Self::Distance(_) | Self::Pulley(_) => Parts::NONE,
         }
     }
 
@@ -363,7 +378,7 @@ impl<S: Scalar> JointKind<S> {
             Self::Prismatic(prismatic) => Self::Prismatic(Prismatic { motor, ..prismatic }),
             Self::Wheel(wheel) => Self::Wheel(Wheel { motor, ..wheel }),
             Self::Motor(joint) => Self::Motor(Motor { angular_motor: motor, ..joint }),
-            Self::Weld(_) | Self::Gear(_) => return None,
+            Self::Weld(_) | Self::Gear(_) | Self::Pulley(_) => return None,
         })
     }
 
@@ -388,18 +403,30 @@ impl<S: Scalar> JointKind<S> {
             Self::Prismatic(_) | Self::Wheel(_) => solve::JointKind::Slider { angle },
             Self::Motor(_) => solve::JointKind::Planar { angle },
             Self::Gear(Gear { teeth }) => solve::JointKind::Gear { teeth: *teeth },
+            Self::Pulley(pulley) => pulley.for_solver(),
         }
     }
 
-    /// The law of the angle as the solver takes it, at position 0; `None` if nothing acts on it.
+    /// The teeth of a ratchet.
+    pub(crate) fn ratchet(&self) -> Option<i16> {
+        if let Self::Revolute(Revolute { ratchet, .. }) = self { *ratchet } else { None }
+    }
+
+    /// The law of the angle as the solver takes it, at position 0; `None` if nothing acts on it. The limits of a ratchet are without its tooth.
     pub(crate) fn axis(&self) -> Option<solve::Axis> {
-        self.around().law()
+        let law = self.around().law();
+        if self.ratchet().is_none() {
+            return law;
+        }
+        let law = law.unwrap_or_default();
+        Some(solve::Axis { limits: law.limits.or(Some([-limits::JOINT_ANGLE, limits::JOINT_ANGLE])), ..law })
     }
 
     /// The laws of the ways along the axis or the line and across the axis, likewise. A rigid rod has none.
     pub(crate) fn slides(&self) -> [Option<solve::Axis>; 2] {
         match self {
             Self::Distance(distance) if distance.rigid().is_some() => [None; 2],
+            Self::Pulley(pulley) => [Some(pulley.law()), None],
             _ => [self.along().law(), self.across().law()],
         }
     }
@@ -410,7 +437,7 @@ impl<S: Scalar> JointKind<S> {
         let around = self.axis().is_some();
         match self {
             Self::Revolute(_) | Self::Weld(_) => [true, true, around],
-            Self::Distance(_) => [true, false, false],
+            Self::Distance(_) | Self::Pulley(_) => [true, false, false],
             Self::Prismatic(_) | Self::Wheel(_) => [along, true, around],
             Self::Motor(_) => [along, across, around],
             Self::Gear(_) => [false, false, true],
@@ -420,16 +447,18 @@ impl<S: Scalar> JointKind<S> {
     /// Returns true if the state of the joint counts whole turns.
     pub(crate) fn counts_turns(&self) -> bool {
         match self {
-            Self::Revolute(Revolute { limits, spring, .. }) => limits.is_some() || spring.is_some(),
+            Self::Revolute(Revolute { limits, spring, ratchet, .. }) => {
+                limits.is_some() || spring.is_some() || ratchet.is_some()
+            }
             Self::Weld(_) | Self::Prismatic(_) => true,
             Self::Motor(motor) => motor.angular_spring.is_some(),
-            Self::Distance(_) | Self::Wheel(_) | Self::Gear(_) => false,
+            Self::Distance(_) | Self::Wheel(_) | Self::Gear(_) | Self::Pulley(_) => false,
         }
     }
 
     /// Returns true if a joint of another kind has the same rows, so that its impulses go on.
     pub(crate) fn has_rows_of(&self, kind: &Self) -> bool {
-        let [kind, other] = [self, kind].map(|kind| kind.for_solver(Turn::default()));
-        kind.has_rows_of(other)
+        let [first, second] = [self, kind].map(|kind| kind.for_solver(Turn::default()));
+        first.has_rows_of(second)
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Joints are solved in fixed point, as contacts are: a world of floats keeps the points of its joints rounded to [`Fx`].
 
-use super::{JointDef, JointState, position};
+use super::{JointDef, JointState, position, stop};
 use crate::force::End;
 use crate::fx::Fx;
 use crate::math::Vec2;
@@ -70,10 +70,13 @@ pub(crate) struct Link {
     pub(crate) axis: Option<Axis>,
     pub(crate) slides: [Option<Axis>; 2],
     pub(crate) counts_turns: bool,
+    /// The teeth of a ratchet.
+    pub(crate) ratchet: Option<i16>,
     /// The angle of the joint for two ends without an angle.
     pub(crate) frame: Turn,
-    /// N
+    /// N and N·m.
     pub(crate) break_force: Option<Fx>,
+    pub(crate) break_torque: Option<Fx>,
     pub(crate) is_enabled: bool,
     /// True if the two bodies touch each other.
     pub(crate) collides: bool,
@@ -85,9 +88,23 @@ impl Link {
         Turn::from_bits(self.kind.angle(ends).to_bits().wrapping_add(self.frame.to_bits()))
     }
 
+    /// Returns true if the joint may break.
+    pub(crate) fn is_breakable(&self) -> bool {
+        self.break_force.is_some() || self.break_torque.is_some()
+    }
+
     /// The position of the joint around, rad, for the angles of the ends and whole turns: of two gears of the wheel with more teeth. *Error* 1 ulp.
     pub(crate) fn position(&self, ends: [Turn; 2], turns: i16) -> Fx {
         self.kind.position_around(position(self.angle(ends), turns))
+    }
+
+    /// The limits of the angle with the tooth of a ratchet.
+    fn limits_at(&self, [lower, upper]: [Fx; 2], state: &JointState) -> [Fx; 2] {
+        match self.ratchet.map(|teeth| (teeth > 0, stop(teeth, state.tooth))) {
+            Some((true, stop)) => [stop.clamp(lower, upper), upper],
+            Some((false, stop)) => [lower, stop.clamp(lower, upper)],
+            None => [lower, upper],
+        }
     }
 
     /// The joint as the solver takes it, of bodies with these flights: for the arms of its ends in world axes, m, and the angles of its bodies.
@@ -106,9 +123,13 @@ impl Link {
             kind => kind,
         };
         let mut joint = Joint { bodies, anchors, kind, axis: None, slides: [None; 2], impulses: state.impulses() };
-        joint.axis = self.axis.map(|axis| Axis { position: self.position(angles, state.turns), ..axis });
+        joint.axis = self.axis.map(|axis| Axis {
+            position: self.position(angles, state.turns),
+            limits: axis.limits.map(|limits| self.limits_at(limits, state)),
+            ..axis
+        });
         if self.slides != [None; 2] {
-            let ways = kind.ways(joint.offset(flights));
+            let ways = joint.ways(flights);
             joint.slides = [0, 1].map(|row| self.slides[row].map(|slide| Axis { position: ways[row], ..slide }));
         }
         joint
@@ -123,8 +144,10 @@ impl Link {
             axis: def.kind.axis(),
             slides: def.kind.slides(),
             counts_turns: def.kind.counts_turns(),
+            ratchet: def.kind.ratchet(),
             frame: kind.angle(frames),
             break_force: def.break_force.map(S::to_fx),
+            break_torque: def.break_torque.map(S::to_fx),
             is_enabled: def.enabled,
             collides: def.collide_connected,
         }

@@ -80,7 +80,7 @@ impl<S: Scalar> JointSet<S> {
     fn count(&mut self, index: u32, change: fn(usize, usize) -> usize) {
         let link = &self.links[index as usize];
         self.apart = change(self.apart, usize::from(!link.collides));
-        self.breakable = change(self.breakable, usize::from(link.break_force.is_some()));
+        self.breakable = change(self.breakable, usize::from(link.is_breakable()));
         self.revision += 1;
     }
 

@@ -14,8 +14,10 @@ use crate::solve::Impulses;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct JointState {
     /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and around; of prismatic,
-    /// wheel and motor joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and 0.
+    /// wheel and motor joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and of a pulley along its rope, and 0.
     pub(crate) impulses: [i64; 3],
+    /// The number of the tooth of a ratchet that is engaged, from angle 0 in its direction; 0 without one.
+    pub(crate) tooth: i32,
     /// Whole turns of the angle, beside the nearest turn; 0 where none are counted.
     pub(crate) turns: i16,
     /// log2 of the unit, N·s, of the axis N·m·s; 0 without impulses.
@@ -41,7 +43,7 @@ impl JointState {
     }
 
     pub(crate) fn clear_impulses(&mut self) {
-        *self = Self { is_broken: self.is_broken, turns: self.turns, ..Self::default() };
+        (self.impulses, self.exponent) = ([0; 3], 0);
     }
 
     /// The forces of the impulses, N and N·m, in a world with this number of sub-steps. *Error* ½ ulp; the largest number where one does not
@@ -64,26 +66,28 @@ impl JointState {
         })
     }
 
-    fn to_bytes(self) -> [u8; 28] {
-        let mut bytes = [0; 28];
+    fn to_bytes(self) -> [u8; 32] {
+        let mut bytes = [0; 32];
         bytes[0] = self.exponent as u8;
         bytes[1] = self.is_broken.into();
         bytes[2..4].copy_from_slice(&self.turns.to_le_bytes());
-        bytes[4..].copy_from_slice(self.impulses.map(i64::to_le_bytes).as_flattened());
+        bytes[4..8].copy_from_slice(&self.tooth.to_le_bytes());
+        bytes[8..].copy_from_slice(self.impulses.map(i64::to_le_bytes).as_flattened());
         bytes
     }
 
     /// Encodes the state of a joint of this kind.
     pub(crate) fn write<S: Scalar>(&self, kind: &JointKind<S>, out: &mut impl Encoder) {
-        let &Self { impulses: [x, y, torque], turns, .. } = self;
+        let &Self { impulses: [x, y, torque], tooth, turns, .. } = self;
         codec::field(out, "exponent", &self.exponent);
         codec::field(out, "broken", &self.is_broken);
         codec::field(
             out,
             "impulses",
             &match kind {
-                JointKind::Distance(_) => JointImpulses::Distance { along: x },
+                JointKind::Distance(_) | JointKind::Pulley(_) => JointImpulses::Distance { along: x },
                 _ if kind.has_frame() => JointImpulses::Slider { along: x, across: y, torque, turns },
+                _ if kind.ratchet().is_some() => JointImpulses::Ratchet { x, y, torque, turns, tooth },
                 _ if kind.axis().is_some() => JointImpulses::Axis { x, y, torque, turns },
                 _ => JointImpulses::Revolute { x, y },
             },
@@ -97,15 +101,22 @@ impl JointState {
         let is_broken = bool::read(reader)?;
         let has_axis = kind.axis().is_some();
         let active = kind.active_rows();
+        let mut tooth_read = 0;
         let (impulses, turns) = match (kind, JointImpulses::read(reader)?) {
-            (JointKind::Distance(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
+            (JointKind::Distance(_) | JointKind::Pulley(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
             (_, JointImpulses::Slider { along, across, torque, turns }) if kind.has_frame() => {
                 ([along, across, torque], turns)
+            }
+            (JointKind::Revolute(_), JointImpulses::Ratchet { x, y, torque, turns, tooth })
+                if kind.ratchet().is_some() =>
+            {
+                tooth_read = tooth;
+                ([x, y, torque], turns)
             }
             (
                 JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_),
                 JointImpulses::Axis { x, y, torque, turns },
-            ) if has_axis => ([x, y, torque], turns),
+            ) if has_axis && kind.ratchet().is_none() => ([x, y, torque], turns),
             (JointKind::Revolute(_), JointImpulses::Revolute { x, y }) if !has_axis => ([x, y, 0], 0),
             _ => return Err(malformed),
         };
@@ -113,17 +124,18 @@ impl JointState {
         let is_canonical = if impulses == [0; 3] { exponent == 0 } else { !is_broken };
         let fits = (0..3).all(|row| impulses[row] == 0 || active[row] && impulses[row].unsigned_abs() <= LARGEST);
         if is_canonical && fits && (turns == 0 || kind.counts_turns()) {
-            Ok(Self { impulses, turns, exponent, is_broken })
+            Ok(Self { impulses, tooth: tooth_read, turns, exponent, is_broken })
         } else {
             Err(malformed)
         }
     }
 }
 
+/// 2π in units of 2^-61.
+const TAU: u64 = 0xc90f_daa2_2168_c235;
+
 /// The angle of a joint, rad, of the angle between its frames and whole turns. *Error* ½ ulp.
 pub(crate) fn position(angle: Turn, turns: i16) -> Fx {
-    // 2π in units of 2^-61.
-    const TAU: u64 = 0xc90f_daa2_2168_c235;
     // Below 2^79: it fits.
     Fx::from_bits(mul_shift_64(unwrapped(angle, turns), TAU, 93).unwrap_or(0) as i64)
 }
@@ -131,6 +143,20 @@ pub(crate) fn position(angle: Turn, turns: i16) -> Fx {
 /// The angle of a joint in 2^-64 turns.
 fn unwrapped(angle: Turn, turns: i16) -> i128 {
     (i128::from(turns) << 64) + i128::from(angle.to_bits() as i64)
+}
+
+/// The number of the tooth of a ratchet with this number of teeth that its angle engages, from angle 0 in its direction: within 2^-20 of the way
+/// to it already.
+pub(crate) fn tooth_at(teeth: i16, angle: Turn, turns: i16) -> i32 {
+    // Below 2^79 · 2^10, and 2^25 teeth.
+    ((unwrapped(angle, turns) * i128::from(teeth) + (1 << 44)) >> 64) as i32
+}
+
+/// The angle of a tooth of a ratchet, rad. *Error* 1 ulp.
+pub(crate) fn stop(teeth: i16, tooth: i32) -> Fx {
+    // Odd: within 2^89.
+    let turns = (i128::from(tooth) << 64) / i128::from(teeth);
+    Fx::from_bits(mul_shift_64(turns, TAU, 93).unwrap_or(0) as i64)
 }
 
 /// The whole turns of a joint whose angle has gone from one angle between its frames to another, by about this much in 2^-64 turns: within
@@ -147,6 +173,7 @@ enum JointImpulses {
     Distance { along: i64 },
     Axis { x: i64, y: i64, torque: i64, turns: i16 },
     Slider { along: i64, across: i64, torque: i64, turns: i16 },
+    Ratchet { x: i64, y: i64, torque: i64, turns: i16, tooth: i32 },
 }
 
 codec_enum!(JointImpulses, "the number of the impulses of a joint", {
@@ -154,6 +181,7 @@ codec_enum!(JointImpulses, "the number of the impulses of a joint", {
     1 => Distance { along },
     2 => Axis { x, y, torque, turns },
     3 => Slider { along, across, torque, turns },
+    4 => Ratchet { x, y, torque, turns, tooth },
 });
 
 /// The state of the joints of a world that steps change.
@@ -188,6 +216,12 @@ impl JointStates {
         *turns = turns_after(*turns, from, to, change.into());
     }
 
+    /// Engages the tooth of a ratchet with this number of teeth at an angle.
+    pub(crate) fn engage(&mut self, index: usize, ratchet: Option<i16>, angle: Turn) {
+        let state = &mut self.list[index];
+        state.tooth = ratchet.map_or(0, |teeth| tooth_at(teeth, angle, state.turns));
+    }
+
     /// Drops the impulses of joints, by their indices.
     pub(crate) fn relax(&mut self, indices: impl Iterator<Item = usize>) {
         indices.for_each(|index| self.list[index].clear_impulses());
@@ -199,7 +233,7 @@ impl JointStates {
     }
 }
 
-/// Returns true if the mean force of an impulse over a step is larger than this force, N. The impulse is in 2^-32 N·s, along x and y.
+/// Returns true if the mean force of an impulse over a step is larger than this force, N. The impulse is in 2^-32 N·s, along x and y; likewise a torque.
 ///
 /// # Ranges
 /// Of an impulse beyond ±2^94 units a component this tells that it is larger, which it is: forces are below 2^31 N and steps take up to a

@@ -45,8 +45,9 @@ pub trait ContactSolver: Debug + Default + Send + Sync {
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_;
 
-    /// The number of each joint that was solved, and its impulses along x and y over the step on the second body, in 2^-32 N·s.
-    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_;
+    /// The number of each joint that was solved, and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and
+    /// around, in 2^-32 N·m·s.
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_;
 
     /// The impacts in the step of these contacts, which are the contacts that were solved.
     fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a;

@@ -11,6 +11,7 @@
 //! | `Slider` | turns with the first body | law | held | law |
 //! | `Planar` | turns with the first body | law | law | law |
 //! | `Gear` | | | | law of a sum of angles |
+//! | `Pulley` | a line for each body | law of a sum of lengths | | |
 //!
 //! Each row has an axis and, for each body, the cross product of its arm with the axis; impulses act along the axes, of a slider and a planar
 //! joint at the second point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
@@ -65,6 +66,7 @@ mod turn;
 use alloc::vec::Vec;
 
 use self::axis::AxisRow;
+use self::gains::{RopeSums, Sums};
 use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
@@ -130,13 +132,20 @@ impl Joint {
         [anchor(1, |v| v.x) - anchor(0, |v| v.x), anchor(1, |v| v.y) - anchor(0, |v| v.y)]
     }
 
+    /// The ways along the axes of its slides, m: [`JointKind::ways`], and of a pulley the length of its rope, over the larger number of strands.
+    pub(crate) fn ways(&self, flights: &[Flight]) -> [Fx; 2] {
+        let JointKind::Pulley { grounds, .. } = self.kind else { return self.kind.ways(self.offset(flights)) };
+        let ways = [0, 1].map(|k| rope_way(&flights[self.bodies[k] as usize], self.anchors[k], grounds[k]));
+        [self.kind.rope_length(ways), Fx::ZERO]
+    }
+
     /// A speed at which its error is taken away, in 2^-32 m/s: at most half of the error in a sub-step.
     pub(super) fn repair_speed(&self, clock: &Clock, flights: &[Flight]) -> u128 {
         let [x, y] = self.offset(flights).map(|c| c.clamp(-FAR, FAR) as i64);
         let error = match self.kind {
             JointKind::Revolute => x.abs().max(y.abs()),
             JointKind::Distance { length } => length_of(x, y).abs_diff(length.to_bits()) as i64,
-            JointKind::Line | JointKind::Planar { .. } | JointKind::Gear { .. } => 0,
+            JointKind::Line | JointKind::Planar { .. } | JointKind::Gear { .. } | JointKind::Pulley { .. } => 0,
             JointKind::Slider { angle } => {
                 let [ux, uy] = direction_of(angle).map(i128::from);
                 lowered(ux * i128::from(y) - uy * i128::from(x), 30).unsigned_abs() as i64
@@ -156,6 +165,15 @@ impl Joint {
         let along = self.slides.iter().flatten().map(|law| mass.map_or(0, |mass| law.speed(mass, 0, clock)));
         along.fold(repair.max(around), u128::max)
     }
+}
+
+/// The way from a point of the world to a point of a body, in 2^-32 m.
+fn rope_way(flight: &Flight, anchor: Vec2, ground: Vec2) -> [i128; 2] {
+    let way = |axis: fn(Vec2) -> Fx| {
+        let [position, anchor, ground] = [flight.position, anchor, ground].map(|v| i128::from(axis(v).to_bits()));
+        position + anchor - ground
+    };
+    [way(|v| v.x), way(|v| v.y)]
 }
 
 /// The direction at an angle, in 2^-30.
@@ -180,6 +198,8 @@ enum Frame {
     Line,
     /// Along a direction that turns with the first body: at the start, in 2^-30.
     Body([i64; 2]),
+    /// Along the ways from two points of the world, for a body each. The way to the second body at the start, without its arm.
+    Ropes([i64; 2]),
 }
 
 /// A direction turned left by a quarter.
@@ -204,6 +224,10 @@ pub(super) struct Block {
     pub(super) joint: u32,
     sides: [Side; 2],
     frame: Frame,
+    /// True if the first row has an axis for each body: the second body has the axis of the second row, which is free.
+    is_pulley: bool,
+    /// The velocities of both points in the velocity of a rope, in 2^-30.
+    rope_factors: [i64; 2],
     /// The rows that the joint holds at zero.
     held: [bool; 2],
     /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
@@ -236,12 +260,15 @@ pub(super) struct Block {
     distance: i64,
     /// Impulses of the sub-step, by row.
     pub(super) impulses: [i64; 3],
-    /// The impulses applied in the sub-step, in 2^-30: along x and y, and the angular ones of both bodies.
-    change: [i128; 4],
+    /// The impulses applied in the sub-step.
+    change: Sums,
     /// Sums of the changes of the sub-steps before.
-    pub(super) applied: [i128; 4],
+    pub(super) applied: Sums,
     /// Sums over sub-steps of the changes applied up to the move.
-    pub(super) weighted: [i128; 4],
+    pub(super) weighted: Sums,
+    /// The sum of the impulses around of all sub-steps and impacts: below 2^60.
+    around: i64,
+    rope_sums: RopeSums,
 }
 
 impl Block {
@@ -276,7 +303,7 @@ impl Block {
         }
         // The arm of the first body may grow to twice its length in the step.
         let mass_bits = bits_of(largest_mass) + if turns_frame { 2 } else { 0 };
-        let base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
+        let mut base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
         let axis_length = axis_length(flights).unwrap_or(0);
@@ -298,6 +325,15 @@ impl Block {
                 (Frame::Line, [true, false], [clock.length(length, unit).clamp(0, FAR) as i64, 0])
             }
             JointKind::Gear { .. } => (Frame::World, [false; 2], [0; 2]),
+            JointKind::Pulley { grounds, .. } => {
+                let ways = [0, 1].map(|k| {
+                    let way = rope_way(flights[k], joint.anchors[k], grounds[k]);
+                    way.map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64)
+                });
+                let [first, second] = [0, 1].map(|k| [0, 1].map(|i| ways[k][i] - sides[k].start[i]));
+                base = first;
+                (Frame::Ropes(second), [false; 2], ways.map(|[x, y]| length_of(x, y)))
+            }
             JointKind::Line => (Frame::Line, [false; 2], [length_of(offset[0], offset[1]), 0]),
             JointKind::Slider { angle } => {
                 let direction = direction_of(angle);
@@ -329,6 +365,8 @@ impl Block {
             joint: index as u32,
             sides,
             frame,
+            is_pulley: matches!(joint.kind, JointKind::Pulley { .. }),
+            rope_factors: joint.kind.rope_factors(),
             held,
             laws,
             is_active,
@@ -345,19 +383,28 @@ impl Block {
             errors: [0; 2],
             distance: 0,
             impulses: [warm(0, 0), warm(1, 0), warm(2, axis_length)],
-            change: [0; 4],
-            applied: [0; 4],
-            weighted: [0; 4],
+            change: Sums::default(),
+            applied: Sums::default(),
+            weighted: Sums::default(),
+            around: 0,
+            rope_sums: RopeSums::default(),
         }
     }
 
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
     #[inline(always)]
     fn advance(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
-        for i in 0..4 {
-            self.weighted[i] += self.applied[i] + self.change[i];
+        self.weighted.add(self.applied());
+        if self.is_pulley {
+            self.rope_sums.weigh();
         }
         self.turn(poses, laws)
+    }
+
+    /// The axes of a row for both bodies.
+    #[inline(always)]
+    fn side_axes(&self, row: usize) -> [[i64; 2]; 2] {
+        [self.axes[row], if self.is_pulley { self.axes[1] } else { self.axes[row] }]
     }
 
     /// Returns true if the joint holds a length, and nothing else.

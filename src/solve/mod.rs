@@ -445,7 +445,7 @@ impl ContactSolver for Solver {
         self.groups.totals()
     }
 
-    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.joints.totals()
     }
 

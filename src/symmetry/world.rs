@@ -56,8 +56,8 @@ impl Symmetry {
             let state = &mut image.joint_states.list[index];
             let [x, y, torque] = state.impulses;
             let Vec2 { x, y } = match def.kind {
-                // Along the line between its ends.
-                JointKind::Distance(_) => Vec2::new(x, y),
+                // Along the line between its ends, and along its rope.
+                JointKind::Distance(_) | JointKind::Pulley(_) => Vec2::new(x, y),
                 _ if def.kind.has_frame() => self.signed_local(Vec2::new(x, y), i64::checked_neg)?,
                 _ => self.signed(Vec2::new(x, y), i64::checked_neg)?,
             };

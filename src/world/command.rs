@@ -8,7 +8,7 @@ use crate::codec::{Malformed, Read as _, Reader, Write as _};
 impl Command {
     /// The largest number of bytes of a command without colliders or a blob. A collider takes 76 and its shape, 9 for a circle, 5 and 16 a
     /// corner for a polygon; a blob its length.
-    pub const BYTES: usize = 164;
+    pub const BYTES: usize = 174;
 
     /// The smallest number of bytes: [`ClearForces`](Self::ClearForces) is its number alone.
     pub(crate) const LEAST_BYTES: usize = 1;

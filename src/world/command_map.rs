@@ -9,7 +9,7 @@ use crate::collider::{ColliderDef, ContactSettings, Material, MaterialPair, OneW
 use crate::force::{Attachment, End, FieldKind, ForceField, Region};
 use crate::joint::{
     Distance, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring,
-    Prismatic, Revolute, Weld, Wheel,
+    Prismatic, Pulley, Revolute, Weld, Wheel,
 };
 use crate::math::Vec2;
 use crate::scalar::{Scalar, SpringConstants};
@@ -344,6 +344,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
             collide_connected: def.collide_connected,
             enabled: def.enabled,
             break_force: self.optional_scalar(def.break_force)?,
+            break_torque: self.optional_scalar(def.break_torque)?,
             events: def.events,
             key: def.key,
             user_data: def.user_data,
@@ -354,12 +355,16 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
     fn joint_kind(&mut self, kind: JointKind<S>) -> Result<JointKind<T>, Self::Error> {
         let [around, along, plain] = [Self::pseudoscalar, Self::along, Self::scalar];
         Ok(match kind {
-            JointKind::Revolute(Revolute { limits, motor, spring, friction }) => JointKind::Revolute(Revolute {
-                limits: self.joint_limits(limits, around)?,
-                motor: self.joint_motor(motor, around)?,
-                spring: self.joint_spring(spring, around)?,
-                friction: self.scalar(friction)?,
-            }),
+            JointKind::Revolute(Revolute { limits, motor, spring, friction, ratchet }) => {
+                let is_mirrored = self.pseudoscalar(S::ONE)? < T::ZERO;
+                JointKind::Revolute(Revolute {
+                    limits: self.joint_limits(limits, around)?,
+                    motor: self.joint_motor(motor, around)?,
+                    spring: self.joint_spring(spring, around)?,
+                    friction: self.scalar(friction)?,
+                    ratchet: ratchet.map(|teeth| if is_mirrored { teeth.saturating_neg() } else { teeth }),
+                })
+            }
             JointKind::Weld(Weld { spring }) => JointKind::Weld(Weld { spring: self.joint_spring(spring, around)? }),
             JointKind::Distance(Distance { limits, motor, spring, friction }) => JointKind::Distance(Distance {
                 limits: self.joint_limits(limits, plain)?,
@@ -380,6 +385,11 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 friction: self.scalar(friction)?,
             }),
             JointKind::Gear(gear) => JointKind::Gear(self.gear(gear)?),
+            JointKind::Pulley(Pulley { grounds: [first, second], strands, length }) => JointKind::Pulley(Pulley {
+                grounds: [self.point(first)?, self.point(second)?],
+                strands,
+                length: self.scalar(length)?,
+            }),
             JointKind::Motor(Motor { spring, motor, angular_spring, angular_motor }) => JointKind::Motor(Motor {
                 spring: self.planar_spring(spring)?,
                 motor: self.planar_motor(motor)?,

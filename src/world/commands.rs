@@ -421,6 +421,10 @@ commands! { world:
     46 => SetJointBreak { joint: JointId as joint(joint), force: Option<S> as optional_scalar(break_force) },
         check world.check_joint_break(*joint, *force),
         execute world.set_joint_break(*joint, *force);
+    /// Calls [`World::set_joint_break_torque`].
+    49 => SetJointBreakTorque { joint: JointId as joint(joint), torque: Option<S> as optional_scalar(break_torque) },
+        check world.check_joint_break(*joint, *torque),
+        execute world.set_joint_break_torque(*joint, *torque);
     /// Calls [`World::enable_joint`].
     47 => EnableJoint { joint: JointId as joint(joint), enabled: bool as plain(enabled) },
         check world.joints.find(*joint),

@@ -5,7 +5,7 @@ use core::fmt;
 use super::World;
 use crate::force::End;
 use crate::fx::Fx;
-use crate::joint::{JointDef, JointKind};
+use crate::joint::{JointDef, JointKind, Pulley, stop};
 use crate::math::Vec2;
 use crate::scalar::{Angle as _, FxWide, Scalar, Turn, Wide as _};
 use crate::slots::{BodyId, JointId};
@@ -98,9 +98,12 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         })
     }
 
-    /// The distance of the two ends, m: of a revolute joint the gap. *Error* 2 ulp.
+    /// The distance of the two ends, m: of a revolute joint the gap; of a pulley the length of its rope in use. *Error* 2 ulp, of a pulley each strand.
     #[must_use]
     pub fn length(&self) -> S {
+        if let JointKind::Pulley(pulley) = self.def().kind {
+            return S::from_fx(pulley.length_to(self.points()));
+        }
         let [from, to] = self.points().map(|point| point.map(S::to_fx));
         S::from_fx(from.checked_distance(to).unwrap_or(Fx::MAX))
     }
@@ -108,7 +111,7 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     /// The angle from the frame of the first end to the frame of the second one, rad. *Error* 1 ulp.
     ///
     /// Of a gear it is the angle by which the wheel with more teeth is out of step, 0 where the teeth fit.
-    /// A weld, and a revolute joint with limits or a spring, counts whole turns while it is active, up to ±2^15; the angle of all others is from −π
+    /// A weld, and a revolute joint with limits, a spring or a ratchet, counts whole turns while it is active, up to ±2^15; the angle of all others is from −π
     /// to π, and 0 for a whole half turn.
     #[must_use]
     pub fn angle(&self) -> S {
@@ -119,6 +122,31 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         let [first, second] = self.bodies();
         let frames = [self.world.joint_angle(first, def.angles[0]), self.world.joint_angle(second, def.angles[1])];
         frames[0].way_to(frames[1]).to_scalar().unwrap_or(S::ZERO)
+    }
+
+    /// The angle of the tooth of a ratchet that is engaged, rad: the joint does not turn back beyond it. `None` without a ratchet. *Error* 1 ulp.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, Mass, Revolute, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    /// let winch = world.add_body(BodyDef { mass, angular_velocity: fx!(2), ..BodyDef::dynamic() })?;
+    /// let kind = JointKind::Revolute(Revolute { ratchet: Some(12), ..Revolute::default() });
+    /// let axle = world.add_joint(JointDef { kind, ..JointDef::at(&world, None, winch, vec2(0, 0))? })?;
+    /// (0..30).for_each(|_| _ = world.step());
+    /// // One tooth of a twelfth of a turn is passed. It falls back to it, and no farther.
+    /// world.set_angular_velocity(winch, fx!(-2))?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// let tooth = world.joint(axle)?.stop().expect("a ratchet");
+    /// assert!((tooth - fx!(0.523598)).abs() < fx!(0.00001));
+    /// assert!((world.joint(axle)?.angle() - tooth).abs() < fx!(0.0001));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn stop(&self) -> Option<S> {
+        let tooth = self.world.joint_states.list[self.index].tooth;
+        self.def().kind.ratchet().map(|teeth| S::from_fx(stop(teeth, tooth)))
     }
 
     /// The angle of the frame of the first end in the world.
@@ -169,6 +197,9 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     /// ```
     #[must_use]
     pub fn translation(&self) -> S {
+        if matches!(self.def().kind, JointKind::Pulley(_)) {
+            return self.length();
+        }
         let kind = self.def().kind.for_solver(self.axis_angle());
         let [translation, _] = kind.ways(self.way());
         S::from_fx(translation)
@@ -220,7 +251,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     }
 
     /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.
-    /// It is the mean over the last sub-step. *Error* 1 ulp, and for a distance joint 2^-30 of it.
+    /// It is the mean over the last sub-step. *Error* 1 ulp, and for a distance joint or a pulley 2^-30 of it. Of a pulley the first end has another
+    /// force: along its own part of the rope, by its own strands.
     #[must_use]
     pub fn force(&self) -> Vec2<S> {
         let def = &self.world.def;
@@ -228,11 +260,10 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         let [first, second, _] = state.forces(def.time_step, def.contacts.substeps);
         let force = match self.def().kind {
             JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_) => Vec2::new(first, second),
-            JointKind::Distance(_) => {
-                let [from, to] = self.points().map(|point| point.map(S::to_fx));
-                let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();
-                let part = |component: Fx| component.saturating_mul(first);
-                direction.map(part)
+            JointKind::Distance(_) => force_along(self.points(), first),
+            JointKind::Pulley(Pulley { grounds: [_, ground], strands: [z1, z2], .. }) => {
+                let [_, point] = self.points();
+                force_along([ground, point], first * Fx::from(i32::from(z2)) / Fx::from(i32::from(z1.max(z2))))
             }
             JointKind::Prismatic(_) | JointKind::Wheel(_) | JointKind::Motor(_) => {
                 let force = self.axis_angle().rotate(Vec2::new(first, second));
@@ -242,6 +273,14 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         };
         force.map(S::from_fx)
     }
+}
+
+/// A force along the line between two points.
+fn force_along<S: Scalar>(points: [Vec2<S>; 2], force: Fx) -> Vec2 {
+    let [from, to] = points.map(|point| point.map(S::to_fx));
+    let direction = to.checked_sub(from).and_then(|offset| offset.normalize()).unwrap_or_default();
+    let part = |component: Fx| component.saturating_mul(force);
+    direction.map(part)
 }
 
 impl<S: Scalar> fmt::Debug for JointRef<'_, S> {

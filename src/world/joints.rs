@@ -6,158 +6,17 @@ use alloc::vec::Vec;
 use super::{Command, JointRef, World};
 use crate::body::{BodyKind, Change};
 use crate::contact::sorted;
-use crate::error::{Error, Quantity};
-use crate::force::{Attachment, End};
+use crate::error::Error;
 use crate::fx::Fx;
-use crate::joint::{Distance, Gear, JointDef, JointKind, JointMotor, Prismatic, Revolute, check_break_force};
-use crate::kernel::trig::atan2_turn;
-use crate::math::Vec2;
-use crate::scalar::{Angle as _, Scalar, Turn, Wide as _};
+use crate::joint::{JointDef, JointKind, JointMotor, check_break};
+use crate::scalar::{Angle as _, Scalar, Turn};
 use crate::slots::{BodyId, JointId};
 use crate::solve::{ContactSolver, Impulses};
-
-impl<S: Scalar> JointDef<S> {
-    /// A revolute joint of two bodies at a point of the world, m; `None` is the world. The angle of the joint is 0 as they stand.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::JointPoint`] for a point too far from a body.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, JointDef, Shape, World, WorldDef, fx, vec2};
-    ///
-    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
-    /// let arm = BodyDef::dynamic().with_collider(Shape::rectangle(fx!(0.2), 2)?);
-    /// let [upper, lower] = [-1, -3].map(|y| world.add_body(BodyDef { position: vec2(0, y), ..arm.clone() }));
-    /// let (upper, lower) = (upper?, lower?);
-    /// let shoulder = JointDef::at(&world, None, upper, vec2(0, 0))?;
-    /// let elbow = JointDef::at(&world, upper, lower, vec2(0, -2))?;
-    /// world.add_joint(shoulder)?;
-    /// let elbow = world.add_joint(elbow)?;
-    /// world.set_velocity(lower, vec2(3, 0))?;
-    /// (0..60).for_each(|_| _ = world.step());
-    /// let elbow = world.joint(elbow)?;
-    /// assert!(elbow.length() < fx!(0.01) && elbow.angle() != fx!(0));
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    pub fn at(
-        world: &World<S>,
-        first: impl Into<Option<BodyId>>,
-        second: impl Into<Option<BodyId>>,
-        point: Vec2<S>,
-    ) -> Result<Self, Error> {
-        let bodies = [first.into(), second.into()];
-        let ends = [end_at(world, bodies[0], point)?, end_at(world, bodies[1], point)?];
-        // The frame of the first end is along its axes, and the frame of the second end stands alike.
-        let [first, second] = [world.joint_angle(bodies[0], S::ZERO), world.joint_angle(bodies[1], S::ZERO)];
-        let angle = second.way_to(first).to_scalar().unwrap_or(S::ZERO);
-        Ok(Self { angles: [S::ZERO, angle], ..Self::new(ends, JointKind::Revolute(Revolute::default())) })
-    }
-
-    /// A prismatic joint of two bodies at a point of the world, m, along a direction in the world; `None` is the world. The axis turns with the
-    /// first body. The translation and the angle of the joint are 0 as they stand.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::JointPoint`] for a point too far from a body.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, JointDef, JointKind, Prismatic, World, WorldDef, fx, vec2};
-    ///
-    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
-    /// let sled = world.add_body(BodyDef::dynamic())?;
-    /// // A rail that falls by one to one.
-    /// let rail = JointDef::along(&world, None, sled, vec2(0, 0), vec2(1, -1))?;
-    /// let rail = world.add_joint(JointDef { kind: JointKind::Prismatic(Prismatic::default()), ..rail })?;
-    /// (0..60).for_each(|_| _ = world.step());
-    /// let velocity = world.body(sled)?.velocity();
-    /// assert!((velocity - vec2(5, -5)).length() < fx!(0.0001));
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    pub fn along(
-        world: &World<S>,
-        first: impl Into<Option<BodyId>>,
-        second: impl Into<Option<BodyId>>,
-        point: Vec2<S>,
-        direction: Vec2<S>,
-    ) -> Result<Self, Error> {
-        let first = first.into();
-        let def = Self::at(world, first, second, point)?;
-        let Vec2 { x, y } = direction.map(|part| part.to_fx().to_bits());
-        let axis = S::Angle::from_turn(Turn::from_bits(atan2_turn(y, x)));
-        let angle = world.joint_angle(first, S::ZERO).way_to(axis).to_scalar().unwrap_or(S::ZERO);
-        let angles = [angle, def.angles[1] + angle];
-        Ok(Self { angles, kind: JointKind::Prismatic(Prismatic::default()), ..def })
-    }
-
-    /// Two gears with these numbers of teeth, whose teeth fit as the bodies stand: [`Gear`].
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Teeth`] for teeth out of range.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, Gear, JointDef, JointKind, World, WorldDef, fx};
-    ///
-    /// let mut world = World::new(WorldDef::default())?;
-    /// let [wheel, ring] = [fx!(1), fx!(2)].map(|angle| world.add_body(BodyDef { angle, ..BodyDef::dynamic() }));
-    /// let inside = JointDef::gear(&world, wheel?, ring?, [20, -60])?;
-    /// assert_eq!(inside.kind, JointKind::Gear(Gear { teeth: [20, -60] }));
-    /// let inside = world.add_joint(inside)?;
-    /// assert!(world.joint(inside)?.angle().abs() < fx!(0.000001));
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    pub fn gear(world: &World<S>, first: BodyId, second: BodyId, teeth: [i16; 2]) -> Result<Self, Error> {
-        let kind = JointKind::Gear(Gear { teeth });
-        kind.check()?;
-        world.bodies.find(first)?;
-        world.bodies.find(second)?;
-        let angles = [first, second].map(|body| world.joint_angle(Some(body), S::ZERO).to_turn());
-        let step = kind.for_solver(angles[0]).angle(angles).to_bits() as i64;
-        // The second frame takes the teeth that are out of step: below half a tooth.
-        let turn = Turn::from_bits((step / -i64::from(teeth[1])) as u64);
-        let angle = S::Angle::default().way_to(S::Angle::from_turn(turn)).to_scalar().unwrap_or(S::ZERO);
-        let ends = [first, second].map(|body| End::Body(Attachment { body, point: Vec2::ZERO }));
-        Ok(Self { angles: [S::ZERO, angle], ..Self::new(ends, kind) })
-    }
-
-    /// A rigid rod between points of two bodies, given where they are in the world, m; `None` is the world. It is as long as they are apart.
-    ///
-    /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::JointPoint`] for a point too far from its body.
-    ///
-    /// ```
-    /// use umbra_physics::{BodyDef, JointDef, JointKind, Distance, World, WorldDef, fx, vec2};
-    ///
-    /// let mut world = World::new(WorldDef::default())?;
-    /// let [a, b] = [0, 5].map(|x| world.add_body(BodyDef { position: vec2(x, 0), ..BodyDef::dynamic() }));
-    /// let (a, b) = (a?, b?);
-    /// let rod = JointDef::between(&world, a, vec2(1, 0), b, vec2(5, 3))?;
-    /// assert_eq!(rod.kind, JointKind::Distance(Distance::rod(fx!(5))));
-    /// # Ok::<(), umbra_physics::Error>(())
-    /// ```
-    pub fn between(
-        world: &World<S>,
-        first: impl Into<Option<BodyId>>,
-        from: Vec2<S>,
-        second: impl Into<Option<BodyId>>,
-        to: Vec2<S>,
-    ) -> Result<Self, Error> {
-        let ends = [end_at(world, first.into(), from)?, end_at(world, second.into(), to)?];
-        let length = from.map(S::to_fx).checked_distance(to.map(S::to_fx)).unwrap_or(Fx::MAX);
-        Ok(Self::new(ends, JointKind::Distance(Distance::rod(S::from_fx(length)))))
-    }
-}
 
 /// The command that sets the motor of a joint, for its kind with the motor. Images of motors that turn are others than images of motors that push,
 /// which are told by their kind.
 fn motor_command<S: Scalar>(joint: JointId, motor: Option<JointMotor<S>>, kind: JointKind<S>) -> Command<S> {
     if kind.motor_turns() { Command::SetJointMotor { joint, motor } } else { Command::SetJointKind { joint, kind } }
-}
-
-/// The end of a joint at a point of the world, on a body or on the world.
-fn end_at<S: Scalar>(world: &World<S>, body: Option<BodyId>, point: Vec2<S>) -> Result<End<S>, Error> {
-    let Some(body) = body else { return Ok(End::World(point)) };
-    let too_far = Error::OutOfRange { quantity: Quantity::JointPoint };
-    let point = world.body(body)?.local_point(point).ok_or(too_far)?;
-    Ok(End::Body(Attachment { body, point }))
 }
 
 impl<S: Scalar> World<S> {
@@ -168,9 +27,9 @@ impl<S: Scalar> World<S> {
     /// then starts without an impulse. [Dominance](crate::BodyDef::dominance) is for contacts alone: a joint pulls both bodies.
     ///
     /// # Errors
-    /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::NothingToMove`] if neither end is on a dynamic body; [`Error::OutOfRange`] with
-    /// [`Quantity::Position`] for a point of the world, [`Quantity::JointPoint`] for a point of a body, [`Quantity::Angle`] for a float that is
-    /// no number, [`Quantity::JointLength`] or [`Quantity::BreakForce`]; [`Error::Full`]; [`Error::FloatJoint`] in a world of floats.
+    /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::NothingToMove`] if neither end is on a dynamic body; [`Error::OutOfRange`] with the
+    /// quantity: `Position` for a point of the world, `JointPoint` for a point of a body, `Angle` for a float that is no number, `BreakForce`, or
+    /// as [`JointKind::check`] has it; [`Error::Full`]; [`Error::FloatJoint`] in a world of floats.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Distance, JointDef, JointKind, World, WorldDef, fx, vec2};
@@ -199,6 +58,7 @@ impl<S: Scalar> World<S> {
         self.touch_joined(&def)?;
         self.journal.note(|| Command::AddJoint(def));
         let id = Arc::make_mut(&mut self.joints).insert(def, &mut self.joint_states);
+        self.engage_ratchet(self.joints.find(id)?);
         self.end_contacts_of(&def);
         Ok(id)
     }
@@ -227,7 +87,7 @@ impl<S: Scalar> World<S> {
     /// Sets what a joint keeps; wakes its bodies. A joint with the same rows as before keeps its impulses: a weld those of a revolute joint.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with the quantity of the value that is out of range, such as [`Quantity::JointLimits`].
+    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with the quantity of the value that is out of range, such as [`Quantity::JointLimits`](crate::Quantity::JointLimits).
     pub fn set_joint_kind(&mut self, joint: JointId, kind: JointKind<S>) -> Result<(), Error> {
         let index = self.check_joint_kind(joint, &kind)?;
         let old = self.joints.def(index).kind;
@@ -237,14 +97,17 @@ impl<S: Scalar> World<S> {
             self.joint_states.list[index].clear_impulses();
         }
         self.fit_joint_state(index);
+        if kind.ratchet() != old.ratchet() {
+            self.engage_ratchet(index);
+        }
         Ok(())
     }
 
     /// Sets the motor of a joint, `None` for no motor; wakes its bodies. The impulse that the joint starts from stays.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`]; [`Error::NoMotor`] for a weld; [`Error::OutOfRange`] with [`Quantity::MotorSpeed`] or
-    /// [`Quantity::JointForce`].
+    /// [`Error::NoSuchJoint`]; [`Error::NoMotor`] for a weld; [`Error::OutOfRange`] with [`Quantity::MotorSpeed`](crate::Quantity::MotorSpeed) or
+    /// [`Quantity::JointForce`](crate::Quantity::JointForce).
     ///
     /// ```
     /// use umbra_physics::{BodyDef, JointDef, JointMotor, Mass, World, WorldDef, fx, vec2};
@@ -292,11 +155,40 @@ impl<S: Scalar> World<S> {
     /// Sets the mean force over a step, N, above which a joint breaks, `None` for never; wakes its bodies. A joint that is broken stays so.
     ///
     /// # Errors
-    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with [`Quantity::BreakForce`].
+    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with [`Quantity::BreakForce`](crate::Quantity::BreakForce).
     pub fn set_joint_break(&mut self, joint: JointId, force: Option<S>) -> Result<(), Error> {
         let index = self.check_joint_break(joint, force)?;
         self.redefine_joint(index, |def| def.break_force = force)?;
         self.journal.note(|| Command::SetJointBreak { joint, force });
+        Ok(())
+    }
+
+    /// Sets the mean torque over a step, N·m, above which a joint breaks, `None` for never; wakes its bodies. A joint that is broken stays so.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchJoint`]; [`Error::OutOfRange`] with [`Quantity::BreakForce`](crate::Quantity::BreakForce).
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, JointKind, Mass, Weld, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    /// let shelf = world.add_body(BodyDef { position: vec2(1, 0), mass, ..BodyDef::dynamic() })?;
+    /// let weld = JointDef { kind: JointKind::Weld(Weld::default()), ..JointDef::at(&world, None, shelf, vec2(0, 0))? };
+    /// let weld = world.add_joint(weld)?;
+    /// // The shelf pulls with 10 N, and bends the weld with 10 N·m.
+    /// world.set_joint_break_torque(weld, Some(fx!(11)))?;
+    /// (0..60).for_each(|_| _ = world.step());
+    /// assert!(!world.joint(weld)?.is_broken());
+    /// world.apply_force(shelf, vec2(0, -5))?;
+    /// world.step();
+    /// assert!(world.joint(weld)?.is_broken());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn set_joint_break_torque(&mut self, joint: JointId, torque: Option<S>) -> Result<(), Error> {
+        let index = self.check_joint_break(joint, torque)?;
+        self.redefine_joint(index, |def| def.break_torque = torque)?;
+        self.journal.note(|| Command::SetJointBreakTorque { joint, torque });
         Ok(())
     }
 
@@ -307,16 +199,20 @@ impl<S: Scalar> World<S> {
     /// [`Error::NoSuchJoint`].
     pub fn enable_joint(&mut self, joint: JointId, enabled: bool) -> Result<(), Error> {
         let index = self.joints.find(joint)?;
+        let was_active = self.joint_at(index).is_active();
         self.redefine_joint(index, |def| def.enabled = enabled)?;
         self.journal.note(|| Command::EnableJoint { joint, enabled });
         let state = &mut self.joint_states.list[index];
         state.is_broken = false;
-        if enabled {
-            let def = *self.joints.def(index);
-            self.end_contacts_of(&def);
-        } else {
+        if !enabled {
             state.clear_impulses();
+            return Ok(());
         }
+        if !was_active {
+            self.engage_ratchet(index);
+        }
+        let def = *self.joints.def(index);
+        self.end_contacts_of(&def);
         Ok(())
     }
 
@@ -325,7 +221,11 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchJoint`].
     pub fn joint(&self, joint: JointId) -> Result<JointRef<'_, S>, Error> {
-        Ok(JointRef { world: self, index: self.joints.find(joint)? })
+        Ok(self.joint_at(self.joints.find(joint)?))
+    }
+
+    fn joint_at(&self, index: usize) -> JointRef<'_, S> {
+        JointRef { world: self, index }
     }
 
     /// All joints, sorted by their keys, then by their handles.
@@ -350,7 +250,7 @@ impl<S: Scalar> World<S> {
 
     fn sorted_joints(&self, mut indices: Vec<usize>) -> impl Iterator<Item = JointRef<'_, S>> + use<'_, S> {
         indices.sort_unstable_by_key(|&index| (self.joints.def(index).key, self.joints.id(index)));
-        indices.into_iter().map(|index| JointRef { world: self, index })
+        indices.into_iter().map(|index| self.joint_at(index))
     }
 
     pub(super) fn check_new_joint(&self, def: &JointDef<S>) -> Result<(), Error> {
@@ -387,9 +287,9 @@ impl<S: Scalar> World<S> {
         self.set_joint_motor(joint, motor)
     }
 
-    pub(super) fn check_joint_break(&self, joint: JointId, force: Option<S>) -> Result<usize, Error> {
+    pub(super) fn check_joint_break(&self, joint: JointId, break_force: Option<S>) -> Result<usize, Error> {
         let index = self.joints.find(joint)?;
-        check_break_force(force).map(|()| index)
+        check_break(break_force).map(|()| index)
     }
 
     /// The angle of the frame of an end of a joint in the world, for its angle on the body or on the world.
@@ -426,6 +326,7 @@ impl<S: Scalar> World<S> {
                 let is_first = link.ends[0].slot() == Some(body.slot);
                 let change = if is_first { turned.wrapping_neg() } else { turned };
                 self.joint_states.turn(index, Turn::from_bits(to.to_bits().wrapping_sub(change)), to);
+                self.joint_states.engage(index, link.ratchet, to);
             }
         }
     }
@@ -451,6 +352,12 @@ impl<S: Scalar> World<S> {
         if !kind.counts_turns() {
             state.turns = 0;
         }
+    }
+
+    /// Engages the tooth of a ratchet at the present angle.
+    fn engage_ratchet(&mut self, index: usize) {
+        let (ratchet, angle) = (self.joints.link(index).ratchet, self.joint_turn(index));
+        self.joint_states.engage(index, ratchet, angle);
     }
 
     /// Changes the definition of a joint, but not its ends.

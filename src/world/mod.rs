@@ -17,6 +17,7 @@ mod fields;
 mod forces;
 mod game;
 mod inputs;
+mod joint_defs;
 mod joint_ref;
 mod joints;
 mod journal;

@@ -208,6 +208,7 @@ fn everything() -> World {
             motor: if i % 3 == 1 { motor(4, 60) } else { None },
             spring: (i % 3 == 2).then(|| JointSpring::new(fx!(2), fx!(0.2))),
             friction: Fx::from_ratio(i64::from(i), 10),
+            ratchet: None,
         };
         let kind = if i == 4 { JointKind::Weld(Weld::default()) } else { JointKind::Revolute(revolute) };
         world.add_joint(JointDef { kind, key: i as u64, ..joint }).expect("a joint");

@@ -1,7 +1,10 @@
 //! Joints break on the mean force of a step.
 
 use super::scenes::{falling, point_mass, steps};
-use umbra_physics::{BodyDef, BodyId, Event, Fx, JointDef, JointId, Symmetry, World, fx, vec2};
+use umbra_physics::{
+    BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Symmetry, Weld, World,
+    WorldDef, fx, vec2,
+};
 
 /// A chain of ten weights of 1 kg on rods of 1 m, straight down: the uppermost rod bears 100 N.
 fn weights(break_force: Fx) -> (World, Vec<BodyId>, Vec<JointId>) {
@@ -81,6 +84,70 @@ fn all_breaks_of_a_step_are_one_report() {
     assert_eq!((&expected.1[..], expected.2), (&[1, 2, 3][..], 3));
     assert_eq!(run([3, 1, 2], false), expected);
     assert_eq!(run([2, 3, 1], true), expected);
+}
+
+/// A shelf of 2 kg on a weld bears 20 N and 10 N·m: it holds at half a percent above either, and breaks at half a percent below it. The report has
+/// both.
+#[test]
+fn a_joint_breaks_above_its_torque_and_not_below() {
+    for (force, torque, breaks) in [
+        (Some(fx!(20.1)), Some(fx!(10.05)), false),
+        (None, Some(fx!(10.05)), false),
+        (None, Some(fx!(9.95)), true),
+        (Some(fx!(1_000)), Some(fx!(9.95)), true),
+        (Some(fx!(19.9)), Some(fx!(1_000)), true),
+        (Some(fx!(19.9)), None, true),
+    ] {
+        let mut world = falling();
+        let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(1) };
+        let shelf = world.add_body(BodyDef { position: vec2(fx!(0.5), 0), mass, ..BodyDef::dynamic() });
+        let weld = JointDef::at(&world, None, shelf.expect("a body"), vec2(0, 0)).expect("a weld");
+        let weld = JointDef { kind: JointKind::Weld(Weld::default()), events: true, ..weld };
+        let weld = world.add_joint(weld).expect("a weld");
+        rest(&mut world);
+        world.set_joint_break(weld, force).expect("a force");
+        world.set_joint_break_torque(weld, torque).expect("a torque");
+        let mut broke = Vec::new();
+        for _ in 0..600 {
+            broke.extend_from_slice(world.step().joints_broke);
+        }
+        assert_eq!(broke.len(), usize::from(breaks), "{force:?} {torque:?}");
+        for broke in broke {
+            assert!((broke.force - vec2(0, 20)).length() < fx!(0.05), "{}", broke.force);
+            assert!((broke.torque - fx!(10)).abs() < fx!(0.05), "{}", broke.torque);
+        }
+    }
+}
+
+/// A motor that is held wrings its axle off where its torque is larger; the torque of a gear is the torque on its second body.
+#[test]
+fn motors_and_gears_break_by_their_torque() {
+    let held = |torque: Fx| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+        let [first, second] = [0, 5].map(|x| {
+            let body = world.add_body(BodyDef { position: vec2(x, 0), mass, ..BodyDef::dynamic() }).expect("a body");
+            let axle = JointDef::at(&world, None, body, vec2(x, 0)).expect("a joint");
+            let motor = Some(JointMotor { speed: fx!(0), max_force: if x == 0 { fx!(0) } else { fx!(1_000) } });
+            let kind = JointKind::Revolute(Revolute { motor, ..Revolute::default() });
+            world.add_joint(JointDef { kind, ..axle }).expect("a joint");
+            body
+        });
+        let gear = JointDef::gear(&world, first, second, [10, 30]).expect("a gear");
+        let gear = JointDef { break_torque: Some(torque), events: true, ..gear };
+        let gear = world.add_joint(gear).expect("a gear");
+        for _ in 0..120 {
+            // 4 N·m on the small wheel are 12 N·m on the large one.
+            world.apply_torque(first, fx!(4)).expect("a torque");
+            if let [broke] = world.step().joints_broke {
+                return (broke.joint == gear).then_some(broke.torque);
+            }
+        }
+        None
+    };
+    assert_eq!(held(fx!(12.1)), None);
+    let torque = held(fx!(11.9)).expect("it breaks");
+    assert!((torque.abs() - fx!(12)).abs() < fx!(0.05), "{torque}");
 }
 
 /// A broken joint that is repaired pulls again from where its ends are.

@@ -12,6 +12,8 @@ mod impacts;
 mod motion;
 mod motors;
 mod pairs;
+mod pulleys;
+mod ratchets;
 mod sleep;
 mod sliders;
 mod state;

@@ -42,11 +42,12 @@ fn the_state_of_a_joint_is_small() {
     let def = JointDef::at(&world, None, body, vec2(0, 0)).expect("a joint");
     let joint = world.add_joint(def).expect("a joint");
     steps(&mut world, 1);
-    // Two ends, two angles, the kind, three flags, no force, a key, data; the slot has a generation and says that it is taken.
-    let definition = (17 + 25) + 16 + 1 + 3 + 1 + 16;
+    // Two ends, two angles, the kind, three flags, no force and no torque, a key, data; the slot has a generation and says that it is taken.
+    let definition = (17 + 25) + 16 + 1 + 3 + 2 + 16;
     // No limits, motor or spring, and no friction.
     let axis = 3 + 8;
-    assert_eq!(size(&world) - empty, definition + axis + 5 + 19);
+    // And no ratchet.
+    assert_eq!(size(&world) - empty, definition + axis + 1 + 5 + 19);
     let rod = JointDef::between(&world, None, vec2(0, 0), body, vec2(1, 0)).expect("a rod");
     world.set_joint_kind(joint, rod.kind).expect("a kind");
     // Two limits.

@@ -12,8 +12,8 @@ use umbra_physics::{
     CustomForce, CustomForceError, Damping, Dependence, Distance, End, Exclusion, Explosion, FieldId, FieldKind,
     Filter, ForceField, ForceOrImpulse, ForceTorque, Frame, Fx, FxFactor, Gear, Input, Inputs, Integrator, JointDef,
     JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, Material, MaterialPair, MixRule, Motor,
-    OneWay, Part, PlanarMotor, Prismatic, Random, RecordOptions, Recorder, Region, Revolute, Shape, SpringConstants,
-    TimeStep, Weld, Wheel, World, WorldDef, fx, vec2,
+    OneWay, Part, PlanarMotor, Prismatic, Pulley, Random, RecordOptions, Recorder, Region, Revolute, Shape,
+    SpringConstants, TimeStep, Weld, Wheel, World, WorldDef, fx, vec2,
 };
 
 struct Still;
@@ -134,8 +134,21 @@ fn driven_pin() -> JointDef {
         motor: Some(JointMotor { speed: fx!(2), max_force: fx!(30) }),
         spring: Some(JointSpring { rest: fx!(0.25), max_force: Some(fx!(9)), ..JointSpring::new(fx!(2), fx!(0.5)) }),
         friction: fx!(0.125),
+        ratchet: None,
     });
-    JointDef { kind, break_force: Some(fx!(5_000)), ..pin() }
+    JointDef { kind, break_force: Some(fx!(5_000)), break_torque: Some(fx!(900)), ..pin() }
+}
+
+/// A pin with a ratchet, and limits that are farther apart than a tooth.
+fn ratchet() -> JointDef {
+    let limits = Some(JointLimits { lower: fx!(-9), upper: fx!(9) });
+    JointDef { kind: JointKind::Revolute(Revolute { limits, ratchet: Some(-12), ..Revolute::default() }), ..pin() }
+}
+
+/// A rope over two points from the body in slot 5 to the body in slot 6.
+fn pulley() -> JointDef {
+    let pulley = Pulley { grounds: [vec2(0, 9), vec2(2, 9)], strands: [1, 2], length: fx!(30) };
+    JointDef { kind: JointKind::Pulley(pulley), ..rod() }
 }
 
 /// A weld of the body in slot 4 to the world.
@@ -290,6 +303,8 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetJointKind { joint, kind: wheel_rope_and_motor()[1].kind },
         Command::SetJointKind { joint, kind: wheel_rope_and_motor()[2].kind },
         Command::SetJointKind { joint, kind: JointKind::Gear(Gear { teeth: [12, -36] }) },
+        Command::SetJointKind { joint, kind: pulley().kind },
+        Command::SetJointKind { joint, kind: ratchet().kind },
         Command::SetJointKind { joint, kind: JointKind::Distance(Distance::spring(fx!(1), fx!(2), fx!(0))) },
         Command::SetJointKind { joint, kind: weld().kind },
         Command::SetJointKind { joint, kind: driven_pin().kind },
@@ -300,10 +315,12 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetJointMotor { joint: JointId::from_parts(0, 0), motor: None },
         Command::SetJointBreak { joint, force: Some(fx!(0.5)) },
         Command::SetJointBreak { joint, force: None },
+        Command::SetJointBreakTorque { joint, torque: Some(fx!(7)) },
+        Command::SetJointBreakTorque { joint, torque: None },
         Command::EnableJoint { joint, enabled: false },
-        Command::RemoveJoint(joint),
         Command::RemoveCollider(collider),
         Command::RemoveField(FieldId::from_parts(0, 0)),
+        Command::RemoveJoint(joint),
         Command::RemoveBody(BodyId::from_parts(3, 0)),
     ]);
     commands
@@ -340,7 +357,7 @@ pub(crate) fn world() -> World {
     world.remove_field(gone).expect("it is there");
     let [wheel, rope, motor] = wheel_rope_and_motor();
     let gear = JointDef { kind: JointKind::Gear(Gear { teeth: [12, -36] }), ..rod() };
-    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin(), motor, gear] {
+    for joint in [driven_pin(), rod(), slider(), wheel, rope, pin(), motor, gear, pulley(), ratchet()] {
         world.add_joint(joint).expect("a joint");
     }
     world.remove_joint(JointId::from_parts(5, 0)).expect("it is there");

@@ -4,7 +4,7 @@ use umbra_physics::{
     Activity, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx,
     FxFactor, Gear, Integrator, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass,
-    Material, MaterialPair, MixRule, Motor, OneWay, Part, PlanarMotor, PlanarSpring, Prismatic, Random, Region,
+    Material, MaterialPair, MixRule, Motor, OneWay, Part, PlanarMotor, PlanarSpring, Prismatic, Pulley, Random, Region,
     Revolute, Shape, SpringConstants, TimeStep, Vec2, Weld, Wheel,
 };
 
@@ -270,6 +270,7 @@ fn joint_kind(value: &Value) -> JointKind {
             motor: value["motor"].option().map(joint_motor),
             spring: value["spring"].option().map(joint_spring),
             friction: number(&value["friction"]),
+            ratchet: value["ratchet"].option().map(|teeth| teeth.natural() as u16 as i16),
         }),
         "Weld" => JointKind::Weld(Weld { spring: value["spring"].option().map(joint_spring) }),
         "Distance" => JointKind::Distance(Distance {
@@ -308,6 +309,11 @@ fn joint_kind(value: &Value) -> JointKind {
             let teeth = ["first_teeth", "second_teeth"].map(|name| value[name].natural() as u16 as i16);
             JointKind::Gear(Gear { teeth })
         }
+        "Pulley" => JointKind::Pulley(Pulley {
+            grounds: [vector(&value["first_ground"]), vector(&value["second_ground"])],
+            strands: ["first_strands", "second_strands"].map(|name| value[name].natural() as u8),
+            length: number(&value["length"]),
+        }),
         name => panic!("kind of joint {name}"),
     }
 }
@@ -320,6 +326,7 @@ fn joint_def(value: &Value) -> JointDef {
         collide_connected: value["collide_connected"].natural() == 1,
         enabled: value["enabled"].natural() == 1,
         break_force: value["break_force"].option().map(number),
+        break_torque: value["break_torque"].option().map(number),
         events: value["events"].natural() == 1,
         key: value["key"].natural(),
         user_data: value["user_data"].natural(),
@@ -462,6 +469,9 @@ pub(crate) fn command(value: &Value) -> Command {
         }
         "SetJointBreak" => {
             Command::SetJointBreak { joint: joint(&value["joint"]), force: value["force"].option().map(number) }
+        }
+        "SetJointBreakTorque" => {
+            Command::SetJointBreakTorque { joint: joint(&value["joint"]), torque: value["torque"].option().map(number) }
         }
         "EnableJoint" => {
             Command::EnableJoint { joint: joint(&value["joint"]), enabled: value["enabled"].natural() == 1 }

@@ -156,7 +156,7 @@ fn does_work(kind: &JointKind) -> bool {
         | JointKind::Prismatic(Prismatic { motor, spring, .. })
         | JointKind::Wheel(Wheel { motor, spring, .. }) => drives(motor) || spring.is_some(),
         JointKind::Weld(Weld { spring }) => spring.is_some(),
-        JointKind::Gear(_) => false,
+        JointKind::Gear(_) | JointKind::Pulley(_) => false,
         _ => true,
     }
 }
@@ -169,9 +169,14 @@ fn is_out_of_place(joint: &JointRef<'_>) -> bool {
     let is_off = |position: Fx| position.abs() > OUT_OF_PLACE;
     let (length, angle, offset) = (joint.length(), joint.angle(), joint.offset());
     match joint.def().kind {
-        JointKind::Revolute(Revolute { limits, .. }) => is_off(length) || is_beyond(angle, limits),
+        JointKind::Revolute(Revolute { limits, ratchet, .. }) => {
+            let behind =
+                joint.stop().zip(ratchet).map(|(stop, teeth)| if teeth > 0 { stop - angle } else { angle - stop });
+            is_off(length) || is_beyond(angle, limits) || behind.is_some_and(|behind| behind > OUT_OF_PLACE)
+        }
         JointKind::Weld(_) => is_off(length) || is_off(angle),
         JointKind::Distance(Distance { limits, .. }) => is_beyond(length, limits),
+        JointKind::Pulley(pulley) => length > pulley.length + OUT_OF_PLACE,
         JointKind::Prismatic(Prismatic { limits, .. }) => {
             is_beyond(offset.x, limits) || is_off(offset.y) || is_off(angle)
         }

@@ -200,6 +200,9 @@ fn do_to_joint(object: &Object<'_>, joint: JointId, push: &mut impl FnMut(&Node<
         });
         set_by(&set, "motor", push, |node| Ok(Command::SetJointMotor { joint, motor: optional_motor(node)? }));
         set_by(&set, "break_force", push, |node| Ok(Command::SetJointBreak { joint, force: break_force(node)? }));
+        set_by(&set, "break_torque", push, |node| {
+            Ok(Command::SetJointBreakTorque { joint, torque: break_force(node)? })
+        });
         set.finish()
     });
     set_by(object, "do", push, |node| {

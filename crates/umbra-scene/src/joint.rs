@@ -8,7 +8,7 @@ use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
     BodyId, Distance, End, Error, Fx, Gear, JointDef, JointKind, JointLimits, JointMotor, JointSpring, Motor,
-    PlanarMotor, PlanarSpring, Prismatic, Quantity, Revolute, Vec2, Weld, Wheel, World,
+    PlanarMotor, PlanarSpring, Prismatic, Pulley, Quantity, Revolute, Vec2, Weld, Wheel, World,
 };
 
 /// A joint of a scene.
@@ -42,7 +42,7 @@ pub(super) struct Start<'a> {
 }
 
 /// The kinds of joints.
-const KINDS: [&str; 7] = ["revolute", "weld", "distance", "prismatic", "wheel", "motor", "gear"];
+const KINDS: [&str; 8] = ["revolute", "weld", "distance", "prismatic", "wheel", "motor", "gear", "pulley"];
 
 /// The points and the axis at which a joint is placed in the world.
 #[derive(Clone, Copy)]
@@ -55,6 +55,8 @@ enum Placing {
     Between(Vec2, Vec2),
     /// The centres of two bodies with these teeth.
     Geared([i16; 2]),
+    /// A point of each of two bodies, and the points of the world and the strands of the rope between them.
+    Roped([Vec2; 2], Pulley),
 }
 
 /// Reads a joint. Without a start its ends are needed in the axes of its bodies.
@@ -63,20 +65,32 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
     let flag = |name, otherwise| object.or(name, otherwise, Node::boolean);
     let [collide_connected, enabled, events] =
         [flag("collide_connected", false), flag("enabled", true), flag("events", false)];
-    let break_force = object.or("break_force", None, break_force);
+    let [break_force, break_torque] = ["break_force", "break_torque"].map(|name| object.or(name, None, break_force));
     let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
     // The teeth of gears fit as the bodies stand.
     let gear = object.has("gear").then(|| kind(object, None));
     let placed = placed(object, names, start, gear.as_ref());
-    // A rod between two points, and a spring at rest, is as long as they are apart, unless it says so itself.
+    // A rod between two points, a rope, and a spring at rest, is as long as they are apart, unless it says so itself.
     let length = placed.as_ref().ok().and_then(|def| match def.kind {
         JointKind::Distance(Distance { limits: Some(limits), .. }) => Some(limits.upper),
+        JointKind::Pulley(Pulley { length, .. }) => Some(length),
         _ => None,
     });
     let kind = gear.unwrap_or_else(|| kind(object, length));
     object.finish()?;
     let JointDef { ends, angles, .. } = placed?;
-    let def = JointDef { ends, angles, kind: kind?, collide_connected, enabled, break_force, events, key, user_data };
+    let def = JointDef {
+        ends,
+        angles,
+        kind: kind?,
+        collide_connected,
+        enabled,
+        break_force,
+        break_torque,
+        events,
+        key,
+        user_data,
+    };
     Ok(SceneJoint { name, def, place: object.node.place() })
 }
 
@@ -104,10 +118,13 @@ fn placed(
         _ => Err(node.wrong_kind("the name of a body, or null for the world")),
     });
     let placing = if object.has("distance") {
-        object.need("points", |node| {
-            let [from, to] = node.tuple()?.map(|node: Node<'_>| node.point());
-            Ok(Placing::Between(from?, to?))
-        })
+        object.need("points", points).map(|[from, to]| Placing::Between(from, to))
+    } else if object.has("pulley") {
+        let points = object.need("points", points);
+        // Its values have their errors there.
+        let rope =
+            object.at(&["pulley"]).object().ok().and_then(|inner| rope(&inner).ok()).ok_or_else(Refused::default);
+        points.and_then(|points| Ok(Placing::Roped(points, rope?)))
     } else if let Some(gear) = gear {
         match gear {
             Ok(JointKind::Gear(Gear { teeth })) => Ok(Placing::Geared(*teeth)),
@@ -144,6 +161,10 @@ impl Start<'_> {
             Placing::At(point) => JointDef::at(self.world, first, second, point),
             Placing::Along(point, axis) => JointDef::along(self.world, first, second, point, axis),
             Placing::Between(from, to) => JointDef::between(self.world, first, from, second, to),
+            Placing::Roped(points, Pulley { grounds, strands, .. }) => match (first, second) {
+                (Some(first), Some(second)) => JointDef::pulley(self.world, [first, second], points, grounds, strands),
+                _ => return Err(node.fault("a pulley joins two bodies")),
+            },
             Placing::Geared(teeth) => match (first, second) {
                 (Some(first), Some(second)) => JointDef::gear(self.world, first, second, teeth),
                 _ => return Err(node.fault("gears are two bodies")),
@@ -170,6 +191,7 @@ pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind>
                 motor: object_or_none(&inner, "motor", motor),
                 spring: object_or_none(&inner, "spring", |node| spring(node, None, turning_spring)),
                 friction: friction(&inner),
+                ratchet: object_or_none(&inner, "ratchet", ratchet),
             };
             inner.finish()?;
             Ok(JointKind::Revolute(revolute))
@@ -204,6 +226,7 @@ pub(super) fn kind(object: &Object<'_>, length: Option<Fx>) -> Result<JointKind>
             inner.finish()?;
             gear.map(JointKind::Gear)
         }
+        "pulley" => pulley(&inner, length).map(JointKind::Pulley),
         "motor" => {
             let motor = Motor {
                 spring: object_or_none(&inner, "spring", planar_spring),
@@ -246,6 +269,39 @@ fn distance(inner: &Object<'_>, length: Option<Fx>) -> Result<Distance> {
     let spring = Distance { spring: distance.spring, ..Distance::default() };
     check(inner, JointKind::Distance(spring), &["spring"])?;
     Ok(distance)
+}
+
+/// A pulley. Its rope needs a length where none is given here.
+fn pulley(inner: &Object<'_>, length: Option<Fx>) -> Result<Pulley> {
+    let rope = rope(inner);
+    let length = match length {
+        Some(length) => Ok(inner.or("length", length, Node::number)),
+        None => inner.need("length", Node::number),
+    };
+    inner.finish()?;
+    let pulley = Pulley { length: length?, ..rope? };
+    if inner.has("length") {
+        check(inner, JointKind::Pulley(pulley), &["length"])?;
+    }
+    Ok(pulley)
+}
+
+/// The points and the strands of a rope, without its length.
+fn rope(inner: &Object<'_>) -> Result<Pulley> {
+    let grounds = inner.need("grounds", points);
+    let strands = inner.or("strands", [1; 2], |node| {
+        let [first, second] = node.tuple()?.map(|node: Node<'_>| node.whole::<u8>());
+        Ok([first?, second?])
+    });
+    let pulley = Pulley { grounds: grounds?, strands, length: Fx::ONE };
+    check(inner, JointKind::Pulley(pulley), &["strands"])?;
+    Ok(pulley)
+}
+
+/// Two points.
+fn points(node: &Node<'_>) -> Result<[Vec2; 2]> {
+    let [first, second] = node.tuple()?.map(|node: Node<'_>| node.point());
+    Ok([first?, second?])
 }
 
 /// A value that may be left out or `null`.
@@ -360,12 +416,22 @@ fn spring_field(kind: &JointKind) -> &'static str {
 /// The teeth of two gears.
 fn teeth(node: &Node<'_>) -> Result<Gear> {
     let [first, second] = numbers(node)?;
-    let count =
-        |number: Fx| i16::try_from(number.floor_to_int()).ok().filter(|&count| Fx::from(i32::from(count)) == number);
-    let refusal = || node.fault(Error::OutOfRange { quantity: Quantity::Teeth });
-    let gear = Gear { teeth: [count(first).ok_or_else(refusal)?, count(second).ok_or_else(refusal)?] };
+    let gear = Gear { teeth: [tooth_count(node, first)?, tooth_count(node, second)?] };
     JointKind::<Fx>::Gear(gear).check().map_err(|error| node.fault(error))?;
     Ok(gear)
+}
+
+/// The teeth of a ratchet.
+fn ratchet(node: &Node<'_>) -> Result<i16> {
+    let teeth = tooth_count(node, node.number()?)?;
+    let kind: JointKind = JointKind::Revolute(Revolute { ratchet: Some(teeth), ..Revolute::default() });
+    kind.check().map(|()| teeth).map_err(|error| node.fault(error))
+}
+
+/// A whole number of teeth.
+fn tooth_count(node: &Node<'_>, number: Fx) -> Result<i16> {
+    let count = i16::try_from(number.floor_to_int()).ok().filter(|&count| Fx::from(i32::from(count)) == number);
+    count.ok_or_else(|| node.fault(Error::OutOfRange { quantity: Quantity::Teeth }))
 }
 
 /// A spring that pulls to a point.
@@ -398,7 +464,7 @@ fn planar_motor(node: &Node<'_>) -> Result<PlanarMotor> {
     Ok(motor)
 }
 
-/// The mean force over a step at which a joint breaks, or `null` for never.
+/// The mean force or torque over a step at which a joint breaks, or `null` for never.
 pub(super) fn break_force(node: &Node<'_>) -> Result<Option<Fx>> {
     let force = optional(node, |node| node.number())?;
     let is_in_range = force.is_none_or(|force| force >= Fx::ZERO);

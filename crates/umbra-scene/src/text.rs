@@ -329,6 +329,9 @@ impl Scene {
             Command::SetJointBreak { joint, force } => {
                 self.set_joint(object, joint, "break_force", force.map_or_else(null, |force| force.to_string()));
             }
+            Command::SetJointBreakTorque { joint, torque } => {
+                self.set_joint(object, joint, "break_torque", torque.map_or_else(null, |torque| torque.to_string()));
+            }
             // All there are stand above: `tests/layers.rs` compares the lists.
             _ => {}
         }

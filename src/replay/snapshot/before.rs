@@ -116,6 +116,7 @@ impl BeforeCalls {
             Command::RemoveJoint(joint)
             | Command::SetJointKind { joint, .. }
             | Command::SetJointBreak { joint, .. }
+            | Command::SetJointBreakTorque { joint, .. }
             | Command::SetJointMotor { joint, .. }
             | Command::EnableJoint { joint, .. } => {
                 world.joint(*joint).into_iter().for_each(|joint| self.keep_ends(world, joint.def()));

@@ -20,7 +20,7 @@ use crate::world::{World, WorldDef};
 /// The first bytes of a snapshot.
 pub(super) const MAGIC: [u8; 8] = *b"UMBRASNP";
 /// The number of the format, in the four bytes after the magic. It is increased whenever the layout changes.
-pub(super) const FORMAT: u32 = 7;
+pub(super) const FORMAT: u32 = 8;
 
 /// A world as the bytes of a snapshot.
 pub(in crate::replay) struct Saved<'a, S: Scalar>(pub(in crate::replay) &'a World<S>);

@@ -126,7 +126,7 @@ impl ContactSolver for FloatSolver {
     }
 
     /// None: a world of floats has no joints.
-    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+    fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         core::iter::empty()
     }
 

@@ -1,6 +1,6 @@
 //! Effective masses of the rows that have laws: with them springs have their frequencies, and rows their stiffness.
 
-use super::{FAR, Joint, JointKind, direction_of};
+use super::{FAR, Joint, JointKind, direction_of, rope_way};
 use crate::fx::Fx;
 use crate::kernel::sqrt::direction;
 use crate::math::Vec2;
@@ -58,7 +58,7 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
 impl Joint {
     /// The effective mass of the angle, kg·m²; `None` if no body can turn.
     pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
-        let is_pinned = self.kind.frame_angle().is_none() && !matches!(self.kind, JointKind::Gear { .. });
+        let is_pinned = self.kind.frame_angle().is_none() && !self.kind.is_loop();
         if is_pinned {
             return pinned_inertia(flights, self.anchors);
         }
@@ -76,6 +76,7 @@ impl Joint {
         let offset = offset.map(|part| part.clamp(-FAR, FAR));
         let [ux, uy] = match self.kind {
             JointKind::Planar { .. } => return self.planar_mass(flights, offset),
+            JointKind::Pulley { grounds, .. } => return self.rope_mass(flights, grounds),
             JointKind::Slider { angle } => direction_of(angle),
             _ if offset == [0; 2] => return None,
             _ => direction(offset[0] as i64, offset[1] as i64).0.map(i64::from),
@@ -105,6 +106,26 @@ impl Joint {
             let reach = |i: usize| arms[side][i] + if is_slider && side == 0 { offset[i] } else { 0 };
             let cross = reach(0) * i128::from(uy) - reach(1) * i128::from(ux);
             inverse = inverse.plus(square_of_bits(cross, 62).times(flight.inverse_inertia));
+        }
+        (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
+    }
+
+    /// The effective mass of a rope over two points: 1/K for K = f₁²·(1/m₁ + (r₁ × n₁)²/I₁) + f₂²·(1/m₂ + (r₂ × n₂)²/I₂) with the factors f of both
+    /// parts and their directions n.
+    fn rope_mass(&self, flights: [&Flight; 2], grounds: [Vec2; 2]) -> Option<FxFactor> {
+        let mut inverse = FxFactor::ZERO;
+        for (side, flight) in flights.into_iter().enumerate() {
+            let (anchor, factor) = (self.anchors[side], self.kind.rope_factors()[side]);
+            let [x, y] = rope_way(flight, anchor, grounds[side]).map(|part| part.clamp(-FAR, FAR) as i64);
+            if (x, y) == (0, 0) {
+                continue;
+            }
+            let [ux, uy] = direction(x, y).0.map(i128::from);
+            let cross = i128::from(anchor.x.to_bits()) * uy - i128::from(anchor.y.to_bits()) * ux;
+            let [xx, yy] = [ux, uy].map(|part| square_of_bits(part, 30));
+            let linear = xx.times(flight.inverse_mass.x).plus(yy.times(flight.inverse_mass.y));
+            let sum = linear.plus(square_of_bits(cross, 62).times(flight.inverse_inertia));
+            inverse = inverse.plus(square_of_bits(factor.into(), 30).times(sum));
         }
         (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
     }

@@ -12,7 +12,7 @@ use core::ops::Range;
 
 use crate::slots::NONE;
 use crate::solve::graph::Graph;
-use crate::solve::{Flight, Joint, JointKind};
+use crate::solve::{Flight, Joint};
 
 /// A node of a tree with the joint to its parent, the node next to it on the way to the centre: a body, a support, which is the end of a
 /// joint to a body that cannot be moved, or the middle of the joint at the centre.
@@ -36,7 +36,7 @@ pub(super) struct Forest {
     /// The bodies of joints, [`NONE`] for bodies that cannot be moved: all that the rest follows from.
     links: Vec<[u32; 2]>,
     /// True for gears.
-    are_gears: Vec<bool>,
+    are_loops: Vec<bool>,
     /// The joints that can move a body, in the order of their blocks: tree by tree, then loop by loop.
     pub(super) order: Vec<u32>,
     /// The nodes of trees, tree by tree: parents come after their children.
@@ -134,14 +134,14 @@ impl Forest {
     pub(super) fn update(&mut self, flights: &[Flight], joints: &[Joint]) {
         let movable = |body: u32| if flights[body as usize].is_fixed() { NONE } else { body };
         let links = joints.iter().map(|joint| joint.bodies.map(movable));
-        let are_gears = joints.iter().map(|joint| matches!(joint.kind, JointKind::Gear { .. }));
-        if self.links.iter().copied().eq(links.clone()) && self.are_gears.iter().copied().eq(are_gears.clone()) {
+        let are_loops = joints.iter().map(|joint| joint.kind.is_loop());
+        if self.links.iter().copied().eq(links.clone()) && self.are_loops.iter().copied().eq(are_loops.clone()) {
             return;
         }
         self.links.clear();
         self.links.extend(links);
-        self.are_gears.clear();
-        self.are_gears.extend(are_gears);
+        self.are_loops.clear();
+        self.are_loops.extend(are_loops);
         self.work.sort(flights, joints, &self.links);
         self.order.clear();
         self.places.clear();
@@ -170,11 +170,11 @@ impl Forest {
 
     /// Returns true if a set has one joint less than bodies, and no gears.
     fn is_tree(&self, set: usize) -> bool {
-        let Self { links, are_gears, work: Work { bodies, joints, .. }, .. } = self;
+        let Self { links, are_loops, work: Work { bodies, joints, .. }, .. } = self;
         let joints = &joints.numbers[joints.range(set)];
         let is_inner = |&&joint: &&u32| !links[joint as usize].contains(&NONE);
         joints.iter().filter(is_inner).count() + 1 == bodies.range(set).len()
-            && !joints.iter().any(|&joint| are_gears[joint as usize])
+            && !joints.iter().any(|&joint| are_loops[joint as usize])
     }
 
     /// Adds the blocks of a set that is no tree.

@@ -21,42 +21,65 @@ impl Block {
     /// Begins a sub-step with the impulses of the one before, at the present arms. Returns the number of values that were cut off.
     #[inline(always)]
     pub(super) fn warm_start(&mut self, rows: &mut Rows) -> u64 {
-        for i in 0..4 {
-            self.applied[i] += self.change[i];
+        self.applied.add(self.change);
+        self.change = Sums::default();
+        if self.is_pulley {
+            self.rope_sums.begin();
         }
-        self.change = [0; 4];
         self.push(self.impulses);
         self.give_gains(rows)
     }
 
     /// The sums of the changes of all sub-steps.
-    pub(super) fn applied(&self) -> [i128; 4] {
-        [0, 1, 2, 3].map(|i| self.applied[i] + self.change[i])
+    pub(super) fn applied(&self) -> Sums {
+        let mut applied = self.applied;
+        applied.add(self.change);
+        applied
+    }
+
+    /// The sums along x and y of the second body: of the changes of all sub-steps, and of the changes up to the moves.
+    #[inline(always)]
+    pub(super) fn second_sums(&self) -> [[i128; 2]; 2] {
+        if self.is_pulley {
+            let RopeSums { change, applied, weighted, .. } = self.rope_sums;
+            return [[applied[0] + change[0], applied[1] + change[1]], weighted];
+        }
+        [self.applied().linear, self.weighted.linear]
+    }
+
+    /// Adds the impulse of a rope, less the part that was added before, to the sums of the second body.
+    fn pull_rope(&mut self) {
+        let [impulse, ..] = self.impulses;
+        let along = self.rope_impulse(impulse - self.rope_sums.impulse);
+        self.rope_sums.impulse = impulse;
+        (0..2).for_each(|axis| self.rope_sums.change[axis] += along[axis]);
+    }
+
+    /// The sums along x and y of the second body of a pulley by impulses of its rope.
+    #[cold]
+    pub(super) fn rope_impulse(&self, impulse: i64) -> [i128; 2] {
+        self.axes[1].map(|part| product(impulse, part))
     }
 
     /// Adds impulses of the rows to the change of the sub-step.
     #[inline(always)]
     pub(super) fn push(&mut self, impulses: [i64; 3]) {
-        let sums = self.sums(impulses);
-        for (change, sum) in self.change.iter_mut().zip(sums) {
-            *change += sum;
-        }
+        self.change.add(self.sums(impulses));
+        self.around += impulses[2];
     }
 
-    /// Impulses of the rows along x and y and around both bodies, in 2^-30.
+    /// The sums of impulses of the rows; of a pulley along x and y of the first body.
     #[inline(always)]
-    pub(super) fn sums(&self, impulses: [i64; 3]) -> [i128; 4] {
-        let mut sums = [0; 4];
+    pub(super) fn sums(&self, impulses: [i64; 3]) -> Sums {
+        let (mut linear, mut turns) = ([0; 2], [0; 2]);
         for (row, impulse) in impulses.into_iter().enumerate() {
             if self.is_active[row] {
                 let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
-                sums[0] += product(impulse, ux);
-                sums[1] += product(impulse, uy);
-                sums[2] += product(impulse, ka);
-                sums[3] += product(impulse, kb);
+                linear = [linear[0] + product(impulse, ux), linear[1] + product(impulse, uy)];
+                turns = [turns[0] + product(impulse, ka), turns[1] + product(impulse, kb)];
             }
         }
-        sums
+        Sums { linear, turns }
     }
 
     /// The bits from products of masses and lowered impulses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
@@ -65,14 +88,13 @@ impl Block {
         self.mass_bits + FINER + 30 - LOWER - GAIN_BITS
     }
 
-    /// The changes of velocity of a body by sums of impulses, as of the second body, in units 2^coarse times as large as the units of gains. Products
+    /// The changes of velocity of a body by impulses along x and y and around, as of the second body, in units 2^coarse times as large as the units of gains. Products
     /// with masses are below 2^107.
-    pub(super) fn gains(&self, side: usize, sums: [i128; 4], coarse: i32) -> [i128; 3] {
-        let [x, y, turn_a, turn_b] = sums;
+    pub(super) fn gains(&self, side: usize, [x, y, turn]: [i128; 3], coarse: i32) -> [i128; 3] {
         let masses = self.sides[side].masses.map(i128::from);
         let gain =
             |axis: usize, impulse: i128| shifted(masses[axis] * lowered(impulse, LOWER), self.gain_bits() + coarse);
-        [gain(0, x), gain(1, y), gain(2, if side == 0 { turn_a } else { turn_b })]
+        [gain(0, x), gain(1, y), gain(2, turn)]
     }
 
     /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
@@ -80,7 +102,10 @@ impl Block {
     #[inline(always)]
     pub(super) fn give_gains(&mut self, rows: &mut Rows) -> u64 {
         // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
-        let [x, y, turn_a, turn_b] = self.change;
+        let Sums { linear: [x, y], turns: [turn_a, turn_b] } = self.change;
+        if self.is_pulley {
+            return self.give_large_gains(rows);
+        }
         let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
         let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
         let up = 64 - RAISED - self.gain_bits();
@@ -93,15 +118,19 @@ impl Block {
         a.give_gains(rows, [x, y, turn_a], -1) + b.give_gains(rows, [x, y, turn_b], 1)
     }
 
-    /// [`give_gains`](Self::give_gains) by impulses of any size.
+    /// [`give_gains`](Self::give_gains) by impulses of any size, and of pulleys.
     #[cold]
     fn give_large_gains(&mut self, rows: &mut Rows) -> u64 {
         let mut cut = 0;
+        if self.is_pulley {
+            self.pull_rope();
+        }
         for (side, sign) in [(0, -1), (1, 1)] {
             if !self.sides[side].is_movable() {
                 continue;
             }
-            let wanted_gains = self.gains(side, self.change, 0);
+            let [x, y] = if self.is_pulley && side == 1 { self.rope_sums.change } else { self.change.linear };
+            let wanted_gains = self.gains(side, [x, y, self.change.turns[side]], 0);
             let side = &mut self.sides[side];
             for (axis, wanted_gain) in wanted_gains.into_iter().enumerate() {
                 let gain = within(wanted_gain, side.gain_limit.into());
@@ -111,6 +140,48 @@ impl Block {
             }
         }
         cut
+    }
+}
+
+/// Sums of impulses, in 2^-30: along x and y, and around both bodies.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::solve) struct Sums {
+    pub(super) linear: [i128; 2],
+    pub(super) turns: [i128; 2],
+}
+
+/// The sums along x and y of the second body of a pulley, whose rope pulls its bodies in directions of their own.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct RopeSums {
+    /// The impulse of the rope in the change.
+    impulse: i64,
+    pub(super) change: [i128; 2],
+    pub(super) applied: [i128; 2],
+    pub(super) weighted: [i128; 2],
+}
+
+impl RopeSums {
+    /// Begins a sub-step.
+    #[cold]
+    fn begin(&mut self) {
+        (0..2).for_each(|axis| self.applied[axis] += self.change[axis]);
+        (self.change, self.impulse) = ([0; 2], 0);
+    }
+
+    /// Adds the changes that moved the bodies.
+    #[cold]
+    pub(super) fn weigh(&mut self) {
+        (0..2).for_each(|axis| self.weighted[axis] += self.applied[axis] + self.change[axis]);
+    }
+}
+
+impl Sums {
+    #[inline(always)]
+    pub(super) fn add(&mut self, sums: Self) {
+        for i in 0..2 {
+            self.linear[i] += sums.linear[i];
+            self.turns[i] += sums.turns[i];
+        }
     }
 }
 

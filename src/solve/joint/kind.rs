@@ -3,6 +3,7 @@
 use super::length_of;
 use crate::fx::Fx;
 use crate::kernel::trig::sin_cos_turn;
+use crate::math::Vec2;
 use crate::scalar::Turn;
 use crate::solve::number::{divided, lowered};
 
@@ -29,6 +30,14 @@ pub enum JointKind {
         /// From −1,024 to 1,024, not zero.
         teeth: [i16; 2],
     },
+    /// A rope from the first anchor over two points to the second one: the law of its slide holds the sum of both distances, each times its
+    /// strands over the larger number of strands.
+    Pulley {
+        /// m
+        grounds: [Vec2; 2],
+        /// From 1.
+        strands: [u8; 2],
+    },
     /// The second anchor is free in a frame that turns with the first body, but for the laws of its slides. The forces of their motors and of their
     /// springs are bounds of the vector of both slides.
     Planar {
@@ -42,7 +51,7 @@ impl JointKind {
     pub(crate) fn frame_angle(self) -> Option<Turn> {
         match self {
             Self::Slider { angle } | Self::Planar { angle } => Some(angle),
-            Self::Revolute | Self::Distance { .. } | Self::Line | Self::Gear { .. } => None,
+            Self::Revolute | Self::Distance { .. } | Self::Line | Self::Gear { .. } | Self::Pulley { .. } => None,
         }
     }
 
@@ -77,9 +86,37 @@ impl JointKind {
 
     /// The torque on the second body for the torque around. *Error* ½ ulp.
     pub(crate) fn torque_on_second(self, torque: Fx) -> Fx {
-        let [_, second] = self.teeth();
         // Not larger than the torque.
-        Fx::from_bits(divided(i128::from(torque.to_bits()) * i128::from(second), self.largest_teeth()) as i64)
+        Fx::from_bits(self.impulse_on_second(torque.to_bits().into()) as i64)
+    }
+
+    /// The angular impulse on the second body for the impulse around, within ±2^111 units. *Error* ½ unit.
+    pub(crate) fn impulse_on_second(self, impulse: i128) -> i128 {
+        let [_, second] = self.teeth();
+        divided(impulse * i128::from(second), self.largest_teeth())
+    }
+
+    /// The velocities of both points, away from the points of the rope, in the velocity of the rope, in 2^-30.
+    pub(crate) fn rope_factors(self) -> [i64; 2] {
+        let Self::Pulley { strands: [first, second], .. } = self else { return [1 << 30; 2] };
+        let largest = first.max(second).max(1);
+        [first, second].map(|count| divided(i128::from(count) << 30, largest.into()) as i64)
+    }
+
+    /// The length of a rope by its factors, m, for the ways from its points to the points of both bodies, in 2^-32 m: to nearest.
+    pub(crate) fn rope_length(self, ways: [[i128; 2]; 2]) -> Fx {
+        // Lengths are below 2^62.5.
+        let lengths = ways.map(|way| {
+            let [x, y] = way.map(|part| part.clamp(-(1 << 61), 1 << 61) as i64);
+            i128::from(length_of(x, y))
+        });
+        let [first, second] = self.rope_factors().map(i128::from);
+        Fx::from_bits(lowered(first * lengths[0] + second * lengths[1], 30).min(i64::MAX.into()) as i64)
+    }
+
+    /// Returns true if the joint alone makes a loop: its rows do not meet in a point, or along an axis.
+    pub(super) fn is_loop(self) -> bool {
+        matches!(self, Self::Gear { .. } | Self::Pulley { .. })
     }
 
     /// Returns true if the impulses of both are of the same rows.

@@ -6,11 +6,12 @@ use alloc::vec::Vec;
 
 use super::axis::AxisRow;
 use super::forest::Forest;
+use super::gains::Sums;
 use super::gradients::Loops;
 use super::impact::JointImpact;
 use super::tree::Trees;
 use super::turn::Pose;
-use super::{Block, Joint};
+use super::{Block, Joint, JointKind};
 use crate::fx::Fx;
 use crate::kernel::simd::Lanes;
 use crate::slots::NONE;
@@ -196,6 +197,12 @@ impl Joints {
                 held[island as usize] = true;
             }
         }
+        // Ropes hang from the world.
+        for joint in joints.iter().filter(|joint| matches!(joint.kind, JointKind::Pulley { .. })) {
+            if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
+                held[island as usize] = true;
+            }
+        }
         paths.resize(flights.len(), Path::Contacts);
         for body in joints.iter().flat_map(|joint| joint.bodies) {
             let island = graph.island_of(body);
@@ -283,12 +290,14 @@ impl Joints {
         cut + rows.apply_gains(lanes, touched)
     }
 
-    /// The number of each joint and its impulses along x and y over the step on the second body, in 2^-32 N·s.
-    pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 2])> + '_ {
+    /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.
+    pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.blocks.iter().map(|block| {
-            let [x, y, ..] = block.applied();
-            // From 2^(exponent − 30).
-            (block.joint, [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent)))
+            let [[x, y], _] = block.second_sums();
+            // From 2^(exponent − 30), and from 2^exponent of the length of the row.
+            let [x, y] = [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent));
+            let around = shifted_within(block.around.into(), -32 - block.exponent - block.axis_length);
+            (block.joint, [x, y, around])
         })
     }
 
@@ -302,11 +311,15 @@ impl Joints {
             joint.impulses = Impulses { values: block.values(), exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
-            for (is_weighted, [x, y, turn_a, turn_b]) in [(false, block.applied()), (true, block.weighted)] {
-                let [x, y] = [x, y].map(|value| shifted_within(value, bits));
-                for (sign, (body, turn)) in [-1, 1].into_iter().zip(joint.bodies.into_iter().zip([turn_a, turn_b])) {
-                    let turn = shifted_within(turn, bits - flights[body as usize].length());
-                    totals[body as usize].add(is_weighted, [x, y, turn].map(|value| sign * value));
+            let [second_applied, second_weighted] = block.second_sums();
+            for (is_weighted, Sums { linear, turns }, second) in
+                [(false, block.applied(), second_applied), (true, block.weighted, second_weighted)]
+            {
+                for (side, sign, along) in [(0, -1, linear), (1, 1, second)] {
+                    let body = joint.bodies[side] as usize;
+                    let [x, y] = along.map(|value| shifted_within(value, bits));
+                    let turn = shifted_within(turns[side], bits - flights[body].length());
+                    totals[body].add(is_weighted, [x, y, turn].map(|value| sign * value));
                 }
             }
         }

@@ -9,7 +9,7 @@ use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::Flight;
 use crate::solve::motion::{Rows, Vector};
-use crate::solve::number::{lowered, shifted, shifted_word, upper};
+use crate::solve::number::{lowered, lowered_word, shifted, shifted_word, upper};
 use crate::solve::unit::Clock;
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
@@ -196,6 +196,7 @@ impl Block {
                 self.distance = distance as i64;
                 [self.distance - self.lengths[0], 0]
             }
+            Frame::Ropes(second_base) => self.turn_ropes(second_base, poses),
             Frame::Body(axis) => {
                 let axis = turned(axis, first.sin, first.cos);
                 let across = perpendicular(axis);
@@ -206,6 +207,7 @@ impl Block {
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
         if self.laws != [NONE; 3] {
+            let wanted = if self.is_pulley { [along(self.rope_factors, wanted), 0] } else { wanted };
             self.set_ways(wanted, [first.moved[2], second.moved[2]], laws);
         }
         match self.frame {
@@ -220,17 +222,31 @@ impl Block {
                     }
                 }
             }
-            Frame::Line | Frame::Body(_) => {
+            Frame::Line | Frame::Body(_) | Frame::Ropes(_) => {
                 for row in 0..2 {
                     if self.is_active[row] {
-                        let axis = self.axes[row];
-                        self.crosses[row] = [self.sides[0].across(axis), self.sides[1].across(axis)];
+                        let [first, second] = self.side_axes(row);
+                        self.crosses[row] = [self.sides[0].across(first), self.sides[1].across(second)];
                     }
                 }
             }
         }
         let is_cut = |row: usize| self.held[row] && self.errors[row] != wanted[row];
         u64::from(is_cut(0) || is_cut(1))
+    }
+
+    /// Updates the axes of a pulley. Returns the ways by which both parts of its rope have grown.
+    #[cold]
+    fn turn_ropes(&mut self, second_base: [i64; 2], poses: &[Pose]) -> [i64; 2] {
+        [0, 1].map(|side| {
+            let (base, Side { pose, arm, .. }) = ([self.base, second_base][side], &self.sides[side]);
+            let way = [0, 1].map(|i| base[i] + i64::from(poses[*pose as usize].moved[i]) + arm[i]);
+            let (axis, length) = if way == [0; 2] { ([0; 2], 0) } else { direction(way[0], way[1]) };
+            // The velocity of a row is the second body's less the first body's.
+            let factor = if side == 0 { -self.rope_factors[0] } else { self.rope_factors[1] };
+            self.axes[side] = axis.map(|part| lowered_word(i64::from(part) * factor, 30));
+            length as i64 - self.lengths[side]
+        })
     }
 
     /// Tells the laws of the rows their ways: along the axes, and around by the turns of the bodies.
@@ -277,14 +293,12 @@ impl Block {
             _ => along(self.axes[row], bends.bend),
         };
         if self.is_shifted {
-            let shifts = [0, 1].map(|k| {
-                let [x, y, turn] = self.sides[k].shift;
-                [x, y, turn, 0]
-            });
-            sum -= self.velocity(row, shifts) / i64::from(self.substeps);
+            sum -= self.velocity(row, self.shifts()) / i64::from(self.substeps);
         }
         match self.frame {
             Frame::World => sum,
+            // It has no row that is held.
+            Frame::Ropes(_) => 0,
             Frame::Line => sum + self.rod_turns(velocities),
             Frame::Body(_) => sum + self.axis_turns(row, velocities, bends.angles),
         }
@@ -312,6 +326,41 @@ impl Block {
         (by_velocity - by_offset) as i64
     }
 
+    /// The shifts of both bodies at the end of the step.
+    #[inline(always)]
+    fn shifts(&self) -> [Vector; 2] {
+        [0, 1].map(|k| {
+            let [x, y, turn] = self.sides[k].shift;
+            [x, y, turn, 0]
+        })
+    }
+
+    /// [`second_order`](Self::second_order) of the row of a pulley: of each part of its rope the arm along the axis, and ψ²·l/2 for the angle ψ that the
+    /// part of length l turns, at most 0.1 rad.
+    #[cold]
+    pub(super) fn rope_second_order(&self, velocities: [Vector; 2]) -> i64 {
+        let (angles, mut sum) = (self.sweeps_at(velocities), 0);
+        if self.is_shifted {
+            sum -= self.velocity(0, self.shifts()) / i64::from(self.substeps);
+        }
+        for side in 0..2 {
+            let (axis, Side { arm: [x, y], .. }) = (self.axes[side], &self.sides[side]);
+            let [vx, vy, ..] = velocities[side].map(i128::from);
+            let (angle, factor) = (i128::from(angles[side]), i128::from(self.rope_factors[side]));
+            let bend = [x, y].map(|part| lowered(angle * angle * i128::from(*part), 31) as i64);
+            sum += if side == 0 { along(axis, bend) } else { -along(axis, bend) };
+            let length = i128::from(self.lengths[side]) + i128::from(self.errors[side]);
+            if length > 0 {
+                // Velocities are below 2^30.5, and the factor is in the axis.
+                let point = [(vx << 30) - angle * i128::from(*y), (vy << 30) + angle * i128::from(*x)];
+                let across = shifted(i128::from(axis[0]) * point[1] - i128::from(axis[1]) * point[0], 30).abs();
+                let turn = ((across << 30) / factor / length).min(LARGEST_ANGLE.into());
+                sum += lowered(shifted(turn * turn * length, 31) * factor, 30) as i64;
+            }
+        }
+        sum
+    }
+
     /// φ²·l/2 for the angle φ that a rod of length l turns in the sub-step, in 2^-30; φ is at most 0.1 rad.
     fn rod_turns(&self, [a, b]: [Vector; 2]) -> i64 {
         if self.distance == 0 {
@@ -327,11 +376,22 @@ impl Block {
         shifted(angle * angle * i128::from(self.distance), 31) as i64
     }
 
+    /// The part of the velocity of a rope that is along x and y, in 2^-30.
+    #[cold]
+    fn rope_way(&self, [a, b]: [Vector; 2]) -> i64 {
+        let [[ax, ay], [bx, by], _] = self.axes;
+        bx * i64::from(b[0]) + by * i64::from(b[1]) - ax * i64::from(a[0]) - ay * i64::from(a[1])
+    }
+
     /// The sum of a row's products with the velocities of both bodies, in 2^-30.
     #[inline(always)]
     pub(super) fn velocity(&self, row: usize, [a, b]: [Vector; 2]) -> i64 {
         let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+        let turning = kb * i64::from(b[2]) - ka * i64::from(a[2]);
+        if self.is_pulley {
+            return self.rope_way([a, b]) + turning;
+        }
         let [x, y] = [0, 1].map(|i| i64::from(b[i]) - i64::from(a[i]));
-        ux * x + uy * y + kb * i64::from(b[2]) - ka * i64::from(a[2])
+        ux * x + uy * y + turning
     }
 }

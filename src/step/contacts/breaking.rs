@@ -1,7 +1,7 @@
 //! Joints that break.
 //!
-//! Whether a joint breaks is decided once a step, for all joints at once, on the mean force over the step: the exact sum of the impulses of all
-//! sub-steps, rounded once to 2^-32 N·s, over the length of the step. Sub-steps, rounding and order do not decide.
+//! Whether a joint breaks is decided once a step, for all joints at once, on the mean force and the mean torque over the step: the exact sums of the
+//! impulses of all sub-steps, rounded once to 2^-32 N·s and N·m·s, over the length of the step. Sub-steps, rounding and order do not decide.
 
 use super::super::Step;
 use super::ContactMemory;
@@ -28,9 +28,11 @@ pub struct JointBroke<S = Fx> {
     /// The mean force of the joint on the second end over the step, N. *Error* 2^-32 N·s over the length of the step, and ½ ulp; the
     /// largest number for a component that does not fit.
     pub force: Vec2<S>,
+    /// The mean torque over the step on the second body, N·m, as [`JointRef::torque`](crate::JointRef::torque) has it. *Error* likewise.
+    pub torque: S,
 }
 
-/// The mean force of an impulse over a step, N. The impulse is in 2^-32 N·s. Odd: the largest and the smallest force are opposite.
+/// The mean force of an impulse over a step, N, or the mean torque. The impulse is in 2^-32 N·s. Odd: the largest and the smallest force are opposite.
 fn mean_force(impulse: i128, time_step: TimeStep) -> Fx {
     let (num, den) = time_step.seconds();
     // Of an impulse within 2^94 units: below 2^126.
@@ -40,14 +42,17 @@ fn mean_force(impulse: i128, time_step: TimeStep) -> Fx {
 }
 
 impl<S: Scalar> Step<'_, S> {
-    /// Breaks the joints whose mean force in the step was too large, and keeps their bodies awake.
+    /// Breaks the joints whose mean force or torque in the step was too large, and keeps their bodies awake.
     pub(super) fn break_joints(&mut self, memory: &ContactMemory<S>) {
         let time_step = self.settings.time_step;
-        for (index, impulse) in memory.pipeline.joints().totals() {
+        for (index, [x, y, around]) in memory.pipeline.joints().totals() {
             let index = index as usize;
             let joints = self.contacts.joints;
-            let Some(force) = joints.link(index).break_force else { continue };
-            if !exceeds(impulse, force, time_step) {
+            let link = joints.link(index);
+            let (impulse, angular_impulse) = ([x, y], link.kind.impulse_on_second(around));
+            let is_torn = link.break_force.is_some_and(|force| exceeds(impulse, force, time_step));
+            let is_wrung = link.break_torque.is_some_and(|torque| exceeds([angular_impulse, 0], torque, time_step));
+            if !is_torn && !is_wrung {
                 continue;
             }
             self.contacts.joint_states.break_joint(index, self.settings.tick);
@@ -64,6 +69,7 @@ impl<S: Scalar> Step<'_, S> {
                     key: def.key,
                     bodies: def.bodies(),
                     force: Vec2::new(x, y),
+                    torque: S::from_fx(mean_force(angular_impulse, time_step)),
                 });
             }
         }

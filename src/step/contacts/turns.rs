@@ -1,4 +1,4 @@
-//! Whole turns of the angles of joints, and motors that turn.
+//! Whole turns of the angles of joints, the teeth of ratchets, and motors that turn.
 //!
 //! The angle between two bodies is exact but for whole turns. These follow from the velocities of the step, which tell the angle that a body
 //! has turned to within half a turn: it is asked for at most once in a step, and the angle since then is exact.
@@ -7,7 +7,7 @@ use super::super::Step;
 use super::ContactMemory;
 use crate::contact::Start;
 use crate::fx::Fx;
-use crate::joint::turns_after;
+use crate::joint::{tooth_at, turns_after};
 use crate::kernel::wide::mul_shift_64;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, Angle as _, Scalar, Turn};
@@ -17,7 +17,7 @@ use crate::solve::Axis;
 const TURNS_A_RADIAN: u64 = 0xa2f9_836e_4e44_1529;
 
 impl<S: Scalar> Step<'_, S> {
-    /// Counts the whole turns of the joints of the step.
+    /// Counts the whole turns of the joints of the step, and engages the teeth that ratchets have passed.
     pub(super) fn count_turns(&mut self, memory: &ContactMemory<S>) {
         for (index, flights) in memory.pipeline.joints().ends() {
             let index = index as usize;
@@ -40,11 +40,12 @@ impl<S: Scalar> Step<'_, S> {
             let before = [0, 1].map(|side| starts[side].map_or(now[side], |start| start.angle.to_turn()));
             let (from, to) = (link.angle(before), link.angle(now));
             let states = &mut *self.contacts.joint_states;
-            let turns = &mut states.list[index].turns;
-            let turns_now = turns_after(*turns, from, to, second - first);
-            if turns_now != *turns {
+            let state = &mut states.list[index];
+            let turns = turns_after(state.turns, from, to, second - first);
+            let tooth = link.ratchet.map_or(0, |teeth| state.tooth.max(tooth_at(teeth, to, turns)));
+            if (turns, tooth) != (state.turns, state.tooth) {
                 // A step that is undone would not count back.
-                (*turns, states.pulled_at) = (turns_now, self.settings.tick);
+                (state.turns, state.tooth, states.pulled_at) = (turns, tooth, self.settings.tick);
             }
         }
     }

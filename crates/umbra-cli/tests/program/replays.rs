@@ -165,7 +165,7 @@ fn every_scene_is_recorded_as_it_runs_and_verified() {
         assert_eq!(recorded["state_hash"], alone["state_hash"], "{scene}");
         replays.push((path, ticks));
     }
-    assert_eq!(replays.len(), 40);
+    assert_eq!(replays.len(), 41);
     let files: Vec<&str> = replays.iter().map(|(path, _)| &path[..]).collect();
     let (status, lines) = verify(&files, &[]);
     assert_eq!((status, lines.len()), (0, replays.len()));

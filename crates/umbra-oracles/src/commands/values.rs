@@ -4,7 +4,7 @@ use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, CommandSource, ContactSettings,
     Damping, Distance, End, Exclusion, Explosion, FieldId, ForceField, ForceOrImpulse, Frame, Fx, Gear, Integrator,
     JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Locks, Mass, MaterialPair, Motor, PlanarMotor,
-    PlanarSpring, Prismatic, Random, Revolute, Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
+    PlanarSpring, Prismatic, Pulley, Random, Revolute, Shape, TimeStep, Vec2, Weld, Wheel, WorldDef, fx, limits,
 };
 
 use super::{Choices, Generator};
@@ -21,6 +21,10 @@ impl<C: Choices + ?Sized> Generator<'_, C> {
     }
 
     /// Of a wild taste now and then none.
+    fn strands(&mut self) -> u8 {
+        if self.is_wild() { 0 } else { 1 + self.choices.choose(3) as u8 }
+    }
+
     fn teeth(&mut self) -> i16 {
         let teeth = 1 + self.choices.choose(40) as i16;
         if self.is_wild() {
@@ -97,11 +101,14 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         };
         let ends = [end(Some(first)), end(second)];
         let is_swapped = self.choices.one_in(4);
+        let angles = [self.signed(fx!(7), ANGLE), self.signed(fx!(7), ANGLE)];
+        let (collide_connected, enabled, break_force) = (self.choices.one_in(3), self.enabled(), self.break_force());
         JointDef {
-            angles: [self.signed(fx!(7), ANGLE), self.signed(fx!(7), ANGLE)],
-            collide_connected: self.choices.one_in(3),
-            enabled: self.enabled(),
-            break_force: self.break_force(),
+            angles,
+            collide_connected,
+            enabled,
+            break_force,
+            break_torque: break_force.filter(|_| collide_connected),
             events: self.choices.one_in(2),
             key: self.choices.choose(16),
             ..JointDef::new(if is_swapped { [ends[1], ends[0]] } else { ends }, self.joint_kind())
@@ -136,6 +143,7 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
                 motor: self.optional_joint_motor(),
                 spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
                 friction,
+                ratchet: None,
             }),
             6 => JointKind::Prismatic(Prismatic {
                 limits: self.joint_limits(),
@@ -155,7 +163,19 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
                 angular_spring: if self.choices.one_in(3) { Some(spring(self)) } else { None },
                 angular_motor: self.optional_joint_motor(),
             }),
-            9 => JointKind::Gear(Gear { teeth: [self.teeth(), self.teeth()] }),
+            9 => match self.choices.choose(3) {
+                0 => JointKind::Gear(Gear { teeth: [self.teeth(), self.teeth()] }),
+                1 => JointKind::Pulley(Pulley {
+                    grounds: [self.position(), self.position()],
+                    strands: [self.strands(), self.strands()],
+                    length: self.number([fx!(4), fx!(30)], [limits::SIZE_MIN, limits::JOINT_LENGTH]),
+                }),
+                _ => {
+                    let motor = self.optional_joint_motor();
+                    let ratchet = Some(self.teeth());
+                    JointKind::Revolute(Revolute { motor, friction, ratchet, ..Revolute::default() })
+                }
+            },
             10 => {
                 let size =
                     |value: Fx| value.checked_abs().unwrap_or(Fx::MAX).clamp(limits::SIZE_MIN, limits::JOINT_LENGTH);
@@ -177,6 +197,10 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
     /// Mostly none.
     fn break_force(&mut self) -> Option<Fx> {
         if self.choices.one_in(3) { Some(self.not_negative(fx!(200), Fx::MAX)) } else { None }
+    }
+
+    fn break_torque(&mut self) -> Option<Fx> {
+        self.break_force()
     }
 
     fn enabled(&mut self) -> bool {

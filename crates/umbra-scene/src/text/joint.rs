@@ -6,7 +6,7 @@ use super::json::{Fields, list, null, text};
 use super::{Scene, SceneJoint};
 use umbra_physics::{
     Distance, Fx, Gear, JointDef, JointId, JointKind, JointLimits, JointMotor, JointSpring, Motor, PlanarMotor,
-    PlanarSpring, Prismatic, Revolute, Vec2, Weld, Wheel,
+    PlanarSpring, Prismatic, Pulley, Revolute, Vec2, Weld, Wheel,
 };
 
 impl Scene {
@@ -23,6 +23,9 @@ impl Scene {
         object.unless(def.enabled, "enabled", false);
         if let Some(force) = def.break_force {
             object.put("break_force", force);
+        }
+        if let Some(torque) = def.break_torque {
+            object.put("break_torque", torque);
         }
         object.unless(!def.events, "events", true);
         object.unless(def.key == 0, "key", def.key);
@@ -56,8 +59,11 @@ pub(super) fn kind_text(kind: &JointKind) -> String {
 fn kind_into(object: &mut Fields, kind: &JointKind) {
     let mut values = Fields::default();
     let name = match kind {
-        JointKind::Revolute(Revolute { limits, motor, spring, friction }) => {
+        JointKind::Revolute(Revolute { limits, motor, spring, friction, ratchet }) => {
             parts_into(&mut values, limits, motor, spring, *friction);
+            if let Some(teeth) = ratchet {
+                values.put("ratchet", teeth);
+            }
             "revolute"
         }
         JointKind::Weld(Weld { spring }) => {
@@ -88,6 +94,12 @@ fn kind_into(object: &mut Fields, kind: &JointKind) {
         JointKind::Gear(Gear { teeth: [first, second] }) => {
             values.put("teeth", list([first, second]));
             "gear"
+        }
+        JointKind::Pulley(Pulley { grounds, strands, length }) => {
+            values.put("grounds", list(grounds.map(|ground| list([ground.x, ground.y]))));
+            values.unless(*strands == [1, 1], "strands", list(strands));
+            values.put("length", length);
+            "pulley"
         }
         // All there are stand above: `tests/layers.rs` compares the lists.
         _ => "unknown",

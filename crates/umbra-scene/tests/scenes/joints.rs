@@ -72,7 +72,12 @@ fn points_of_the_world_are_those_that_programs_give() {
     let hinge = JointDef::at(&world, post, link, vec2(fx!(-0.5), 0)).expect("near them");
     assert_eq!((joints[0].ends, joints[0].angles), (hinge.ends, hinge.angles));
     let rod = JointDef::between(&world, None, vec2(0, -2), wheel, vec2(fx!(0.25), -5)).expect("near it");
-    assert!(joints.contains(&JointDef { break_force: Some(fx!(5000)), events: true, ..rod }));
+    assert!(joints.contains(&JointDef {
+        break_force: Some(fx!(5000)),
+        break_torque: Some(fx!(70)),
+        events: true,
+        ..rod
+    }));
     let tilted = r#"{"bodies": [{"name": "a", "angle": 2}, {"name": "b", "angle": -0.5, "position": [3, 1]}],
         "joints": [{"bodies": ["a", "b"], "point": [1, 2], "weld": {}}]}"#;
     let world: World = Scene::parse(tilted).expect("a scene").build().expect("it starts");
@@ -104,6 +109,7 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
         joint(r#""weld": {}, "angles": [1]"#),
         joint(r#""weld": {}, "colide_connected": true"#),
         joint(r#""weld": {}, "break_force": -1"#),
+        joint(r#""weld": {}, "break_torque": -1"#),
         joint(r#""weld": {}, "bodies": [null, null]"#),
         joint(r#""distance": {}"#),
         joint(r#""distance": {"length": 0}"#),
@@ -124,6 +130,15 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
         joint(r#""gear": {}"#),
         joint(r#""gear": {"teeth": [0, 1]}"#),
         joint(r#""gear": {"teeth": [1.5, 1]}"#),
+        joint(r#""pulley": {"length": 1}"#),
+        joint(r#""pulley": {"grounds": [[0, 1], [2, 1]]}"#),
+        joint(r#""pulley": {"grounds": [[0, 1], [2, 1]], "length": 1, "strands": [0, 1]}"#),
+        joint(r#""pulley": {"grounds": [[0, 1], [2, 1]], "length": 1, "strands": [1, 300]}"#),
+        joint(r#""pulley": {"grounds": [[0, 1], [2, 1]], "length": 0}"#),
+        joint(r#""pulley": {"grounds": [[0, 1]], "length": 1}"#),
+        revolute(r#""ratchet": 0"#),
+        revolute(r#""ratchet": 2000"#),
+        revolute(r#""ratchet": 1.5"#),
         revolute(r#""limits": [1]"#),
         revolute(r#""limits": [1, -1]"#),
         revolute(r#""limits": [-1, 200000]"#),
@@ -141,12 +156,13 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
     ];
     let told = told_alone("joints", &joints);
     let expected = [
-        ": one of the fields revolute, weld, distance, prismatic, wheel, motor, gear is missing [E505]",
+        ": one of the fields revolute, weld, distance, prismatic, wheel, motor, gear, pulley is missing [E505]",
         ".weld: `revolute` is given already: give only one of the two [E500]",
         ".ends: neither end of the joint is on a dynamic body: a joint needs a body that it can move [E148]",
         ".angles: expected a list of 2 values, found 1 [E502]",
         ".colide_connected: unknown field: did you mean `collide_connected`? [E503]",
-        ".break_force: out of range: expected a force of at least zero at which a joint breaks [E101]",
+        ".break_force: out of range: expected a force or a torque of at least zero at which a joint breaks [E101]",
+        ".break_torque: out of range: expected a force or a torque of at least zero at which a joint breaks [E101]",
         ".ends: `bodies` is given already: give only one of the two [E500]",
         ".distance: the field `length` is missing [E505]",
         ".distance.length: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
@@ -159,14 +175,23 @@ fn every_mistake_in_a_joint_is_told_at_its_field() {
         ".prismatic.friction: out of range: expected a force or torque in a joint of at least zero [E101]",
         ".wheel.spring.rest: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
         ".wheel.springs: unknown field: did you mean `spring`? [E503]",
-        ".axis: unknown field; there are repeat, name, collide_connected, enabled, events, break_force, key, user_data, bodies, ends, angles, revolute, weld, distance, prismatic, wheel, motor, gear [E503]",
+        ".axis: unknown field; there are repeat, name, collide_connected, enabled, events, break_force, break_torque, key, user_data, bodies, ends, angles, revolute, weld, distance, prismatic, wheel, motor, gear, pulley [E503]",
         ".motor.spring.rest: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
         ".motor.spring.hertz: out of range: expected a frequency of a joint's spring from 0 to 10^6 Hz [E101]",
         ".motor.motor.velocity: out of range: expected a speed of a joint's motor within ±2^20 rad/s or m/s [E101]",
         ".motor.motor: the field `max_force` is missing [E505]",
         ".gear: the field `teeth` is missing [E505]",
-        ".gear.teeth: out of range: expected whole numbers of teeth of gears from 1 to 1,024 or negative [E101]",
-        ".gear.teeth: out of range: expected whole numbers of teeth of gears from 1 to 1,024 or negative [E101]",
+        ".gear.teeth: out of range: expected whole numbers of teeth from 1 to 1,024 or negative [E101]",
+        ".gear.teeth: out of range: expected whole numbers of teeth from 1 to 1,024 or negative [E101]",
+        ".pulley: the field `grounds` is missing [E505]",
+        ".pulley: the field `length` is missing [E505]",
+        ".pulley.strands: out of range: expected whole numbers of strands from 1 to 64 [E101]",
+        ".pulley.strands[1]: out of range: expected a whole number that fits in 8 bits [E508]",
+        ".pulley.length: out of range: expected a length of a joint within ±2^20 m, of a rod or a rope from 2^-7 m [E101]",
+        ".pulley.grounds: expected a list of 2 values, found 1 [E502]",
+        ".revolute.ratchet: out of range: expected whole numbers of teeth from 1 to 1,024 or negative [E101]",
+        ".revolute.ratchet: out of range: expected whole numbers of teeth from 1 to 1,024 or negative [E101]",
+        ".revolute.ratchet: out of range: expected whole numbers of teeth from 1 to 1,024 or negative [E101]",
         ".revolute.limits: expected a list of 2 values, found 1 [E502]",
         ".revolute.limits: out of range: expected limits of a joint of which the upper one is not below the lower one [E101]",
         ".revolute.limits: out of range: expected an angle of a joint within ±2^17 rad [E101]",
@@ -250,7 +275,8 @@ pub(crate) const SLIDING: &str = r#"{"gravity": [0, -10], "bodies": [
         {"ends": ["cabin", "load"], "distance": {"limits": [1, 4], "spring": {"hertz": 2, "rest": 0}, "friction": 1}},
         {"ends": [[0, 0], "load"], "motor": {"spring": {"hertz": 2, "rest": [7, 4], "max_force": 9}, "motor": {"velocity": [1, 0], "max_force": 2},
           "angular_spring": {"hertz": 1, "rest": 0.5}, "angular_motor": {"max_force": 1}}},
-        {"bodies": ["car", "wheel"], "gear": {"teeth": [12, -36]}}],
+        {"bodies": ["car", "wheel"], "gear": {"teeth": [12, -36]}},
+        {"bodies": ["car", "load"], "points": [[0, 1], [7, 3]], "pulley": {"grounds": [[0, 5], [7, 6]], "strands": [2, 1]}}],
       "inputs": [{"at": 10, "joint": "lift", "set": {"motor": {"speed": 1, "max_force": 100}}},
         {"at": 12, "joint": "axle", "set": {"motor": null}}]}"#;
 
@@ -258,7 +284,7 @@ pub(crate) const SLIDING: &str = r#"{"gravity": [0, -10], "bodies": [
 #[test]
 fn sliders_wheels_ropes_and_motors_are_read() {
     let scene = Scene::parse(SLIDING).expect("it is one");
-    assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 7);
+    assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 8);
     let world: World = scene.build().expect("it starts");
     let [car, wheel, _, load] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
     let joints: Vec<JointDef> = world.joints().map(|joint| *joint.def()).collect();
@@ -283,6 +309,9 @@ fn sliders_wheels_ropes_and_motors_are_read() {
     // The teeth fit as the bodies stand.
     let gear = JointDef::gear(&world, car, wheel, [12, -36]).expect("two bodies");
     assert_eq!((joints[6].kind, joints[6].ends, joints[6].angles), (gear.kind, gear.ends, gear.angles));
+    let grounds = [vec2(0, 5), vec2(7, 6)];
+    let pulley = JointDef::pulley(&world, [car, load], [vec2(0, 1), vec2(7, 3)], grounds, [2, 1]).expect("near them");
+    assert_eq!((joints[7].kind, joints[7].ends), (pulley.kind, pulley.ends));
     let mut run = scene.start::<Fx>().expect("it starts");
     advance(&mut run, 20);
     let motor = |name: &str| match def(&run, name).expect("it is there").kind {
@@ -334,8 +363,19 @@ fn come_to_rest(run: &mut SceneRun<'_, Fx>, ticks: u64) -> (f64, f64) {
 #[test]
 fn the_scenes_with_joints_are_those_that_are_tested_here() {
     let jointed = scenes().into_iter().filter(|(_, scene)| !scene.joints.is_empty());
-    let names =
-        ["breaking-bridge", "bridge", "car", "clock", "crane", "curling", "lift", "ragdolls", "tumbler", "windmill"];
+    let names = [
+        "breaking-bridge",
+        "bridge",
+        "car",
+        "clock",
+        "crane",
+        "curling",
+        "hoist",
+        "lift",
+        "ragdolls",
+        "tumbler",
+        "windmill",
+    ];
     assert_eq!(jointed.map(|(name, _)| name).collect::<Vec<_>>(), names);
 }
 
@@ -497,6 +537,26 @@ fn the_clock_keeps_the_ratio_of_its_train() {
     for name in ["first", "second"] {
         assert!(joint(&run, name).expect("it is there").angle().abs() < fx!(0.00001));
     }
+}
+
+#[test]
+fn the_hoist_sets_its_cabin_down_and_holds_its_weight() {
+    let scene = &scenes()["hoist"];
+    let mut run = scene.start::<Fx>().expect("it starts");
+    watch(&mut run, 180);
+    // a = g·20/580, and the rope bears 2·300·280/580·g.
+    let (speed, expected) = (body(&run, "cabin").velocity().y.to_f64(), -3.0 * 200.0 / 580.0);
+    assert!((speed / expected - 1.0).abs() < 1e-5, "{speed} m/s, not {expected}");
+    let force = joint(&run, "rope").expect("it is there").force().y.to_f64();
+    assert!((force / (2.0 * 300.0 * 280.0 / 58.0) - 1.0).abs() < 1e-4, "{force} N");
+    come_to_rest(&mut run, scene.ticks);
+    let cabin = body(&run, "cabin").position().y;
+    assert!((cabin + fx!(2.5)).abs() < fx!(0.001), "{cabin}");
+    let winch = joint(&run, "winch").expect("it is there");
+    let stop = winch.stop().expect("a ratchet");
+    // From −1 rad by half a radian a second, less its start, and back to the last of 24 teeth.
+    assert!((winch.angle() - stop).abs() < fx!(0.001), "{} {stop}", winch.angle());
+    assert!((stop - Fx::TAU * 5 / 24).abs() < fx!(0.0001), "{stop}");
 }
 
 #[test]

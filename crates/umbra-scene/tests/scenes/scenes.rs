@@ -210,16 +210,18 @@ pub(crate) const JOINTED: &str = r#"{
   ],
   "joints": [
     {"name": "hinge", "bodies": ["post", "link-0"], "point": [-0.5, 0], "revolute": {"limits": [-1, 1.5], "motor": {"speed": 2, "max_force": 20},
-      "spring": {"hertz": 2, "damping_ratio": 0.5, "rest": 0.25, "max_force": 9}, "friction": 0.125}},
+      "spring": {"hertz": 2, "damping_ratio": 0.5, "rest": 0.25, "max_force": 9}, "friction": 0.125, "ratchet": -12}},
     {"repeat": {"i": 2}, "name": "weld-{i}", "bodies": ["link-{i}", "link-{i+1}"], "point": [{"start": 0.5, "i": 1}, 0], "weld": {}},
     {"name": "soft", "ends": [{"body": "link-2", "point": [0.5, 0]}, {"body": "link-3", "point": [-0.5, 0]}], "angles": [0.5, -0.25],
       "weld": {"spring": {"hertz": 3}}, "collide_connected": true, "key": 3, "user_data": 18446744073709551615},
-    {"name": "rod", "bodies": [null, "wheel"], "points": [[0, -2], [0.25, -5]], "distance": {}, "break_force": 5000, "events": true},
+    {"name": "rod", "bodies": [null, "wheel"], "points": [[0, -2], [0.25, -5]], "distance": {}, "break_force": 5000, "break_torque": 70, "events": true},
     {"bodies": ["wheel", null], "points": [[0, -5], [3, -9]], "distance": {"length": 4.5}, "enabled": false, "break_force": null}
   ],
   "inputs": [
     {"at": 1, "joint": "hinge", "set": {"motor": null}},
     {"at": 2, "joint": "hinge", "set": {"kind": {"revolute": {"limits": [0, 0]}}, "motor": {"max_force": 3}, "break_force": 100}},
+    {"at": 2, "joint": "hinge", "set": {"break_torque": 9}},
+    {"at": 3, "joint": "hinge", "set": {"break_torque": null}},
     {"from": 3, "to": 5, "joint": "soft", "do": "disable"},
     {"at": 6, "joint": "soft", "do": "enable", "set": {"break_force": null, "kind": {"distance": {"length": 0.5}}}},
     {"at": 7, "joint": "rod", "do": "remove"},

@@ -27,7 +27,7 @@ impl Block {
     #[inline(always)]
     pub(super) fn element(&self, side: usize, i: usize, j: usize) -> i128 {
         let [mx, my, angular] = self.sides[side].masses;
-        let ([ix, iy], [jx, jy]) = (self.axes[i], self.axes[j]);
+        let ([ix, iy], [jx, jy]) = (self.side_axes(i)[side], self.side_axes(j)[side]);
         // Products of axes are below 2^60, of crosses below 2^61.
         let turning = self.crosses[i][side] * self.crosses[j][side];
         lowered(product(mx, ix * jx) + product(my, iy * jy) + product(angular, turning), 60)
@@ -157,6 +157,10 @@ impl LoopJoint {
             let [x, y] = [first << (30 - LOWER), second << (30 - LOWER)];
             [x, y, lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)]
         } else {
+            if block.is_pulley {
+                self.move_by_rope(block, moved);
+                return;
+            }
             let mut sums = [0; 4];
             for row in 0..ROWS {
                 if block.is_active[row] {
@@ -169,8 +173,7 @@ impl LoopJoint {
             }
             sums.map(|sum| lowered_low(sum, LOWER))
         };
-        // From 15 to 64 bits: masses of rows have at most 50.
-        let bits = block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED;
+        let bits = moved_bits(block);
         let [first, second] = self.bodies;
         if let Some(moved) = moved.get_mut(first as usize) {
             let [dx, dy, turn] = velocities_by(&block.sides[0].masses, [x, y, turn_a], bits);
@@ -179,6 +182,22 @@ impl LoopJoint {
         if let Some(moved) = moved.get_mut(second as usize) {
             let [dx, dy, turn] = velocities_by(&block.sides[1].masses, [x, y, turn_b], bits);
             *moved = [moved[0] + dx, moved[1] + dy, moved[2] + turn];
+        }
+    }
+
+    /// Adds the effect of the direction of a rope on the bodies.
+    fn move_by_rope(&self, block: &Block, moved: &mut [[i64; 3]]) {
+        for side in 0..2 {
+            let Some(moved) = moved.get_mut(self.bodies[side] as usize) else { continue };
+            let [x, y] = block.axes[side];
+            let impulses =
+                [x, y, block.crosses[0][side]].map(|factor| lowered_low(product(self.direction[0], factor), LOWER));
+            let sign = if side == 0 { -1 } else { 1 };
+            for (moved, change) in
+                moved.iter_mut().zip(velocities_by(&block.sides[side].masses, impulses, moved_bits(block)))
+            {
+                *moved += sign * change;
+            }
         }
     }
 
@@ -204,7 +223,12 @@ impl LoopJoint {
         for row in 0..ROWS {
             if block.is_active[row] {
                 let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
-                let way = product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]);
+                let way = if block.is_pulley {
+                    let [vx, vy] = block.axes[1];
+                    product(vx, b[0]) - product(ux, a[0]) + product(vy, b[1]) - product(uy, a[1])
+                } else {
+                    product(ux, b[0] - a[0]) + product(uy, b[1] - a[1])
+                };
                 let sum = way + product(kb, b[2]) - product(ka, a[2]);
                 self.velocity[row] = velocity(sum, self.gives(block, row));
             }
@@ -257,6 +281,12 @@ impl LoopJoint {
             self.direction[row] = within_word(direction, DIRECTION);
         }
     }
+}
+
+/// The bits from products of masses and lowered impulses down to velocities of bodies: from 15 to 64, as masses of rows have at most 50.
+#[inline(always)]
+fn moved_bits(block: &Block) -> i32 {
+    block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED
 }
 
 /// The changes of velocity of a body by impulses in 2^62 along x and y and of rotation, each within [`FAST`].

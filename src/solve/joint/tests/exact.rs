@@ -96,7 +96,7 @@ impl Image {
             JointKind::Slider { .. } | JointKind::Planar { .. } => {
                 Impulses { values: [first, self.angle(second), self.angle(third)], ..impulses }
             }
-            JointKind::Distance { .. } | JointKind::Line => impulses,
+            JointKind::Distance { .. } | JointKind::Line | JointKind::Pulley { .. } => impulses,
             JointKind::Gear { .. } => Impulses { values: [first, second, self.angle(third)], ..impulses },
         }
     }
@@ -111,6 +111,9 @@ impl Image {
         match kind {
             JointKind::Slider { angle } => JointKind::Slider { angle: image(angle) },
             JointKind::Planar { angle } => JointKind::Planar { angle: image(angle) },
+            JointKind::Pulley { grounds, strands } => {
+                JointKind::Pulley { grounds: grounds.map(|ground| self.pair(ground)), strands }
+            }
             JointKind::Revolute | JointKind::Distance { .. } | JointKind::Line | JointKind::Gear { .. } => kind,
         }
     }
@@ -210,6 +213,10 @@ fn bodies_of_a_joint_in_either_order_keep_the_bits() {
         for joint in swapped_scene.joints.iter_mut().filter(|joint| !has_order(joint)) {
             joint.bodies.reverse();
             joint.anchors.reverse();
+            if let JointKind::Pulley { grounds, strands } = &mut joint.kind {
+                grounds.reverse();
+                strands.reverse();
+            }
             joint.impulses = swapped_impulses(joint.kind, joint.impulses);
             joint.axis = joint.axis.as_ref().map(reversed);
         }

@@ -178,7 +178,7 @@ impl Scene {
         }
     }
 
-    /// Turns half of the joints into sliders, planar joints, gears, and lines with laws of the distances.
+    /// Turns half of the joints into sliders, planar joints, gears, pulleys, and lines with laws of the distances.
     pub(super) fn add_slides(&mut self, random: &mut Random) {
         let flights = &mut self.flights;
         for joint in &mut self.joints {
@@ -208,6 +208,16 @@ impl Scene {
                         continue;
                     }
                     x * cos + y * sin
+                }
+                _ if signed(random) > 0.3 => {
+                    let mut ground = |k: usize| {
+                        let Vec2 { x, y } = flights[joint.bodies[k] as usize].position;
+                        Vec2::new(x + fx(3.0 * signed(random)), y + fx(3.0 * signed(random)))
+                    };
+                    let grounds = [ground(0), ground(1)];
+                    let strands = [(); 2].map(|()| 1 + index(random, 3) as u8);
+                    joint.kind = JointKind::Pulley { grounds, strands };
+                    joint.ways(flights)[0].to_bits() as f64 / 2f64.powi(32)
                 }
                 _ => {
                     joint.kind = JointKind::Line;
