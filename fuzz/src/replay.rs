@@ -135,10 +135,18 @@ fn forged_command(data: &[u8]) -> Result<()> {
 const REPLAY: [&[u8; 4]; 4] = [b"HEAD", b"SNAP", b"TICK", b"DONE"];
 const DUMP: [&[u8; 4]; 4] = [b"PHYS", b"TICK", b"PHAS", b"DONE"];
 
-/// Start of a file of another kind: the eight letters, and the number of its format.
-fn opening(letters: &[u8; 8]) -> Vec<u8> {
-    let format = if letters == b"UMBRADMP" { 2u32 } else { 1 };
-    [&letters[..], &format.to_le_bytes()].concat()
+/// The start of a dump or of a replay, as this build writes them.
+fn opening(is_dump: bool) -> Vec<u8> {
+    let world = World::new(WorldDef::default()).expect("a world");
+    let mut file = if is_dump {
+        let mut after = world.clone();
+        after.step();
+        Dump::of_tick(&world, &[], &Inputs::new(), &after).to_bytes()
+    } else {
+        Recorder::new(&world, RecordOptions::default()).finish(&world)
+    };
+    file.truncate(OPENING);
+    file
 }
 
 /// Reads chunks: a byte for the letters, two for the length, and the contents.
@@ -152,10 +160,11 @@ fn from_chunks(data: &[u8]) -> Result<()> {
         let tag = *(if is_dump { DUMP } else { REPLAY })[usize::from(number % 4)];
         parts.push(Chunk { tag, bytes: input.bytes(length)?.to_vec() });
     }
+    let file = sealed(&opening(is_dump), &parts);
     if is_dump {
-        look_at_dump(&sealed(&opening(b"UMBRADMP"), &parts));
+        look_at_dump(&file);
     } else {
-        look(&sealed(&opening(b"UMBRAREP"), &parts));
+        look(&file);
     }
     Ok(())
 }
