@@ -41,8 +41,8 @@ pub struct JointDef<S = Fx> {
     pub angles: [S; 2],
     /// The kind, with its values.
     pub kind: JointKind<S>,
-    /// True if the two bodies touch each other all the same. False by default: then they are excluded from contacts as long as the joint
-    /// is there, enabled and not broken.
+    /// True if the two bodies touch each other all the same, as [`JointDef::pulley`] has it. False by default: then they are excluded from contacts
+    /// as long as the joint is there, enabled and not broken.
     pub collide_connected: bool,
     /// False for a joint that does nothing until [`World::enable_joint`](crate::World::enable_joint); true by default.
     pub enabled: bool,

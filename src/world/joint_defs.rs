@@ -113,7 +113,7 @@ impl<S: Scalar> JointDef<S> {
     }
 
     /// A rope from points of two bodies over two points of the world, all given where they are in the world, m, with these strands on both sides:
-    /// [`Pulley`]. It is as long as they are apart.
+    /// [`Pulley`]. It is as long as they are apart, and its bodies touch each other.
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::JointPoint`] for a point too far from its body, [`Quantity::Strands`], or
@@ -127,6 +127,7 @@ impl<S: Scalar> JointDef<S> {
     /// let (bodies, grounds) = ([hook?, load?], [vec2(0, 3), vec2(4, 5)]);
     /// let tackle = JointDef::pulley(&world, bodies, [vec2(0, 0), vec2(4, 1)], grounds, [1, 2])?;
     /// assert_eq!(tackle.kind, JointKind::Pulley(Pulley { grounds, strands: [1, 2], length: fx!(11) }));
+    /// assert!(tackle.collide_connected);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
     pub fn pulley(
@@ -139,7 +140,8 @@ impl<S: Scalar> JointDef<S> {
         let ends = [end_at(world, Some(bodies[0]), points[0])?, end_at(world, Some(bodies[1]), points[1])?];
         let pulley = Pulley { grounds, strands, length: S::ZERO };
         let kind = JointKind::Pulley(Pulley { length: S::from_fx(pulley.length_to(points)), ..pulley });
-        kind.check().map(|()| Self::new(ends, kind))
+        kind.check()?;
+        Ok(Self { collide_connected: true, ..Self::new(ends, kind) })
     }
 
     /// A rigid rod between points of two bodies, given where they are in the world, m; `None` is the world. It is as long as they are apart.

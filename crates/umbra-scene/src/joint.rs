@@ -64,7 +64,7 @@ pub(super) fn joint(object: &Object<'_>, names: &Names, start: Option<&Start<'_>
     let name = object.or("name", None, |node| node.string().map(Some));
     let flag = |name, otherwise| object.or(name, otherwise, Node::boolean);
     let [collide_connected, enabled, events] =
-        [flag("collide_connected", false), flag("enabled", true), flag("events", false)];
+        [flag("collide_connected", object.has("pulley")), flag("enabled", true), flag("events", false)];
     let [break_force, break_torque] = ["break_force", "break_torque"].map(|name| object.or(name, None, break_force));
     let (key, user_data) = (object.or("key", 0, Node::whole), object.or("user_data", 0, Node::whole));
     // The teeth of gears fit as the bodies stand.

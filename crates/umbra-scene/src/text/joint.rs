@@ -19,7 +19,8 @@ impl Scene {
         object.put("ends", list([self.end(first), self.end(second)]));
         object.unless(def.angles == [Fx::ZERO; 2], "angles", list(def.angles));
         kind_into(&mut object, &def.kind);
-        object.unless(!def.collide_connected, "collide_connected", true);
+        let collides = matches!(def.kind, JointKind::Pulley(_));
+        object.unless(def.collide_connected == collides, "collide_connected", def.collide_connected);
         object.unless(def.enabled, "enabled", false);
         if let Some(force) = def.break_force {
             object.put("break_force", force);
