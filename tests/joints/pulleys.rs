@@ -139,6 +139,22 @@ fn a_beam_hangs_from_its_end() {
     assert!((end.y - body.position().y - fx!(1)).abs() < fx!(0.01), "{end} {}", body.position());
 }
 
+/// Loads on one rope touch each other: the heavy one comes down on the light one that stands in its way.
+#[test]
+fn loads_that_meet_touch() {
+    let mut world = falling();
+    let bodies = [(0, 1), (2, 3)].map(|(y, mass)| {
+        let body = BodyDef::dynamic().with_collider(Shape::rectangle(1, 1).expect("a shape"));
+        let mass = Mass::Kilograms(Fx::from(mass));
+        world.add_body(BodyDef { position: vec2(0, y), mass, ..body }).expect("a body")
+    });
+    let rope = JointDef::pulley(&world, bodies, [vec2(0, 0), vec2(0, 2)], [vec2(0, 9), vec2(0, 9)], [1, 1]);
+    world.add_joint(rope.expect("a rope")).expect("a rope");
+    steps(&mut world, 120);
+    let apart = height(&world, bodies[1]) - height(&world, bodies[0]);
+    assert!((apart - 1.0).abs() < 0.01, "{apart}");
+}
+
 /// Loads of unlike masses on a floor: the rope is taut, the light one hangs, and all rests.
 fn on_a_floor() -> World {
     let mut world = falling();
