@@ -164,7 +164,9 @@ pub(crate) fn stop(teeth: i16, tooth: i32) -> Fx {
 pub(crate) fn turns_after(turns: i16, from: Turn, to: Turn, change: i128) -> i16 {
     let apart = unwrapped(from, turns) + change - i128::from(to.to_bits() as i64);
     let nearest = (apart + (1 << 63)) >> 64;
-    nearest.clamp(i16::MIN.into(), i16::MAX.into()) as i16
+    // Odd: an image counts as many the other way round.
+    let largest = i128::from(i16::MAX);
+    nearest.clamp(-largest, largest) as i16
 }
 
 /// The impulses of a joint in a file, and what else its axis has.
@@ -250,6 +252,20 @@ pub(crate) fn exceeds(impulse: [i128; 2], force: Fx, time_step: TimeStep) -> boo
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Both ends of the range are opposite.
+    #[test]
+    fn turns_are_counted_alike_in_both_directions() {
+        let quarter = Turn::from_bits(1 << 62);
+        let opposite = Turn::from_bits(quarter.to_bits().wrapping_neg());
+        for turns in [0, 5, 32_766, 32_767] {
+            for change in [1 << 62, 1 << 64, 3 << 64, 1 << 80] {
+                let forwards = turns_after(turns, Turn::default(), quarter, change);
+                let backwards = turns_after(-turns, Turn::default(), opposite, -change);
+                assert_eq!(forwards, -backwards, "{turns} {change}");
+            }
+        }
+    }
 
     /// The mean force is compared to the last unit of the impulse: 3 and 4 N give 5 N over a second, and over any other step.
     #[test]
