@@ -75,9 +75,9 @@ pub enum Role {
     Zone(FieldId),
     /// The box of a fluid, and an arrow of 1 m from its middle along its flow.
     Buoyancy(FieldId),
-    /// The two ends of a joint, and the line between them, of a pulley over its points; of a prismatic or a wheel joint the axis too, from its lower limit to its upper
-    /// one, or half a metre on both sides of the first end if it has none. Of a motor joint the point that its spring pulls to, in place of the first
-    /// end; without a spring the second end alone.
+    /// The two ends of a joint, and the line between them, of a pulley over its points; of a prismatic or a wheel joint the axis too, from its
+    /// lower limit to its upper one, or half a metre on both sides of the first end if it has none. Of a motor joint the point that its spring
+    /// pulls to, in place of the first end; without a spring the second end alone.
     Joint(JointId),
     /// A point of the contact of these two colliders.
     Contact([ColliderId; 2]),

@@ -74,8 +74,8 @@ pub struct Revolute<S = Fx> {
     pub spring: Option<JointSpring<S>>,
     /// The largest torque of friction in the joint, N·m, from 0; 0 by default. With a little of it ragdolls come to rest.
     pub friction: S,
-    /// The teeth of a ratchet, from 1 to [`limits::TEETH`] = 1,024: the angle grows freely, and falls back to the last tooth at most, as of a winch or a
-    /// socket wrench. With a negative number it is the other way round. Teeth are at whole parts of a turn from angle 0; a step in which one is passed
+    /// The teeth of a ratchet, from 1 to [`limits::TEETH`] = 1,024: the angle grows freely, and falls back to the last tooth at most, as of a
+    /// winch or a socket wrench. With a negative number it is the other way round. Teeth are at whole parts of a turn from angle 0; a step in which one is passed
     /// engages it ([`JointRef::stop`](crate::JointRef::stop)). `None` by default.
     pub ratchet: Option<i16>,
 }

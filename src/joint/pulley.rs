@@ -11,9 +11,9 @@ use crate::solve;
 
 /// A rope from one body over two points of the world to another body, which pulls and does not push.
 ///
-/// [`JointDef::pulley`](crate::JointDef::pulley) makes the definition. The rope has z₁·l₁ + z₂·l₂ of its length in use, for the distances l of both ends
-/// from their points and the strands z between them: with two strands on one side, as of a block and tackle, the body there moves half as far and is
-/// pulled twice as hard. [`JointRef::length`](crate::JointRef::length) is the length in use.
+/// [`JointDef::pulley`](crate::JointDef::pulley) makes the definition. The rope has z₁·l₁ + z₂·l₂ of its length in use, for the distances l of
+/// both ends from their points and the strands z between them: with two strands on one side, as of a block and tackle, the body there moves
+/// half as far and is pulled twice as hard. [`JointRef::length`](crate::JointRef::length) is the length in use.
 ///
 /// ```
 /// use umbra_physics::{BodyDef, JointDef, Mass, World, WorldDef, fx, vec2};

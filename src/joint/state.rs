@@ -14,7 +14,8 @@ use crate::solve::Impulses;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct JointState {
     /// Multiples of the unit, on the second body over the last sub-step: of revolute joints and welds along x and y, and around; of prismatic,
-    /// wheel and motor joints along and across the axis, and around; of a distance joint along the line from the first end to the second, and of a pulley along its rope, and 0.
+    /// wheel and motor joints along and across the axis, and around; of a distance joint along the line from the first end to the
+    /// second, of a pulley along its rope, and 0.
     pub(crate) impulses: [i64; 3],
     /// The number of the tooth of a ratchet that is engaged, from angle 0 in its direction; 0 without one.
     pub(crate) tooth: i32,
@@ -101,35 +102,34 @@ impl JointState {
         let is_broken = bool::read(reader)?;
         let has_axis = kind.axis().is_some();
         let active = kind.active_rows();
-        let mut tooth_read = 0;
-        let (impulses, turns) = match (kind, JointImpulses::read(reader)?) {
-            (JointKind::Distance(_) | JointKind::Pulley(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0),
+        let has_ratchet = kind.ratchet().is_some();
+        let (impulses, turns, tooth) = match (kind, JointImpulses::read(reader)?) {
+            (JointKind::Distance(_) | JointKind::Pulley(_), JointImpulses::Distance { along }) => ([along, 0, 0], 0, 0),
             (_, JointImpulses::Slider { along, across, torque, turns }) if kind.has_frame() => {
-                ([along, across, torque], turns)
+                ([along, across, torque], turns, 0)
             }
-            (JointKind::Revolute(_), JointImpulses::Ratchet { x, y, torque, turns, tooth })
-                if kind.ratchet().is_some() =>
-            {
-                tooth_read = tooth;
-                ([x, y, torque], turns)
-            }
+            (_, JointImpulses::Ratchet { x, y, torque, turns, tooth }) if has_ratchet => ([x, y, torque], turns, tooth),
             (
                 JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_),
                 JointImpulses::Axis { x, y, torque, turns },
-            ) if has_axis && kind.ratchet().is_none() => ([x, y, torque], turns),
-            (JointKind::Revolute(_), JointImpulses::Revolute { x, y }) if !has_axis => ([x, y, 0], 0),
+            ) if has_axis && !has_ratchet => ([x, y, torque], turns, 0),
+            (JointKind::Revolute(_), JointImpulses::Revolute { x, y }) if !has_axis => ([x, y, 0], 0, 0),
             _ => return Err(malformed),
         };
         // A joint without impulses has no unit, and a broken one has none.
         let is_canonical = if impulses == [0; 3] { exponent == 0 } else { !is_broken };
         let fits = (0..3).all(|row| impulses[row] == 0 || active[row] && impulses[row].unsigned_abs() <= LARGEST);
-        if is_canonical && fits && (turns == 0 || kind.counts_turns()) {
-            Ok(Self { impulses, tooth: tooth_read, turns, exponent, is_broken })
+        let are_counted = (turns == 0 || kind.counts_turns()) && turns != i16::MIN && tooth.unsigned_abs() <= TEETH;
+        if is_canonical && fits && are_counted {
+            Ok(Self { impulses, tooth, turns, exponent, is_broken })
         } else {
             Err(malformed)
         }
     }
 }
+
+/// The largest number of a tooth: of 2^15 turns of a ratchet with 2^10 teeth.
+const TEETH: u32 = 1 << 25;
 
 /// 2π in units of 2^-61.
 const TAU: u64 = 0xc90f_daa2_2168_c235;
@@ -154,7 +154,7 @@ pub(crate) fn tooth_at(teeth: i16, angle: Turn, turns: i16) -> i32 {
 
 /// The angle of a tooth of a ratchet, rad. *Error* 1 ulp.
 pub(crate) fn stop(teeth: i16, tooth: i32) -> Fx {
-    // Odd: within 2^89.
+    // Odd: within 2^89, as there are at most 2^25 teeth.
     let turns = (i128::from(tooth) << 64) / i128::from(teeth);
     Fx::from_bits(mul_shift_64(turns, TAU, 93).unwrap_or(0) as i64)
 }
@@ -235,7 +235,8 @@ impl JointStates {
     }
 }
 
-/// Returns true if the mean force of an impulse over a step is larger than this force, N. The impulse is in 2^-32 N·s, along x and y; likewise a torque.
+/// Returns true if the mean force of an impulse over a step is larger than this force, N. The impulse is in 2^-32 N·s, along x and y.
+/// Likewise for a torque.
 ///
 /// # Ranges
 /// Of an impulse beyond ±2^94 units a component this tells that it is larger, which it is: forces are below 2^31 N and steps take up to a
@@ -252,6 +253,32 @@ pub(crate) fn exceeds(impulse: [i128; 2], force: Fx, time_step: TimeStep) -> boo
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A tooth beyond the turns that are counted, or a turn without an opposite, is no state of a ratchet.
+    #[test]
+    fn impossible_teeth_are_refused() {
+        use crate::joint::Revolute;
+
+        let kind: JointKind = JointKind::Revolute(Revolute { ratchet: Some(12), ..Revolute::default() });
+        let read = |tooth: i32, turns: i16| {
+            let mut bytes = Vec::new();
+            JointState { tooth, turns, ..JointState::default() }.write(&kind, &mut bytes);
+            JointState::read(&kind, &mut Reader::new(&bytes)).is_ok()
+        };
+        assert!(read(0, 0) && read(1 << 25, 32_767) && read(-(1 << 25), -32_767));
+        assert!(!read((1 << 25) + 1, 0) && !read(i32::MIN, 0) && !read(0, i16::MIN));
+    }
+
+    /// A joint that stands at a tooth but for the last bits of its angle engages it, in both directions.
+    #[test]
+    fn a_tooth_is_engaged_where_it_stands() {
+        let turn = |bits: i64| Turn::from_bits(bits as u64);
+        let twelfth = (1_i64 << 62) / 3;
+        for (bits, tooth) in [(0, 0), (-9, 0), (twelfth - 9, 1), (twelfth - (1 << 50), 0), (-twelfth, -1)] {
+            assert_eq!((tooth_at(12, turn(bits), 0), tooth_at(-12, turn(-bits), 0)), (tooth, tooth), "{bits}");
+        }
+        assert_eq!((tooth_at(12, turn(0), 7), tooth_at(-12, turn(0), -7)), (84, 84));
+    }
 
     /// Both ends of the range are opposite.
     #[test]

@@ -125,11 +125,8 @@ pub struct Joint {
 impl Joint {
     /// The offset from the first anchor to the second, in 2^-32 m.
     pub(crate) fn offset(&self, flights: &[Flight]) -> [i128; 2] {
-        let anchor = |side: usize, axis: fn(Vec2) -> Fx| {
-            i128::from(axis(flights[self.bodies[side] as usize].position).to_bits())
-                + i128::from(axis(self.anchors[side]).to_bits())
-        };
-        [anchor(1, |v| v.x) - anchor(0, |v| v.x), anchor(1, |v| v.y) - anchor(0, |v| v.y)]
+        let [from, to] = [0, 1].map(|side| point_of(&flights[self.bodies[side] as usize], self.anchors[side]));
+        [to[0] - from[0], to[1] - from[1]]
     }
 
     /// The ways along the axes of its slides, m: [`JointKind::ways`], and of a pulley the length of its rope, over the larger number of strands.
@@ -167,13 +164,21 @@ impl Joint {
     }
 }
 
+/// A vector in 2^-32 m.
+fn vector_bits(vector: Vec2) -> [i128; 2] {
+    [vector.x, vector.y].map(|part| part.to_bits().into())
+}
+
+/// The point of a body at an anchor, in 2^-32 m.
+fn point_of(flight: &Flight, anchor: Vec2) -> [i128; 2] {
+    let ([x, y], [arm_x, arm_y]) = (vector_bits(flight.position), vector_bits(anchor));
+    [x + arm_x, y + arm_y]
+}
+
 /// The way from a point of the world to a point of a body, in 2^-32 m.
 fn rope_way(flight: &Flight, anchor: Vec2, ground: Vec2) -> [i128; 2] {
-    let way = |axis: fn(Vec2) -> Fx| {
-        let [position, anchor, ground] = [flight.position, anchor, ground].map(|v| i128::from(axis(v).to_bits()));
-        position + anchor - ground
-    };
-    [way(|v| v.x), way(|v| v.y)]
+    let ([x, y], [ground_x, ground_y]) = (point_of(flight, anchor), vector_bits(ground));
+    [x - ground_x, y - ground_y]
 }
 
 /// The direction at an angle, in 2^-30.
@@ -198,8 +203,13 @@ enum Frame {
     Line,
     /// Along a direction that turns with the first body: at the start, in 2^-30.
     Body([i64; 2]),
-    /// Along the ways from two points of the world, for a body each. The way to the second body at the start, without its arm.
-    Ropes([i64; 2]),
+    /// Along the ways from two points of the world, for a body each: the second body has the axis of the second row, which is free.
+    Ropes {
+        /// The way to the second body at the start, without its arm.
+        second_base: [i64; 2],
+        /// The velocities of both points in the velocity of the rope, in 2^-30.
+        factors: [i64; 2],
+    },
 }
 
 /// A direction turned left by a quarter.
@@ -224,10 +234,6 @@ pub(super) struct Block {
     pub(super) joint: u32,
     sides: [Side; 2],
     frame: Frame,
-    /// True if the first row has an axis for each body: the second body has the axis of the second row, which is free.
-    is_pulley: bool,
-    /// The velocities of both points in the velocity of a rope, in 2^-30.
-    rope_factors: [i64; 2],
     /// The rows that the joint holds at zero.
     held: [bool; 2],
     /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
@@ -330,9 +336,10 @@ impl Block {
                     let way = rope_way(flights[k], joint.anchors[k], grounds[k]);
                     way.map(|c| clock.length_of_bits(c, unit).clamp(-FAR, FAR) as i64)
                 });
-                let [first, second] = [0, 1].map(|k| [0, 1].map(|i| ways[k][i] - sides[k].start[i]));
-                base = first;
-                (Frame::Ropes(second), [false; 2], ways.map(|[x, y]| length_of(x, y)))
+                let second_base;
+                [base, second_base] = [0, 1].map(|k| [0, 1].map(|i| ways[k][i] - sides[k].start[i]));
+                let frame = Frame::Ropes { second_base, factors: joint.kind.rope_factors() };
+                (frame, [false; 2], ways.map(|[x, y]| length_of(x, y)))
             }
             JointKind::Line => (Frame::Line, [false; 2], [length_of(offset[0], offset[1]), 0]),
             JointKind::Slider { angle } => {
@@ -365,8 +372,6 @@ impl Block {
             joint: index as u32,
             sides,
             frame,
-            is_pulley: matches!(joint.kind, JointKind::Pulley { .. }),
-            rope_factors: joint.kind.rope_factors(),
             held,
             laws,
             is_active,
@@ -395,16 +400,22 @@ impl Block {
     #[inline(always)]
     fn advance(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
         self.weighted.add(self.applied());
-        if self.is_pulley {
+        if self.is_pulley() {
             self.rope_sums.weigh();
         }
         self.turn(poses, laws)
     }
 
+    /// Returns true if the first row has an axis for each body.
+    #[inline(always)]
+    fn is_pulley(&self) -> bool {
+        matches!(self.frame, Frame::Ropes { .. })
+    }
+
     /// The axes of a row for both bodies.
     #[inline(always)]
     fn side_axes(&self, row: usize) -> [[i64; 2]; 2] {
-        [self.axes[row], if self.is_pulley { self.axes[1] } else { self.axes[row] }]
+        [self.axes[row], if self.is_pulley() { self.axes[1] } else { self.axes[row] }]
     }
 
     /// Returns true if the joint holds a length, and nothing else.

@@ -25,7 +25,6 @@ pub trait CommandSource {
     fn joint_kind(&mut self) -> JointKind;
     fn optional_joint_motor(&mut self) -> Option<JointMotor>;
     fn break_force(&mut self) -> Option<Fx>;
-    fn break_torque(&mut self) -> Option<Fx>;
     fn enabled(&mut self) -> bool;
     fn collider_def(&mut self) -> ColliderDef;
     fn contact_settings(&mut self) -> ContactSettings;

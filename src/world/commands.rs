@@ -422,7 +422,7 @@ commands! { world:
         check world.check_joint_break(*joint, *force),
         execute world.set_joint_break(*joint, *force);
     /// Calls [`World::set_joint_break_torque`].
-    49 => SetJointBreakTorque { joint: JointId as joint(joint), torque: Option<S> as optional_scalar(break_torque) },
+    49 => SetJointBreakTorque { joint: JointId as joint(joint), torque: Option<S> as optional_scalar(break_force) },
         check world.check_joint_break(*joint, *torque),
         execute world.set_joint_break_torque(*joint, *torque);
     /// Calls [`World::enable_joint`].

@@ -98,7 +98,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         })
     }
 
-    /// The distance of the two ends, m: of a revolute joint the gap; of a pulley the length of its rope in use. *Error* 2 ulp, of a pulley each strand.
+    /// The distance of the two ends, m: of a revolute joint the gap; of a pulley the length of its rope in use. *Error* 2 ulp, of a pulley
+    /// each strand.
     #[must_use]
     pub fn length(&self) -> S {
         if let JointKind::Pulley(pulley) = self.def().kind {
@@ -111,8 +112,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     /// The angle from the frame of the first end to the frame of the second one, rad. *Error* 1 ulp.
     ///
     /// Of a gear it is the angle by which the wheel with more teeth is out of step, 0 where the teeth fit.
-    /// A weld, and a revolute joint with limits, a spring or a ratchet, counts whole turns while it is active, up to ±2^15; the angle of all others is from −π
-    /// to π, and 0 for a whole half turn.
+    /// A weld, and a revolute joint with limits, a spring or a ratchet, counts whole turns while it is active, up to ±2^15; the angle of all others
+    /// is from −π to π, and 0 for a whole half turn.
     #[must_use]
     pub fn angle(&self) -> S {
         let def = self.def();
@@ -261,9 +262,9 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         let force = match self.def().kind {
             JointKind::Revolute(_) | JointKind::Weld(_) | JointKind::Gear(_) => Vec2::new(first, second),
             JointKind::Distance(_) => force_along(self.points(), first),
-            JointKind::Pulley(Pulley { grounds: [_, ground], strands: [z1, z2], .. }) => {
+            JointKind::Pulley(Pulley { grounds: [_, ground], .. }) => {
                 let [_, point] = self.points();
-                force_along([ground, point], first * Fx::from(i32::from(z2)) / Fx::from(i32::from(z1.max(z2))))
+                force_along([ground, point], self.world.joints.link(self.index).kind.rope_force_on_second(first))
             }
             JointKind::Prismatic(_) | JointKind::Wheel(_) | JointKind::Motor(_) => {
                 let force = self.axis_angle().rotate(Vec2::new(first, second));

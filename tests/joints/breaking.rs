@@ -2,7 +2,7 @@
 
 use super::scenes::{falling, point_mass, steps};
 use umbra_physics::{
-    BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Symmetry, Weld, World,
+    BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Shape, Symmetry, Weld, World,
     WorldDef, fx, vec2,
 };
 
@@ -122,7 +122,7 @@ fn a_joint_breaks_above_its_torque_and_not_below() {
 /// A motor that is held wrings its axle off where its torque is larger; the torque of a gear is the torque on its second body.
 #[test]
 fn motors_and_gears_break_by_their_torque() {
-    let held = |torque: Fx| {
+    let held = |teeth: [i16; 2], torque: Fx| {
         let mut world = World::new(WorldDef::default()).expect("a world");
         let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
         let [first, second] = [0, 5].map(|x| {
@@ -133,11 +133,10 @@ fn motors_and_gears_break_by_their_torque() {
             world.add_joint(JointDef { kind, ..axle }).expect("a joint");
             body
         });
-        let gear = JointDef::gear(&world, first, second, [10, 30]).expect("a gear");
+        let gear = JointDef::gear(&world, first, second, teeth).expect("a gear");
         let gear = JointDef { break_torque: Some(torque), events: true, ..gear };
         let gear = world.add_joint(gear).expect("a gear");
         for _ in 0..120 {
-            // 4 N·m on the small wheel are 12 N·m on the large one.
             world.apply_torque(first, fx!(4)).expect("a torque");
             if let [broke] = world.step().joints_broke {
                 return (broke.joint == gear).then_some(broke.torque);
@@ -145,9 +144,38 @@ fn motors_and_gears_break_by_their_torque() {
         }
         None
     };
-    assert_eq!(held(fx!(12.1)), None);
-    let torque = held(fx!(11.9)).expect("it breaks");
-    assert!((torque.abs() - fx!(12)).abs() < fx!(0.05), "{torque}");
+    // 4 N·m on a wheel of 10 teeth are 12 N·m on one of 30, and the other way round.
+    for (teeth, expected) in [([10, 30], fx!(12)), ([30, 10], fx!(4) / 3)] {
+        assert_eq!(held(teeth, expected * fx!(1.01)), None);
+        let torque = held(teeth, expected * fx!(0.99)).expect("it breaks");
+        assert!((torque.abs() - expected).abs() < expected / 50, "{torque}");
+    }
+}
+
+/// A ball of 1 kg hits an arm of 0.1 kg a metre from its weld to a hull at 10 m/s, in one step: 10 N·m·s but for what the arm keeps. The
+/// impulses of an impact count.
+#[test]
+fn an_impact_breaks_by_its_torque() {
+    let hit = |torque: Option<Fx>| {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let heavy = Mass::Explicit { mass: fx!(1_000), inertia: fx!(1_000) };
+        let hull = world.add_body(BodyDef { mass: heavy, ..BodyDef::dynamic() }).expect("a body");
+        let light = Mass::Kilograms(fx!(0.1));
+        let arm = BodyDef::dynamic().with_collider(Shape::rectangle(fx!(1.2), fx!(0.2)).expect("a shape"));
+        let arm = world.add_body(BodyDef { position: vec2(fx!(0.6), 0), mass: light, ..arm }).expect("a body");
+        let weld = JointDef::at(&world, hull, arm, vec2(0, 0)).expect("a weld");
+        let kind = JointKind::Weld(Weld::default());
+        world.add_joint(JointDef { kind, break_torque: torque, events: true, ..weld }).expect("a weld");
+        let ball = BodyDef::dynamic().with_collider(Shape::circle(fx!(0.1)).expect("a shape"));
+        let mass = Mass::Kilograms(fx!(1));
+        let ball = BodyDef { position: vec2(1, fx!(0.25)), velocity: vec2(0, -10), mass, ..ball };
+        world.add_body(ball).expect("a body");
+        world.step().joints_broke.first().map(|broke| broke.torque)
+    };
+    // 600 N·m less a hundredth.
+    let torque = hit(Some(fx!(550))).expect("it breaks");
+    assert!((torque.abs() - fx!(590)).abs() < fx!(15), "{torque}");
+    assert_eq!((hit(Some(fx!(620))), hit(None)), (None, None));
 }
 
 /// A broken joint that is repaired pulls again from where its ends are.

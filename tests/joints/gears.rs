@@ -1,18 +1,10 @@
 //! Gears in worlds.
 
-use super::scenes::{assert_images_and_copies, falling, steps};
+use super::scenes::{assert_images_and_copies, assert_near, falling, steps, wheel};
 use umbra_physics::{
-    BodyDef, BodyId, Error, Fx, Gear, JointDef, JointId, JointKind, JointMotor, Mass, Quantity, Symmetry, Vec2, World,
+    BodyDef, BodyId, Error, Fx, Gear, JointDef, JointId, JointKind, JointMotor, Mass, Quantity, Symmetry, World,
     WorldDef, fx, limits, vec2,
 };
-
-/// A wheel of an inertia on an axle of the world.
-fn wheel(world: &mut World, position: Vec2, inertia: Fx) -> (BodyId, JointId) {
-    let mass = Mass::Explicit { mass: fx!(1), inertia };
-    let body = world.add_body(BodyDef { position, mass, ..BodyDef::dynamic() }).expect("a body");
-    let axle = JointDef::at(world, None, body, position).expect("a joint");
-    (body, world.add_joint(axle).expect("a joint"))
-}
 
 fn mesh(world: &mut World, first: BodyId, second: BodyId, teeth: [i16; 2]) -> JointId {
     let gear = JointDef::gear(world, first, second, teeth).expect("a gear");
@@ -21,10 +13,6 @@ fn mesh(world: &mut World, first: BodyId, second: BodyId, teeth: [i16; 2]) -> Jo
 
 fn speed(world: &World, body: BodyId) -> Fx {
     world.body(body).expect("a body").angular_velocity()
-}
-
-fn assert_near(value: Fx, expected: Fx, error: Fx) {
-    assert!((value - expected).abs() < error, "{value} is not {expected}");
 }
 
 /// A torque on the first wheel turns both as the inertia I₁ + I₂·(z₁/z₂)² says, for all signs of the teeth.

@@ -1,11 +1,10 @@
 //! Motor joints in worlds.
 
-use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps};
+use super::scenes::{assert_images_and_copies, chain, falling, point_mass, steps, still};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     Attachment, BodyDef, BodyId, Distance, End, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor,
-    JointSpring, Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Random, Revolute, Shape, Vec2, World, WorldDef, fx,
-    vec2,
+    JointSpring, Mass, Motor, PlanarMotor, PlanarSpring, Quantity, Random, Revolute, Shape, Vec2, World, fx, vec2,
 };
 
 fn solid(mass: i32) -> Mass {
@@ -16,10 +15,6 @@ fn solid(mass: i32) -> Mass {
 fn hold(world: &mut World, body: BodyId, motor: Motor) -> JointId {
     let ends = [End::World(vec2(0, 0)), End::Body(Attachment::centre(body))];
     world.add_joint(JointDef::new(ends, JointKind::Motor(motor))).expect("a joint")
-}
-
-fn still() -> World {
-    World::new(WorldDef::default()).expect("a world")
 }
 
 fn position(world: &World, body: BodyId) -> Vec2 {

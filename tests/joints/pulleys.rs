@@ -49,10 +49,7 @@ fn two_loads_move_as_atwood_says() {
         for (body, mass, strands) in [(bodies[0], m1, z1), (bodies[1], m2, z2)] {
             let (speed, expected) = (velocity(&world, body).y.to_f64(), strands * tension / mass - 10.0);
             println!("{masses:?} {strands}: {speed} of {expected}");
-            assert!(
-                (speed - expected).abs() < 1e-4 * expected.abs().max(10.0),
-                "{masses:?}: {speed} is not {expected}"
-            );
+            assert!((speed - expected).abs() < 3e-6, "{masses:?}: {speed} is not {expected}");
         }
         let force = world.joint(rope).expect("a joint").force();
         let expected = z2 * tension;

@@ -1,34 +1,24 @@
 //! Ratchets in worlds.
 
-use super::scenes::{assert_images_and_copies, falling, point_mass, steps};
+use super::scenes::{assert_images_and_copies, assert_near, falling, point_mass, steps, still, wheel};
 use umbra_physics::{
-    BodyDef, BodyId, Error, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, Mass, Quantity, Revolute,
-    Snapshot, Symmetry, World, WorldDef, fx, vec2,
+    BodyId, Error, Fx, Irreversible, JointDef, JointId, JointKind, JointLimits, JointMotor, Quantity, Revolute,
+    Snapshot, Symmetry, World, fx, vec2,
 };
 
-/// A wheel of 1 kg·m² on an axle of the world with a ratchet.
-fn wheel(world: &mut World, revolute: Revolute) -> (BodyId, JointId) {
-    let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
-    let body = world.add_body(BodyDef { mass, ..BodyDef::dynamic() }).expect("a body");
-    let axle = JointDef::at(world, None, body, vec2(0, 0)).expect("a joint");
-    let kind = JointKind::Revolute(revolute);
-    (body, world.add_joint(JointDef { kind, ..axle }).expect("a joint"))
+/// A wheel of 1 kg·m² on such an axle of the world.
+fn wheel_on(world: &mut World, revolute: Revolute) -> (BodyId, JointId) {
+    let (body, joint) = wheel(world, vec2(0, 0), fx!(1));
+    world.set_joint_kind(joint, JointKind::Revolute(revolute)).expect("a kind");
+    (body, joint)
 }
 
 fn ratchet(teeth: i16) -> Revolute {
     Revolute { ratchet: Some(teeth), ..Revolute::default() }
 }
 
-fn still() -> World {
-    World::new(WorldDef::default()).expect("a world")
-}
-
 fn angle(world: &World, joint: JointId) -> Fx {
     world.joint(joint).expect("a joint").angle()
-}
-
-fn assert_near(value: Fx, expected: Fx, error: Fx) {
-    assert!((value - expected).abs() < error, "{value} is not {expected}");
 }
 
 /// Forwards nothing holds it; backwards it goes to the last tooth that it has passed, and stops there without a rebound.
@@ -36,7 +26,7 @@ fn assert_near(value: Fx, expected: Fx, error: Fx) {
 fn it_turns_on_freely_and_back_by_less_than_a_tooth() {
     for (teeth, sign) in [(12, fx!(1)), (-12, fx!(-1)), (1, fx!(1)), (1_000, fx!(1)), (-60, fx!(-1))] {
         let mut world = still();
-        let (body, joint) = wheel(&mut world, ratchet(teeth));
+        let (body, joint) = wheel_on(&mut world, ratchet(teeth));
         world.set_angular_velocity(body, sign * 3).expect("a velocity");
         steps(&mut world, 300);
         // 15 rad.
@@ -57,8 +47,10 @@ fn it_turns_on_freely_and_back_by_less_than_a_tooth() {
 #[test]
 fn a_winch_holds_its_load() {
     let mut world = falling();
-    let (body, joint) =
-        wheel(&mut world, Revolute { motor: Some(JointMotor { speed: fx!(-1), max_force: fx!(60) }), ..ratchet(-24) });
+    let (body, joint) = wheel_on(
+        &mut world,
+        Revolute { motor: Some(JointMotor { speed: fx!(-1), max_force: fx!(60) }), ..ratchet(-24) },
+    );
     // 50 N·m.
     let weight = |world: &mut World| world.apply_torque(body, fx!(50)).expect("a torque");
     for _ in 0..500 {
@@ -82,7 +74,7 @@ fn a_winch_holds_its_load() {
 #[test]
 fn it_engages_where_it_stands() {
     let mut world = still();
-    let (body, joint) = wheel(&mut world, Revolute::default());
+    let (body, joint) = wheel_on(&mut world, Revolute::default());
     let stop = |world: &World| world.joint(joint).expect("a joint").stop().map(|stop| stop / Fx::TAU * 12);
     assert_eq!(stop(&world), None);
     world.set_angle(body, fx!(-2)).expect("an angle");
@@ -110,7 +102,7 @@ fn it_engages_where_it_stands() {
 fn limits_hold_beside_it() {
     let mut world = still();
     let limits = Some(JointLimits::degrees(-90, 100));
-    let (body, joint) = wheel(&mut world, Revolute { limits, ..ratchet(12) });
+    let (body, joint) = wheel_on(&mut world, Revolute { limits, ..ratchet(12) });
     for (velocity, degrees) in [(5, 100), (-5, 90), (5, 100)] {
         world.set_angular_velocity(body, Fx::from(velocity)).expect("a velocity");
         steps(&mut world, 120);
@@ -122,7 +114,7 @@ fn limits_hold_beside_it() {
 #[test]
 fn the_tooth_is_state() {
     let mut world = still();
-    let (body, joint) = wheel(&mut world, ratchet(12));
+    let (body, joint) = wheel_on(&mut world, ratchet(12));
     world.set_angular_velocity(body, fx!(2)).expect("a velocity");
     steps(&mut world, 100);
     let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]);
@@ -139,14 +131,35 @@ fn the_tooth_is_state() {
     assert_eq!(image_stop, stop.map(|stop| -stop));
 }
 
+/// A step in which a tooth is engaged has no way back: the tooth would stay.
+#[test]
+fn a_step_that_engages_a_tooth_has_no_way_back() {
+    let mut world = still();
+    world.set_sleep_after(None).expect("never");
+    let (body, joint) = wheel_on(&mut world, ratchet(64));
+    world.set_angular_velocity(body, fx!(2)).expect("a velocity");
+    let stop = |world: &World| world.joint(joint).expect("a joint").stop();
+    let mut refused = 0;
+    for _ in 0..30 {
+        let before = stop(&world);
+        world.step();
+        if stop(&world) != before {
+            assert_eq!(world.step_back(&[]), Err(Error::NotReversible { why: Irreversible::Joint }));
+            refused += 1;
+        }
+    }
+    // A radian is ten teeth.
+    assert_eq!(refused, 10);
+}
+
 /// A pendulum on a ratchet, a clutch between two wheels, and a weight on a rope beside it.
 fn clutch() -> World {
     let mut world = falling();
     let bob = point_mass(&mut world, vec2(1, 0));
     let hinge = JointDef::at(&world, None, bob, vec2(0, 0)).expect("a joint");
     world.add_joint(JointDef { kind: JointKind::Revolute(ratchet(40)), ..hinge }).expect("a joint");
-    let (first, _) = wheel(&mut world, Revolute::default());
-    let (second, _) = wheel(&mut world, Revolute::default());
+    let (first, _) = wheel_on(&mut world, Revolute::default());
+    let (second, _) = wheel_on(&mut world, Revolute::default());
     let clutch = JointDef::at(&world, first, second, vec2(0, 0)).expect("a joint");
     world.add_joint(JointDef { kind: JointKind::Revolute(ratchet(-7)), ..clutch }).expect("a joint");
     world.set_angular_velocity(first, fx!(3)).expect("a velocity");

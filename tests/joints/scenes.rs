@@ -1,12 +1,29 @@
 //! Worlds with joints.
 
 use umbra_physics::{
-    BodyDef, BodyId, Fx, JointDef, JointId, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, Fx, JointDef, JointId, Mass, Shape, Snapshot, Symmetry, Vec2, World, WorldDef, fx, vec2,
 };
 
 /// Gravity of 10 m/s² downwards.
 pub(crate) fn falling() -> World {
     World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() }).expect("a world")
+}
+
+/// No gravity.
+pub(crate) fn still() -> World {
+    World::new(WorldDef::default()).expect("a world")
+}
+
+/// A wheel of an inertia on an axle of the world.
+pub(crate) fn wheel(world: &mut World, position: Vec2, inertia: Fx) -> (BodyId, JointId) {
+    let mass = Mass::Explicit { mass: fx!(1), inertia };
+    let body = world.add_body(BodyDef { position, mass, ..BodyDef::dynamic() }).expect("a body");
+    let axle = JointDef::at(world, None, body, position).expect("a joint");
+    (body, world.add_joint(axle).expect("a joint"))
+}
+
+pub(crate) fn assert_near(value: Fx, expected: Fx, error: Fx) {
+    assert!((value - expected).abs() < error, "{value} is not {expected}");
 }
 
 /// A body of 1 kg that touches nothing.

@@ -257,3 +257,36 @@ fn limited_word(change: i64, share: i64) -> i64 {
     let limit = (1_i64 << 60) / share.max(1);
     change.clamp(-limit, limit)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A response that is not exact leaves a matrix that no impulse gets energy from: here both rows would have more in common than each has.
+    #[test]
+    fn elements_of_a_joined_body_are_those_of_masses() {
+        const ONE: i32 = 1 << 30;
+        let jacobian = Jacobian {
+            normal: [0, ONE],
+            arms: [[0, ONE], [0, -ONE], [0, ONE >> 1]],
+            linear: [[[ONE, ONE]; 2]; 2],
+            angular: [[0, ONE], [0, -ONE], [0, ONE >> 1]],
+            angular_shift: 0,
+        };
+        let scale = 1 << 30;
+        for response in [
+            [[scale, 0, 0], [0, scale, 0], [0, 0, scale]],
+            [[scale, 0, 0], [0, scale >> 8, 0], [0, 0, -scale]],
+            [[scale, 3 * scale, 0], [-scale, scale >> 4, scale], [0, -scale, scale >> 4]],
+        ] {
+            let [k11, k12, k22, k1t, k2t, ktt] = jacobian.joined_elements(1, &response);
+            assert!(k11 > 0 && k22 > 0 && ktt > 0, "{response:?}");
+            for (between, first, second) in [(k12, k11, k22), (k1t, k11, ktt), (k2t, k22, ktt)] {
+                assert!(
+                    product(between, between) <= product(first, second),
+                    "{response:?}: {between} {first} {second}"
+                );
+            }
+        }
+    }
+}

@@ -58,7 +58,7 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
 impl Joint {
     /// The effective mass of the angle, kg·m²; `None` if no body can turn.
     pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
-        let is_pinned = self.kind.frame_angle().is_none() && !self.kind.is_loop();
+        let is_pinned = self.kind.frame_angle().is_none() && !matches!(self.kind, JointKind::Gear { .. });
         if is_pinned {
             return pinned_inertia(flights, self.anchors);
         }
@@ -110,8 +110,8 @@ impl Joint {
         (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
     }
 
-    /// The effective mass of a rope over two points: 1/K for K = f₁²·(1/m₁ + (r₁ × n₁)²/I₁) + f₂²·(1/m₂ + (r₂ × n₂)²/I₂) with the factors f of both
-    /// parts and their directions n.
+    /// The effective mass of a rope over two points, with the factors f of both parts and their directions n: 1/K for
+    /// K = f₁²·(1/m₁ + (r₁ × n₁)²/I₁) + f₂²·(1/m₂ + (r₂ × n₂)²/I₂).
     fn rope_mass(&self, flights: [&Flight; 2], grounds: [Vec2; 2]) -> Option<FxFactor> {
         let mut inverse = FxFactor::ZERO;
         for (side, flight) in flights.into_iter().enumerate() {
@@ -143,5 +143,44 @@ impl Joint {
             inverse = inverse.plus(linear).plus(square.times(flight.inverse_inertia));
         }
         (!inverse.is_zero()).then(|| FxFactor::ONE.over(inverse))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::vec2;
+    use crate::solve::{Impulses, Velocity};
+    use crate::{fx, solve};
+
+    /// A body of this mass and 2 kg·m² at rest.
+    fn flight(position: Vec2, mass: i64) -> Flight {
+        let still = Velocity { linear: Vec2::ZERO, angular: Fx::ZERO };
+        let inverse_mass = FxFactor::from_ratio(1, mass as u64);
+        Flight {
+            position,
+            start: still,
+            end: still,
+            displacement: Vec2::ZERO,
+            rotation: Fx::ZERO,
+            mass: Fx::from_bits(mass << 32),
+            inverse_mass: Vec2::new(inverse_mass, inverse_mass),
+            inverse_inertia: FxFactor::from_ratio(1, 2),
+            radius: fx!(2),
+            leader: None,
+        }
+    }
+
+    /// 1/K for K = (1/2)²·(1/3 + 1²/2) + 1/5: an arm across the first part of the rope, and two strands at the second body.
+    #[test]
+    fn a_rope_meets_both_bodies_by_its_strands() {
+        let flights = [flight(vec2(0, 0), 3), flight(vec2(9, 0), 5)];
+        let kind = solve::JointKind::Pulley { grounds: [vec2(1, 4), vec2(9, 7)], strands: [1, 2] };
+        let anchors = [vec2(1, 0), vec2(0, 1)];
+        let impulses = Impulses::default();
+        let joint = Joint { bodies: [0, 1], anchors, kind, axis: None, slides: [None; 2], impulses };
+        let mass = joint.effective_mass([&flights[0], &flights[1]], [0; 2]).and_then(FxFactor::to_scalar);
+        let expected = fx!(120) / 49;
+        assert!((mass.expect("a mass") - expected).abs() < fx!(0.00001), "{mass:?} {expected}");
     }
 }

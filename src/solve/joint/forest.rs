@@ -3,7 +3,7 @@
 //! A set of bodies that joints connect is a tree if it has one joint less than bodies; joints to bodies that cannot be moved do not count.
 //! Bodies with at most one joint left are taken off, all at once, round by round, until one body is left or two that are joined: so the
 //! *centre* of a tree, a body or a joint, and all sums on the way there follow from the graph alone, in whatever order bodies and joints
-//! stand. All other sets are *loops*, and sets with gears, whose rows are not of one angle.
+//! stand. All other sets are *loops*, and sets with gears or pulleys, whose rows are not of one angle or axis.
 //!
 //! Reads: the bodies of joints. Writes: [`Forest`], anew when joints or the bodies that they can move have changed since the step before.
 
@@ -35,7 +35,7 @@ pub(super) struct Place {
 pub(super) struct Forest {
     /// The bodies of joints, [`NONE`] for bodies that cannot be moved: all that the rest follows from.
     links: Vec<[u32; 2]>,
-    /// True for gears.
+    /// True for joints that make a loop alone.
     are_loops: Vec<bool>,
     /// The joints that can move a body, in the order of their blocks: tree by tree, then loop by loop.
     pub(super) order: Vec<u32>,
@@ -168,7 +168,7 @@ impl Forest {
         self.tree_of.get(body as usize).copied().filter(|&tree| tree != NONE).map(|tree| tree as usize)
     }
 
-    /// Returns true if a set has one joint less than bodies, and no gears.
+    /// Returns true if a set has one joint less than bodies, and none that makes a loop alone.
     fn is_tree(&self, set: usize) -> bool {
         let Self { links, are_loops, work: Work { bodies, joints, .. }, .. } = self;
         let joints = &joints.numbers[joints.range(set)];

@@ -23,7 +23,7 @@ impl Block {
     pub(super) fn warm_start(&mut self, rows: &mut Rows) -> u64 {
         self.applied.add(self.change);
         self.change = Sums::default();
-        if self.is_pulley {
+        if self.is_pulley() {
             self.rope_sums.begin();
         }
         self.push(self.impulses);
@@ -37,28 +37,20 @@ impl Block {
         applied
     }
 
-    /// The sums along x and y of the second body: of the changes of all sub-steps, and of the changes up to the moves.
-    #[inline(always)]
-    pub(super) fn second_sums(&self) -> [[i128; 2]; 2] {
-        if self.is_pulley {
-            let RopeSums { change, applied, weighted, .. } = self.rope_sums;
-            return [[applied[0] + change[0], applied[1] + change[1]], weighted];
-        }
-        [self.applied().linear, self.weighted.linear]
+    /// The sums along x and y of the second body of a pulley: of the changes of all sub-steps, and of the changes up to the moves.
+    pub(super) fn rope_totals(&self) -> Option<[[i128; 2]; 2]> {
+        let RopeSums { change, applied, weighted, .. } = self.rope_sums;
+        self.is_pulley().then(|| [[applied[0] + change[0], applied[1] + change[1]], weighted])
     }
 
     /// Adds the impulse of a rope, less the part that was added before, to the sums of the second body.
     fn pull_rope(&mut self) {
         let [impulse, ..] = self.impulses;
-        let along = self.rope_impulse(impulse - self.rope_sums.impulse);
-        self.rope_sums.impulse = impulse;
-        (0..2).for_each(|axis| self.rope_sums.change[axis] += along[axis]);
-    }
-
-    /// The sums along x and y of the second body of a pulley by impulses of its rope.
-    #[cold]
-    pub(super) fn rope_impulse(&self, impulse: i64) -> [i128; 2] {
-        self.axes[1].map(|part| product(impulse, part))
+        let RopeSums { impulse: before, change, .. } = &mut self.rope_sums;
+        for (change, part) in change.iter_mut().zip(self.axes[1]) {
+            *change += product(impulse - *before, part);
+        }
+        *before = impulse;
     }
 
     /// Adds impulses of the rows to the change of the sub-step.
@@ -88,8 +80,8 @@ impl Block {
         self.mass_bits + FINER + 30 - LOWER - GAIN_BITS
     }
 
-    /// The changes of velocity of a body by impulses along x and y and around, as of the second body, in units 2^coarse times as large as the units of gains. Products
-    /// with masses are below 2^107.
+    /// The changes of velocity of a body by impulses along x and y and around, as of the second body, in units 2^coarse times as large as the units of
+    /// gains. Products with masses are below 2^107.
     pub(super) fn gains(&self, side: usize, [x, y, turn]: [i128; 3], coarse: i32) -> [i128; 3] {
         let masses = self.sides[side].masses.map(i128::from);
         let gain =
@@ -103,7 +95,7 @@ impl Block {
     pub(super) fn give_gains(&mut self, rows: &mut Rows) -> u64 {
         // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let Sums { linear: [x, y], turns: [turn_a, turn_b] } = self.change;
-        if self.is_pulley {
+        if self.is_pulley() {
             return self.give_large_gains(rows);
         }
         let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
@@ -122,14 +114,14 @@ impl Block {
     #[cold]
     fn give_large_gains(&mut self, rows: &mut Rows) -> u64 {
         let mut cut = 0;
-        if self.is_pulley {
+        if self.is_pulley() {
             self.pull_rope();
         }
         for (side, sign) in [(0, -1), (1, 1)] {
             if !self.sides[side].is_movable() {
                 continue;
             }
-            let [x, y] = if self.is_pulley && side == 1 { self.rope_sums.change } else { self.change.linear };
+            let [x, y] = if self.is_pulley() && side == 1 { self.rope_sums.change } else { self.change.linear };
             let wanted_gains = self.gains(side, [x, y, self.change.turns[side]], 0);
             let side = &mut self.sides[side];
             for (axis, wanted_gain) in wanted_gains.into_iter().enumerate() {
@@ -155,9 +147,9 @@ pub(in crate::solve) struct Sums {
 pub(super) struct RopeSums {
     /// The impulse of the rope in the change.
     impulse: i64,
-    pub(super) change: [i128; 2],
-    pub(super) applied: [i128; 2],
-    pub(super) weighted: [i128; 2],
+    change: [i128; 2],
+    applied: [i128; 2],
+    weighted: [i128; 2],
 }
 
 impl RopeSums {

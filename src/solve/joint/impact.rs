@@ -45,10 +45,9 @@ impl JointImpact {
     fn set(&mut self, impulses: [i128; 3], block: &Block, coarse: i32) -> [[i64; 3]; 2] {
         let before = self.gains;
         self.impulses = impulses.map(|impulse| impulse.clamp(-LARGEST_IMPULSE, LARGEST_IMPULSE) as i64);
-        let Sums { linear, turns: [turn_a, turn_b] } = block.sums(self.impulses);
-        let second = if block.is_pulley { block.rope_impulse(self.impulses[0]) } else { linear };
-        let [[x, y], [second_x, second_y]] = [linear, second];
-        let wanted = [block.gains(0, [x, y, turn_a], coarse), block.gains(1, [second_x, second_y, turn_b], coarse)];
+        // Ropes have no impulses here, which would be along an axis for each body.
+        let Sums { linear: [x, y], turns } = block.sums(self.impulses);
+        let wanted = [0, 1].map(|side| block.gains(side, [x, y, turns[side]], coarse));
         // Sums over the joints of a body are below 2^62.
         let [first, second] =
             [0, 1].map(|side| wanted[side].map(|gain| within(gain, block.sides[side].gain_limit.into())));
@@ -71,10 +70,8 @@ impl Block {
     /// # Ranges
     /// Changes are below 2^61, axes and cross products at most 2^30.5: sums of six products are below 2^94.
     pub(super) fn change_along(&self, row: usize, [a, b]: [[i64; 3]; 2]) -> i128 {
-        let [ka, kb] = self.crosses[row];
-        let [[ax, ay], [bx, by]] = self.side_axes(row);
-        let way = product(bx, b[0]) - product(ax, a[0]) + product(by, b[1]) - product(ay, a[1]);
-        way + product(kb, b[2]) - product(ka, a[2])
+        let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
+        product(ux, b[0] - a[0]) + product(uy, b[1] - a[1]) + product(kb, b[2]) - product(ka, a[2])
     }
 
     /// The largest velocity of the rows that the joint holds, also by limits at one position, by changes of the velocities of both bodies.
@@ -208,8 +205,6 @@ impl Joints {
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
             block.applied.add(block.sums(self.impacts[index].impulses));
-            let rope = block.rope_impulse(self.impacts[index].impulses[0]);
-            (0..2).for_each(|axis| block.rope_sums.applied[axis] += rope[axis]);
             block.around += self.impacts[index].impulses[2];
         }
         self.begin_impact(assembly);
@@ -221,8 +216,6 @@ impl Joints {
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
             block.weighted.add(block.sums(self.impacts[index].impulses.map(|impulse| -impulse)));
-            let rope = block.rope_impulse(self.impacts[index].impulses[0]);
-            (0..2).for_each(|axis| block.rope_sums.weighted[axis] -= rope[axis]);
         }
     }
 }

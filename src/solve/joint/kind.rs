@@ -31,7 +31,7 @@ pub enum JointKind {
         teeth: [i16; 2],
     },
     /// A rope from the first anchor over two points to the second one: the law of its slide holds the sum of both distances, each times its
-    /// strands over the larger number of strands.
+    /// strands over the larger number of strands. *Domain* limits leave more than one position: a rope takes no part in impacts.
     Pulley {
         /// m
         grounds: [Vec2; 2],
@@ -101,6 +101,13 @@ impl JointKind {
         let Self::Pulley { strands: [first, second], .. } = self else { return [1 << 30; 2] };
         let largest = first.max(second).max(1);
         [first, second].map(|count| divided(i128::from(count) << 30, largest.into()) as i64)
+    }
+
+    /// The force on the second body along its part of a rope for the force of the rope. *Error* ½ ulp, and 2^-31 of it.
+    pub(crate) fn rope_force_on_second(self, force: Fx) -> Fx {
+        let [_, factor] = self.rope_factors();
+        // Not larger than the force.
+        Fx::from_bits(lowered(i128::from(force.to_bits()) * i128::from(factor), 30) as i64)
     }
 
     /// The length of a rope by its factors, m, for the ways from its points to the points of both bodies, in 2^-32 m: to nearest.

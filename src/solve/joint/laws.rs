@@ -26,7 +26,7 @@ impl Block {
         let velocity = self.velocity(row, velocities);
         if row == 2 || !is_biased {
             velocity
-        } else if self.is_pulley {
+        } else if self.is_pulley() {
             velocity + self.rope_second_order(velocities)
         } else {
             velocity + self.second_order(row, velocities, self.bends(self.sweeps_at(velocities)))

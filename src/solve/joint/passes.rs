@@ -191,15 +191,12 @@ impl Joints {
         held.clear();
         held.resize(graph.islands(), false);
         let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
-        for ends in joints.iter().map(|joint| joint.bodies).chain(pressed.map(|contact| contact.bodies)) {
+        // Ropes over pulleys hang from the world.
+        let ropes_and_ends = joints.iter().map(|joint| (matches!(joint.kind, JointKind::Pulley { .. }), joint.bodies));
+        for (is_rope, ends) in ropes_and_ends.chain(pressed.map(|contact| (false, contact.bodies))) {
             let mover = graph.mover(ends).and_then(|body| graph.island_of(body));
-            if let (Some(island), true) = (mover, ends.iter().any(|&body| flights[body as usize].is_fixed())) {
-                held[island as usize] = true;
-            }
-        }
-        // Ropes hang from the world.
-        for joint in joints.iter().filter(|joint| matches!(joint.kind, JointKind::Pulley { .. })) {
-            if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
+            let is_held = is_rope || ends.iter().any(|&body| flights[body as usize].is_fixed());
+            if let (Some(island), true) = (mover, is_held) {
                 held[island as usize] = true;
             }
         }
@@ -293,7 +290,7 @@ impl Joints {
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.
     pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.blocks.iter().map(|block| {
-            let [[x, y], _] = block.second_sums();
+            let [x, y] = block.rope_totals().map_or_else(|| block.applied().linear, |[applied, _]| applied);
             // From 2^(exponent − 30), and from 2^exponent of the length of the row.
             let [x, y] = [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent));
             let around = shifted_within(block.around.into(), -32 - block.exponent - block.axis_length);
@@ -311,9 +308,10 @@ impl Joints {
             joint.impulses = Impulses { values: block.values(), exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
-            let [second_applied, second_weighted] = block.second_sums();
-            for (is_weighted, Sums { linear, turns }, second) in
-                [(false, block.applied(), second_applied), (true, block.weighted, second_weighted)]
+            let (applied, weighted) = (block.applied(), block.weighted);
+            let seconds = block.rope_totals().unwrap_or([applied.linear, weighted.linear]);
+            for (is_weighted, (Sums { linear, turns }, second)) in
+                [false, true].into_iter().zip([applied, weighted].into_iter().zip(seconds))
             {
                 for (side, sign, along) in [(0, -1, linear), (1, 1, second)] {
                     let body = joint.bodies[side] as usize;

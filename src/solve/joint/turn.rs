@@ -196,7 +196,7 @@ impl Block {
                 self.distance = distance as i64;
                 [self.distance - self.lengths[0], 0]
             }
-            Frame::Ropes(second_base) => self.turn_ropes(second_base, poses),
+            Frame::Ropes { second_base, factors } => self.turn_ropes(second_base, factors, poses),
             Frame::Body(axis) => {
                 let axis = turned(axis, first.sin, first.cos);
                 let across = perpendicular(axis);
@@ -207,8 +207,11 @@ impl Block {
         };
         self.errors = wanted.map(|error| error.clamp(-ERROR, ERROR));
         if self.laws != [NONE; 3] {
-            let wanted = if self.is_pulley { [along(self.rope_factors, wanted), 0] } else { wanted };
-            self.set_ways(wanted, [first.moved[2], second.moved[2]], laws);
+            let ways = match self.frame {
+                Frame::Ropes { factors, .. } => [along(factors, wanted), 0],
+                _ => wanted,
+            };
+            self.set_ways(ways, [first.moved[2], second.moved[2]], laws);
         }
         match self.frame {
             // Arms have these axes.
@@ -222,7 +225,7 @@ impl Block {
                     }
                 }
             }
-            Frame::Line | Frame::Body(_) | Frame::Ropes(_) => {
+            Frame::Line | Frame::Body(_) | Frame::Ropes { .. } => {
                 for row in 0..2 {
                     if self.is_active[row] {
                         let [first, second] = self.side_axes(row);
@@ -237,13 +240,13 @@ impl Block {
 
     /// Updates the axes of a pulley. Returns the ways by which both parts of its rope have grown.
     #[cold]
-    fn turn_ropes(&mut self, second_base: [i64; 2], poses: &[Pose]) -> [i64; 2] {
+    fn turn_ropes(&mut self, second_base: [i64; 2], factors: [i64; 2], poses: &[Pose]) -> [i64; 2] {
         [0, 1].map(|side| {
             let (base, Side { pose, arm, .. }) = ([self.base, second_base][side], &self.sides[side]);
             let way = [0, 1].map(|i| base[i] + i64::from(poses[*pose as usize].moved[i]) + arm[i]);
             let (axis, length) = if way == [0; 2] { ([0; 2], 0) } else { direction(way[0], way[1]) };
             // The velocity of a row is the second body's less the first body's.
-            let factor = if side == 0 { -self.rope_factors[0] } else { self.rope_factors[1] };
+            let factor = if side == 0 { -factors[0] } else { factors[1] };
             self.axes[side] = axis.map(|part| lowered_word(i64::from(part) * factor, 30));
             length as i64 - self.lengths[side]
         })
@@ -298,7 +301,7 @@ impl Block {
         match self.frame {
             Frame::World => sum,
             // It has no row that is held.
-            Frame::Ropes(_) => 0,
+            Frame::Ropes { .. } => 0,
             Frame::Line => sum + self.rod_turns(velocities),
             Frame::Body(_) => sum + self.axis_turns(row, velocities, bends.angles),
         }
@@ -335,10 +338,11 @@ impl Block {
         })
     }
 
-    /// [`second_order`](Self::second_order) of the row of a pulley: of each part of its rope the arm along the axis, and ψ²·l/2 for the angle ψ that the
-    /// part of length l turns, at most 0.1 rad.
+    /// [`second_order`](Self::second_order) of the row of a pulley: of each part of its rope the arm along the axis, and ψ²·l/2 for the angle ψ
+    /// that the part of length l turns, at most 0.1 rad.
     #[cold]
     pub(super) fn rope_second_order(&self, velocities: [Vector; 2]) -> i64 {
+        let Frame::Ropes { factors, .. } = self.frame else { return 0 };
         let (angles, mut sum) = (self.sweeps_at(velocities), 0);
         if self.is_shifted {
             sum -= self.velocity(0, self.shifts()) / i64::from(self.substeps);
@@ -346,7 +350,7 @@ impl Block {
         for side in 0..2 {
             let (axis, Side { arm: [x, y], .. }) = (self.axes[side], &self.sides[side]);
             let [vx, vy, ..] = velocities[side].map(i128::from);
-            let (angle, factor) = (i128::from(angles[side]), i128::from(self.rope_factors[side]));
+            let (angle, factor) = (i128::from(angles[side]), i128::from(factors[side]));
             let bend = [x, y].map(|part| lowered(angle * angle * i128::from(*part), 31) as i64);
             sum += if side == 0 { along(axis, bend) } else { -along(axis, bend) };
             let length = i128::from(self.lengths[side]) + i128::from(self.errors[side]);
@@ -388,7 +392,7 @@ impl Block {
     pub(super) fn velocity(&self, row: usize, [a, b]: [Vector; 2]) -> i64 {
         let ([ux, uy], [ka, kb]) = (self.axes[row], self.crosses[row]);
         let turning = kb * i64::from(b[2]) - ka * i64::from(a[2]);
-        if self.is_pulley {
+        if self.is_pulley() {
             return self.rope_way([a, b]) + turning;
         }
         let [x, y] = [0, 1].map(|i| i64::from(b[i]) - i64::from(a[i]));

@@ -32,7 +32,8 @@ pub struct JointBroke<S = Fx> {
     pub torque: S,
 }
 
-/// The mean force of an impulse over a step, N, or the mean torque. The impulse is in 2^-32 N·s. Odd: the largest and the smallest force are opposite.
+/// The mean force of an impulse over a step, N, or the mean torque. The impulse is in 2^-32 N·s. Odd: the largest and the smallest force are
+/// opposite.
 fn mean_force(impulse: i128, time_step: TimeStep) -> Fx {
     let (num, den) = time_step.seconds();
     // Of an impulse within 2^94 units: below 2^126.

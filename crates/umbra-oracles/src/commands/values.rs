@@ -199,10 +199,6 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         if self.choices.one_in(3) { Some(self.not_negative(fx!(200), Fx::MAX)) } else { None }
     }
 
-    fn break_torque(&mut self) -> Option<Fx> {
-        self.break_force()
-    }
-
     fn enabled(&mut self) -> bool {
         !self.choices.one_in(6) && !self.taste.reversible
     }

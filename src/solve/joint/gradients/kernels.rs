@@ -157,7 +157,7 @@ impl LoopJoint {
             let [x, y] = [first << (30 - LOWER), second << (30 - LOWER)];
             [x, y, lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)]
         } else {
-            if block.is_pulley {
+            if block.is_pulley() {
                 self.move_by_rope(block, moved);
                 return;
             }
@@ -223,7 +223,7 @@ impl LoopJoint {
         for row in 0..ROWS {
             if block.is_active[row] {
                 let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
-                let way = if block.is_pulley {
+                let way = if block.is_pulley() {
                     let [vx, vy] = block.axes[1];
                     product(vx, b[0]) - product(ux, a[0]) + product(vy, b[1]) - product(uy, a[1])
                 } else {

@@ -224,7 +224,11 @@ impl Scene {
                     x.hypot(y)
                 }
             };
-            joint.slides[0] = Some(axis(random, position));
+            let mut law = axis(random, position);
+            if let (JointKind::Pulley { .. }, Some([lower, _])) = (joint.kind, &mut law.limits) {
+                *lower -= fx(1.0);
+            }
+            joint.slides[0] = Some(law);
         }
     }
 
