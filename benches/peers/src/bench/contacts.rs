@@ -1,6 +1,5 @@
-//! Scenes with contacts and joints, run from their start, with the quality of the end state beside the time.
+//! Scenes with contacts, run from their start, with the quality of the end state beside the time.
 
-use super::geometry::joint_gap;
 use super::{Engines, Opt, kick, now};
 use crate::engine::World;
 use crate::report::Report;
@@ -128,7 +127,7 @@ pub(super) fn runs(
     }
 }
 
-fn max_speed(s: &Scene, w: &dyn World) -> f64 {
+pub(super) fn max_speed(s: &Scene, w: &dyn World) -> f64 {
     (0..s.bodies.len())
         .map(|i| {
             let q = w.state(i);
@@ -207,20 +206,6 @@ pub fn rain(rep: &mut Report, engines: Engines, opt: &Opt) {
                     ("kinetic_per_body", "J", ke / s.n as f64),
                 ],
                 bad: (out > s.n / 50).then_some("bodies left the container"),
-            }
-        });
-    }
-}
-
-pub fn joints(rep: &mut Report, engines: Engines, opt: &Opt) {
-    for s in [scene::chain(400), scene::grid(15)] {
-        let repeats = if opt.quick { 1 } else { 3 };
-        runs(rep, engines, &s, 300, repeats, if opt.quick { 1.0 } else { 2.5 }, &|s, w| {
-            let states: Vec<_> = (0..s.bodies.len()).map(|i| w.state(i)).collect();
-            let gap = joint_gap(s, &states);
-            Quality {
-                rows: vec![("max_joint_gap", "m", gap), ("max_speed", "m/s", max_speed(s, w))],
-                bad: (!(gap < 1.0)).then_some("the joints came apart"),
             }
         });
     }

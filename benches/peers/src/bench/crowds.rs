@@ -11,7 +11,7 @@ use crate::scene::{self, Kind, Scene};
 const CAP: f64 = 30.0;
 
 /// The end state of a scene whose dynamic bodies stay in a region.
-fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bool) -> Quality {
+pub(super) fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bool) -> Quality {
     let states: Vec<State> = (0..s.bodies.len()).map(|i| w.state(i)).collect();
     let dynamic = || s.bodies.iter().zip(&states).filter(|(b, _)| b.kind == Kind::Dynamic);
     let count = dynamic().count();
@@ -28,7 +28,14 @@ fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bool) -> Qual
     Quality { rows, bad: (escaped > count / 50).then_some("bodies left their place") }
 }
 
-fn crowd(rep: &mut Report, engines: Engines, opt: &Opt, s: &Scene, steps: usize, is_inside: impl Fn(&State) -> bool) {
+pub(super) fn crowd(
+    rep: &mut Report,
+    engines: Engines,
+    opt: &Opt,
+    s: &Scene,
+    steps: usize,
+    is_inside: impl Fn(&State) -> bool,
+) {
     let (steps, repeats) = if opt.quick { (steps.min(120), 1) } else { (steps, 2) };
     runs(rep, engines, s, steps, repeats, CAP, &|s, w| quality(s, w, &is_inside));
 }

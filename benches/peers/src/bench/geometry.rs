@@ -2,7 +2,7 @@
 //! is the least distance that parts them, by the separating axis test.
 
 use crate::engine::State;
-use crate::scene::{Body, Kind, Scene, Shape};
+use crate::scene::{Body, Kind, Scene, Shape, Wall, walls};
 
 type Point = [f64; 2];
 
@@ -27,6 +27,8 @@ pub fn radius(b: &Body) -> f64 {
         Shape::None { mass, inertia } => (3.0 * inertia / mass).sqrt(),
         Shape::Circle { r } => r,
         Shape::Box { hx, hy } => hx.hypot(hy),
+        Shape::Capsule { half: [x, y], r } => x.hypot(y) + r,
+        Shape::Frame { hx, hy, wall } => (hx + wall).hypot(hy + wall),
         Shape::Polygon(c) => c.as_slice().iter().map(|p| p[0].hypot(p[1])).fold(0.0, f64::max),
     }
 }
@@ -62,7 +64,7 @@ pub fn joint_gap(s: &Scene, states: &[State]) -> f64 {
     s.joints.iter().map(gap).fold(0.0, largest)
 }
 
-/// A shape in the world: the corners of a polygon, or the centre of a disc.
+/// A convex part of a shape in the world: the points within `r` of a polygon, a segment or a point.
 struct Placed {
     corners: Vec<Point>,
     r: f64,
@@ -71,20 +73,33 @@ struct Placed {
     fixed: bool,
 }
 
-fn place(b: &Body, q: &State) -> Option<Placed> {
-    let (corners, r) = match b.shape {
-        Shape::None { .. } => return None,
-        Shape::Circle { r } => (vec![[q.x, q.y]], r),
-        Shape::Box { .. } | Shape::Polygon(_) => {
-            let corners = b.shape.corners().expect("a polygon");
-            (corners.as_slice().iter().map(|&c| world_point(q, c)).collect(), 0.0)
-        }
+fn places(b: &Body, q: &State) -> Vec<Placed> {
+    let placed = |corners: &[Point], r: f64| {
+        let corners = corners.iter().map(|&corner| world_point(q, corner)).collect();
+        place(corners, r, b.kind != Kind::Dynamic)
     };
+    match b.shape {
+        Shape::None { .. } => vec![],
+        Shape::Circle { r } => vec![placed(&[[0.0; 2]], r)],
+        Shape::Capsule { half: [x, y], r } => vec![placed(&[[x, y], [-x, -y]], r)],
+        Shape::Box { .. } | Shape::Polygon(_) => vec![placed(b.shape.corners().expect("a polygon").as_slice(), 0.0)],
+        Shape::Frame { hx, hy, wall } => {
+            let part = |wall: &Wall| {
+                let ([x, y], [half_x, half_y]) = (wall.at, wall.half);
+                let corners = [[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]];
+                placed(&corners.map(|[side_x, side_y]| [x + side_x * half_x, y + side_y * half_y]), 0.0)
+            };
+            walls(hx, hy, wall).iter().map(part).collect()
+        }
+    }
+}
+
+fn place(corners: Vec<Point>, r: f64, fixed: bool) -> Placed {
     let bound = |pick: fn(f64, f64) -> f64, grow: f64| {
         [0, 1].map(|k| corners.iter().map(|c: &Point| c[k]).reduce(pick).expect("a corner") + grow)
     };
     let (low, high) = (bound(f64::min, -r), bound(f64::max, r));
-    Some(Placed { corners, r, low, high, fixed: b.kind != Kind::Dynamic })
+    Placed { corners, r, low, high, fixed }
 }
 
 /// The signed distance of polygon `p`'s faces to the points: positive if a face parts them.
@@ -123,7 +138,18 @@ fn depth(a: &Placed, b: &Placed) -> f64 {
             let inside = face_separation(&polygon.corners, &disc.corners);
             if inside <= 0.0 { inside } else { outline_distance(&polygon.corners, disc.corners[0]) }
         }
-        _ => face_separation(&a.corners, &b.corners).max(face_separation(&b.corners, &a.corners)),
+        _ => {
+            let faces = face_separation(&a.corners, &b.corners).max(face_separation(&b.corners, &a.corners));
+            if faces <= 0.0 || a.r + b.r == 0.0 {
+                faces
+            } else {
+                // What is round may pass beside a corner.
+                let from = |a: &Placed, b: &Placed| {
+                    b.corners.iter().map(|&c| outline_distance(&a.corners, c)).fold(f64::INFINITY, f64::min)
+                };
+                from(a, b).min(from(b, a))
+            }
+        }
     };
     (a.r + b.r - separation).max(0.0)
 }
@@ -131,7 +157,8 @@ fn depth(a: &Placed, b: &Placed) -> f64 {
 /// The deepest overlap of two bodies, at least one of them dynamic, that no joint ties.
 pub fn overlap(s: &Scene, states: &[State]) -> f64 {
     let placed = s.bodies.iter().zip(states).enumerate();
-    let mut list: Vec<(usize, Placed)> = placed.filter_map(|(i, (b, q))| Some((i, place(b, q)?))).collect();
+    let mut list: Vec<(usize, Placed)> =
+        placed.flat_map(|(i, (b, q))| places(b, q).into_iter().map(move |place| (i, place))).collect();
     list.sort_by(|a, b| a.1.low[0].total_cmp(&b.1.low[0]));
     let tied = |i: usize, k: usize| s.joints.iter().any(|j| (j.a, j.b) == (i, k) || (j.a, j.b) == (k, i));
     let mut worst = 0.0;
@@ -140,7 +167,7 @@ pub fn overlap(s: &Scene, states: &[State]) -> f64 {
             if b.low[0] > a.high[0] {
                 break;
             }
-            let apart = b.low[1] > a.high[1] || a.low[1] > b.high[1] || (a.fixed && b.fixed);
+            let apart = i == k || b.low[1] > a.high[1] || a.low[1] > b.high[1] || (a.fixed && b.fixed);
             if !apart && !tied(*i, *k) {
                 worst = largest(worst, depth(a, b));
             }
@@ -176,6 +203,41 @@ mod tests {
         assert!(overlap(&s, &starts(&s)) < 1e-15);
         s.bodies[1].shape = Shape::Circle { r: 0.6 };
         assert!((overlap(&s, &starts(&s)) - 0.1).abs() < 1e-14);
+        // A capsule whose end is there, on its side and upright.
+        s.bodies[1] = Body { angle: -0.5 * std::f64::consts::PI, ..Body::dynamic(12.3, 0.4, Shape::Circle { r: 1.0 }) };
+        for (half, x, y) in [([0.0, 2.0], 12.3, 0.4), ([2.0, 0.0], 10.3, 2.4)] {
+            (s.bodies[1].shape, s.bodies[1].x, s.bodies[1].y) = (Shape::Capsule { half, r: 0.6 }, x, y);
+            assert!((overlap(&s, &starts(&s)) - 0.1).abs() < 1e-14, "{half:?}");
+        }
+        // The lower wall of a frame is 0.1 deep.
+        s.bodies[1] = Body::dynamic(0.0, 3.0, Shape::Frame { hx: 2.0, hy: 3.0, wall: 0.1 });
+        assert!((overlap(&s, &starts(&s)) - 0.1).abs() < 1e-14);
+    }
+
+    #[test]
+    fn moments_of_capsules_and_frames_are_sums_of_thin_strips() {
+        for shape in [Shape::Capsule { half: [0.3, 0.4], r: 0.2 }, Shape::Frame { hx: 0.6, hy: 0.4, wall: 0.1 }] {
+            let (mass, inertia) = Body::dynamic(0.0, 0.0, shape).mass_inertia();
+            let side = 1e-3;
+            let inside = |[x, y]: Point| match shape {
+                Shape::Capsule { half, r } => outline_distance(&[half, half.map(|c| -c)], [x, y]) < r,
+                Shape::Frame { hx, hy, wall } => {
+                    (x.abs() < hx + wall && y.abs() < hy + wall) && !(x.abs() < hx && y.abs() < hy)
+                }
+                _ => false,
+            };
+            let (mut strips, mut second) = (0.0, 0.0);
+            for row in -1000..1000 {
+                for column in -1000..1000 {
+                    let at = [(f64::from(column) + 0.5) * side, (f64::from(row) + 0.5) * side];
+                    if inside(at) {
+                        strips += side * side;
+                        second += side * side * dot(at, at);
+                    }
+                }
+            }
+            assert!((mass - strips).abs() < 1e-3 * mass && (inertia - second).abs() < 1e-3 * inertia, "{shape:?}");
+        }
     }
 
     #[test]

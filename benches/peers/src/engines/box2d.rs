@@ -1,7 +1,7 @@
 //! Box2D v3 (C), the copy bundled by boxdd, through its raw C API.
 
 use crate::engine::{Engine, Hash, Info, PARTS, Snapshot, State, World, locked_version};
-use crate::scene::{Body, Joint, Kind, Ray, Scene, Shape};
+use crate::scene::{Body, Joint, Kind, Ray, Scene, Shape, walls};
 use boxdd_sys::ffi::*;
 use std::collections::HashSet;
 
@@ -91,6 +91,17 @@ unsafe fn add_body(world: b2WorldId, scene: &Scene, b: &Body) -> b2BodyId {
                 let p = b2MakeBox(hx as f32, hy as f32);
                 b2CreatePolygonShape(id, &sd, &p);
             }
+            Shape::Capsule { half: [x, y], r } => {
+                let capsule = b2Capsule { center1: v2(-x, -y), center2: v2(x, y), radius: r as f32 };
+                b2CreateCapsuleShape(id, &sd, &capsule);
+            }
+            Shape::Frame { hx, hy, wall } => {
+                for wall in walls(hx, hy, wall) {
+                    let ([x, y], [half_x, half_y]) = (wall.at, wall.half);
+                    let p = b2MakeOffsetBox(half_x as f32, half_y as f32, v2(x, y), b2Rot { c: 1.0, s: 0.0 });
+                    b2CreatePolygonShape(id, &sd, &p);
+                }
+            }
             Shape::Polygon(corners) => {
                 let points: Vec<_> = corners.as_slice().iter().map(|c| v2(c[0], c[1])).collect();
                 let hull = b2ComputeHull(points.as_ptr(), points.len() as i32);
@@ -108,6 +119,12 @@ unsafe fn add_joint(world: b2WorldId, scene: &Scene, ids: &[b2BodyId], j: &Joint
         let [a, b] = j.anchors(&scene.bodies);
         (base.bodyIdA, base.bodyIdB) = (ids[j.a], ids[j.b]);
         (base.localFrameA.p, base.localFrameB.p) = (v2(a[0], a[1]), v2(b[0], b[1]));
+        // Both frames lie along the axes of the world.
+        let turned_back = |body: usize| {
+            let (s, c) = scene.bodies[body].angle.sin_cos();
+            b2Rot { c: c as f32, s: -s as f32 }
+        };
+        (base.localFrameA.q, base.localFrameB.q) = (turned_back(j.a), turned_back(j.b));
         base.collideConnected = false;
     };
     unsafe {
@@ -119,6 +136,13 @@ unsafe fn add_joint(world: b2WorldId, scene: &Scene, ids: &[b2BodyId], j: &Joint
         } else {
             let mut jd = b2DefaultRevoluteJointDef();
             set(&mut jd.base);
+            if let Some([lower, upper]) = j.limits {
+                (jd.enableLimit, jd.lowerAngle, jd.upperAngle) = (true, lower as f32, upper as f32);
+            }
+            if let Some(motor) = j.motor {
+                (jd.enableMotor, jd.motorSpeed, jd.maxMotorTorque) =
+                    (true, motor.speed as f32, motor.max_torque as f32);
+            }
             b2CreateRevoluteJoint(world, &jd);
         }
     }

@@ -40,6 +40,8 @@ impl Engine for Rapier {
             "a mean of frictions that is geometric"
         } else if scene.joints.iter().any(|j| j.rod_end.is_some()) {
             "rods"
+        } else if scene.joints.iter().any(|j| scene.bodies[j.a].angle != scene.bodies[j.b].angle) {
+            "joints between bodies at different angles"
         } else {
             return None;
         };
@@ -71,16 +73,26 @@ impl Engine for Rapier {
                 rb = rb.additional_mass_properties(MassProperties::new(vec2(0.0, 0.0), mass as Real, inertia as Real));
             }
             let h = w.bodies.insert(rb);
-            let co = match b.shape {
-                Shape::None { .. } => None,
-                Shape::Circle { r } => Some(ColliderBuilder::ball(r as Real)),
-                Shape::Box { hx, hy } => Some(ColliderBuilder::cuboid(hx as Real, hy as Real)),
+            let colliders = match b.shape {
+                Shape::None { .. } => vec![],
+                Shape::Circle { r } => vec![ColliderBuilder::ball(r as Real)],
+                Shape::Box { hx, hy } => vec![ColliderBuilder::cuboid(hx as Real, hy as Real)],
+                Shape::Capsule { half: [x, y], r } => {
+                    vec![ColliderBuilder::capsule_from_endpoints(vec2(-x, -y), vec2(x, y), r as Real)]
+                }
                 Shape::Polygon(corners) => {
                     let points = corners.as_slice().iter().map(|c| vec2(c[0], c[1])).collect();
-                    Some(ColliderBuilder::convex_polyline(points).expect("a convex polygon"))
+                    vec![ColliderBuilder::convex_polyline(points).expect("a convex polygon")]
+                }
+                Shape::Frame { hx, hy, wall } => {
+                    let cuboid = |wall: &scene::Wall| {
+                        let ([x, y], [half_x, half_y]) = (wall.at, wall.half);
+                        ColliderBuilder::cuboid(half_x as Real, half_y as Real).translation(vec2(x, y))
+                    };
+                    scene::walls(hx, hy, wall).iter().map(cuboid).collect()
                 }
             };
-            if let Some(co) = co {
+            for co in colliders {
                 // Friction mixes by the mean, which is the scenes' rule where all are equal.
                 let co = co
                     .density(b.density as Real)
@@ -93,15 +105,24 @@ impl Engine for Rapier {
         }
         for j in &scene.joints {
             let [a, b] = j.anchors(&scene.bodies);
-            let joint = RevoluteJointBuilder::new()
+            let mut joint = RevoluteJointBuilder::new()
                 .local_anchor1(vec2(a[0], a[1]))
                 .local_anchor2(vec2(b[0], b[1]))
                 .contacts_enabled(false);
+            if let Some([lower, upper]) = j.limits {
+                joint = joint.limits([lower as Real, upper as Real]);
+            }
+            if let Some(motor) = j.motor {
+                joint = joint.motor_velocity(motor.speed as Real, STIFF).motor_max_force(motor.max_torque as Real);
+            }
             w.impulse_joints.insert(handles[j.a], handles[j.b], joint, true);
         }
         Box::new(RapierWorld { w, handles })
     }
 }
+
+/// The factor of motors, 1/s: so large that they reach their speed in a step, as the motors of the others do.
+const STIFF: Real = 1e4;
 
 fn vec2(x: f64, y: f64) -> Vector {
     Vector::new(x as Real, y as Real)

@@ -10,8 +10,8 @@ use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ContactSettings, Damping, Distance, End, FieldKind,
-    Fx, Geometry, Integrator, JointDef, JointKind, Mass, Material, QueryFilter, Scalar, Shape as Form, SpringConstants,
-    TimeStep, Turn, Vec2, World as Umbra, WorldDef,
+    Fx, Geometry, Integrator, JointDef, JointKind, JointLimits, JointMotor, Mass, Material, QueryFilter, Revolute,
+    Scalar, Shape as Form, SpringConstants, TimeStep, Turn, Vec2, World as Umbra, WorldDef,
 };
 
 /// The scalars, and how the scenes' doubles become them.
@@ -71,17 +71,36 @@ fn time_step(dt: f64) -> TimeStep {
     TimeStep::hz(rate as u32)
 }
 
-/// The shape of a body; `None` if it has none.
-fn shape<S: Number>(b: &scene::Body) -> Option<Form<S>> {
-    let geometry = match b.shape {
-        Shape::None { .. } => return None,
-        Shape::Circle { r } => Geometry::Circle { radius: S::number(r) },
-        Shape::Box { hx, hy } => Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) },
-        Shape::Polygon(corners) => {
-            Geometry::Polygon { corners: corners.as_slice().iter().map(|c| vector(c[0], c[1])).collect() }
+fn form<S: Number>(geometry: Geometry<S>) -> ColliderDef<S> {
+    ColliderDef::new(Form::new(geometry).expect("a shape within the limits"))
+}
+
+fn rectangle<S: Number>(hx: f64, hy: f64) -> ColliderDef<S> {
+    form(Geometry::Rectangle { width: S::number(2.0 * hx), height: S::number(2.0 * hy) })
+}
+
+/// The colliders of a body, without density and material.
+fn colliders<S: Number>(shape: Shape) -> Vec<ColliderDef<S>> {
+    match shape {
+        Shape::None { .. } => vec![],
+        Shape::Circle { r } => vec![form(Geometry::Circle { radius: S::number(r) })],
+        Shape::Box { hx, hy } => vec![rectangle(hx, hy)],
+        Shape::Capsule { half: [x, y], r } => {
+            let capsule = form(Geometry::Capsule { length: S::number(2.0 * x.hypot(y)), radius: S::number(r) });
+            vec![ColliderDef { angle: S::number(y.atan2(x)), ..capsule }]
         }
-    };
-    Some(Form::new(geometry).expect("a shape within the limits"))
+        Shape::Polygon(corners) => {
+            let corners = corners.as_slice().iter().map(|c| vector(c[0], c[1])).collect();
+            vec![form(Geometry::Polygon { corners })]
+        }
+        Shape::Frame { hx, hy, wall } => {
+            let collider = |wall: &scene::Wall| ColliderDef {
+                position: vector(wall.at[0], wall.at[1]),
+                ..rectangle(wall.half[0], wall.half[1])
+            };
+            scene::walls(hx, hy, wall).iter().map(collider).collect()
+        }
+    }
 }
 
 /// A body of the scene, and where its position in the scene lies in its axes, from the centre of mass, m.
@@ -92,11 +111,14 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
         Kind::Dynamic => BodyDef::dynamic(),
     };
     let (mut mass, mut origin) = (def.mass, [0.0; 2]);
-    let mut colliders = Vec::new();
+    let mut colliders = colliders::<S>(b.shape);
     if let Shape::None { mass: kilograms, inertia } = b.shape {
         mass = Mass::Explicit { mass: S::number(kilograms), inertia: S::number(inertia) };
-    } else if let Some(shape) = shape::<S>(b) {
-        origin = [shape.shift().x, shape.shift().y].map(|c| -c.to_f64());
+    } else {
+        if let Shape::Polygon(_) = b.shape {
+            let shift = colliders[0].shape.shift();
+            origin = [shift.x, shift.y].map(|c| -c.to_f64());
+        }
         let material = Material {
             friction: S::number(b.friction),
             restitution: S::number(b.restitution),
@@ -104,7 +126,9 @@ fn body<S: Number>(b: &scene::Body) -> (BodyDef<S>, [f64; 2]) {
             surface_speed: S::number(-b.surface_speed),
             ..Material::default()
         };
-        colliders.push(ColliderDef { density: S::number(b.density), material, ..ColliderDef::new(shape) });
+        for collider in &mut colliders {
+            (collider.density, collider.material) = (S::number(b.density), material);
+        }
     }
     let (dx, dy) = turned(origin, b.angle);
     let def = BodyDef {
@@ -129,10 +153,18 @@ fn joint<S: Number>(joint: &scene::Joint, scene: &Scene, ids: &[BodyId], origins
         End::Body(Attachment { body: ids[index], point: vector(x + origin_x, y + origin_y) })
     });
     let kind = match joint.rod_end {
-        None => JointKind::default(),
+        None => JointKind::Revolute(Revolute {
+            limits: joint.limits.map(|[lower, upper]| JointLimits { lower: S::number(lower), upper: S::number(upper) }),
+            motor: joint
+                .motor
+                .map(|motor| JointMotor { speed: S::number(motor.speed), max_force: S::number(motor.max_torque) }),
+            ..Revolute::default()
+        }),
         Some(_) => JointKind::Distance(Distance::rod(S::number(joint.length()))),
     };
-    JointDef::new(ends, kind)
+    // The angle of the joint is 0 as the bodies stand.
+    let angles = [joint.a, joint.b].map(|index| S::number(-scene.bodies[index].angle));
+    JointDef { angles, ..JointDef::new(ends, kind) }
 }
 
 fn turned([x, y]: [f64; 2], angle: f64) -> (f64, f64) {

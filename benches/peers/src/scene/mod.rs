@@ -3,12 +3,14 @@
 
 mod crowds;
 mod impacts;
+mod joined;
 mod quality;
 mod speed;
 mod twins;
 
 pub use crowds::*;
 pub use impacts::*;
+pub use joined::*;
 pub use quality::*;
 pub use speed::*;
 pub use twins::{Mirror, mirrored, shuffled};
@@ -58,7 +60,25 @@ pub enum Shape {
         hx: f64,
         hy: f64,
     },
+    /// The points within `r` of a segment through the position. It ends at `half` and at the opposite point.
+    Capsule {
+        half: [f64; 2],
+        r: f64,
+    },
     Polygon(Corners),
+    /// Four walls around a rectangle of half the sizes `hx` and `hy`.
+    Frame {
+        hx: f64,
+        hy: f64,
+        wall: f64,
+    },
+}
+
+/// A rectangle that is a part of a shape: its middle from the position, and half its sizes.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Wall {
+    pub at: [f64; 2],
+    pub half: [f64; 2],
 }
 
 impl Shape {
@@ -67,9 +87,17 @@ impl Shape {
         match *self {
             Shape::Box { hx, hy } => Some(Corners::new(&[[hx, hy], [-hx, hy], [-hx, -hy], [hx, -hy]])),
             Shape::Polygon(corners) => Some(corners),
-            Shape::None { .. } | Shape::Circle { .. } => None,
+            Shape::None { .. } | Shape::Circle { .. } | Shape::Capsule { .. } | Shape::Frame { .. } => None,
         }
     }
+}
+
+/// The walls of a frame: below and above over its whole width, left and right between them.
+pub fn walls(hx: f64, hy: f64, wall: f64) -> [Wall; 4] {
+    let half = 0.5 * wall;
+    let level = |side: f64| Wall { at: [0.0, side * (hy + half)], half: [hx + wall, half] };
+    let upright = |side: f64| Wall { at: [side * (hx + half), 0.0], half: [half, hy] };
+    [level(-1.0), level(1.0), upright(-1.0), upright(1.0)]
 }
 
 /// A body with one shape.
@@ -134,7 +162,19 @@ impl Body {
                 let m = 4.0 * hx * hy;
                 (m, m * (hx * hx + hy * hy) / 3.0)
             }
+            Shape::Capsule { half: [x, y], r } => {
+                let half = x.hypot(y);
+                let (bar, ends) = (4.0 * half * r, std::f64::consts::PI * r * r);
+                // Half a disc has its centre at 4 r/3π from its middle.
+                let end = 0.5 * r * r + half * half + half * 8.0 * r / (3.0 * std::f64::consts::PI);
+                (bar + ends, bar * (half * half + r * r) / 3.0 + ends * end)
+            }
             Shape::Polygon(corners) => polygon_moments(corners.as_slice()),
+            Shape::Frame { hx, hy, wall } => walls(hx, hy, wall).iter().fold((0.0, 0.0), |(m, i), w| {
+                let ([x, y], [half_x, half_y]) = (w.at, w.half);
+                let part = 4.0 * half_x * half_y;
+                (m + part, i + part * (x * x + y * y + (half_x * half_x + half_y * half_y) / 3.0))
+            }),
         };
         (m * self.density, i * self.density)
     }
@@ -173,6 +213,15 @@ impl Field {
     }
 }
 
+/// What turns the second body of a revolute joint against the first one.
+#[derive(Clone, Copy, Debug)]
+pub struct Motor {
+    /// The angular velocity that it aims at, rad/s; 0 for friction.
+    pub speed: f64,
+    /// Its largest torque, N·m.
+    pub max_torque: f64,
+}
+
 /// A joint. The joined bodies do not collide with each other.
 #[derive(Clone, Copy, Debug)]
 pub struct Joint {
@@ -184,11 +233,14 @@ pub struct Joint {
     /// `None`: a revolute joint at that point. Else a rigid rod, which ends at this world
     /// point, fixed in `b`, and turns freely at both ends.
     pub rod_end: Option<[f64; 2]>,
+    /// The range of the angle of a revolute joint, rad: 0 is how the bodies stand at first.
+    pub limits: Option<[f64; 2]>,
+    pub motor: Option<Motor>,
 }
 
 impl Joint {
     pub fn revolute(a: usize, b: usize, x: f64, y: f64) -> Self {
-        Joint { a, b, x, y, rod_end: None }
+        Joint { a, b, x, y, rod_end: None, limits: None, motor: None }
     }
     /// The points of both bodies, each in the frame of its body.
     pub fn anchors(&self, bodies: &[Body]) -> [[f64; 2]; 2] {

@@ -21,7 +21,7 @@ impl Scene {
         Scene { contacts: true, ..Scene::new(name, n) }
     }
 
-    fn add(&mut self, kind: Kind, x: f64, y: f64, shape: Shape) -> &mut Body {
+    pub(super) fn add(&mut self, kind: Kind, x: f64, y: f64, shape: Shape) -> &mut Body {
         self.bodies.push(Body { kind, friction: FRICTION, ..Body::dynamic(on_grid(x), on_grid(y), shape) });
         self.bodies.last_mut().expect("just pushed")
     }
@@ -244,7 +244,7 @@ pub fn bounce() -> Scene {
 }
 
 /// The mass and the moment of inertia of a shape, without the shape.
-fn ghost(shape: Shape, density: f64) -> Shape {
+pub(super) fn ghost(shape: Shape, density: f64) -> Shape {
     let (mass, inertia) = Body { density, ..Body::dynamic(0.0, 0.0, shape) }.mass_inertia();
     Shape::None { mass, inertia }
 }

@@ -1,6 +1,6 @@
 //! Twins of a scene: runs that a fair engine gives the same bits.
 
-use super::{Body, Corners, Joint, Lcg, Scene, Shape, Symmetry};
+use super::{Body, Corners, Joint, Lcg, Motor, Scene, Shape, Symmetry};
 use crate::engine::State;
 
 /// A reflection.
@@ -30,6 +30,7 @@ impl Mirror {
                 let image: Vec<_> = corners.as_slice().iter().rev().map(|&c| self.point(c)).collect();
                 Shape::Polygon(Corners::new(&image))
             }
+            Shape::Capsule { half, r } => Shape::Capsule { half: self.point(half), r },
             same => same,
         };
         Body { x, y, vx, vy, shape, angle: -b.angle, w: -b.w, surface_speed: -b.surface_speed, ..*b }
@@ -37,7 +38,9 @@ impl Mirror {
 
     fn joint(self, j: &Joint) -> Joint {
         let [x, y] = self.point([j.x, j.y]);
-        Joint { x, y, rod_end: j.rod_end.map(|p| self.point(p)), ..*j }
+        let limits = j.limits.map(|[lower, upper]| [-upper, -lower]);
+        let motor = j.motor.map(|motor| Motor { speed: -motor.speed, ..motor });
+        Joint { x, y, rod_end: j.rod_end.map(|p| self.point(p)), limits, motor, ..*j }
     }
 
     pub fn state(self, q: State) -> State {

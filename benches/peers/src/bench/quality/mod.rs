@@ -290,6 +290,8 @@ mod tests {
             Shape::None { .. } => {}
             Shape::Circle { r } => v.push(r),
             Shape::Box { hx, hy } => v.extend([hx, hy]),
+            Shape::Capsule { half: [x, y], r } => v.extend([x, y, r]),
+            Shape::Frame { hx, hy, wall } => v.extend([hx, hy, wall]),
             Shape::Polygon(c) => v.extend(c.as_slice().iter().flatten()),
         }
         v
