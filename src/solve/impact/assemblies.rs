@@ -1,5 +1,6 @@
 //! Assemblies of joined bodies in impacts: trees and loops. An assembly is among the shocks as a whole: its joints answer the impulses at each of
-//! its bodies ([`Joints::answer_impact`]).
+//! its bodies ([`Joints::answer_impact`]). In the iterations of a compression the answer at the bodies with shocks is *estimated* by their responses
+//! to each other, which are found once: the answer of all joints takes a hundred times as long.
 //!
 //! Reads: joints. Writes: velocities of struck bodies.
 
@@ -8,13 +9,13 @@ use core::ops::Range;
 
 use super::super::bodies::STILL;
 use super::super::joint::{Joints, Response};
-use super::super::number::shifted;
+use super::super::number::{lowered, product, shifted, within};
 use super::shock::Shock;
 use super::{FINE, FRACTION, NONE, Struck};
 
 /// A response that is wanted.
 const WANTED: u32 = NONE - 1;
-/// The largest product of the nodes of an assembly and of its struck bodies with which these have responses.
+/// The largest product of the nodes of an assembly and of its struck bodies with which there are responses to these.
 const RESPONSES: usize = 1 << 11;
 /// The largest change of a velocity.
 const LARGEST: i64 = 1 << 60;
@@ -30,8 +31,10 @@ pub(super) struct Assemblies {
     all: Vec<Assembly>,
     /// The assemblies of the shocks.
     pub(super) set: Vec<u32>,
-    /// The responses of bodies of the shocks.
+    /// The responses of all nodes of an assembly to a body of the shocks, body by body.
     responses: Vec<Response>,
+    /// The bodies of the shocks in assemblies, assembly by assembly, if all of them have responses; else none.
+    members: Vec<Member>,
     /// The changes of the velocities of the nodes of an assembly.
     changes: Vec<[i64; 3]>,
 }
@@ -47,6 +50,21 @@ struct Assembly {
     response_count: usize,
     /// The work of an answer, in shocks of an iteration.
     work: usize,
+}
+
+/// A body of the shocks in an assembly.
+#[derive(Clone, Debug)]
+struct Member {
+    assembly: u32,
+    body: u32,
+    node: u32,
+    /// The number of the first response to it.
+    response: u32,
+    /// The velocity after the last answer, and the part of it that is estimated.
+    answered: [i64; 3],
+    estimate: [i64; 3],
+    /// The change by contacts since then.
+    change: [i64; 3],
 }
 
 impl Assemblies {
@@ -126,8 +144,11 @@ impl Assemblies {
         }
     }
 
-    /// The work of an answer, in shocks of an iteration.
+    /// The work of an answer in an iteration, in shocks.
     pub(super) fn answer_work(&self) -> usize {
+        if self.is_estimated() {
+            return self.members.len();
+        }
         self.set.iter().map(|&assembly| self.all[assembly as usize].work).sum()
     }
 
@@ -153,7 +174,8 @@ impl Assemblies {
                 if struck[body].response == WANTED && nodes.len() * response_count <= RESPONSES {
                     struck[body].response = self.find_response(row, assembly, joints);
                 }
-                if let Some(response) = self.responses.get(struck[body].response as usize) {
+                let own = struck[body].response as usize + self.node_of[row as usize] as usize;
+                if let Some(response) = self.responses.get(own) {
                     shock.elements[side] = shock.jacobian.joined_elements(side, response);
                     // The matrix is found anew.
                     (shock.has_response[side], shock.shares) = (true, [0; 2]);
@@ -162,17 +184,88 @@ impl Assemblies {
         }
     }
 
-    /// Finds the response of a body of an assembly. Returns its number.
+    /// Finds the responses of an assembly to one of its bodies. Returns the number of the first one.
     fn find_response(&mut self, row: u32, assembly: u32, joints: &mut Joints) -> u32 {
+        let (node_count, first) = (self.all[assembly as usize].nodes.len(), self.responses.len());
         self.changes.clear();
-        self.changes.resize(self.all[assembly as usize].nodes.len(), [0; 3]);
+        self.changes.resize(node_count, [0; 3]);
+        self.responses.resize(first + node_count, Response::default());
         let node = self.node_of[row as usize] as usize;
-        self.responses.push(joints.impact_response(assembly as usize, node, &mut self.changes));
-        self.responses.len() as u32 - 1
+        joints.find_responses(assembly as usize, node, &mut self.changes, &mut self.responses[first..]);
+        first as u32
+    }
+
+    /// Lists the members, whose velocities hold an answer of all joints.
+    pub(super) fn list_members(&mut self, struck: &[Struck], struck_of: &[u32]) {
+        let Self { members, set, all, rows, .. } = self;
+        members.clear();
+        for &assembly in &*set {
+            for (node, &row) in (0..).zip(&rows[all[assembly as usize].nodes.clone()]).filter(|&(_, &row)| row != STILL)
+            {
+                let body = struck_of[row as usize];
+                let Struck { response, velocity, .. } = struck[body as usize];
+                match response {
+                    NONE => {}
+                    WANTED => {
+                        members.clear();
+                        return;
+                    }
+                    _ => members.push(Member {
+                        assembly,
+                        body,
+                        node,
+                        response,
+                        answered: velocity,
+                        estimate: [0; 3],
+                        change: [0; 3],
+                    }),
+                }
+            }
+        }
+    }
+
+    /// Returns true if answers are estimated.
+    pub(super) fn is_estimated(&self) -> bool {
+        !self.members.is_empty()
+    }
+
+    /// Estimates the answers of all joints at the members to the impulses of contacts since the last answer.
+    ///
+    /// # Ranges
+    /// Changes are within 2^60, responses below 2^42: sums over 2^11 members are below 2^115.
+    pub(super) fn estimate(&mut self, struck: &mut [Struck]) {
+        let Self { members, responses, .. } = self;
+        for members in members.chunk_by_mut(|a, b| a.assembly == b.assembly) {
+            for member in members.iter_mut() {
+                member.change = difference(struck[member.body as usize].velocity, member.answered);
+            }
+            for index in 0..members.len() {
+                let node = members[index].node;
+                let mut sums = [0; 3];
+                for Member { response, change, .. } in members.iter().filter(|member| member.change != [0; 3]) {
+                    let response = &responses[(response + node) as usize];
+                    for (sum, axis) in sums.iter_mut().zip(0..) {
+                        *sum += (0..3).map(|from| product(response[from][axis], change[from])).sum::<i128>();
+                    }
+                }
+                let Member { body, answered, estimate, change, .. } = &mut members[index];
+                for axis in 0..3 {
+                    let answer = within(lowered(sums[axis], 30), LARGEST.into());
+                    answered[axis] += answer;
+                    estimate[axis] += answer - change[axis];
+                }
+                struck[*body as usize].velocity = *answered;
+            }
+        }
     }
 
     /// Lets all joints of the set answer the impulses so far. Returns the largest velocity by which a joint gives way, in 2^-[`FRACTION`].
     pub(super) fn answer(&mut self, struck: &mut [Struck], struck_of: &[u32], coarse: i32, joints: &mut Joints) -> i64 {
+        for Member { body, estimate, .. } in &mut self.members {
+            let struck = &mut struck[*body as usize];
+            (0..3).for_each(|axis| struck.velocity[axis] -= estimate[axis]);
+            *estimate = [0; 3];
+        }
         let mut largest = 0;
         for index in 0..self.set.len() {
             let assembly = self.set[index] as usize;
@@ -180,7 +273,10 @@ impl Assemblies {
             self.changes.clear();
             for &row in &self.rows[nodes.clone()] {
                 let change = match struck_of[row as usize] {
-                    body if row != STILL && body != NONE => difference(&struck[body as usize]),
+                    body if row != STILL && body != NONE => {
+                        let Struck { velocity, start, .. } = struck[body as usize];
+                        difference(velocity, start)
+                    }
                     _ => [0; 3],
                 };
                 self.changes.push(change);
@@ -192,6 +288,9 @@ impl Assemblies {
                     (0..3).for_each(|axis| struck.velocity[axis] = struck.start[axis] + change[axis]);
                 }
             }
+        }
+        for Member { body, answered, .. } in &mut self.members {
+            *answered = struck[*body as usize].velocity;
         }
         largest >> (FINE - FRACTION - coarse)
     }
@@ -241,10 +340,11 @@ impl Assemblies {
             }
         }
         self.responses.clear();
+        self.members.clear();
     }
 }
 
-/// The change of the velocity of a body since the beginning.
-fn difference(struck: &Struck) -> [i64; 3] {
-    [0, 1, 2].map(|axis| (struck.velocity[axis] - struck.start[axis]).clamp(-LARGEST, LARGEST))
+/// The change from one velocity to another.
+fn difference(velocity: [i64; 3], start: [i64; 3]) -> [i64; 3] {
+    [0, 1, 2].map(|axis| (velocity[axis] - start[axis]).clamp(-LARGEST, LARGEST))
 }

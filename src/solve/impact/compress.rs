@@ -244,6 +244,7 @@ pub(super) fn compress(
         struck.velocity = struck.begun;
     }
     impacts.assemblies.set.iter().for_each(|&assembly| joints.reset_impact(assembly as usize, impacts.coarse));
+    impacts.assemblies.list_members(&impacts.struck, &impacts.struck_of);
     for _ in 0..MIN_ITERATIONS {
         impacts.count_work();
         run_ahead(impacts, 0);
@@ -264,37 +265,47 @@ fn iterate(
     grows: bool,
 ) -> Option<i64> {
     let (mut momentum, mut work, mut largest, mut joint_residual) = (0, 0, 0, 0);
-    let mut has_grown = false;
+    let (mut has_grown, mut is_answered) = (false, true);
+    let mut is_left = false;
     for iteration in 1..=ITERATIONS {
         work += impacts.iteration_work();
         impacts.count_work();
         if iteration > MIN_ITERATIONS && (work > WORK || impacts.is_busy()) {
-            return None;
+            is_left = true;
+            break;
         }
         run_ahead(impacts, momentum);
         if momentum > 1 {
-            joint_residual = impacts.answer(joints);
+            joint_residual = impacts.estimate(joints);
         }
         let (residual, uphill) = correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
         // The residuals are of the velocities after the last answer of the joints.
         largest = residual.max(joint_residual);
-        joint_residual = impacts.answer(joints);
-        if impacts.are_joints_cut(joints) {
-            impacts.is_cut = true;
-            return None;
-        }
+        joint_residual = impacts.estimate(joints);
         momentum = if uphill > 0 { 0 } else { momentum + 1 };
         // Large sets are less exact.
         let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };
         let is_done = largest >> loose <= impacts.tolerance;
-        if is_done || has_grown || iteration.is_power_of_two() {
-            has_grown = grows && iteration <= GROWING && join_closing(impacts, substep, bodies, groups, joints);
-            if is_done && !has_grown {
-                break;
-            }
+        let may_end = is_done && is_answered;
+        let may_grow = grows && iteration <= GROWING && (is_done || has_grown || iteration.is_power_of_two());
+        // An estimate is near enough to go on from, and no end.
+        is_answered = is_done || may_grow || !impacts.assemblies.is_estimated();
+        if is_answered && impacts.assemblies.is_estimated() {
+            joint_residual = impacts.answer_fully(joints);
+        }
+        if impacts.are_joints_cut(joints) {
+            impacts.is_cut = true;
+            return None;
+        }
+        has_grown = may_grow && join_closing(impacts, substep, bodies, groups, joints);
+        if may_end && !has_grown {
+            break;
         }
     }
-    Some(largest)
+    if !is_answered {
+        impacts.answer_fully(joints);
+    }
+    (!is_left).then_some(largest)
 }
 
 /// Adds the contacts of the bodies that changed, and that touch and close, to the shocks. Returns true if there was one.
@@ -358,6 +369,7 @@ fn set_shares(impacts: &mut Impacts, joints: &mut Joints) {
     let Impacts { shocks, struck, struck_of, assemblies, .. } = impacts;
     assemblies.give_shares(struck, struck_of);
     assemblies.find_responses(shocks, struck, joints);
+    assemblies.list_members(struck, struck_of);
     for shock in shocks {
         shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
     }

@@ -57,18 +57,30 @@ impl Impacts {
         assemblies.answer(struck, struck_of, *coarse, joints)
     }
 
+    /// [`answer`](Self::answer) in an iteration: estimated where it can be.
+    pub(super) fn estimate(&mut self, joints: &mut Joints) -> i64 {
+        if self.assemblies.is_estimated() {
+            self.assemblies.estimate(&mut self.struck);
+            return 0;
+        }
+        self.answer(joints)
+    }
+
     /// Returns true if impulses of joints were cut off.
     pub(super) fn are_joints_cut(&self, joints: &Joints) -> bool {
         self.assemblies.set.iter().any(|&assembly| joints.is_impact_cut(assembly as usize))
     }
 
-    /// Lets joints answer until they give way by less than the tolerance.
-    pub(super) fn answer_fully(&mut self, joints: &mut Joints) {
+    /// Lets joints answer until they give way by less than the tolerance. Returns the largest velocity by which one still does.
+    pub(super) fn answer_fully(&mut self, joints: &mut Joints) -> i64 {
+        let mut residual = 0;
         for _ in 0..ANSWERS {
-            if self.answer(joints) <= self.tolerance {
-                return;
+            residual = self.answer(joints);
+            if residual <= self.tolerance {
+                break;
             }
         }
+        residual
     }
 
     /// Returns true if the island of the shocks has done much work in the step.

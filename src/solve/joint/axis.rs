@@ -19,9 +19,9 @@
 //! ```
 //!
 //! So limits and a motor have no order among them, both limits change places in a mirror, and one impulse tells the state of all: a pass
-//! only asks on which step or level the row ends. It takes the step that the joint alone would end on; if the impulse then lies beyond the
-//! step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more ([`AxisRow::revise`]). Where rows
-//! move on still after some rounds, as where limits of a chain between two supports press against motors, the pass begins anew with a descent
+//! only asks on which step or level the row ends. It takes the place where the pass before ended, and at first the one where the joint alone would
+//! end; if the impulse then lies beyond the step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more
+//! ([`AxisRow::revise`]). Where rows move on still after some rounds, as where limits of a chain between two supports press against motors, the pass begins anew with a descent
 //! ([`AxisRow::descend`]), which cannot go round in circles.
 //!
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
@@ -145,6 +145,9 @@ pub(super) struct AxisRow {
     /// The velocity at the beginning of the pass, in 2^-30.
     velocity: i64,
     place: Place,
+    /// The place where the last pass ended, and the number of its steps.
+    last_place: Place,
+    last_count: usize,
     /// The impulse of the spring in the relax pass.
     spring_impulse: i64,
     is_biased: bool,
@@ -220,6 +223,8 @@ impl AxisRow {
             levels: [0; STEPS + 1],
             velocity: 0,
             place: Place::Level(0),
+            last_place: Place::Given(0),
+            last_count: 0,
             spring_impulse: 0,
             is_biased: true,
         }
@@ -245,7 +250,10 @@ impl AxisRow {
         self.strain = None;
         self.velocity = velocity;
         self.set_steps(rate);
-        self.place = self.find_place(velocity, impulse, self.by_mass);
+        self.place = match self.last_place {
+            Place::Step(_) | Place::Level(_) if self.count == self.last_count && !self.is_paired() => self.last_place,
+            _ => self.find_place(velocity, impulse, self.by_mass),
+        };
     }
 
     /// Begins an impact with a change of the velocity, in 2^-60, at an impulse of the row: a row with one position takes it back, all others are free.
@@ -458,6 +466,7 @@ impl AxisRow {
 
     /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.
     pub(super) fn finish(&mut self, impulse: i64) -> i64 {
+        (self.last_place, self.last_count) = (self.place, self.count);
         let impulse = match self.place {
             Place::Step(step) => {
                 let spring = self.spring_at(self.velocities[step]);

@@ -6,7 +6,7 @@ use super::turn::Side;
 use super::{Block, FINER, LOWER};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, product, shifted, upper, within};
+use crate::solve::number::{lowered, product, upper, within};
 
 /// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
 const RAISED: i32 = 18;
@@ -84,8 +84,8 @@ impl Block {
     /// gains. Products with masses are below 2^107.
     pub(super) fn gains(&self, side: usize, [x, y, turn]: [i128; 3], coarse: i32) -> [i128; 3] {
         let masses = self.sides[side].masses.map(i128::from);
-        let gain =
-            |axis: usize, impulse: i128| shifted(masses[axis] * lowered(impulse, LOWER), self.gain_bits() + coarse);
+        let bits = self.gain_bits() + coarse;
+        let gain = |axis: usize, impulse: i128| lowered(masses[axis] * lowered(impulse, LOWER), bits);
         [gain(0, x), gain(1, y), gain(2, turn)]
     }
 

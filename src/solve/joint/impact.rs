@@ -14,13 +14,14 @@ use super::axis::AxisRow;
 use super::gains::Sums;
 use super::passes::Joints;
 use super::{Block, IMPULSE};
-use crate::solve::number::{lowered, product, within};
+use crate::kernel::simd::GAIN_BITS;
+use crate::solve::number::{lowered, lowered_word, product, within};
 
-/// The change of the velocity of a body in an assembly by a change of the body alone, in 2^-30: by axis of the latter.
+/// The change of the velocity of a body in an assembly by a change of one of its bodies alone, in 2^-30: by axis of the latter.
 pub(in crate::solve) type Response = [[i64; 3]; 3];
 
 /// log2 of the velocity by which responses are found, in units.
-pub(super) const TRIAL: i32 = 24;
+const TRIAL: i32 = 24;
 
 /// A joint in the impacts of a round.
 #[derive(Clone, Copy, Debug, Default)]
@@ -52,8 +53,10 @@ impl JointImpact {
         let [first, second] =
             [0, 1].map(|side| wanted[side].map(|gain| within(gain, block.sides[side].gain_limit.into())));
         self.gains = [first.map(|gain| -gain), second];
-        self.is_cut =
-            impulses != self.impulses.map(i128::from) || wanted != [first, second].map(|gain| gain.map(i128::from));
+        self.is_cut = (0..3).any(|k| {
+            let is_cut = |wanted: i128, value: i64| wanted != i128::from(value);
+            is_cut(impulses[k], self.impulses[k]) || is_cut(wanted[0][k], first[k]) || is_cut(wanted[1][k], second[k])
+        });
         [0, 1].map(|side| [0, 1, 2].map(|axis| self.gains[side][axis] - before[side][axis]))
     }
 }
@@ -61,6 +64,9 @@ impl JointImpact {
 /// The most answers to the ways of an impact, and the largest way by which joints may open then, in 2^-30 of a unit.
 const WAY_ANSWERS: usize = 4;
 const SMALL_WAY: i64 = 1 << 20;
+/// The most answers to a change of which the responses are found, and minus log2 of the part of the node's own by which joints may give way then.
+const RESPONSE_ANSWERS: usize = 4;
+const SMALL_RESIDUAL: i32 = 6;
 /// The largest impulse of a row.
 const LARGEST_IMPULSE: i128 = IMPULSE as i128;
 
@@ -155,18 +161,39 @@ impl Joints {
         }
     }
 
-    /// The response of a node of an assembly. `changes` is any memory for the nodes.
-    pub(in crate::solve) fn impact_response(
+    /// Finds the responses of all nodes of an assembly to one of them, so that joints give way by a small part of the node's own. `changes` is any memory
+    /// for the nodes.
+    pub(in crate::solve) fn find_responses(
         &mut self,
         assembly: usize,
         node: usize,
         changes: &mut [[i64; 3]],
-    ) -> Response {
+        responses: &mut [Response],
+    ) {
         let (index, range) = (self.loop_of(assembly), self.blocks_of(assembly));
         let Self { trees, loops, blocks, laws, soft, .. } = self;
-        match index {
-            None => trees.response(assembly, node, changes, blocks, laws),
-            Some(index) => loops.response(index, node, changes, &blocks[range], laws, soft),
+        for axis in 0..3 {
+            changes.fill([0; 3]);
+            changes[node][axis] = 1 << (TRIAL + GAIN_BITS);
+            for _ in 0..RESPONSE_ANSWERS {
+                let residual = match index {
+                    None => {
+                        trees.add_answer(assembly, changes, blocks, laws);
+                        trees.largest_residual(assembly, changes, blocks, laws)
+                    }
+                    Some(index) => {
+                        let blocks = &blocks[range.clone()];
+                        loops.add_answer(index, changes, blocks, laws, soft);
+                        loops.largest_residual(index, changes, blocks, laws)
+                    }
+                };
+                if residual <= changes[node][axis].abs() >> SMALL_RESIDUAL {
+                    break;
+                }
+            }
+            for (response, change) in responses.iter_mut().zip(&*changes) {
+                response[axis] = change.map(|part| lowered_word(part, TRIAL + GAIN_BITS - 30));
+            }
         }
     }
 

@@ -4,6 +4,7 @@ mod axes;
 mod cases;
 mod exact;
 mod forest;
+mod impacts;
 mod quality;
 mod scene;
 mod slides;

@@ -169,6 +169,11 @@ impl Trees {
         }
     }
 
+    /// Returns true if a tree has a relax pass.
+    pub(super) fn have_relax_pass(&self) -> bool {
+        self.trees.iter().any(|tree| tree.touches)
+    }
+
     /// Finds the matrices where the bodies are, before the sub-step: of all trees before the first one, then of trees without a relax pass.
     #[inline(always)]
     pub(super) fn begin(&mut self, blocks: &[Block], is_first: bool) {
@@ -229,26 +234,53 @@ fn factor(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[
     for node in nodes.iter_mut() {
         node.begin(blocks);
     }
-    // Nodes that are as far from the centre stand side by side.
     let mut index = 0;
     while index < nodes.len() {
-        let waits = nodes[index].parent as usize == begin + index + 1;
-        match &mut nodes[index..] {
-            [first, second, ..] if first.may_be_pin && second.may_be_pin && !waits => {
-                Node::factor_pins(first, second);
-                first.factor_others(frames);
-                second.factor_others(frames);
-                join(nodes, frames, begin, index);
-                join(nodes, frames, begin, index + 1);
-                index += 2;
+        index += factor_next(nodes, frames, begin, index);
+    }
+}
+
+/// Finds the matrices anew that change where the aims of laws have.
+fn factor_changed(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block]) {
+    for index in 0..nodes.len() {
+        if nodes[index].has_changed {
+            nodes[index].begin(blocks);
+            if nodes[index].parent != NONE {
+                nodes[nodes[index].parent as usize - begin].has_changed = true;
             }
-            [node, ..] => {
-                node.factor(frames);
-                join(nodes, frames, begin, index);
-                index += 1;
-            }
-            [] => {}
         }
+    }
+    for index in 0..nodes.len() {
+        if nodes[index].has_changed {
+            nodes[index].factor(frames);
+        }
+        if nodes[index].parent != NONE && nodes[nodes[index].parent as usize - begin].has_changed {
+            join(nodes, frames, begin, index);
+        }
+    }
+    nodes.iter_mut().for_each(|node| node.has_changed = false);
+}
+
+/// Finds the matrices of a node, or of two. Returns their number.
+#[inline(always)]
+fn factor_next(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, index: usize) -> usize {
+    // Nodes that are as far from the centre stand side by side.
+    let waits = nodes[index].parent as usize == begin + index + 1;
+    match &mut nodes[index..] {
+        [first, second, ..] if first.may_be_pin() && second.may_be_pin() && !waits => {
+            Node::factor_pins(first, second);
+            first.factor_others(frames);
+            second.factor_others(frames);
+            join(nodes, frames, begin, index);
+            join(nodes, frames, begin, index + 1);
+            2
+        }
+        [node, ..] => {
+            node.factor(frames);
+            join(nodes, frames, begin, index);
+            1
+        }
+        [] => 1,
     }
 }
 
@@ -333,7 +365,7 @@ fn descend(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &
 /// Solves a tree for the present aims of its laws.
 fn solve_aims(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block], laws: &[AxisRow]) {
     if set_aims(nodes, frames, blocks, laws) {
-        factor(nodes, frames, begin, blocks);
+        factor_changed(nodes, frames, begin, blocks);
     }
     eliminate(nodes, frames, begin);
 }
@@ -342,7 +374,8 @@ fn solve_aims(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks
 fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow]) -> bool {
     let mut have_changed = false;
     for node in nodes.iter_mut().filter(|node| node.parent != NONE) {
-        have_changed |= node.set_aims(frames, &blocks[node.block as usize], laws);
+        node.has_changed = node.set_aims(frames, &blocks[node.block as usize], laws);
+        have_changed |= node.has_changed;
     }
     have_changed
 }

@@ -7,7 +7,7 @@ use super::{FINER_STILL, FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
-use crate::solve::joint::impact::{JointImpact, Response, TRIAL, add_gain};
+use crate::solve::joint::impact::{JointImpact, add_gain};
 use crate::solve::number::{lowered, lowered_word, within};
 use crate::solve::unit::SoftRow;
 
@@ -110,29 +110,21 @@ impl Loops {
         }
     }
 
-    /// The change of the velocity of a body of a loop by a change of the body alone, in 2^-30: by axis of the latter.
-    pub(in crate::solve::joint) fn response(
+    /// Adds the answer of a loop to changes of the velocities of its bodies to these, without a trace.
+    pub(in crate::solve::joint) fn add_answer(
         &mut self,
         index: usize,
-        body: usize,
         changes: &mut [[i64; 3]],
         blocks: &[Block],
         laws: &[AxisRow],
         soft: &SoftRow,
-    ) -> Response {
-        let mut response = [[0; 3]; 3];
-        for (axis, column) in response.iter_mut().enumerate() {
-            changes.fill([0; 3]);
-            changes[body][axis] = 1 << (TRIAL + GAIN_BITS);
-            self.solve_impact(index, changes, blocks, laws, soft);
-            let Loop { joints, bodies, .. } = &self.loops[index];
-            for (joint, block) in self.joints[joints.clone()].iter().zip(blocks) {
-                let mut trial = JointImpact::default();
-                joint.add_gains(bodies.start, changes, trial.add(joint.answered().map(i128::from), block, 0));
-            }
-            *column = changes[body].map(|part| lowered(i128::from(part), TRIAL) as i64);
+    ) {
+        self.solve_impact(index, changes, blocks, laws, soft);
+        let Loop { joints, bodies, .. } = &self.loops[index];
+        for (joint, block) in self.joints[joints.clone()].iter().zip(blocks) {
+            let gains = JointImpact::default().add(joint.answered().map(i128::from), block, 0);
+            joint.add_gains(bodies.start, changes, gains);
         }
-        response
     }
 
     /// The largest velocity of a row that a joint holds by changes of the velocities of the bodies of a loop.

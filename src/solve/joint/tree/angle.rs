@@ -63,7 +63,20 @@ impl AngleRow {
         let before = self.kappa;
         let RowAim { kappa, residual, eta } = self.stiffness.aim(aim, impulse, node);
         (self.kappa, self.eta) = (kappa, eta - to_impulse(product(kappa, residual)));
+        if self.is_free() {
+            self.moment = [0; 2];
+        }
         before != kappa
+    }
+
+    /// Returns true if both ends turn freely, but for a torque that is given.
+    pub(super) fn is_free(&self) -> bool {
+        self.kappa == 0
+    }
+
+    /// [`pass_down`](Self::pass_down) of a row that is free.
+    pub(super) fn torque_on_parent(&self) -> i64 {
+        within(-i128::from(self.eta), IMPULSE)
     }
 
     /// κ of the length of the node, in the unit of the node.

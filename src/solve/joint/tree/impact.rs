@@ -6,12 +6,17 @@
 use core::ops::Range;
 
 use super::node::Node;
-use super::{FRACTION, RESIDUAL, Trees, eliminate, factor, is_second_half, joint_impulses, opposite_end, set_aims};
+use super::{
+    FRACTION, RESIDUAL, Trees, eliminate, factor_changed, is_second_half, joint_impulses, opposite_end, set_aims,
+};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
-use crate::solve::joint::impact::{JointImpact, Response, TRIAL, add_gain};
+use crate::solve::joint::impact::{JointImpact, add_gain};
 use crate::solve::number::{lowered, within};
+
+/// The largest velocity of a node in an answer to a trial: sums of four are below 2^61.
+const FASTEST: i64 = 1 << 37;
 
 impl Node {
     /// Sets the residual of the joint to the parent for changes of the velocities of its ends.
@@ -70,7 +75,7 @@ impl Trees {
             node.begin_impact(changes, &blocks[node.block as usize], laws);
         }
         if tree.has_laws && set_aims(nodes, frames, blocks, laws) {
-            factor(nodes, frames, begin, blocks);
+            factor_changed(nodes, frames, begin, blocks);
         }
         eliminate(nodes, frames, begin);
     }
@@ -129,25 +134,18 @@ impl Trees {
         }
     }
 
-    /// The change of the velocity of a node of a tree, with all that hangs on it, by a change of the node alone, in 2^-30: by axis of the latter.
-    pub(in crate::solve::joint) fn response(
+    /// Adds the answer of a tree to changes of the velocities of its nodes to these, without a trace.
+    pub(in crate::solve::joint) fn add_answer(
         &mut self,
         tree: usize,
-        node: usize,
         changes: &mut [[i64; 3]],
         blocks: &[Block],
         laws: &mut [AxisRow],
-    ) -> Response {
-        let mut response = [[0; 3]; 3];
-        for (axis, change) in response.iter_mut().enumerate() {
-            changes.fill([0; 3]);
-            changes[node][axis] = 1 << (TRIAL + GAIN_BITS);
-            self.solve_impact(tree, changes, blocks, laws);
-            let node = &self.nodes[self.trees[tree].nodes.start + node];
+    ) {
+        self.solve_impact(tree, changes, blocks, laws);
+        for (node, change) in self.nodes[self.trees[tree].nodes.clone()].iter().zip(changes) {
             let [x, y] = node.velocity;
-            *change = [x, y, node.spin].map(|part| lowered(i128::from(part) << 30, FRACTION + TRIAL) as i64);
-            change[axis] += 1 << 30;
+            add_gain(change, [x, y, node.spin].map(|part| part.clamp(-FASTEST, FASTEST) << (GAIN_BITS - FRACTION)));
         }
-        response
     }
 }

@@ -36,9 +36,11 @@ pub(super) struct Node {
     pub(super) is_rod: bool,
     /// The number of the frame of the joint, if rows of it along the axes have laws or are free; else [`NONE`].
     pub(super) frame: u32,
-    /// True for a body that turns freely at a joint that holds a point; and if all its values are of the sizes that they most often have.
-    pub(super) may_be_pin: bool,
+    /// True for a body at a joint that holds a point; and if it turns freely there, and all its values are of the sizes that they most often have.
+    pub(super) holds_point: bool,
     pub(super) is_pin: bool,
+    /// True if the matrices change by the aims of laws.
+    pub(super) has_changed: bool,
     /// True if the parent is the middle of the joint.
     pub(super) is_half: bool,
     /// The number of rows with laws at the node, and the share of the masses of both ends that rows of its joint meet in a descent, as minus log2.
@@ -169,8 +171,14 @@ impl Node {
         } else {
             self.angle = AngleRow::new(block, laws, self, opposite);
         }
-        let is_point = block.held == [true; 2] && self.frame == NONE && self.angle.is_none();
-        self.may_be_pin = is_point && self.is_body && self.inertia != 0;
+        let is_point = block.held == [true; 2] && self.frame == NONE;
+        self.holds_point = is_point && self.is_body && self.inertia != 0;
+    }
+
+    /// Returns true if the node turns freely at a joint that holds a point.
+    #[inline(always)]
+    pub(super) fn may_be_pin(&self) -> bool {
+        self.holds_point && self.angle.as_ref().is_none_or(AngleRow::is_free)
     }
 
     /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
@@ -189,7 +197,8 @@ impl Node {
     /// Eliminates the rotation, and finds the spring that the parent sees.
     #[inline(always)]
     pub(super) fn factor(&mut self, frames: &mut [FrameRows]) {
-        if self.may_be_pin {
+        self.is_pin = false;
+        if self.may_be_pin() {
             self.factor_pin();
         }
         self.factor_others(frames);
@@ -287,7 +296,7 @@ impl Node {
         parent.a = parent.a.plus(spring);
         parent.b = [parent.b[0] + moment[0], parent.b[1] + moment[1]];
         parent.c += unit_dot(self.parent_point, moment);
-        if let Some(angle) = &self.angle {
+        if let Some(angle) = self.angle.as_ref().filter(|angle| !angle.is_free()) {
             let (b, c) = angle.terms(self);
             let down = parent.unit - self.joint_unit;
             let [x, y] = b.map(|part| shifted_word(part, down));
@@ -346,7 +355,7 @@ impl Node {
     pub(super) fn pass_down(&mut self, frames: &mut [FrameRows]) -> ([i64; 2], i64) {
         if self.is_pin {
             if let Some(impulse) = self.pass_down_pin() {
-                return (impulse, 0);
+                return (impulse, self.angle.as_ref().map_or(0, AngleRow::torque_on_parent));
             }
         }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
@@ -411,6 +420,10 @@ impl Node {
     pub(super) fn pass_up(&mut self, frames: &mut [FrameRows], parent_velocity: [i64; 2], parent_spin: i64) {
         let at = moved(parent_velocity, parent_spin, self.parent_point);
         if self.is_pin && self.pass_up_pin(at) {
+            let spin = self.spin;
+            if let Some(angle) = &mut self.angle {
+                angle.finish(angle.parent_spin(parent_spin), spin);
+            }
             return;
         }
         if let Some(frame) = frames.get_mut(self.frame as usize) {

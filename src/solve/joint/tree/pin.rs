@@ -157,9 +157,10 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_down_pin(&mut self) -> Option<[i64; 2]> {
         let f = [self.f[0] as i64, self.f[1] as i64];
-        let torque = self.torque as i64;
-        let words =
-            (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ self.torque);
+        let given = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
+        let sum = self.torque + i128::from(given);
+        let torque = sum as i64;
+        let words = (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ sum);
         let mut rest = (words >> 64) as i64 | beyond(f[0], IMPULSE_BITS) | beyond(f[1], IMPULSE_BITS);
         rest |= beyond(torque, IMPULSE_BITS + 1);
         // What wraps is beyond.
