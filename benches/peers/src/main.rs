@@ -5,6 +5,7 @@ mod bench;
 mod builds;
 mod engine;
 mod engines;
+mod plot;
 mod report;
 mod scene;
 
@@ -50,7 +51,9 @@ const SCENES: &[(&str, Bench)] = &[
 const QUALITY: &str = "quality";
 
 fn usage() -> ! {
-    eprintln!("peers [--scene A,B,quality:C] [--engine A,B] [--quick] [--wall] [--table min] [--csv FILE] [--list]");
+    eprintln!(
+        "peers [--scene A,B,quality:C] [--engine A,B] [--quick] [--wall] [--table min] [--csv FILE] [--plot FILE] [--list]"
+    );
     std::process::exit(2)
 }
 
@@ -61,6 +64,7 @@ fn main() {
     let mut quick = false;
     let mut table_min = false;
     let mut csv: Option<String> = None;
+    let mut plot: Option<String> = None;
     let mut head_only = false;
     let mut args = std::env::args().skip(1);
     let list = |s: Option<String>| s.unwrap_or_else(|| usage()).split(',').map(str::to_string).collect::<Vec<_>>();
@@ -73,6 +77,7 @@ fn main() {
                 only = Some(ids);
             }
             "--csv" => csv = Some(args.next().unwrap_or_else(|| usage())),
+            "--plot" => plot = Some(args.next().unwrap_or_else(|| usage())),
             "--quick" => quick = true,
             "--head" => head_only = true,
             "--wall" => bench::WALL.store(true, std::sync::atomic::Ordering::Relaxed),
@@ -159,6 +164,12 @@ fn main() {
     ids.extend(children.iter().flat_map(|child| &child.engines));
     println!("{}", rep.tables(&ids, table_min));
     println!("total {:.0} s", t0.elapsed().as_secs_f64());
+    if let Some(path) = plot
+        && let Err(e) = plot::joint_errors(&rep, &ids, path.as_ref())
+    {
+        eprintln!("{path}: {e}");
+        std::process::exit(1);
+    }
     if let Some(path) = csv {
         let mut text = String::from(report::CSV_HEAD);
         text.push('\n');
