@@ -174,9 +174,10 @@ impl Assemblies {
                 if struck[body].response == WANTED && nodes.len() * response_count <= RESPONSES {
                     struck[body].response = self.find_response(row, assembly, joints);
                 }
-                let own = struck[body].response as usize + self.node_of[row as usize] as usize;
-                if let Some(response) = self.responses.get(own) {
-                    shock.elements[side] = shock.jacobian.joined_elements(side, response);
+                let response = struck[body].response;
+                if response != WANTED {
+                    let own = &self.responses[(response + self.node_of[row as usize]) as usize];
+                    shock.elements[side] = shock.jacobian.joined_elements(side, own);
                     // The matrix is found anew.
                     (shock.has_response[side], shock.shares) = (true, [0; 2]);
                 }
@@ -248,13 +249,14 @@ impl Assemblies {
                         *sum += (0..3).map(|from| product(response[from][axis], change[from])).sum::<i128>();
                     }
                 }
-                let Member { body, answered, estimate, change, .. } = &mut members[index];
+                let Member { body, answered, estimate, .. } = &mut members[index];
+                let velocity = &mut struck[*body as usize].velocity;
                 for axis in 0..3 {
                     let answer = within(lowered(sums[axis], 30), LARGEST.into());
-                    answered[axis] += answer;
-                    estimate[axis] += answer - change[axis];
+                    let estimated = (answered[axis] + answer).clamp(-LARGEST, LARGEST);
+                    estimate[axis] += estimated - velocity[axis];
+                    (answered[axis], velocity[axis]) = (estimated, estimated);
                 }
-                struck[*body as usize].velocity = *answered;
             }
         }
     }

@@ -276,12 +276,12 @@ fn iterate(
         }
         run_ahead(impacts, momentum);
         if momentum > 1 {
-            joint_residual = impacts.estimate(joints);
+            joint_residual = impacts.estimate(joints).unwrap_or(joint_residual);
         }
         let (residual, uphill) = correct(impacts, iteration <= 4 || iteration % 8 == 0 || has_grown);
         // The residuals are of the velocities after the last answer of the joints.
         largest = residual.max(joint_residual);
-        joint_residual = impacts.estimate(joints);
+        joint_residual = impacts.estimate(joints).unwrap_or(joint_residual);
         momentum = if uphill > 0 { 0 } else { momentum + 1 };
         // Large sets are less exact.
         let loose = if impacts.shocks.len() < SMALL { 0 } else { iteration / 16 };

@@ -28,7 +28,7 @@
 //! up to the moment. The next sub-step does not repeat them, as it does the impulses of the passes.
 //!
 //! An assembly of joined bodies takes part as a whole ([`assemblies`](self::assemblies)): its joints answer the impulses at its bodies in each
-//! iteration, and contacts meet the inverse masses of bodies with all that hangs on them. Limits, motors and friction of joints are left to the
+//! iteration, by an estimate before the last one, and contacts meet the inverse masses of bodies with all that hangs on them. Limits, motors and friction of joints are left to the
 //! passes, but for limits at one position.
 //!
 //! Box2D applies restitution once a step, by the approach speed at its start, and Rapier in the bias of each contact: both see the
@@ -101,7 +101,7 @@ struct Struck {
     is_in_set: bool,
     /// The number of shocks that share it, or its assembly.
     share: i64,
-    /// The number of its response, for a body of an assembly with a shock, or that it has none; else [`NONE`].
+    /// The number of the first of the responses to it, for a body of an assembly with a shock, or that there are none; else [`NONE`].
     response: u32,
     /// The number of its contacts that may still join the shocks: they stand first among its [normal rows](ContactIndex::normal_rows).
     open: u32,

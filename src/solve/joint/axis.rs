@@ -21,8 +21,8 @@
 //! So limits and a motor have no order among them, both limits change places in a mirror, and one impulse tells the state of all: a pass
 //! only asks on which step or level the row ends. It takes the place where the pass before ended, and at first the one where the joint alone would
 //! end; if the impulse then lies beyond the step, or the velocity beyond the level, the row moves on to the next one and the pass is done once more
-//! ([`AxisRow::revise`]). Where rows move on still after some rounds, as where limits of a chain between two supports press against motors, the pass begins anew with a descent
-//! ([`AxisRow::descend`]), which cannot go round in circles.
+//! ([`AxisRow::revise`]). Where rows move on still after some rounds, as where limits of a chain between two supports press against motors, the
+//! pass begins anew with a descent ([`AxisRow::descend`]), which cannot go round in circles.
 //!
 //! A motor and friction aim at a velocity between the velocities of the limits: they stop at a limit, and press against it with no more than
 //! their force.

@@ -67,6 +67,8 @@ const SMALL_WAY: i64 = 1 << 20;
 /// The most answers to a change of which the responses are found, and minus log2 of the part of the node's own by which joints may give way then.
 const RESPONSE_ANSWERS: usize = 4;
 const SMALL_RESIDUAL: i32 = 6;
+/// The largest change of a velocity in such an answer.
+const LARGEST_CHANGE: i64 = 1 << 60;
 /// The largest impulse of a row.
 const LARGEST_IMPULSE: i128 = IMPULSE as i128;
 
@@ -187,6 +189,9 @@ impl Joints {
                         loops.largest_residual(index, changes, blocks, laws)
                     }
                 };
+                for part in changes.as_flattened_mut() {
+                    *part = (*part).clamp(-LARGEST_CHANGE, LARGEST_CHANGE);
+                }
                 if residual <= changes[node][axis].abs() >> SMALL_RESIDUAL {
                     break;
                 }

@@ -282,9 +282,6 @@ impl Joints {
                 pose.set_sweep(rows);
             }
         }
-        if !is_biased && !trees.have_relax_pass() && loops.len() == 0 {
-            return 0;
-        }
         let cut =
             trees.solve(blocks, poses, laws, rows, is_biased) + loops.solve(blocks, poses, laws, rows, soft, is_biased);
         cut + rows.apply_gains(lanes, touched)

@@ -169,11 +169,6 @@ impl Trees {
         }
     }
 
-    /// Returns true if a tree has a relax pass.
-    pub(super) fn have_relax_pass(&self) -> bool {
-        self.trees.iter().any(|tree| tree.touches)
-    }
-
     /// Finds the matrices where the bodies are, before the sub-step: of all trees before the first one, then of trees without a relax pass.
     #[inline(always)]
     pub(super) fn begin(&mut self, blocks: &[Block], is_first: bool) {

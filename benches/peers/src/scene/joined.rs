@@ -126,7 +126,8 @@ pub fn motor_spinner(n: usize) -> Scene {
     let motor = Motor { speed: s.bodies[bar].w, max_torque: 1e6 };
     let (x, y) = (s.bodies[bar].x, s.bodies[bar].y);
     s.bodies[bar].kind = Kind::Dynamic;
-    let hub = Body { kind: Kind::Fixed, ..Body::dynamic(x, y, ghost(circle(0.5), 1.0)) };
+    let friction = s.bodies[bar].friction;
+    let hub = Body { kind: Kind::Fixed, friction, ..Body::dynamic(x, y, ghost(circle(0.5), 1.0)) };
     s.bodies.push(hub);
     s.joints.push(Joint { motor: Some(motor), ..Joint::revolute(s.bodies.len() - 1, bar, x, y) });
     s

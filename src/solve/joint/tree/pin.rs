@@ -153,7 +153,7 @@ impl Node {
         }
     }
 
-    /// [`pass_down`](Self::pass_down) without a torque. `None` for values of other sizes.
+    /// [`pass_down`](Self::pass_down) but for the torque on the parent. `None` for values of other sizes.
     #[inline(always)]
     pub(super) fn pass_down_pin(&mut self) -> Option<[i64; 2]> {
         let f = [self.f[0] as i64, self.f[1] as i64];
