@@ -19,6 +19,8 @@ const WANTED: u32 = NONE - 1;
 const RESPONSES: usize = 1 << 11;
 /// The largest change of a velocity.
 const LARGEST: i64 = 1 << 60;
+/// The largest velocity that is estimated.
+const FASTEST: i64 = 1 << 59;
 
 /// The assemblies of a step.
 #[derive(Clone, Debug, Default)]
@@ -60,11 +62,21 @@ struct Member {
     node: u32,
     /// The number of the first response to it.
     response: u32,
-    /// The velocity after the last answer, and the part of it that is estimated.
+    /// The velocity after the last answer, and without the answers that are estimated.
     answered: [i64; 3],
-    estimate: [i64; 3],
-    /// The change by contacts since then.
+    unanswered: [i64; 3],
+    /// The change by contacts since the last answer.
     change: [i64; 3],
+}
+
+impl Member {
+    /// Takes note of the change by contacts since the last answer.
+    fn take_change(&mut self, struck: &[Struck]) {
+        self.change = difference(struck[self.body as usize].velocity, self.answered);
+        for (unanswered, change) in self.unanswered.iter_mut().zip(self.change) {
+            *unanswered = (*unanswered + change).clamp(-LARGEST, LARGEST);
+        }
+    }
 }
 
 impl Assemblies {
@@ -217,7 +229,7 @@ impl Assemblies {
                         node,
                         response,
                         answered: velocity,
-                        estimate: [0; 3],
+                        unanswered: velocity,
                         change: [0; 3],
                     }),
                 }
@@ -230,16 +242,16 @@ impl Assemblies {
         !self.members.is_empty()
     }
 
-    /// Estimates the answers of all joints at the members to the impulses of contacts since the last answer.
+    /// Estimates the answers of all joints at the members to the impulses of contacts since the last answer. Returns false where velocities do not hold
+    /// them.
     ///
     /// # Ranges
     /// Changes are within 2^60, responses below 2^42: sums over 2^11 members are below 2^115.
-    pub(super) fn estimate(&mut self, struck: &mut [Struck]) {
+    pub(super) fn estimate(&mut self, struck: &mut [Struck]) -> bool {
         let Self { members, responses, .. } = self;
+        let mut is_held = true;
         for members in members.chunk_by_mut(|a, b| a.assembly == b.assembly) {
-            for member in members.iter_mut() {
-                member.change = difference(struck[member.body as usize].velocity, member.answered);
-            }
+            members.iter_mut().for_each(|member| member.take_change(struck));
             for index in 0..members.len() {
                 let node = members[index].node;
                 let mut sums = [0; 3];
@@ -249,24 +261,25 @@ impl Assemblies {
                         *sum += (0..3).map(|from| product(response[from][axis], change[from])).sum::<i128>();
                     }
                 }
-                let Member { body, answered, estimate, .. } = &mut members[index];
-                let velocity = &mut struck[*body as usize].velocity;
-                for axis in 0..3 {
-                    let answer = within(lowered(sums[axis], 30), LARGEST.into());
-                    let estimated = (answered[axis] + answer).clamp(-LARGEST, LARGEST);
-                    estimate[axis] += estimated - velocity[axis];
-                    (answered[axis], velocity[axis]) = (estimated, estimated);
+                let Member { body, answered, unanswered, .. } = &mut members[index];
+                for (velocity, sum) in answered.iter_mut().zip(sums) {
+                    let answer = within(lowered(sum, 30), LARGEST.into());
+                    let wanted = *velocity + answer;
+                    *velocity = wanted.clamp(-FASTEST, FASTEST);
+                    is_held &= *velocity == wanted;
                 }
+                is_held &= unanswered.iter().all(|part| part.abs() < LARGEST);
+                struck[*body as usize].velocity = *answered;
             }
         }
+        is_held
     }
 
     /// Lets all joints of the set answer the impulses so far. Returns the largest velocity by which a joint gives way, in 2^-[`FRACTION`].
     pub(super) fn answer(&mut self, struck: &mut [Struck], struck_of: &[u32], coarse: i32, joints: &mut Joints) -> i64 {
-        for Member { body, estimate, .. } in &mut self.members {
-            let struck = &mut struck[*body as usize];
-            (0..3).for_each(|axis| struck.velocity[axis] -= estimate[axis]);
-            *estimate = [0; 3];
+        for member in &mut self.members {
+            member.take_change(struck);
+            struck[member.body as usize].velocity = member.unanswered;
         }
         let mut largest = 0;
         for index in 0..self.set.len() {
@@ -291,8 +304,9 @@ impl Assemblies {
                 }
             }
         }
-        for Member { body, answered, .. } in &mut self.members {
-            *answered = struck[*body as usize].velocity;
+        for Member { body, answered, unanswered, .. } in &mut self.members {
+            let velocity = struck[*body as usize].velocity;
+            (*answered, *unanswered) = (velocity, velocity);
         }
         largest >> (FINE - FRACTION - coarse)
     }

@@ -249,7 +249,7 @@ pub(super) fn compress(
         impacts.count_work();
         run_ahead(impacts, 0);
         correct(impacts, true);
-        impacts.answer(joints);
+        impacts.answer_fully(joints);
     }
     false
 }
@@ -293,7 +293,7 @@ fn iterate(
         if is_answered && impacts.assemblies.is_estimated() {
             joint_residual = impacts.answer_fully(joints);
         }
-        if impacts.are_joints_cut(joints) {
+        if impacts.is_cut || impacts.are_joints_cut(joints) {
             impacts.is_cut = true;
             return None;
         }

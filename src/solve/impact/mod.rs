@@ -175,7 +175,7 @@ pub(super) struct Impacts {
     island: usize,
     /// True if the shocks have no solution.
     is_clamped: bool,
-    /// True if impulses of joints were cut off.
+    /// True if impulses of joints, or estimates of their answers, were cut off.
     is_cut: bool,
     /// The largest exponent of the shocks.
     exponent: i32,

@@ -57,13 +57,13 @@ impl Impacts {
         assemblies.answer(struck, struck_of, *coarse, joints)
     }
 
-    /// [`answer`](Self::answer) in an iteration: estimated where it can be, which tells nothing of the velocities by which joints give way.
+    /// [`answer_fully`](Self::answer_fully) in an iteration: estimated where it can be, which tells nothing of the velocities by which joints give way.
     pub(super) fn estimate(&mut self, joints: &mut Joints) -> Option<i64> {
         if self.assemblies.is_estimated() {
-            self.assemblies.estimate(&mut self.struck);
+            self.is_cut |= !self.assemblies.estimate(&mut self.struck);
             return None;
         }
-        Some(self.answer(joints))
+        Some(self.answer_fully(joints))
     }
 
     /// Returns true if impulses of joints were cut off.
