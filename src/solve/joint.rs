@@ -70,7 +70,7 @@ use self::gains::{RopeSums, Sums};
 use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
-use super::number::{bits_of, clamped, fixed, lowered, lowered_word, shifted, shifted_word};
+use super::number::{bits_of, lowered, lowered_word, shifted, shifted_word};
 use super::unit::Clock;
 use super::{Flight, Impulses, StepInput};
 use crate::fx::Fx;
@@ -472,35 +472,5 @@ impl Block {
         }
         self.push(applied);
         cut
-    }
-}
-
-impl Side {
-    /// A body at a joint, with masses in 2^-`scale`.
-    fn new(flight: &Flight, pose: &Pose, share: i64, anchor: Vec2, scale: i32, unit: i32, clock: &Clock) -> Self {
-        let length = flight.length();
-        let (mx, my) = (fixed(flight.inverse_mass.x, scale), fixed(flight.inverse_mass.y, scale));
-        let angular = fixed(flight.inverse_inertia, scale + 2 * length);
-        // Within the length of the body: ranges rest on it.
-        let limit = 1 << (32 + length).clamp(0, 62);
-        let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
-        let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
-        let unit_start = anchor.map(|c| match 2 + length {
-            down @ 1..64 => shifted_word(c, down).clamp(-(1 << 30), 1 << 30),
-            down => i64::from(clamped(shifted(c.into(), down), 1 << 30)),
-        });
-        Self {
-            row: pose.row,
-            pose: pose.number,
-            masses: [mx, my, angular],
-            gain_limit: GAIN.min((1 << 61) / share),
-            start,
-            unit_start,
-            arm: start,
-            unit_arm: unit_start,
-            angle: pose.angle,
-            shift: [0; 3],
-            applied_gain: [0; 3],
-        }
     }
 }

@@ -188,8 +188,8 @@ impl Assemblies {
                 }
                 let response = struck[body].response;
                 if response != WANTED {
-                    let own = &self.responses[(response + self.node_of[row as usize]) as usize];
-                    shock.elements[side] = shock.jacobian.joined_elements(side, own);
+                    let response = &self.responses[(response + self.node_of[row as usize]) as usize];
+                    shock.elements[side] = shock.jacobian.joined_elements(side, response);
                     // The matrix is found anew.
                     (shock.has_response[side], shock.shares) = (true, [0; 2]);
                 }

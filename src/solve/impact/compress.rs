@@ -293,7 +293,7 @@ fn iterate(
         if is_answered && impacts.assemblies.is_estimated() {
             joint_residual = impacts.answer_fully(joints);
         }
-        if impacts.is_cut || impacts.are_joints_cut(joints) {
+        if impacts.is_cut || is_answered && impacts.are_joints_cut(joints) {
             impacts.is_cut = true;
             return None;
         }

@@ -1,15 +1,16 @@
 //! Arms, axes and errors of joints where the bodies are.
 
 use super::axis::AxisRow;
-use super::{Block, ERROR, FAR, Frame, along, perpendicular};
+use super::{Block, ERROR, FAR, Frame, GAIN, along, perpendicular};
 use crate::kernel::sqrt::direction;
 use crate::kernel::trig::sin_cos_turn;
 use crate::kernel::wide::mul_shift_64;
+use crate::math::Vec2;
 use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::Flight;
 use crate::solve::motion::{Rows, Vector};
-use crate::solve::number::{lowered, lowered_word, shifted, shifted_word, upper};
+use crate::solve::number::{clamped, fixed, lowered, lowered_word, shifted, shifted_word, upper};
 use crate::solve::unit::Clock;
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
@@ -139,6 +140,42 @@ pub(super) struct Side {
 }
 
 impl Side {
+    /// A body at a joint, with masses in 2^-`scale`.
+    pub(super) fn new(
+        flight: &Flight,
+        pose: &Pose,
+        share: i64,
+        anchor: Vec2,
+        scale: i32,
+        unit: i32,
+        clock: &Clock,
+    ) -> Self {
+        let length = flight.length();
+        let (mx, my) = (fixed(flight.inverse_mass.x, scale), fixed(flight.inverse_mass.y, scale));
+        let angular = fixed(flight.inverse_inertia, scale + 2 * length);
+        // Within the length of the body: ranges rest on it.
+        let limit = 1 << (32 + length).clamp(0, 62);
+        let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
+        let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
+        let unit_start = anchor.map(|c| match 2 + length {
+            down @ 1..64 => shifted_word(c, down).clamp(-(1 << 30), 1 << 30),
+            down => i64::from(clamped(shifted(c.into(), down), 1 << 30)),
+        });
+        Self {
+            row: pose.row,
+            pose: pose.number,
+            masses: [mx, my, angular],
+            gain_limit: GAIN.min((1 << 61) / share),
+            start,
+            unit_start,
+            arm: start,
+            unit_arm: unit_start,
+            angle: pose.angle,
+            shift: [0; 3],
+            applied_gain: [0; 3],
+        }
+    }
+
     #[inline(always)]
     pub(super) fn is_movable(&self) -> bool {
         self.masses != [0; 3]

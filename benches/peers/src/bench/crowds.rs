@@ -1,7 +1,7 @@
 //! Crowds, run from their start, with what is wrong with their end state beside the time.
 
 use super::contacts::{Quality, runs};
-use super::geometry::{kinetic, overlap};
+use super::geometry::{joint_gap, kinetic, overlap};
 use super::{Engines, Opt, kick, now};
 use crate::engine::{State, World};
 use crate::report::Report;
@@ -11,7 +11,7 @@ use crate::scene::{self, Kind, Scene};
 const CAP: f64 = 30.0;
 
 /// The end state of a scene whose dynamic bodies stay in a region.
-pub(super) fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bool) -> Quality {
+fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bool) -> Quality {
     let states: Vec<State> = (0..s.bodies.len()).map(|i| w.state(i)).collect();
     let dynamic = || s.bodies.iter().zip(&states).filter(|(b, _)| b.kind == Kind::Dynamic);
     let count = dynamic().count();
@@ -22,21 +22,25 @@ pub(super) fn quality(s: &Scene, w: &dyn World, is_inside: impl Fn(&State) -> bo
         ("overlap_end", "m", overlap(s, &states)),
         ("kinetic_per_body", "J", kinetic(s, &states) / count as f64),
     ];
+    if !s.joints.is_empty() {
+        rows.push(("max_joint_gap", "m", joint_gap(s, &states)));
+    }
     if let Some(awake) = w.awake().filter(|_| s.sleep) {
         rows.push(("awake_end", "bodies", awake as f64));
     }
     Quality { rows, bad: (escaped > count / 50).then_some("bodies left their place") }
 }
 
+/// A run of so many steps, and of so many where it is quick.
 pub(super) fn crowd(
     rep: &mut Report,
     engines: Engines,
     opt: &Opt,
     s: &Scene,
-    steps: usize,
+    steps: [usize; 2],
     is_inside: impl Fn(&State) -> bool,
 ) {
-    let (steps, repeats) = if opt.quick { (steps.min(120), 1) } else { (steps, 2) };
+    let (steps, repeats) = if opt.quick { (steps[1], 1) } else { (steps[0], 2) };
     runs(rep, engines, s, steps, repeats, CAP, &|s, w| quality(s, w, &is_inside));
 }
 
@@ -58,29 +62,29 @@ pub fn many_pyramids(rep: &mut Report, engines: Engines, opt: &Opt) {
 }
 
 pub fn spinner(rep: &mut Report, engines: Engines, opt: &Opt) {
-    crowd(rep, engines, opt, &scene::spinner(3_000), 600, |q| q.x.hypot(q.y) < scene::RING + 0.5);
+    crowd(rep, engines, opt, &scene::spinner(3_000), [600, 120], |q| q.x.hypot(q.y) < scene::RING + 0.5);
 }
 
 pub fn hourglass(rep: &mut Report, engines: Engines, opt: &Opt) {
     let steps = 900;
     let [hx, hy] = scene::HOURGLASS;
     // The end state in the axes of the hourglass, which is run to its end or cut.
-    crowd(rep, engines, opt, &scene::hourglass(2_000, steps), steps, |q| q.x.hypot(q.y) < hx.hypot(hy));
+    crowd(rep, engines, opt, &scene::hourglass(2_000, steps), [steps, 120], |q| q.x.hypot(q.y) < hx.hypot(hy));
 }
 
 pub fn hopper(rep: &mut Report, engines: Engines, opt: &Opt) {
-    crowd(rep, engines, opt, &scene::hopper(2_000), 900, |q| q.y > -0.5 && q.x.abs() < 21.0);
+    crowd(rep, engines, opt, &scene::hopper(2_000), [900, 120], |q| q.y > -0.5 && q.x.abs() < 21.0);
 }
 
 pub fn polygons(rep: &mut Report, engines: Engines, opt: &Opt) {
     let s = scene::polygons(1_000);
     let half_width = scene::container_half_width(s.n);
-    crowd(rep, engines, opt, &s, 600, |q| q.y > -0.5 && q.x.abs() < half_width + 0.5);
+    crowd(rep, engines, opt, &s, [600, 120], |q| q.y > -0.5 && q.x.abs() < half_width + 0.5);
 }
 
 pub fn tiles(rep: &mut Report, engines: Engines, opt: &Opt) {
     let half_width = scene::COLUMNS as f64 / 2.0;
-    crowd(rep, engines, opt, &scene::tiles(100_000), 600, |q| q.y > -5.0 && q.x.abs() < half_width + 0.5);
+    crowd(rep, engines, opt, &scene::tiles(100_000), [600, 120], |q| q.y > -5.0 && q.x.abs() < half_width + 0.5);
 }
 
 pub fn settling(rep: &mut Report, engines: Engines, opt: &Opt) {

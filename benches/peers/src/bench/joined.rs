@@ -1,7 +1,7 @@
 //! Scenes with joints, run from their start: the time of a step beside the quality of the end state, and time against error over sub-steps.
 
 use super::contacts::{Quality, max_speed, runs};
-use super::crowds::quality;
+use super::crowds::crowd;
 use super::geometry::{joint_gap, kinetic, largest};
 use super::{Engines, Opt, now};
 use crate::engine::{Engine, State, World};
@@ -10,6 +10,8 @@ use crate::scene::{self, Scene};
 
 /// The longest time of a run, s.
 const CAP: f64 = 30.0;
+/// Steps of a crowd, and of a quick run.
+const STEPS: [usize; 2] = [600, 240];
 
 fn states(s: &Scene, w: &dyn World) -> Vec<State> {
     (0..s.bodies.len()).map(|i| w.state(i)).collect()
@@ -36,34 +38,17 @@ pub fn joint_grid(rep: &mut Report, engines: Engines, opt: &Opt) {
     runs(rep, engines, &scene::joint_grid(100), steps, repeats, CAP, &held);
 }
 
-/// A crowd with joints.
-fn joined_crowd(
-    rep: &mut Report,
-    engines: Engines,
-    opt: &Opt,
-    s: &Scene,
-    steps: usize,
-    is_inside: impl Fn(&State) -> bool,
-) {
-    let (steps, repeats) = if opt.quick { (steps.min(240), 1) } else { (steps, 2) };
-    runs(rep, engines, s, steps, repeats, CAP, &|s, w| {
-        let mut quality = quality(s, w, &is_inside);
-        quality.rows.push(("max_joint_gap", "m", joint_gap(s, &states(s, w))));
-        quality
-    });
-}
-
 pub fn ragdolls(rep: &mut Report, engines: Engines, opt: &Opt) {
     let is_inside = |q: &State| q.y > -0.5 && q.x.abs() < scene::RAGDOLLS_HALF_WIDTH + 0.5;
-    joined_crowd(rep, engines, opt, &scene::ragdolls(100), 600, is_inside);
+    crowd(rep, engines, opt, &scene::ragdolls(100), STEPS, is_inside);
 }
 
 pub fn tumbler(rep: &mut Report, engines: Engines, opt: &Opt) {
-    joined_crowd(rep, engines, opt, &scene::tumbler(45), 600, |q| q.x.hypot(q.y) < 1.5 * scene::TUMBLER);
+    crowd(rep, engines, opt, &scene::tumbler(45), STEPS, |q| q.x.hypot(q.y) < 1.5 * scene::TUMBLER);
 }
 
 pub fn motor_spinner(rep: &mut Report, engines: Engines, opt: &Opt) {
-    joined_crowd(rep, engines, opt, &scene::motor_spinner(3_000), 600, |q| q.x.hypot(q.y) < scene::RING + 0.5);
+    crowd(rep, engines, opt, &scene::motor_spinner(3_000), STEPS, |q| q.x.hypot(q.y) < scene::RING + 0.5);
 }
 
 /// The error of a run, from the states of all bodies by step.

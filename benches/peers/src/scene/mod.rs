@@ -213,7 +213,7 @@ impl Field {
     }
 }
 
-/// What turns the second body of a revolute joint against the first one.
+/// A motor of a revolute joint: it turns the second body against the first one.
 #[derive(Clone, Copy, Debug)]
 pub struct Motor {
     /// The angular velocity that it aims at, rad/s; 0 for friction.

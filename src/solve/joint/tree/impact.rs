@@ -5,10 +5,9 @@
 
 use core::ops::Range;
 
+use super::factor::factor_changed;
 use super::node::Node;
-use super::{
-    FRACTION, RESIDUAL, Trees, eliminate, factor_changed, is_second_half, joint_impulses, opposite_end, set_aims,
-};
+use super::{FRACTION, RESIDUAL, Trees, eliminate, is_second_half, joint_impulses, opposite_end, set_aims};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;

@@ -157,8 +157,8 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_down_pin(&mut self) -> Option<[i64; 2]> {
         let f = [self.f[0] as i64, self.f[1] as i64];
-        let given = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
-        let sum = self.torque + i128::from(given);
+        let impulse = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
+        let sum = self.torque + i128::from(impulse);
         let torque = sum as i64;
         let words = (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ sum);
         let mut rest = (words >> 64) as i64 | beyond(f[0], IMPULSE_BITS) | beyond(f[1], IMPULSE_BITS);
