@@ -190,7 +190,6 @@ fn errors() -> Vec<Error> {
         Error::NoSuchJoint { joint: JointId::from_parts(3, u32::MAX) },
         Error::NoMotor { joint: JointId::from_parts(3, u32::MAX) },
         Error::NothingToMove,
-        Error::FloatJoint,
         Error::DynamicChain,
         Error::ChainCrosses { segments: [0, 65_535] },
     ]

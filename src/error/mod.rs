@@ -166,8 +166,6 @@ pub enum Error {
     },
     /// Neither end of the joint is on a dynamic body.
     NothingToMove,
-    /// Worlds of floats have no joints: only the solver in integers knows them.
-    FloatJoint,
 }
 
 /// Reason why a step cannot be undone.
@@ -346,7 +344,6 @@ impl fmt::Display for Error {
                 f.write_str("neither end of the joint is on a dynamic body: a joint needs a body that it can move")
             }
             Self::NoMotor { joint } => write!(f, "a joint without a motor of this kind: {joint}"),
-            Self::FloatJoint => f.write_str("a world of floats has no joints: only worlds of `Fx` do"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
         }
@@ -385,7 +382,6 @@ codes!(Error {
     ChainCrosses = 130,
     NoSuchJoint = 147,
     NothingToMove = 148,
-    FloatJoint = 149,
     NoMotor = 214,
 });
 

@@ -24,9 +24,6 @@ pub struct ContactImpact {
 
 /// A solver of contacts and joints: in integers, or in floats.
 pub trait ContactSolver: Debug + Default + Send + Sync {
-    /// False for a solver that leaves joints alone.
-    const SOLVES_JOINTS: bool;
-
     /// Solves a step: writes impulses to joints and contacts and the corrections of bodies to `corrections`, one for each flight.
     fn solve(
         &mut self,

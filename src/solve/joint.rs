@@ -57,7 +57,9 @@ mod gradients;
 mod impact;
 mod kind;
 mod laws;
+mod loads;
 mod passes;
+mod paths;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -81,9 +83,15 @@ use crate::scalar::{FxFactor, Turn};
 use crate::slots::NONE;
 
 pub use self::axis::{Axis, AxisSpring};
+#[cfg(feature = "float")]
+pub(super) use self::forest::Forest;
 pub(super) use self::impact::Response;
 pub use self::kind::JointKind;
+#[cfg(feature = "float")]
+pub(super) use self::loads::Loads;
 pub(super) use self::passes::Joints;
+#[cfg(feature = "float")]
+pub(super) use self::paths::find_paths;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
 const MASS_BITS: i32 = 44;
@@ -176,7 +184,7 @@ fn point_of(flight: &Flight, anchor: Vec2) -> [i128; 2] {
 }
 
 /// The way from a point of the world to a point of a body, in 2^-32 m.
-fn rope_way(flight: &Flight, anchor: Vec2, ground: Vec2) -> [i128; 2] {
+pub(super) fn rope_way(flight: &Flight, anchor: Vec2, ground: Vec2) -> [i128; 2] {
     let ([x, y], [ground_x, ground_y]) = (point_of(flight, anchor), vector_bits(ground));
     [x - ground_x, y - ground_y]
 }

@@ -419,8 +419,6 @@ impl Solver {
 }
 
 impl ContactSolver for Solver {
-    const SOLVES_JOINTS: bool = true;
-
     fn solve(
         &mut self,
         time_step: TimeStep,

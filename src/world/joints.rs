@@ -11,7 +11,7 @@ use crate::fx::Fx;
 use crate::joint::{JointDef, JointKind, JointMotor, check_break};
 use crate::scalar::{Angle as _, Scalar, Turn};
 use crate::slots::{BodyId, JointId};
-use crate::solve::{ContactSolver, Impulses};
+use crate::solve::Impulses;
 
 /// The command that sets the motor of a joint, for its kind with the motor. Images of motors that turn are others than images of motors that push,
 /// which are told by their kind.
@@ -29,7 +29,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::SameBody`]; [`Error::NothingToMove`] if neither end is on a dynamic body; [`Error::OutOfRange`] with the
     /// quantity: `Position` for a point of the world, `JointPoint` for a point of a body, `Angle` for a float that is no number, `BreakForce`, or
-    /// as [`JointKind::check`] has it; [`Error::Full`]; [`Error::FloatJoint`] in a world of floats.
+    /// as [`JointKind::check`] has it; [`Error::Full`].
     ///
     /// ```
     /// use umbra_physics::{BodyDef, Distance, JointDef, JointKind, World, WorldDef, fx, vec2};
@@ -255,9 +255,6 @@ impl<S: Scalar> World<S> {
 
     pub(super) fn check_new_joint(&self, def: &JointDef<S>) -> Result<(), Error> {
         def.check(&self.bodies)?;
-        if !<S::Solver as ContactSolver>::SOLVES_JOINTS {
-            return Err(Error::FloatJoint);
-        }
         self.joints.check_room()
     }
 

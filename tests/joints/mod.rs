@@ -7,6 +7,7 @@ mod breaking;
 mod calls;
 mod crowds;
 mod energy;
+mod floats;
 mod gears;
 mod impacts;
 mod motion;

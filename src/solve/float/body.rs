@@ -5,6 +5,7 @@ use super::{Clock, Vector, dot};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::{Accumulator, FxAccumulator, ToF64 as _};
+use crate::solve::apply::Path;
 use crate::solve::{Correction, Flight};
 
 /// A body through the sub-steps.
@@ -18,6 +19,10 @@ pub(super) struct Body {
     /// The change of velocity by the free flight, and how much farther sub-steps of semi-implicit Euler lead.
     pub(super) change: Vector,
     offset: Vector,
+    /// The way of a body to which impulses add.
+    path: Path,
+    /// The excess of the displacement over the displacement of the body, at the end of the step: joints hold points where bodies really are.
+    pub(super) shift: Vector,
     /// The velocity by the exact impulses.
     pub(super) velocity: Vector,
     /// The velocity rounded to units, as contacts see it.
@@ -56,6 +61,8 @@ impl Body {
             end: rounded(end),
             change,
             offset,
+            path: Path::Contacts,
+            shift: [0.0; 3],
             velocity: start,
             rounded_velocity: start,
             displacement: [0.0; 3],
@@ -90,6 +97,24 @@ impl Body {
         (0..3).for_each(|i| self.displacement[i] += self.rounded_velocity[i] * substep);
     }
 
+    /// Settles where a body with joints ends the step.
+    pub(super) fn set_path(&mut self, path: Path) {
+        self.path = path;
+        self.shift = if path == Path::Flight { self.offset } else { [0.0; 3] };
+    }
+
+    /// The displacement of the body, after a share of the sub-steps.
+    pub(super) fn moved(&self, share: f64) -> Vector {
+        [0, 1, 2].map(|i| self.displacement[i] - share * self.shift[i])
+    }
+
+    /// Applies impulses along x and y and around, of joints.
+    pub(super) fn push(&mut self, impulses: Vector) {
+        (0..3).for_each(|i| self.velocity[i] += impulses[i] * self.inverse_mass[i]);
+        // Worlds whose values are rounded have no joints.
+        self.rounded_velocity = self.velocity;
+    }
+
     pub(super) fn add_gain(&mut self, gain: Vector) {
         (0..3).for_each(|i| self.gain[i] += gain[i]);
     }
@@ -112,8 +137,12 @@ impl Body {
     pub(super) fn correction(&self, substep: f64) -> Correction {
         let change = [0, 1, 2].map(|i| self.applied[i] * self.inverse_mass[i]);
         let mut moved = [0, 1, 2].map(|i| self.weighted[i] * self.inverse_mass[i] * substep);
+        if self.path == Path::Substeps {
+            (0..3).for_each(|i| moved[i] += self.offset[i]);
+        }
         // The part of the offset along the change by impulses, as far as they cancel the change of the free flight.
-        for part in [0..2, 2..3] {
+        let parts = if self.path == Path::Contacts { [0..2, 2..3] } else { [0..0, 0..0] };
+        for part in parts {
             let change = &change[part.clone()];
             let against = -dot(change, &self.change[part.clone()]);
             if against > 0.0 {

@@ -3,11 +3,13 @@
 //!
 //! - `body`: bodies through the sub-steps.
 //! - `rows`: contacts, their matrices, and impulses after a pass.
+//! - `joints`: joints, which are solved before the contacts.
 //! - `bounce`: restitution, once a step.
 //! - `rounding`: errors of rounding, for tests.
 
 mod body;
 mod bounce;
+mod joints;
 pub(super) mod rounding;
 mod rows;
 #[cfg(test)]
@@ -17,9 +19,12 @@ use alloc::vec::Vec;
 
 use self::body::Body;
 use self::bounce::Bounces;
+use self::joints::Joints;
 use self::rounding::Rounding;
 use self::rows::Rows;
+use super::apply::Path;
 use super::graph::graph_start;
+use super::joint::find_paths;
 use super::{Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Impulses, Joint, PHASES, SolverOptions};
 use crate::math::TimeStep;
 use crate::scalar::ToF64 as _;
@@ -81,6 +86,11 @@ pub struct FloatSolver {
     rolling: [Vec<u32>; PHASES],
     /// The number of contacts of a phase, by body.
     shares: Vec<u32>,
+    joints: Joints,
+    /// Paths by body; empty without joints.
+    paths: Vec<Path>,
+    /// True for islands that a fixed body holds.
+    held: Vec<bool>,
     bounces: Bounces,
     /// Bodies with their leaders.
     followers: Vec<[u32; 2]>,
@@ -90,24 +100,22 @@ pub struct FloatSolver {
 }
 
 impl ContactSolver for FloatSolver {
-    const SOLVES_JOINTS: bool = false;
-
     fn solve(
         &mut self,
         time_step: TimeStep,
         options: &SolverOptions,
         flights: &[Flight],
-        _: &mut [Joint],
+        joints: &mut [Joint],
         contacts: &mut [Contact],
         corrections: &mut Vec<Correction>,
     ) {
         let clock = Clock::new(time_step, options.substeps);
-        self.prepare(clock, options, flights, contacts);
-        timed!(self, passes, self.run_passes(clock, options.relax_passes));
+        self.prepare(clock, options, flights, joints, contacts);
+        timed!(self, passes, self.run_passes(clock, options, joints));
         let threshold = options.restitution_speed.to_f64();
         let Self { bounces, graph, bodies, phases, .. } = self;
         timed!(self, impacts, bounces.run(clock, threshold, graph, flights, bodies, phases));
-        timed!(self, apply, self.apply(contacts));
+        timed!(self, apply, self.apply(joints, contacts));
         corrections.clear();
         corrections.extend(self.bodies.iter().map(|body| body.correction(clock.length)));
         counted!(self, islands, self.graph.islands());
@@ -125,9 +133,11 @@ impl ContactSolver for FloatSolver {
         })
     }
 
-    /// None: a world of floats has no joints.
     fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
-        core::iter::empty()
+        // In 2^-32 N·s: what does not fit is cut off, and what is no number is none.
+        self.joints
+            .totals()
+            .map(|(joint, totals)| (joint, totals.map(|total| libm::rint(libm::scalbn(total, 32)) as i128)))
     }
 
     /// None: bounces are found once a step, in the impulses of all passes.
@@ -138,8 +148,16 @@ impl ContactSolver for FloatSolver {
 
 impl FloatSolver {
     /// Finds phases, and makes the rows of contacts.
-    fn prepare(&mut self, clock: Clock, options: &SolverOptions, flights: &[Flight], contacts: &[Contact]) {
-        let links = contacts.iter().map(|contact| contact.bodies);
+    fn prepare(
+        &mut self,
+        clock: Clock,
+        options: &SolverOptions,
+        flights: &[Flight],
+        joints: &[Joint],
+        contacts: &[Contact],
+    ) {
+        let joint_links = joints.iter().map(|joint| joint.bodies);
+        let links = joint_links.chain(contacts.iter().map(|contact| contact.bodies));
         let is_fixed = |body: u32| flights[body as usize].is_fixed();
         self.graph.build(is_fixed, flights.len(), links, |members, queue| graph_start(flights, members, queue));
         self.bodies.clear();
@@ -147,6 +165,11 @@ impl FloatSolver {
             let units = self.rounding.body(index);
             self.bodies.push(Body::new(flight, units, clock, &mut self.rounding));
         }
+        find_paths(flights, joints, contacts, &self.graph, &mut self.held, &mut self.paths);
+        for (body, &path) in self.bodies.iter_mut().zip(&self.paths) {
+            body.set_path(path);
+        }
+        self.joints.set(clock, flights, joints, contacts, &self.graph, &self.bodies);
         self.followers.clear();
         self.followers.extend((0..).zip(flights).filter_map(|(body, flight)| Some([body, flight.leader?])));
         for phase in 0..PHASES {
@@ -186,18 +209,26 @@ impl FloatSolver {
     }
 
     /// The passes of all sub-steps, and the motion of bodies between them.
-    fn run_passes(&mut self, clock: Clock, relax_passes: u32) {
+    fn run_passes(&mut self, clock: Clock, options: &SolverOptions, joints: &[Joint]) {
         for k in 1..=clock.substeps {
+            self.joints.begin(&self.bodies, joints, clock, k == 1);
             self.bodies.iter_mut().for_each(|body| body.begin(k, clock.substeps, &mut self.rounding));
             self.follow();
             if k == 1 {
                 self.pass(clock.length, Pass::WarmStart);
             }
-            self.pass(clock.length, Pass::Solve);
+            self.joints.warm_start(&mut self.bodies);
+            for _ in 0..options.joint_rounds {
+                self.joints.solve(&mut self.bodies, clock);
+                self.follow();
+                self.pass(clock.length, Pass::Solve);
+            }
             self.bodies.iter_mut().for_each(|body| body.advance(clock.length));
             self.follow();
+            self.joints.relax(&mut self.bodies, clock, f64::from(k) / clock.count());
+            self.follow();
             self.pass(clock.length, Pass::Relax);
-            for _ in 1..relax_passes {
+            for _ in 1..options.relax_passes {
                 self.pass(clock.length, Pass::RelaxAgain);
             }
         }
@@ -226,8 +257,9 @@ impl FloatSolver {
         follow(&self.followers, &mut self.bodies);
     }
 
-    /// Writes the impulses of contacts and adds the sums of bodies.
-    fn apply(&mut self, contacts: &mut [Contact]) {
+    /// Writes the impulses of joints and contacts and adds the sums of bodies.
+    fn apply(&mut self, joints: &mut [Joint], contacts: &mut [Contact]) {
+        self.joints.apply(joints, &mut self.bodies);
         contacts.iter_mut().for_each(|contact| contact.impulses = Impulses::default());
         for rows in self.phases.iter().flatten() {
             // A contact that bounced starts with a smaller normal impulse.
@@ -266,6 +298,11 @@ fn follow(followers: &[[u32; 2]], bodies: &mut [Body]) {
         let motion = bodies[leader as usize].clone();
         bodies[body as usize].follow(&motion);
     }
+}
+
+/// Impulses in N·s.
+fn newton_seconds(impulses: Impulses) -> Vector {
+    impulses.values.map(|value| libm::scalbn(value as f64, impulses.exponent))
 }
 
 /// Impulses in N·s as multiples of a power of two of which the largest has 62 bits. An impulse that is not finite counts as zero.

@@ -4,7 +4,7 @@ use core::f64::consts::TAU;
 
 use super::body::Body;
 use super::rounding::{ContactUnits, Rounding, power, power_above};
-use super::{Pair, Pass, Vector, dot, within};
+use super::{Pair, Pass, Vector, dot, newton_seconds, within};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::ToF64 as _;
@@ -238,7 +238,7 @@ impl Rows {
         let gains = [0, 1, 2].map(|k| [0, 1].map(|side| [0, 1, 2].map(|c| gain(k, side, c))));
         let is_fixed = bodies.iter().any(|body| body.inverse_mass[..2] == [0.0; 2]);
         let softness = Softness::new(options, is_fixed);
-        let impulses = contact.impulses.values.map(|value| libm::scalbn(value as f64, contact.impulses.exponent));
+        let impulses = newton_seconds(contact.impulses);
         let slip_error = rounding.within(power(-28) / factor + power(-29) / split.tangent);
         let resists = !is_double && contact.rolling_resistance > Fx::ZERO && contact.rolling_radius > Fx::ZERO;
         Some(Self {

@@ -1,13 +1,8 @@
 //! Impulses as integers.
 
-use super::{Vector, in_units};
+use super::{in_units, newton_seconds};
 use crate::cases::run_seed;
 use crate::math::Random;
-use crate::solve::Impulses;
-
-fn newton_seconds(impulses: Impulses) -> Vector {
-    impulses.values.map(|value| libm::scalbn(value as f64, impulses.exponent))
-}
 
 #[test]
 fn impulses_come_back() {

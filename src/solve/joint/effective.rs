@@ -57,7 +57,7 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
 
 impl Joint {
     /// The effective mass of the angle, kg·m²; `None` if no body can turn.
-    pub(super) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
+    pub(in crate::solve) fn effective_inertia(&self, flights: [&Flight; 2]) -> Option<FxFactor> {
         let is_pinned = self.kind.frame_angle().is_none() && !matches!(self.kind, JointKind::Gear { .. });
         if is_pinned {
             return pinned_inertia(flights, self.anchors);
@@ -72,7 +72,7 @@ impl Joint {
     ///
     /// It is 1/K, for the velocity K along the axis by an impulse. The angle of a slider that is locked takes its part: for the reduced mass μ,
     /// both moments of inertia I, and the offset of the centres with s along the axis and D in all, it is μ(I + μs²)/(I + μD²).
-    pub(super) fn effective_mass(&self, flights: [&Flight; 2], offset: [i128; 2]) -> Option<FxFactor> {
+    pub(in crate::solve) fn effective_mass(&self, flights: [&Flight; 2], offset: [i128; 2]) -> Option<FxFactor> {
         let offset = offset.map(|part| part.clamp(-FAR, FAR));
         let [ux, uy] = match self.kind {
             JointKind::Planar { .. } => return self.planar_mass(flights, offset),

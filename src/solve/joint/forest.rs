@@ -32,13 +32,13 @@ pub(super) struct Place {
 
 /// All sets of joined bodies.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Forest {
+pub(in crate::solve) struct Forest {
     /// The bodies of joints, [`NONE`] for bodies that cannot be moved: all that the rest follows from.
     links: Vec<[u32; 2]>,
     /// True for joints that make a loop alone.
     are_loops: Vec<bool>,
     /// The joints that can move a body, in the order of their blocks: tree by tree, then loop by loop.
-    pub(super) order: Vec<u32>,
+    pub(in crate::solve) order: Vec<u32>,
     /// The nodes of trees, tree by tree: parents come after their children.
     pub(super) places: Vec<Place>,
     /// The nodes of each tree.
@@ -131,7 +131,7 @@ impl Forest {
     }
 
     /// Finds the trees and loops of joints, if they have changed since the step before.
-    pub(super) fn update(&mut self, flights: &[Flight], joints: &[Joint]) {
+    pub(in crate::solve) fn update(&mut self, flights: &[Flight], joints: &[Joint]) {
         let movable = |body: u32| if flights[body as usize].is_fixed() { NONE } else { body };
         let links = joints.iter().map(|joint| joint.bodies.map(movable));
         let are_loops = joints.iter().map(|joint| joint.kind.is_loop());
@@ -161,6 +161,17 @@ impl Forest {
                 self.add_loop(set);
             }
         }
+    }
+
+    /// The blocks of each set.
+    #[cfg(feature = "float")]
+    pub(in crate::solve) fn sets(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let trees = self.trees.iter().scan(0, |begin, places| {
+            let blocks = self.places[places.clone()].iter().map(|place| place.block).filter(|&block| block != NONE);
+            let end = blocks.max().map_or(*begin, |block| block as usize + 1);
+            Some(core::mem::replace(begin, end)..end)
+        });
+        trees.chain(self.loops.iter().cloned())
     }
 
     /// The tree of a body.

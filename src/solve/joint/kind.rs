@@ -67,7 +67,7 @@ impl JointKind {
     }
 
     /// The velocities of both bodies in the velocity of the angle, in 2^-30: the velocity of the wheel with more teeth, of two gears, has 1.
-    pub(super) fn angle_factors(self) -> [i64; 2] {
+    pub(in crate::solve) fn angle_factors(self) -> [i64; 2] {
         self.teeth().map(|count| divided(i128::from(count) << 30, self.largest_teeth()) as i64)
     }
 

@@ -9,16 +9,16 @@ use super::forest::Forest;
 use super::gains::Sums;
 use super::gradients::Loops;
 use super::impact::JointImpact;
+use super::loads::Loads;
+use super::paths::find_paths;
 use super::tree::Trees;
 use super::turn::Pose;
-use super::{Block, Joint, JointKind};
-use crate::fx::Fx;
+use super::{Block, Joint};
 use crate::kernel::simd::Lanes;
 use crate::slots::NONE;
 use crate::solve::apply::{Path, Total};
 use crate::solve::bodies::{BodyRows, STILL};
 use crate::solve::graph::Graph;
-use crate::solve::heavy::{is_heavy, may_be_heavy};
 use crate::solve::limbs::shifted_within;
 use crate::solve::motion::{DISPLACEMENT, Rows};
 use crate::solve::number::clamped;
@@ -52,56 +52,6 @@ pub(in crate::solve) struct Joints {
     /// True for islands that a fixed body holds.
     held: Vec<bool>,
     loads: Loads,
-}
-
-/// True for islands that bear heavy loads among other constraints.
-#[derive(Clone, Debug, Default)]
-struct Loads {
-    /// The largest mass on top of each body, kg.
-    above: Vec<Fx>,
-    /// By island.
-    is_heavy: Vec<bool>,
-    /// Joints to bodies that cannot be moved, by island; contacts and loops count as two.
-    supports: Vec<u32>,
-}
-
-impl Loads {
-    /// Finds the islands with contacts, loops or two supports in which a body bears a heavy load: there the tension of joints meets other
-    /// constraints that do not give way, and joints must.
-    fn find(&mut self, input: &StepInput<'_>, forest: &Forest, graph: &Graph) {
-        let Self { above, is_heavy: heavy, supports } = self;
-        let StepInput { flights, joints, contacts, .. } = *input;
-        heavy.clear();
-        if !may_be_heavy(flights) {
-            return;
-        }
-        let islands = graph.islands();
-        supports.clear();
-        supports.resize(islands, 0);
-        let mut add = |ends: [u32; 2], count: u32| {
-            if let Some(island) = graph.mover(ends).and_then(|body| graph.island_of(body)) {
-                supports[island as usize] += count;
-            }
-        };
-        for joint in joints.iter().filter(|joint| joint.bodies.iter().any(|&body| flights[body as usize].is_fixed())) {
-            add(joint.bodies, 1);
-        }
-        contacts.iter().for_each(|contact| add(contact.bodies, 2));
-        for range in &forest.loops {
-            add(joints[forest.order[range.start] as usize].bodies, 2);
-        }
-        heavy.resize(islands, false);
-        graph.largest_above(|body| flights[body as usize].mass, above);
-        for ((body, flight), &load) in (0..).zip(flights).zip(&*above) {
-            if let Some(island) = graph.island_of(body).filter(|_| is_heavy(load, flight.mass)) {
-                heavy[island as usize] = supports[island as usize] >= 2;
-            }
-        }
-    }
-
-    fn is_heavy(&self, island: Option<u32>) -> bool {
-        island.and_then(|island| self.is_heavy.get(island as usize).copied()).unwrap_or(false)
-    }
 }
 
 impl Joints {
@@ -175,7 +125,7 @@ impl Joints {
         blocks.iter_mut().for_each(|block| {
             block.turn(poses, laws);
         });
-        loads.find(input, forest, graph);
+        loads.find(flights, joints, input.contacts, forest, graph);
         trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
         loops.set(forest, blocks, &bodies.rows);
     }
@@ -184,28 +134,7 @@ impl Joints {
     pub(in crate::solve) fn set_paths(&mut self, input: &StepInput<'_>, graph: &Graph, paths: &mut Vec<Path>) {
         let Self { blocks, poses, held, .. } = self;
         let StepInput { clock, flights, joints, contacts, .. } = *input;
-        paths.clear();
-        if joints.is_empty() {
-            return;
-        }
-        held.clear();
-        held.resize(graph.islands(), false);
-        let pressed = contacts.iter().filter(|contact| contact.impulses.values != [0; 3]);
-        // Ropes over pulleys hang from the world.
-        let ropes_and_ends = joints.iter().map(|joint| (matches!(joint.kind, JointKind::Pulley { .. }), joint.bodies));
-        for (is_rope, ends) in ropes_and_ends.chain(pressed.map(|contact| (false, contact.bodies))) {
-            let mover = graph.mover(ends).and_then(|body| graph.island_of(body));
-            let is_held = is_rope || ends.iter().any(|&body| flights[body as usize].is_fixed());
-            if let (Some(island), true) = (mover, is_held) {
-                held[island as usize] = true;
-            }
-        }
-        paths.resize(flights.len(), Path::Contacts);
-        for body in joints.iter().flat_map(|joint| joint.bodies) {
-            let island = graph.island_of(body);
-            let is_held = island.is_some_and(|island| held[island as usize]);
-            paths[body as usize] = if is_held { Path::Substeps } else { Path::Flight };
-        }
+        find_paths(flights, joints, contacts, graph, held, paths);
         for pose in poses.iter_mut().filter(|pose| paths[pose.body as usize] == Path::Flight) {
             let flight = &flights[pose.body as usize];
             let [x, y, turn] = flight.offsets(clock);
