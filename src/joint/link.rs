@@ -1,6 +1,7 @@
 //! A joint as steps see it.
 //!
-//! Joints are solved in fixed point, as contacts are: a world of floats keeps the points of its joints rounded to [`Fx`].
+//! Joints are in fixed point, as contacts are: a world of floats keeps the points and laws of its joints rounded to [`Fx`]. Only the solver
+//! depends on the scalar.
 
 use super::{JointDef, JointState, position, stop};
 use crate::force::End;

@@ -133,22 +133,26 @@ impl Body {
         self.displacement = leader.displacement;
     }
 
-    /// The change by the impulses of the step.
-    pub(super) fn correction(&self, substep: f64) -> Correction {
-        let change = [0, 1, 2].map(|i| self.applied[i] * self.inverse_mass[i]);
-        let mut moved = [0, 1, 2].map(|i| self.weighted[i] * self.inverse_mass[i] * substep);
-        if self.path == Path::Substeps {
-            (0..3).for_each(|i| moved[i] += self.offset[i]);
-        }
-        // The part of the offset along the change by impulses, as far as they cancel the change of the free flight.
-        let parts = if self.path == Path::Contacts { [0..2, 2..3] } else { [0..0, 0..0] };
-        for part in parts {
+    /// Adds the part of the offset along the change by impulses, as far as they cancel the change of the free flight.
+    fn add_cancelled(&self, moved: &mut Vector, change: &Vector) {
+        for part in [0..2, 2..3] {
             let change = &change[part.clone()];
             let against = -dot(change, &self.change[part.clone()]);
             if against > 0.0 {
                 let share = dot(change, &self.offset[part.clone()]) / dot(change, change).max(against);
                 moved[part].iter_mut().zip(change).for_each(|(moved, change)| *moved += change * share);
             }
+        }
+    }
+
+    /// The change by the impulses of the step.
+    pub(super) fn correction(&self, substep: f64) -> Correction {
+        let change = [0, 1, 2].map(|i| self.applied[i] * self.inverse_mass[i]);
+        let mut moved = [0, 1, 2].map(|i| self.weighted[i] * self.inverse_mass[i] * substep);
+        match self.path {
+            Path::Contacts => self.add_cancelled(&mut moved, &change),
+            Path::Substeps => (0..3).for_each(|i| moved[i] += self.offset[i]),
+            Path::Flight => {}
         }
         let fixed = |value: f64| -> FxAccumulator { Accumulator::<f64>::to_fixed(value) };
         let mut correction = Correction {

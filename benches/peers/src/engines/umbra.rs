@@ -244,10 +244,6 @@ impl<S: Number> Engine for Build<S> {
             body_struct_bytes: None,
         }
     }
-    fn refuse(&self, scene: &Scene) -> Option<String> {
-        let lacks_joints = S::ID != Fx::ID && !scene.joints.is_empty();
-        lacks_joints.then(|| "worlds of floats have no joints".into())
-    }
     fn has_fields(&self) -> bool {
         true
     }

@@ -200,7 +200,7 @@ pub(crate) const RICH: &str = r#"{
   "plot": {"view": [[-9, -9], [9, 9]], "trails": ["c", "k"], "exposures": 3}
 }"#;
 
-/// A scene with everything that joints have, which worlds of floats do not have.
+/// A scene with everything that joints have.
 pub(crate) const JOINTED: &str = r#"{
   "ticks": 20, "gravity": [0, -10],
   "bodies": [
