@@ -2,8 +2,9 @@
 
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
-    Activity, BodyDef, BodyId, Damping, Distance, Fx, JointDef, JointId, JointKind, JointLimits, JointMotor, JointRef,
-    JointSpring, Mass, Prismatic, Revolute, Scalar, TimeStep, Vec2, Weld, Wheel, World, WorldDef, fx,
+    Activity, BodyDef, BodyId, ColliderDef, Damping, Distance, Fx, Geometry, JointDef, JointId, JointKind, JointLimits,
+    JointMotor, JointRef, JointSpring, Mass, Material, Prismatic, Revolute, Scalar, Shape, TimeStep, Vec2, Weld, Wheel,
+    World, WorldDef, fx,
 };
 
 /// A float, or [`Fx`].
@@ -403,4 +404,42 @@ fn a_ring_holds_and_falls_asleep_as_a_whole() {
     let measures = [ring::<Fx>(), ring::<f64>(), ring::<f32>()];
     println!("ring {measures:?}");
     assert!(measures.into_iter().all(|[gap, asleep]| gap < 0.001 && asleep == 12.0), "{measures:?}");
+}
+
+/// A ball of 1 kg with 9 kg welded on top of it falls by a metre and bounces by half: the speeds at which ball and load rise, over half of the speed
+/// of the fall.
+fn rebound<S: Real>() -> [f64; 2] {
+    let mut world = world::<S>(fx!(-10));
+    let surface = |geometry: Geometry<S>, restitution: Fx| {
+        let material = Material { restitution: S::from_fx(restitution), ..Material::default() };
+        ColliderDef { material, ..ColliderDef::new(Shape::new(geometry).expect("a shape")) }
+    };
+    let ground = surface(Geometry::Rectangle { width: S::from_fx(fx!(40)), height: S::from_fx(fx!(2)) }, fx!(0));
+    let ground = BodyDef { position: vec(fx!(0), fx!(-1)), colliders: vec![ground], ..BodyDef::fixed() };
+    world.add_body(ground).expect("a body");
+    let ball = surface(Geometry::Circle { radius: S::from_fx(fx!(0.5)) }, fx!(0.5));
+    let mass = Mass::Explicit { mass: S::from_fx(fx!(1)), inertia: S::from_fx(fx!(0.1)) };
+    let ball = BodyDef { position: vec(fx!(0), fx!(1.5)), mass, colliders: vec![ball], ..BodyDef::dynamic() };
+    let ball = world.add_body(ball).expect("a body");
+    let load = body(&mut world, [fx!(0), fx!(2.5)], fx!(9), fx!(1));
+    let weld = JointDef::at(&world, ball, load, vec(fx!(0), fx!(2))).expect("a joint");
+    world.add_joint(JointDef { kind: JointKind::Weld(Weld::default()), ..weld }).expect("a joint");
+    let mut fastest = [0.0_f64; 2];
+    for _ in 0..60 {
+        world.step();
+        for (fastest, id) in fastest.iter_mut().zip([ball, load]) {
+            *fastest = fastest.max(motion(&world, id)[4]);
+        }
+    }
+    fastest.map(|speed| speed / (20_f64.sqrt() / 2.0))
+}
+
+/// Worlds of floats return a share of the impulse of the step in which bodies meet: the load takes some of it in the steps after that.
+#[test]
+fn joined_bodies_bounce_as_a_whole() {
+    let measures = [rebound::<Fx>(), rebound::<f64>(), rebound::<f32>()];
+    println!("rebound {measures:?}");
+    for ([ball, load], least) in measures.into_iter().zip([0.95, 0.35, 0.35]) {
+        assert!((least..1.05).contains(&ball) && (ball - load).abs() < 0.03, "{measures:?}");
+    }
 }

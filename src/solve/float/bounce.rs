@@ -1,9 +1,10 @@
 //! Restitution: points that met at speed move apart, once a step and all at the same time. The rules are the rules of the solver in
-//! integers: an impact returns a share of the impulse that the passes found, and an island gains no energy by it.
+//! integers: an impact returns a share of the impulse that the passes found, joints answer it, and an island gains no energy by it.
 
 use alloc::vec::Vec;
 
 use super::body::Body;
+use super::joints::Joints;
 use super::rows::Rows;
 use super::{Clock, Pair, Vector, within};
 use crate::scalar::ToF64 as _;
@@ -102,6 +103,7 @@ impl Bounces {
         graph: &Graph,
         flights: &[Flight],
         bodies: &[Body],
+        joints: &mut Joints,
         phases: &mut [Vec<Rows>; PHASES],
     ) {
         self.impacts.clear();
@@ -115,7 +117,13 @@ impl Bounces {
         if self.impacts.is_empty() {
             return;
         }
+        self.sum_impulses(flights.len(), phases);
+        joints.answer(&mut self.impulses, bodies, clock);
         self.add_energies(graph, flights, bodies, phases);
+        joints.add_answers(|ends| {
+            let island = graph.mover(ends).and_then(|body| graph.island_of(body));
+            island.map_or(0.0, |island| self.energies[island as usize].largest_factor())
+        });
         for &(phase, index, returned) in &self.impacts {
             let row = &mut phases[phase][index];
             let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
@@ -131,10 +139,10 @@ impl Bounces {
         }
     }
 
-    /// Sums up the returned impulses by body, and the energies of islands before and after.
-    fn add_energies(&mut self, graph: &Graph, flights: &[Flight], bodies: &[Body], phases: &[Vec<Rows>; PHASES]) {
+    /// Sums up the returned impulses by body.
+    fn sum_impulses(&mut self, bodies: usize, phases: &[Vec<Rows>; PHASES]) {
         self.impulses.clear();
-        self.impulses.resize(flights.len(), None);
+        self.impulses.resize(bodies, None);
         for &(phase, index, [p1, p2]) in &self.impacts {
             let row = &phases[phase][index];
             for (body, impulse) in row.bodies.into_iter().zip(row.on_bodies([p1, p2, 0.0])) {
@@ -142,6 +150,10 @@ impl Bounces {
                 (0..3).for_each(|c| sums[c] += impulse[c]);
             }
         }
+    }
+
+    /// Sums up the energies of islands before and after.
+    fn add_energies(&mut self, graph: &Graph, flights: &[Flight], bodies: &[Body], phases: &[Vec<Rows>; PHASES]) {
         self.energies.clear();
         self.energies.resize(graph.islands(), Energy::default());
         for &(phase, index, returned) in &self.impacts {

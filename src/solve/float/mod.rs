@@ -113,8 +113,8 @@ impl ContactSolver for FloatSolver {
         self.prepare(clock, options, flights, joints, contacts);
         timed!(self, passes, self.run_passes(clock, options, joints));
         let threshold = options.restitution_speed.to_f64();
-        let Self { bounces, graph, bodies, phases, .. } = self;
-        timed!(self, impacts, bounces.run(clock, threshold, graph, flights, bodies, phases));
+        let Self { bounces, graph, bodies, joints: rows, phases, .. } = self;
+        timed!(self, impacts, bounces.run(clock, threshold, graph, flights, bodies, rows, phases));
         timed!(self, apply, self.apply(joints, contacts));
         corrections.clear();
         corrections.extend(self.bodies.iter().map(|body| body.correction(clock.length)));

@@ -343,9 +343,9 @@ fn apart(scene: &Scene, tick: u64) -> f64 {
         fixed.advance().expect("its inputs are accepted");
         float.advance().expect("its inputs are accepted");
         for (a, b) in fixed.world().bodies().zip(float.world().bodies()) {
-            let ([ax, ay], [bx, by]) = (a.position().to_f64(), b.position().to_f64());
+            let [from, to] = [a.position().to_f64(), b.position().to_f64()];
             let turn = (a.angle_exact().to_f64() - b.angle_exact().to_f64()).rem_euclid(TAU);
-            far = far.max((ax - bx).hypot(ay - by)).max(turn.min(TAU - turn));
+            far = far.max((from[0] - to[0]).hypot(from[1] - to[1])).max(turn.min(TAU - turn));
         }
     }
     far

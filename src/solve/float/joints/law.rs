@@ -11,6 +11,7 @@
 //! - A row that is held at zero has limits of one position.
 //! - *Solve pass*: limits give way to their impulse, k·(s − w) in place of λ + k·(s − w), let the row come as near as it is, and take a part of
 //!   the error away. *Relax pass*: they do not push back, and the spring keeps its impulse.
+//! - *Answer*: after bounces rows with one position take back what the bounces move them by, and all other parts keep their impulses.
 //! - A motor and friction aim at a velocity between the velocities of the limits: they stop there, and press with no more than their force.
 //! - The parts of both rows of a planar joint are vectors: lengths are clamped.
 //!
@@ -41,6 +42,14 @@ const LIMITS: usize = 0;
 const MOTOR: usize = 1;
 const FRICTION: usize = 2;
 const SPRING: usize = 3;
+
+/// What a pass is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Aim {
+    Solve,
+    Relax,
+    Answer,
+}
 
 /// A spring: m, rad, N·s and N·m·s.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +122,7 @@ pub(super) struct Law {
     friction_aim: f64,
     /// The second-order term: the motion of the row in a sub-step over its length, less its velocity at the end.
     second_order: f64,
-    is_biased: bool,
+    aim: Aim,
     /// The impulses of the pass before.
     pub(super) parts: Parts,
 }
@@ -135,7 +144,7 @@ impl Law {
             motor_aim: 0.0,
             friction_aim: 0.0,
             second_order: 0.0,
-            is_biased: true,
+            aim: Aim::Solve,
             parts: Parts::default(),
         }
     }
@@ -218,18 +227,16 @@ impl Law {
         }
     }
 
-    /// Begins a pass, with the second-order term of the row for the solve pass.
-    pub(super) fn begin(&mut self, second_order: Option<f64>, clock: Clock) {
-        self.is_biased = second_order.is_some();
-        self.second_order = second_order.unwrap_or(0.0);
+    /// Begins a pass, with the second-order term of the row.
+    pub(super) fn begin(&mut self, aim: Aim, second_order: f64, clock: Clock) {
+        (self.aim, self.second_order) = (aim, second_order);
         let [below, above] = self.limits.map(|limit| (limit - self.way) / clock.length);
-        self.limit_speeds = match (self.is_biased, self.is_locked()) {
-            (true, true) => [RATE * below; 2],
-            (true, false) => {
-                [if below > 0.0 { RATE * below } else { below }, if above < 0.0 { RATE * above } else { above }]
-            }
-            (false, true) => [0.0; 2],
-            (false, false) => [below.min(0.0), above.max(0.0)],
+        let pushed = |speed: f64, is_beyond: bool| if is_beyond { RATE * speed } else { speed };
+        self.limit_speeds = match (aim, self.is_locked()) {
+            (Aim::Solve, true) => [RATE * below; 2],
+            (Aim::Solve, false) => [pushed(below, below > 0.0), pushed(above, above < 0.0)],
+            (Aim::Relax | Aim::Answer, true) => [0.0; 2],
+            (Aim::Relax | Aim::Answer, false) => [below.min(0.0), above.max(0.0)],
         };
         let [slowest, fastest] = self.limit_speeds;
         self.motor_aim = self.motor_speed.max(slowest).min(fastest);
@@ -239,7 +246,7 @@ impl Law {
     /// The impulses of limits and friction, and the slope of their sum, at a velocity with the second-order term.
     fn scalar_parts(&self, velocity: f64) -> (Pair, f64) {
         let (mut limit, mut slope) = (0.0, 0.0);
-        let before = if self.is_biased { 0.0 } else { self.parts[LIMITS] };
+        let before = if self.aim == Aim::Solve { 0.0 } else { self.parts[LIMITS] };
         let [lower, upper] = self.limit_speeds.map(|speed| self.limit_stiffness * (speed - velocity));
         if self.is_locked() {
             (limit, slope) = (before + lower, self.limit_stiffness);
@@ -259,6 +266,9 @@ impl Law {
 
     /// The impulses of the parts at a velocity of the row, and the slope by which their sum falls.
     pub(super) fn response(&self, velocity: f64) -> (Parts, f64) {
+        if self.aim == Aim::Answer {
+            return self.answer(velocity);
+        }
         let velocity = velocity + self.second_order;
         let ([limit, friction], mut slope) = self.scalar_parts(velocity);
         let motor = self.parts[MOTOR] + self.motor_stiffness * (self.motor_aim - velocity);
@@ -266,7 +276,7 @@ impl Law {
             slope += self.motor_stiffness;
         }
         let mut spring = self.parts[SPRING];
-        if let (true, Some(Spring { damping, bound, .. })) = (self.is_biased, self.spring) {
+        if let (Aim::Solve, Some(Spring { damping, bound, .. })) = (self.aim, self.spring) {
             let [impulse, _] = self.spring_at(velocity);
             spring = within(impulse, bound);
             if impulse.abs() < bound {
@@ -276,8 +286,21 @@ impl Law {
         ([limit, within(motor, self.motor), friction, spring], slope)
     }
 
+    /// [`response`](Self::response) of an answer.
+    fn answer(&self, velocity: f64) -> (Parts, f64) {
+        let mut parts = self.parts;
+        if !self.is_locked() {
+            return (parts, 0.0);
+        }
+        parts[LIMITS] -= self.limit_stiffness * velocity;
+        (parts, self.limit_stiffness)
+    }
+
     /// [`response`](Self::response) of both rows of a planar joint: their slopes are a matrix.
     pub(super) fn pair_response(pair: [&Self; 2], velocities: Pair) -> ([Parts; 2], [Pair; 2]) {
+        if pair[0].aim == Aim::Answer {
+            return (pair.map(|law| law.parts), [[0.0; 2]; 2]);
+        }
         let velocities = [0, 1].map(|row| velocities[row] + pair[row].second_order);
         let mut parts = [Parts::default(); 2];
         let mut slopes = [[0.0; 2]; 2];
@@ -299,7 +322,7 @@ impl Law {
         });
         add(MOTOR, motors, pair[0].motor, pair[0].motor_stiffness);
         match pair[0].spring {
-            Some(Spring { damping, bound, .. }) if pair[0].is_biased => {
+            Some(Spring { damping, bound, .. }) if pair[0].aim == Aim::Solve => {
                 let springs = [0, 1].map(|row| pair[row].spring_at(velocities[row])[0]);
                 add(SPRING, springs, bound, damping);
             }

@@ -28,6 +28,7 @@ mod rows;
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use self::law::Aim;
 use self::matrix::Matrix;
 use self::rows::JointRows;
 use super::body::Body;
@@ -175,7 +176,7 @@ impl Joints {
     /// The pass before the contacts are solved.
     pub(super) fn solve(&mut self, bodies: &mut [Body], clock: Clock) {
         for set in 0..self.sets.len() {
-            self.pass(set, bodies, clock, true);
+            self.pass(set, bodies, clock, Aim::Solve);
         }
     }
 
@@ -187,18 +188,18 @@ impl Joints {
         }
         for set in 0..self.sets.len() {
             if self.sets[set].touches {
-                self.pass(set, bodies, clock, false);
+                self.pass(set, bodies, clock, Aim::Relax);
             }
         }
     }
 
     /// Solves a set.
-    fn pass(&mut self, set: usize, bodies: &mut [Body], clock: Clock, is_biased: bool) {
+    fn pass(&mut self, set: usize, bodies: &mut [Body], clock: Clock, aim: Aim) {
         let Set { joints, ranks, is_linear, .. } = self.sets[set].clone();
         self.velocities.clear();
         for rows in &mut self.rows[joints.clone()] {
             let (velocities, shifts) = (velocities(rows, bodies), shifts(rows, bodies, clock));
-            self.velocities.push(rows.begin(&velocities, &shifts, is_biased, clock));
+            self.velocities.push(rows.begin(aim, &velocities, &shifts, clock));
         }
         self.changes[ranks.clone()].fill([0.0; 3]);
         for _ in 0..STEPS {
@@ -211,6 +212,42 @@ impl Joints {
             let (parts, _) = rows.response(velocities);
             rows.take(parts, bodies);
         }
+    }
+
+    /// Lets joints answer impulses on bodies by bounces, to which the impulses of the answer are added: no row with one position moves by both.
+    pub(super) fn answer(&mut self, impulses: &mut [Option<Vector>], bodies: &[Body], clock: Clock) {
+        for set in 0..self.sets.len() {
+            let Set { joints, ranks, .. } = self.sets[set].clone();
+            let is_struck = |body: u32| self.matrix.rank(body).is_some() && impulses[body as usize].is_some();
+            if !self.rows[joints.clone()].iter().any(|rows| rows.bodies.into_iter().any(is_struck)) {
+                continue;
+            }
+            self.velocities.clear();
+            for rows in &mut self.rows[joints.clone()] {
+                let changes = rows.bodies.map(|body| {
+                    let impulse = impulses[body as usize].unwrap_or_default();
+                    [0, 1, 2].map(|c| impulse[c] * bodies[body as usize].inverse_mass[c])
+                });
+                self.velocities.push(rows.begin(Aim::Answer, &changes, &[[0.0; 3]; 2], clock));
+            }
+            self.changes[ranks.clone()].fill([0.0; 3]);
+            self.find_step(&joints, &ranks);
+            self.go_along(&joints, &ranks, true);
+            for (rows, velocities) in self.rows[joints].iter_mut().zip(&self.velocities) {
+                let (parts, _) = rows.response(velocities);
+                for (body, answer) in rows.bodies.into_iter().zip(rows.take_answer(parts)) {
+                    if self.matrix.rank(body).is_some() {
+                        let sums = impulses[body as usize].get_or_insert([0.0; 3]);
+                        (0..3).for_each(|c| sums[c] += answer[c]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds a part of each answer, by the bodies of the joint, to the impulses of the step.
+    pub(super) fn add_answers(&mut self, part: impl Fn([u32; 2]) -> f64) {
+        self.rows.iter_mut().for_each(|rows| rows.add_answer(part(rows.bodies)));
     }
 
     /// Goes along the step as far as the convex function falls. Returns true if its gradient is zero there.

@@ -1,6 +1,6 @@
 //! The rows of a joint: axes, arms and errors where the bodies are.
 
-use super::law::{Law, Parts};
+use super::law::{Aim, Law, Parts};
 use crate::math::Vec2;
 use crate::scalar::{ToF64 as _, Turn};
 use crate::solve::float::body::Body;
@@ -56,18 +56,20 @@ pub(super) struct JointRows {
     pub(super) weighted: [Vector; 2],
     /// The impulse around of all sub-steps, N·m·s.
     pub(super) around: f64,
+    /// The impulses of the rows that answer bounces.
+    answer: Vector,
 }
 
 fn pair(vector: Vec2) -> Pair {
     [vector.x, vector.y].map(|part| part.to_f64())
 }
 
-fn sum([ax, ay]: Pair, [bx, by]: Pair) -> Pair {
-    [ax + bx, ay + by]
+fn sum(first: Pair, second: Pair) -> Pair {
+    [first[0] + second[0], first[1] + second[1]]
 }
 
-fn difference([ax, ay]: Pair, [bx, by]: Pair) -> Pair {
-    [ax - bx, ay - by]
+fn difference(first: Pair, second: Pair) -> Pair {
+    [first[0] - second[0], first[1] - second[1]]
 }
 
 fn turned([x, y]: Pair, angle: f64) -> Pair {
@@ -80,8 +82,8 @@ fn perpendicular([x, y]: Pair) -> Pair {
     [-y, x]
 }
 
-fn cross([ax, ay]: Pair, [bx, by]: Pair) -> f64 {
-    ax * by - ay * bx
+fn cross(first: Pair, second: Pair) -> f64 {
+    first[0] * second[1] - first[1] * second[0]
 }
 
 /// The direction of a vector and its length; no direction for none.
@@ -178,6 +180,7 @@ impl JointRows {
             applied: [[0.0; 3]; 2],
             weighted: [[0.0; 3]; 2],
             around: 0.0,
+            answer: [0.0; 3],
         }
     }
 
@@ -206,9 +209,8 @@ impl JointRows {
                 points[0] = sum(points[0], offset);
             }
             Frame::Ropes(_) => {
-                for k in 0..2 {
-                    let way = sum(self.bases[k], sum(ways[k], self.arms[k]));
-                    (self.axes[k], self.present[k]) = direction(way);
+                for (k, way) in ways.into_iter().enumerate() {
+                    (self.axes[k], self.present[k]) = direction(sum(self.bases[k], sum(way, self.arms[k])));
                 }
             }
         }
@@ -298,18 +300,15 @@ impl JointRows {
         }
     }
 
-    /// Begins a pass at the velocities of the bodies; the solve pass, if it is biased. Returns the velocities of the rows.
-    pub(super) fn begin(
-        &mut self,
-        velocities: &[Vector; 2],
-        shifts: &[Vector; 2],
-        is_biased: bool,
-        clock: Clock,
-    ) -> Vector {
+    /// Begins a pass at the velocities of the bodies. Returns the velocities of the rows.
+    pub(super) fn begin(&mut self, aim: Aim, velocities: &[Vector; 2], shifts: &[Vector; 2], clock: Clock) -> Vector {
         for row in 0..3 {
-            let second_order = is_biased.then(|| self.second_order(row, velocities, shifts, clock));
+            let second_order = match aim {
+                Aim::Solve => self.second_order(row, velocities, shifts, clock),
+                Aim::Relax | Aim::Answer => 0.0,
+            };
             if let Some(law) = &mut self.laws[row] {
-                law.begin(second_order, clock);
+                law.begin(aim, second_order, clock);
             }
         }
         [0, 1, 2].map(|row| self.along(row, velocities))
@@ -376,6 +375,24 @@ impl JointRows {
         }
     }
 
+    /// Takes the impulses of an answer. Returns the impulses on both bodies.
+    pub(super) fn take_answer(&mut self, parts: [Parts; 3]) -> [Vector; 2] {
+        let before = self.impulses();
+        self.answer = [0, 1, 2].map(|row| parts[row].iter().sum::<f64>() - before[row]);
+        self.on_bodies(&self.answer)
+    }
+
+    /// Adds a part of the answer to the impulses of the step. The next one does not start from it.
+    pub(super) fn add_answer(&mut self, part: f64) {
+        let answer = self.answer.map(|impulse| part * impulse);
+        let impulses = self.on_bodies(&answer);
+        for (change, impulse) in self.change.iter_mut().zip(impulses) {
+            (0..3).for_each(|c| change[c] += impulse[c]);
+        }
+        self.around += answer[2];
+        self.answer = [0.0; 3];
+    }
+
     /// The impulses on both bodies in the step.
     pub(super) fn applied(&self) -> [Vector; 2] {
         [0, 1].map(|k| [0, 1, 2].map(|c| self.applied[k][c] + self.change[k][c]))
@@ -383,9 +400,9 @@ impl JointRows {
 
     /// Adds up the impulses that have moved the bodies, after the move of a sub-step.
     pub(super) fn weigh(&mut self) {
-        let applied = self.applied();
-        for k in 0..2 {
-            (0..3).for_each(|c| self.weighted[k][c] += applied[k][c]);
+        let impulses = self.applied();
+        for (weighted, applied) in self.weighted.iter_mut().zip(impulses) {
+            (0..3).for_each(|c| weighted[c] += applied[c]);
         }
     }
 }
