@@ -134,7 +134,7 @@ impl ContactSolver for FloatSolver {
     }
 
     fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
-        // In 2^-32 N·s: what does not fit is cut off, and what is no number is none.
+        // In 2^-32 N·s: values beyond the range are cut off, and no number counts as zero.
         self.joints
             .totals()
             .map(|(joint, totals)| (joint, totals.map(|total| libm::rint(libm::scalbn(total, 32)) as i128)))

@@ -11,11 +11,11 @@
 //! - A row that is held at zero has limits of one position.
 //! - *Solve pass*: limits give way to their impulse, k·(s − w) in place of λ + k·(s − w), let the row come as near as it is, and take a part of
 //!   the error away. *Relax pass*: they do not push back, and the spring keeps its impulse.
-//! - *Answer*: after bounces rows with one position take back what the bounces move them by, and all other parts keep their impulses.
+//! - *Answer*: rows with one position take back the motion by bounces, and all other parts keep their impulses.
 //! - A motor and friction aim at a velocity between the velocities of the limits: they stop there, and press with no more than their force.
 //! - The parts of both rows of a planar joint are vectors: lengths are clamped.
 //!
-//! The factors of a spring are those of the exact solution for one body, as in the solver in integers: with E = e^(−ζhω) and the effective
+//! Springs have the factors of the exact solution for one body, as in the solver in integers: with E = e^(−ζhω) and the effective
 //! mass m,
 //!
 //! ```text
@@ -43,7 +43,7 @@ const MOTOR: usize = 1;
 const FRICTION: usize = 2;
 const SPRING: usize = 3;
 
-/// What a pass is for.
+/// The aim of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Aim {
     Solve,

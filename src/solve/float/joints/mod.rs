@@ -54,7 +54,7 @@ pub(super) struct Joints {
     forest: Forest,
     loads: Loads,
     matrix: Matrix,
-    /// The bodies of joints, [`NONE`] for bodies that cannot be moved: what the matrix was made for.
+    /// The bodies of joints, [`NONE`] for bodies that cannot be moved: the matrix was made for them.
     links: Vec<[u32; 2]>,
     sets: Vec<Set>,
     rows: Vec<JointRows>,

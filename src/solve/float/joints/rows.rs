@@ -240,7 +240,7 @@ impl JointRows {
     }
 
     /// The motion of a row in a sub-step over the length of it, less the velocity: bodies move on straight lines within a sub-step while points
-    /// turn on circles. `shifts` are the excess of the displacements in a sub-step over those of the bodies.
+    /// turn on circles. `shifts` are the excess of the displacements in a sub-step over the ways of the bodies.
     fn second_order(&self, row: usize, velocities: &[Vector; 2], shifts: &[Vector; 2], clock: Clock) -> f64 {
         if row == 2 {
             return 0.0;
