@@ -406,6 +406,55 @@ fn a_ring_holds_and_falls_asleep_as_a_whole() {
     assert!(measures.into_iter().all(|[gap, asleep]| gap < 0.001 && asleep == 12.0), "{measures:?}");
 }
 
+/// A net of 10 × 10 bodies on rods of half a metre that hangs at its two upper corners: the widest gap in 10 s, and the highest speed
+/// in the last second, m/s.
+fn net<S: Real>() -> [f64; 2] {
+    let mut world = world::<S>(fx!(-10));
+    let place = |k: i32| [fx!(0.5) * (k % 10), fx!(0.5) * (k / 10)];
+    let bodies: Vec<BodyId> = (0..100).map(|k| body(&mut world, place(k), fx!(1), fx!(0.1))).collect();
+    let mut join = |from: i32, to: i32| {
+        let points = [from, to].map(|k| vec(place(k)[0], place(k)[1]));
+        let ends = [bodies[from as usize], bodies[to as usize]];
+        let rod = JointDef::between(&world, ends[0], points[0], ends[1], points[1]).expect("a rod");
+        world.add_joint(rod).expect("a joint");
+    };
+    for k in 0..100 {
+        if k % 10 < 9 {
+            join(k, k + 1);
+        }
+        if k < 90 {
+            join(k, k + 10);
+        }
+    }
+    for k in [90, 99] {
+        hinge(&mut world, bodies[k as usize], place(k), Revolute::default());
+    }
+    let (mut widest, mut fastest) = (0.0_f64, 0.0_f64);
+    for tick in 0..600 {
+        world.step();
+        let gaps = world.joints().map(|joint| match joint.def().kind {
+            JointKind::Distance(_) => (joint.length().to_f64() - 0.5).abs(),
+            _ => joint.length().to_f64(),
+        });
+        widest = gaps.fold(widest, f64::max);
+        if tick >= 540 {
+            let speeds = bodies.iter().map(|&id| motion(&world, id)[3].hypot(motion(&world, id)[4]));
+            fastest = speeds.fold(fastest, f64::max);
+        }
+    }
+    [widest, fastest]
+}
+
+/// Loops are springs with dampers in fixed point, and exact in floats.
+#[test]
+fn a_net_holds() {
+    let measures = [net::<Fx>(), net::<f64>(), net::<f32>()];
+    println!("net {measures:?}");
+    for ([widest, fastest], gap) in measures.into_iter().zip([0.03, 0.002, 0.002]) {
+        assert!(widest < gap && fastest < 0.5, "{measures:?}");
+    }
+}
+
 /// A ball of 1 kg with 9 kg welded on top of it falls by a metre and bounces by half: the speeds at which ball and load rise, over half of the speed
 /// of the fall.
 fn rebound<S: Real>() -> [f64; 2] {
