@@ -73,8 +73,9 @@ impl BodyRows {
             self.bodies.push(solver_body);
         }
         self.add_fixed_speeds(graph, flights);
-        self.add_joint_speeds(input, graph);
-        self.add_contact_speeds(input, graph);
+        self.add_repair_speeds(input, graph);
+        self.add_surface_speeds(input, graph);
+        self.add_impulse_speeds(input, graph);
         add_leader_speeds(&mut self.fastest, graph, flights);
         self.set_rows(input, graph);
         self.carriers.clear();
@@ -119,7 +120,7 @@ impl BodyRows {
     }
 
     /// Joints count with the speed that takes their errors away.
-    fn add_joint_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+    fn add_repair_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
         for joint in input.joints {
             if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
                 let fastest = &mut self.fastest[island as usize];
@@ -128,14 +129,26 @@ impl BodyRows {
         }
     }
 
-    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
-    /// a light body under a heavy one are large and cancel, but one after the other. Bodies may take up the speed of a surface.
+    /// Bodies may take up the speed of a surface.
     #[inline(always)]
-    fn add_contact_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+    fn add_surface_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+        for contact in input.contacts.iter().filter(|contact| contact.surface_speed != Fx::ZERO) {
+            if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+                let fastest = &mut self.fastest[island as usize];
+                *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
+            }
+        }
+    }
+
+    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
+    /// a light body under a heavy one are large and cancel, but one after the other. After a stop the impulses of joints turn a body back as fast as
+    /// it came.
+    #[inline(always)]
+    fn add_impulse_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
         /// The largest speed that a unit is chosen for, 2^34 m/s: as the speeds of flights.
         const FASTEST: u64 = 1 << (34 + COARSE);
         let Self { bodies, fastest, loads, .. } = self;
-        let StepInput { clock, flights, contacts, .. } = *input;
+        let StepInput { clock, flights, contacts, joints, .. } = *input;
         loads.clear();
         loads.resize(flights.len(), 0);
         for contact in contacts {
@@ -147,17 +160,18 @@ impl BodyRows {
                     let solver_body = &bodies[body as usize];
                     // From 2^unit N·s to 2^-COARSE m/s; far below zero for a body that cannot be moved.
                     let up = solver_body.exponent + unit + COARSE + lever(contact, solver_body.length);
-                    let is_far = up > 0 && up >= sum.leading_zeros() as i32;
-                    let shifted = if up > 0 { sum << (up & 63) } else { sum >> (-up).min(63) };
-                    let load = &mut loads[body as usize];
-                    *load = load.saturating_add(if is_far { u64::MAX } else { shifted });
+                    add_load(&mut loads[body as usize], sum, up);
                 }
             }
-            if contact.surface_speed != Fx::ZERO {
-                if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
-                    let fastest = &mut fastest[island as usize];
-                    *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
-                }
+        }
+        for joint in joints.iter().filter(|joint| joint.impulses.values != [0; 3]) {
+            let Impulses { values: [first, second, around], exponent: unit } = joint.impulses;
+            for body in joint.bodies {
+                let solver_body = &bodies[body as usize];
+                let up = solver_body.exponent + unit + COARSE;
+                let load = &mut loads[body as usize];
+                add_load(load, first.unsigned_abs() + second.unsigned_abs(), up);
+                add_load(load, around.unsigned_abs(), up - solver_body.length);
             }
         }
         for (body, &load) in (0..).zip(&*loads) {
@@ -282,6 +296,14 @@ fn mass(factor: FxFactor, bits: i32) -> i64 {
     let (mantissa, shift) = factor.parts();
     let down = shift - bits;
     if down > 64 { 0 } else { (((mantissa >> (down - 1).clamp(0, 63)) + 1) >> 1).min((1 << MASS_BITS) - 1) as i64 }
+}
+
+/// Adds impulse · 2^up to a load.
+#[inline(always)]
+fn add_load(load: &mut u64, impulse: u64, up: i32) {
+    let is_far = up > 0 && up >= impulse.leading_zeros() as i32 && impulse != 0;
+    let shifted = if up > 0 { impulse << (up & 63) } else { impulse >> (-up).min(63) };
+    *load = load.saturating_add(if is_far { u64::MAX } else { shifted });
 }
 
 /// How many times the length of a body, as log2, the lever of rolling resistance is; zero if it is not longer.

@@ -17,17 +17,18 @@
 //! joint at the second point on both bodies. Arms and axes turn with the bodies in every sub-step, unlike the arms of contacts, by the angle since the start of the
 //! step: frozen, a rod that spins on a pin at 10 rad/s would lose 60 % of its energy in a second.
 //!
-//! - *Solve pass*: the rows aim at the velocity that takes a part of the error away, and at the second-order term of the motion: bodies move
-//!   on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it by h·ω²·r/2.
+//! - *Solve pass*: the rows aim at the velocity that takes a part of the error away, and at the terms of second and third order of the motion:
+//!   bodies move on straight lines within a sub-step while points turn on circles, so a velocity along the circle would leave it by h·ω²·r/2, and be
+//!   ahead on it by h²·ω³·r/6.
 //!   *Relax pass*: they aim at zero.
 //! - *Warm start*: in every sub-step, as arms turn. From the second on the body's velocity already has once more the changes of the
 //!   sub-step before ([`Begin`](super::motion::Begin)), also the changes by joints; so a joint adds the difference between its impulse at
 //!   the present arms and its change in the sub-step before. A body with joints and contacts gets both right, and a body without joints
 //!   pays nothing.
 //! - *Trees*: joined bodies without a closed ring are solved at once, exactly (`tree`, in the order of `forest`). A joint gives way by 2^-11 of
-//!   its inverse mass and takes a tenth of its error away in a sub-step; a tree with contacts, rings or two supports in its island that
-//!   bears a load of more than 64 times a mass gives way by 2^-7, or its bodies would swing across the tension. Trees that touch nothing have
-//!   no relax pass.
+//!   its inverse mass, and takes a tenth of its error away in a sub-step or, in a tree that touches nothing, three tenths; a tree
+//!   with contacts, rings or two supports in its island that bears a load of more than 64 times a mass gives way by 2^-7, or its bodies would swing
+//!   across the tension. Trees that touch nothing have no relax pass.
 //! - *Loops*: all others are solved by three iterations of conjugate gradients a pass (`gradients`), as springs and dampers of the frequency and
 //!   damping ratio of [`SolverOptions`](super::SolverOptions).
 //! - *Paths*: joints hold points where the bodies really are, so they must know where a body without further impulses ends
@@ -44,8 +45,8 @@
 //! - Impulses are within ±2^50 ([`IMPULSE`]). A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
 //!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Lowered by 20 bits, times a mass of at most 2^44, this is below
 //!   2^107. Weighted sums over 16 sub-steps are at most 136 times as much: below 2^90; with impacts, up to 64 in a sub-step, below 2^97.
-//! - Changes of velocity in a sub-step are within ±2^58 in 2^-30 ([`GAIN`]) and 2^61 over the number of joints at the body. A pass adds
-//!   the difference of two of them: gains are within ±2^62.
+//! - Changes of velocity by a joint in a sub-step are below 2^100 in 2^-30, and their sum for a body is within ±2^61 ([`gains`]); in an impact they
+//!   are within ±2^58 ([`GAIN`]) and 2^61 over the number of joints at the body.
 //! - Offsets of points are within ±2^60 ([`FAR`]): 2^20 m at 160,000 sub-steps a second.
 
 mod axis;
@@ -101,7 +102,7 @@ const FINER: i32 = 8;
 const ERROR: i64 = 1 << 30;
 /// The largest impulse.
 const IMPULSE: i64 = 1 << 50;
-/// The largest change of velocity in a sub-step, 2^28 in 2^-30.
+/// The largest change of velocity in an impact, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
 /// Bits by which the products of impulses and axes are lowered, before the products with masses.
 const LOWER: i32 = 20;

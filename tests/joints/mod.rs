@@ -18,3 +18,4 @@ mod ratchets;
 mod sleep;
 mod sliders;
 mod state;
+mod stops;

@@ -33,7 +33,7 @@
 //!
 //! - *Solve pass*: a limit lets the row come as near as it is, and pushes it back by a part of the error. The impulse of a [spring](spring) is
 //!   −(d·w + e·v + s·c) for the velocity w at the end of the pass, v at the beginning of the sub-step and the error c at the beginning.
-//! - *Relax pass*: limits do not push back, and the impulse of the spring stays.
+//! - *Relax pass*: limits do not push back, a limit that the row is still on the way to does not act, and the impulse of the spring stays.
 
 mod pair;
 mod spring;
@@ -278,8 +278,9 @@ impl AxisRow {
                 fastest = if above < 0 || self.is_locked() { rate * above } else { fastest };
             }
             None => {
-                slowest = if self.is_locked() { 0 } else { slowest.min(0) };
-                fastest = if self.is_locked() { 0 } else { fastest.max(0) };
+                let [presses_lower, presses_upper] = self.pressed_limits();
+                slowest = if self.is_locked() { 0 } else { self.relaxed(slowest.min(0), presses_lower) };
+                fastest = if self.is_locked() { 0 } else { self.relaxed(fastest.max(0), presses_upper) };
             }
         }
         let forces = self.motor + self.friction;
@@ -299,6 +300,20 @@ impl AxisRow {
         if self.lower > -ENDLESS {
             self.add_step(slowest, ENDLESS);
         }
+    }
+
+    /// True for the lower and the upper limit if the row pressed against it at the end of the pass before.
+    fn pressed_limits(&self) -> [bool; 2] {
+        match self.last_place {
+            Place::Step(step) => [step + 1 == self.count, step == 0],
+            Place::Level(_) | Place::Strained(..) | Place::Given(_) => [false; 2],
+        }
+    }
+
+    /// The velocity of a limit in the relax pass, from the velocity by which it is reached in the next sub-step: a limit that is neither reached nor
+    /// pressed against does not act yet, or it would stop an arm a sub-step before its time, and what it throws would lose the last push.
+    fn relaxed(&self, velocity: i64, is_pressed: bool) -> i64 {
+        if is_pressed { velocity } else { velocity.signum() * FASTEST as i64 }
     }
 
     /// Adds a step to a level. Steps at one velocity are one.

@@ -1,15 +1,58 @@
 //! The changes of velocity of bodies by the impulses of a joint: in the passes, whose changes are repeated in the next sub-step, and in impacts.
 //!
+//! The changes of a body by its joints cancel: where an arm of 1 kg stops a weight of 100 kg, both of its pins change its velocity by a hundred
+//! times as much as the weight's, in opposite directions. So each has as many bits as it needs, and their sum alone has the range of velocities.
+//!
 //! Reads: impulses, axes, masses. Writes: gains of bodies, sums of impulses.
+
+use alloc::vec::Vec;
 
 use super::turn::Side;
 use super::{Block, FINER, LOWER};
-use crate::kernel::simd::GAIN_BITS;
+use crate::kernel::simd::{GAIN_BITS, Lanes};
 use crate::solve::motion::Rows;
 use crate::solve::number::{lowered, product, upper, within};
 
 /// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
 const RAISED: i32 = 18;
+
+/// The largest sum of changes of a body in a pass, in 2^-30 of a unit: beyond all velocities.
+const LARGEST_GAIN: i128 = 1 << 61;
+
+/// The changes of the velocities of bodies by the joints of a pass, by row, in 2^-30 of a unit.
+///
+/// # Ranges
+/// Changes by a joint are below 2^100: sums over 2^24 joints are below 2^124.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gains {
+    rows: Vec<[i128; 3]>,
+}
+
+impl Gains {
+    #[cfg(test)]
+    pub(super) fn capacity(&self) -> usize {
+        self.rows.capacity()
+    }
+
+    /// Begins a step with so many rows, none of which has changed.
+    pub(super) fn clear(&mut self, row_count: u32) {
+        self.rows.clear();
+        self.rows.resize(row_count as usize, [0; 3]);
+    }
+
+    /// Gives the changes to the bodies, which have none then. Returns the number of values that were cut off.
+    #[inline(always)]
+    pub(super) fn apply<L: Lanes>(&mut self, rows: &mut Rows, touched: &[u32], lanes: L) -> u64 {
+        for &row in touched {
+            let (gain, sums) = (&mut rows.rows[row as usize].gain, &mut self.rows[row as usize]);
+            for axis in 0..3 {
+                gain[axis] += within(sums[axis], LARGEST_GAIN);
+            }
+            *sums = [0; 3];
+        }
+        rows.apply_gains(lanes, touched)
+    }
+}
 
 /// The magnitude of a value; of a negative one less by one.
 #[inline(always)]
@@ -18,16 +61,16 @@ fn magnitude(value: i64) -> i64 {
 }
 
 impl Block {
-    /// Begins a sub-step with the impulses of the one before, at the present arms. Returns the number of values that were cut off.
+    /// Begins a sub-step with the impulses of the one before, at the present arms.
     #[inline(always)]
-    pub(super) fn warm_start(&mut self, rows: &mut Rows) -> u64 {
+    pub(super) fn warm_start(&mut self, gains: &mut Gains) {
         self.applied.add(self.change);
         self.change = Sums::default();
         if self.is_pulley() {
             self.rope_sums.begin();
         }
         self.push(self.impulses);
-        self.give_gains(rows)
+        self.give_gains(gains);
     }
 
     /// The sums of the changes of all sub-steps.
@@ -90,30 +133,29 @@ impl Block {
     }
 
     /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
-    /// Returns the number of changes that were cut off.
     #[inline(always)]
-    pub(super) fn give_gains(&mut self, rows: &mut Rows) -> u64 {
+    pub(super) fn give_gains(&mut self, gains: &mut Gains) {
         // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let Sums { linear: [x, y], turns: [turn_a, turn_b] } = self.change;
         if self.is_pulley() {
-            return self.give_large_gains(rows);
+            return self.give_large_gains(gains);
         }
         let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
         let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
         let up = 64 - RAISED - self.gain_bits();
         let bound = magnitude(x) | magnitude(y) | magnitude(turn_a) | magnitude(turn_b);
         if bound >> (63 - up) != 0 {
-            return self.give_large_gains(rows);
+            return self.give_large_gains(gains);
         }
         let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
         let [a, b] = &mut self.sides;
-        a.give_gains(rows, [x, y, turn_a], -1) + b.give_gains(rows, [x, y, turn_b], 1)
+        a.give_gains(gains, [x, y, turn_a], -1);
+        b.give_gains(gains, [x, y, turn_b], 1);
     }
 
     /// [`give_gains`](Self::give_gains) by impulses of any size, and of pulleys.
     #[cold]
-    fn give_large_gains(&mut self, rows: &mut Rows) -> u64 {
-        let mut cut = 0;
+    fn give_large_gains(&mut self, gains: &mut Gains) {
         if self.is_pulley() {
             self.pull_rope();
         }
@@ -122,16 +164,9 @@ impl Block {
                 continue;
             }
             let [x, y] = if self.is_pulley() && side == 1 { self.rope_sums.change } else { self.change.linear };
-            let wanted_gains = self.gains(side, [x, y, self.change.turns[side]], 0);
-            let side = &mut self.sides[side];
-            for (axis, wanted_gain) in wanted_gains.into_iter().enumerate() {
-                let gain = within(wanted_gain, side.gain_limit.into());
-                cut += u64::from(i128::from(gain) != wanted_gain);
-                rows.rows[side.row as usize].gain[axis] += sign * (gain - side.applied_gain[axis]);
-                side.applied_gain[axis] = gain;
-            }
+            let applied_gain = self.gains(side, [x, y, self.change.turns[side]], 0);
+            self.sides[side].give(gains, applied_gain, sign);
         }
-        cut
     }
 }
 
@@ -180,27 +215,22 @@ impl Sums {
 impl Side {
     /// Adds to the gains of the body the changes of velocity by the impulses of the sub-step, less the part that was added before. Masses are
     /// at most 2^44, so that the products of raised masses and of impulses along x and y and of rotation, which are below 2^63, are below 2^126.
-    /// Returns the number of changes that were cut off.
     #[inline(always)]
-    fn give_gains(&mut self, rows: &mut Rows, impulses: [i64; 3], sign: i64) -> u64 {
+    fn give_gains(&mut self, gains: &mut Gains, impulses: [i64; 3], sign: i128) {
         if !self.is_movable() {
-            return 0;
+            return;
         }
-        let gains = &mut rows.rows[self.row as usize].gain;
-        let gain = |k: usize| upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k]));
-        let mut applied_gain = [gain(0), gain(1), gain(2)];
-        let mut cut = 0;
-        if magnitude(applied_gain[0]) | magnitude(applied_gain[1]) | magnitude(applied_gain[2]) >= self.gain_limit {
-            for part in &mut applied_gain {
-                let wanted = *part;
-                *part = wanted.clamp(-self.gain_limit, self.gain_limit);
-                cut += u64::from(*part != wanted);
-            }
+        let gain = |k: usize| i128::from(upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k])));
+        self.give(gains, [gain(0), gain(1), gain(2)], sign);
+    }
+
+    /// Adds a change of velocity to the gains, less the part that was added before.
+    #[inline(always)]
+    fn give(&mut self, gains: &mut Gains, gain: [i128; 3], sign: i128) {
+        let sums = &mut gains.rows[self.row as usize];
+        for axis in 0..3 {
+            sums[axis] += sign * (gain[axis] - self.applied_gain[axis]);
         }
-        for k in 0..3 {
-            gains[k] += sign * (applied_gain[k] - self.applied_gain[k]);
-        }
-        self.applied_gain = applied_gain;
-        cut
+        self.applied_gain = gain;
     }
 }

@@ -25,6 +25,7 @@ use self::laws::LawLoop;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
+use super::gains::Gains;
 use super::tree::{FRACTION, RESIDUAL};
 use super::turn::Pose;
 use crate::slots::NONE;
@@ -169,7 +170,8 @@ impl Loops {
         blocks: &mut [Block],
         poses: &[Pose],
         laws: &mut [AxisRow],
-        rows: &mut Rows,
+        rows: &Rows,
+        gains: &mut Gains,
         soft: &SoftRow,
         is_biased: bool,
     ) -> u64 {
@@ -196,7 +198,8 @@ impl Loops {
                 let [x, y, turn] = joint.solution;
                 let changes =
                     [lowered_word(x, FINER_STILL), lowered_word(y, FINER_STILL), lowered_word(turn, FINER_STILL)];
-                cut += block.change(changes, laws) + block.give_gains(rows);
+                cut += block.change(changes, laws);
+                block.give_gains(gains);
             }
         }
         cut

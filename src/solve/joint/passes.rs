@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use super::axis::AxisRow;
 use super::forest::Forest;
-use super::gains::Sums;
+use super::gains::{Gains, Sums};
 use super::gradients::Loops;
 use super::impact::JointImpact;
 use super::loads::Loads;
@@ -49,6 +49,7 @@ pub(in crate::solve) struct Joints {
     counts: Vec<u32>,
     /// The rows of bodies that joints can move.
     touched: Vec<u32>,
+    gains: Gains,
     /// True for islands that a fixed body holds.
     held: Vec<bool>,
     loads: Loads,
@@ -57,9 +58,9 @@ pub(in crate::solve) struct Joints {
 impl Joints {
     #[cfg(test)]
     pub(in crate::solve) fn capacity(&self) -> usize {
-        let Self { forest, blocks, laws, trees, loops, counts, touched, held, .. } = self;
+        let Self { forest, blocks, laws, trees, loops, counts, touched, gains, held, .. } = self;
         let parts = [forest.capacity(), blocks.capacity(), laws.capacity(), trees.capacity(), loops.capacity()];
-        parts.iter().sum::<usize>() + counts.capacity() + touched.capacity() + held.capacity()
+        parts.iter().sum::<usize>() + counts.capacity() + touched.capacity() + gains.capacity() + held.capacity()
     }
 
     /// Prepares the joints.
@@ -125,6 +126,7 @@ impl Joints {
         blocks.iter_mut().for_each(|block| {
             block.turn(poses, laws);
         });
+        self.gains.clear(bodies.rows.len());
         loads.find(flights, joints, input.contacts, forest, graph);
         trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
         loops.set(forest, blocks, &bodies.rows);
@@ -170,11 +172,10 @@ impl Joints {
         if self.blocks.is_empty() {
             return 0;
         }
-        let mut cut = 0;
         for block in &mut self.blocks {
-            cut += block.warm_start(rows);
+            block.warm_start(&mut self.gains);
         }
-        cut + rows.apply_gains(lanes, &self.touched)
+        self.gains.apply(rows, &self.touched, lanes)
     }
 
     /// The pass before the contacts are solved. Returns the number of values that were cut off.
@@ -205,15 +206,15 @@ impl Joints {
     /// Solves trees and loops.
     #[inline(always)]
     fn pass<L: Lanes>(&mut self, rows: &mut Rows, lanes: L, is_biased: bool) -> u64 {
-        let Self { blocks, poses, laws, trees, loops, soft, touched, .. } = self;
+        let Self { blocks, poses, laws, trees, loops, soft, touched, gains, .. } = self;
         if is_biased {
             for pose in poses.iter_mut() {
                 pose.set_sweep(rows);
             }
         }
-        let cut =
-            trees.solve(blocks, poses, laws, rows, is_biased) + loops.solve(blocks, poses, laws, rows, soft, is_biased);
-        cut + rows.apply_gains(lanes, touched)
+        let cut = trees.solve(blocks, poses, laws, rows, gains, is_biased)
+            + loops.solve(blocks, poses, laws, rows, gains, soft, is_biased);
+        cut + gains.apply(rows, touched, lanes)
     }
 
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.

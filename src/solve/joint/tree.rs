@@ -55,6 +55,7 @@ use self::node::Node;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
+use super::gains::Gains;
 use super::laws::RowChange;
 use super::turn::Pose;
 use crate::slots::NONE;
@@ -89,9 +90,10 @@ const TO_IMPULSE: i32 = COARSER + FRACTION;
 pub(super) const RESIDUAL: i128 = 1 << 36;
 const SPEED: i128 = 1 << 44;
 const IMPULSE: i128 = 1 << 60;
-/// The velocity that takes errors away, over the error, in 2^-30: a tenth in a sub-step. Contacts give way more slowly: at three tenths
-/// ropes on a floor shake.
+/// The velocity that takes errors away, over the error, in 2^-30: a tenth in a sub-step, as contacts give way more slowly, and ropes on a floor would
+/// shake at three tenths. Trees that touch nothing take three tenths away: a chain stretches a third as much.
 const RATE: i64 = 107_374_182;
+const FREE_RATE: i64 = 322_122_547;
 
 /// The largest number of times that a tree is solved in a pass until no row leaves its place.
 const ROUNDS: usize = 8;
@@ -199,7 +201,8 @@ impl Trees {
         blocks: &mut [Block],
         poses: &[Pose],
         laws: &mut [AxisRow],
-        rows: &mut Rows,
+        rows: &Rows,
+        gains: &mut Gains,
         is_biased: bool,
     ) -> u64 {
         let Self { nodes, frames, trees } = self;
@@ -207,8 +210,9 @@ impl Trees {
         for tree in trees.iter().filter(|tree| is_biased || tree.touches) {
             let begin = tree.nodes.start;
             let nodes = &mut nodes[tree.nodes.clone()];
+            let rate = is_biased.then_some(if tree.touches { RATE } else { FREE_RATE });
             for node in nodes.iter_mut() {
-                node.begin_pass(blocks, poses, rows, is_biased);
+                node.begin_pass(blocks, poses, rows, rate);
             }
             if tree.has_laws {
                 begin_laws(nodes, blocks, laws, rows, is_biased);
@@ -219,7 +223,7 @@ impl Trees {
             } else {
                 eliminate(nodes, frames, begin);
             }
-            cut += push(nodes, frames, blocks, laws, rows);
+            cut += push(nodes, frames, blocks, laws, gains);
         }
         cut
     }
@@ -246,10 +250,10 @@ fn eliminate(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize) {
     }
 }
 
-/// Begins a pass of all laws.
+/// Begins a pass of all laws. Limits always push back by a tenth: where a row leaves its limit, the push stays as a velocity.
 fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Rows, is_biased: bool) {
     for node in nodes.iter().filter(|node| node.parent != NONE) {
-        blocks[node.block as usize].begin_laws(rows, laws, if is_biased { Some(RATE) } else { None });
+        blocks[node.block as usize].begin_laws(rows, laws, is_biased.then_some(RATE));
     }
 }
 
@@ -447,12 +451,13 @@ fn joint_impulses(nodes: &[Node], frames: &[FrameRows], index: usize) -> Option<
 
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
-fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], rows: &mut Rows) -> u64 {
+fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], gains: &mut Gains) -> u64 {
     let mut cut = 0;
     for index in 0..nodes.len() - 1 {
         let Some(changes) = joint_impulses(nodes, frames, index) else { continue };
         let block = &mut blocks[nodes[index].block as usize];
-        cut += block.change(changes, laws) + block.give_gains(rows);
+        cut += block.change(changes, laws);
+        block.give_gains(gains);
     }
     cut
 }

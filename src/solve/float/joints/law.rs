@@ -33,8 +33,9 @@ use crate::solve::{Axis, AxisSpring};
 /// The stiffness of limits over the effective mass of their row; and of motors and friction, which keep no position.
 const LIMIT_STIFFNESS: f64 = 2048.0;
 const MOTOR_STIFFNESS: f64 = 65_536.0;
-/// The part of an error that is taken away in a sub-step.
+/// The part of an error that is taken away in a sub-step; and by rows that are held, in sets that touch nothing.
 const RATE: f64 = 0.1;
+const FREE_RATE: f64 = 0.3;
 
 /// The impulses of the parts of a row.
 pub(super) type Parts = [f64; 4];
@@ -120,6 +121,8 @@ pub(super) struct Law {
     limit_speeds: Pair,
     motor_aim: f64,
     friction_aim: f64,
+    /// The part of an error that is taken away in a sub-step.
+    rate: f64,
     /// The second-order term: the motion of the row in a sub-step over its length, less its velocity at the end.
     second_order: f64,
     aim: Aim,
@@ -131,6 +134,7 @@ impl Law {
     /// A row that is held at zero, with a stiffness in kg.
     pub(super) fn held(stiffness: f64) -> Self {
         Self {
+            rate: RATE,
             limit_stiffness: stiffness,
             motor_stiffness: 0.0,
             limits: [0.0; 2],
@@ -227,16 +231,26 @@ impl Law {
         }
     }
 
+    /// Settles whether the row is in a set that touches nothing. *Domain* it is held.
+    pub(super) fn set_free(&mut self, is_free: bool) {
+        self.rate = if is_free { FREE_RATE } else { RATE };
+    }
+
     /// Begins a pass, with the second-order term of the row.
     pub(super) fn begin(&mut self, aim: Aim, second_order: f64, clock: Clock) {
         (self.aim, self.second_order) = (aim, second_order);
         let [below, above] = self.limits.map(|limit| (limit - self.way) / clock.length);
-        let pushed = |speed: f64, is_beyond: bool| if is_beyond { RATE * speed } else { speed };
+        let pushed = |speed: f64, is_beyond: bool| if is_beyond { self.rate * speed } else { speed };
         self.limit_speeds = match (aim, self.is_locked()) {
-            (Aim::Solve, true) => [RATE * below; 2],
+            (Aim::Solve, true) => [self.rate * below; 2],
             (Aim::Solve, false) => [pushed(below, below > 0.0), pushed(above, above < 0.0)],
             (Aim::Relax | Aim::Answer, true) => [0.0; 2],
-            (Aim::Relax | Aim::Answer, false) => [below.min(0.0), above.max(0.0)],
+            // A limit that is neither reached nor pressed against does not act yet.
+            (Aim::Relax, false) => [
+                if below < 0.0 && self.parts[LIMITS] <= 0.0 { f64::NEG_INFINITY } else { below.min(0.0) },
+                if above > 0.0 && self.parts[LIMITS] >= 0.0 { f64::INFINITY } else { above.max(0.0) },
+            ],
+            (Aim::Answer, false) => [below.min(0.0), above.max(0.0)],
         };
         let [slowest, fastest] = self.limit_speeds;
         self.motor_aim = self.motor_speed.max(slowest).min(fastest);

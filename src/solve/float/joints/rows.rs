@@ -184,6 +184,15 @@ impl JointRows {
         }
     }
 
+    /// Settles whether the joint is in a set that touches nothing.
+    pub(super) fn set_free(&mut self, is_free: bool) {
+        for law in
+            self.laws[..2].iter_mut().zip(self.held).filter_map(|(law, is_held)| law.as_mut().filter(|_| is_held))
+        {
+            law.set_free(is_free);
+        }
+    }
+
     /// Returns true if all impulses follow from velocities linearly.
     pub(super) fn is_linear(&self) -> bool {
         self.laws.iter().flatten().all(Law::is_rigid)
@@ -247,7 +256,12 @@ impl JointRows {
         }
         let h = clock.length;
         let angles = [0, 1].map(|k| sweep(&velocities[k], clock));
-        let bends = [0, 1].map(|k| self.arms[k].map(|part| angles[k] * angles[k] * part / (2.0 * h)));
+        // Of second and third order.
+        let bends = [0, 1].map(|k| {
+            let arm = self.arms[k];
+            let left = perpendicular(arm);
+            [0, 1].map(|c| angles[k] * angles[k] * (arm[c] + angles[k] * left[c] / 3.0) / (2.0 * h))
+        });
         let points = [0, 1].map(|k| point_velocity(&velocities[k], self.arms[k]));
         // Of a line of a length whose end moves across it.
         let turn = |velocity: f64, length: f64| {

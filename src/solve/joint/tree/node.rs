@@ -5,9 +5,7 @@ use alloc::vec::Vec;
 use super::angle::AngleRow;
 use super::frame::FrameRows;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, rarely_shifted, scaled, to_impulse, turned, unit_dot};
-use super::{
-    COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATE, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT,
-};
+use super::{COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::math::Vec2;
 use crate::scalar::FxFactor;
 use crate::slots::NONE;
@@ -305,20 +303,20 @@ impl Node {
         }
     }
 
-    /// Begins a pass: the residual of the node against its parent.
+    /// Begins a pass: the residual of the node against its parent. With a rate, in 2^-30, it is the solve pass.
     #[inline(always)]
-    pub(super) fn begin_pass(&mut self, blocks: &[Block], poses: &[Pose], rows: &Rows, is_biased: bool) {
+    pub(super) fn begin_pass(&mut self, blocks: &[Block], poses: &[Pose], rows: &Rows, rate: Option<i64>) {
         if self.parent == NONE {
             return;
         }
         let block = &blocks[self.block as usize];
-        let residual = block.residual(rows, poses, if is_biased { Some(RATE) } else { None });
+        let residual = block.residual(rows, poses, rate);
         let bits = UNIT - FRACTION + i32::from(self.is_half);
         for (row, part) in residual.into_iter().enumerate() {
             if block.held[row] {
                 // Below 2^62.
                 let mut sum = lowered_word(part, bits);
-                if is_biased {
+                if rate.is_some() {
                     let gives = product(self.compliance, block.impulses[row]);
                     // More than the sum may be is as good as that.
                     sum += if matches!(self.give_shift, 2..64) {
