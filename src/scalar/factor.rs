@@ -144,7 +144,9 @@ impl FxFactor {
     /// The magnitude of `value`, exactly.
     #[must_use]
     pub fn from_scalar(value: Fx) -> Self {
-        Self::new(u128::from(value.to_bits().unsigned_abs()), 32)
+        let bits = value.to_bits().unsigned_abs();
+        let zeros = bits.leading_zeros();
+        if bits == 0 { Self::ZERO } else { Self { mantissa: bits << zeros, shift: 32 + zeros as i32 } }
     }
 
     /// num / den. *Error* 2^-63 relative.
@@ -214,14 +216,17 @@ impl FxFactor {
     /// The sum. *Error* 2^-64 relative.
     #[must_use]
     pub fn plus(self, rhs: Self) -> Self {
-        let (large, small) = if self >= rhs { (self, rhs) } else { (rhs, self) };
-        if small.mantissa == 0 {
-            return large;
+        if self.mantissa == 0 || rhs.mantissa == 0 {
+            return if self.mantissa == 0 { rhs } else { self };
         }
-        let gap = (small.shift - large.shift).unsigned_abs();
-        let (aligned, lost) = align(small.mantissa, gap);
-        // Each is below 2^127.
-        Self::new(((u128::from(large.mantissa) << 63) + aligned) | u128::from(lost), large.shift + 63)
+        // At the same shift either is the larger one.
+        let (large, small) = if rhs.shift < self.shift { (rhs, self) } else { (self, rhs) };
+        let (aligned, lost) = align(small.mantissa, (small.shift - large.shift) as u32);
+        // Each is below 2^127, and the larger one not below 2^126: the sum lacks at most one bit.
+        let sum = ((u128::from(large.mantissa) << 63) + aligned) | u128::from(lost);
+        let lacks = (sum >> 127) as u32 ^ 1;
+        let doubled = u128::from(lacks).wrapping_neg() & sum;
+        Self::nearest(sum + doubled, large.shift + 63 + lacks as i32)
     }
 
     /// The difference, or zero if `rhs` is the larger. *Error* 2^-64 relative.
@@ -327,9 +332,13 @@ impl Number for FxFactor {
 }
 
 /// mantissa · 2^63 / 2^gap, rounded down, and whether anything was lost.
+#[inline]
 fn align(mantissa: u64, gap: u32) -> (u128, bool) {
-    let value = u128::from(mantissa) << 63;
-    if gap >= 128 { (0, true) } else { (value >> gap, gap > 0 && value << (128 - gap) != 0) }
+    match gap {
+        0..64 => (u128::from(mantissa) << (63 - gap), false),
+        64..127 => (u128::from(mantissa >> (gap - 63)), mantissa << (127 - gap) != 0),
+        _ => (0, true),
+    }
 }
 
 #[cfg(test)]

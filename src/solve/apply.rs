@@ -129,7 +129,7 @@ pub(super) struct Apply<'a> {
 pub(super) struct ImpulseSums {
     /// By body, of joints, rolling resistance and impacts; empty if there are none.
     pub(super) totals: Vec<Total>,
-    /// Of contacts, by row; rotation is over the length of the body.
+    /// Of contacts, by row; rotation is over the length of the body. Empty without contacts.
     sums: Vec<Sums>,
     /// Of contacts too large for [`Sums`], by row, likewise; empty if there are none.
     large: Vec<Total>,
@@ -179,7 +179,7 @@ impl Apply<'_> {
             let values = lane_of(&groups[place.group as usize].impulses, place.lane as usize);
             contacts[place.contact as usize].impulses = Impulses { values, exponent: place.exponent };
         }
-        let rows = bodies.rows.len() as usize;
+        let rows = if groups.is_empty() { 0 } else { bodies.rows.len() as usize };
         sums.clear();
         sums.resize(rows, Sums::default());
         large.clear();
@@ -242,7 +242,10 @@ impl ImpulseSums {
     /// All impulses on a body.
     #[inline(always)]
     fn total(&self, body: usize, row: u32, length: i32) -> Total {
-        let [mut impulse, mut weighted] = joined(&self.sums[row as usize]);
+        let Some(sums) = self.sums.get(row as usize) else {
+            return self.totals.get(body).copied().unwrap_or_default();
+        };
+        let [mut impulse, mut weighted] = joined(sums);
         if let Some(large) = self.large.get(row as usize) {
             (0..3).for_each(|i| {
                 (impulse[i], weighted[i]) = (impulse[i] + large.impulse[i], weighted[i] + large.weighted[i])

@@ -156,6 +156,7 @@ pub(super) fn on_bodies(group: &Group, lane: usize, rows: [i64; 3]) -> [i128; 4]
 }
 
 /// value · 2^-bits within the largest impulse.
+#[inline]
 pub(super) fn shifted_within(value: i128, bits: i32) -> i128 {
     if bits < 0 && 128 - value.unsigned_abs().leading_zeros() as i32 - bits > 111 {
         return if value < 0 { -LARGEST } else { LARGEST };

@@ -24,21 +24,23 @@ fn inertia(flight: &Flight) -> Option<FxFactor> {
     (!flight.inverse_inertia.is_zero()).then(|| FxFactor::ONE.over(flight.inverse_inertia))
 }
 
+/// The moment of inertia of masses at an arm: motion along x turns an arm along y.
+fn moment([mx, my]: [FxFactor; 2], arm: Vec2) -> FxFactor {
+    mx.times(square(arm.y)).plus(my.times(square(arm.x)))
+}
+
 /// The effective mass of the angle between two bodies that are pinned together at these arms: 1/K in kg·m², for
 /// K = (I₁ + I₂ + μ|r₁ − r₂|²)/(I₁·I₂ + μ(I₁·r₂² + I₂·r₁²) + μ²(r₁ × r₂)²) and the reduced mass μ of both. `None` if none can turn.
 fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<FxFactor> {
     // A locked axis of both takes part no more: there the pin alone decides.
     let reduced = |sum: FxFactor| if sum.is_zero() { FxFactor::ZERO } else { FxFactor::ONE.over(sum) };
-    let [mx, my] = [
-        reduced(first.inverse_mass.x.plus(second.inverse_mass.x)),
-        reduced(first.inverse_mass.y.plus(second.inverse_mass.y)),
-    ];
-    // Motion along x turns an arm along y.
-    let moment = |arm: Vec2| mx.times(square(arm.y)).plus(my.times(square(arm.x)));
+    let mx = reduced(first.inverse_mass.x.plus(second.inverse_mass.x));
+    let is_isotropic = [first, second].iter().all(|flight| flight.inverse_mass.x == flight.inverse_mass.y);
+    let my = if is_isotropic { mx } else { reduced(first.inverse_mass.y.plus(second.inverse_mass.y)) };
     match [inertia(first), inertia(second)] {
         [None, None] => None,
-        [Some(first), None] => Some(first.plus(moment(a))),
-        [None, Some(second)] => Some(second.plus(moment(b))),
+        [Some(first), None] => Some(first.plus(moment([mx, my], a))),
+        [None, Some(second)] => Some(second.plus(moment([mx, my], b))),
         [Some(first), Some(second)] => {
             let apart = Vec2::new(a.x.saturating_sub(b.x), a.y.saturating_sub(b.y));
             let product = |p: Fx, q: Fx| i128::from(p.to_bits()) * i128::from(q.to_bits());
@@ -47,10 +49,10 @@ fn pinned_inertia([first, second]: [&Flight; 2], [a, b]: [Vec2; 2]) -> Option<Fx
             let cross = FxFactor::new(cross, 64);
             let numerator = first
                 .times(second)
-                .plus(first.times(moment(b)))
-                .plus(second.times(moment(a)))
+                .plus(first.times(moment([mx, my], b)))
+                .plus(second.times(moment([mx, my], a)))
                 .plus(mx.times(my).times(cross).times(cross));
-            Some(numerator.over(first.plus(second).plus(moment(apart))))
+            Some(numerator.over(first.plus(second).plus(moment([mx, my], apart))))
         }
     }
 }

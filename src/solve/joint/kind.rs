@@ -68,6 +68,9 @@ impl JointKind {
 
     /// The velocities of both bodies in the velocity of the angle, in 2^-30: the velocity of the wheel with more teeth, of two gears, has 1.
     pub(in crate::solve) fn angle_factors(self) -> [i64; 2] {
+        if !matches!(self, Self::Gear { .. }) {
+            return [-(1 << 30), 1 << 30];
+        }
         self.teeth().map(|count| divided(i128::from(count) << 30, self.largest_teeth()) as i64)
     }
 
@@ -81,6 +84,7 @@ impl JointKind {
 
     /// The position around for a sum of angles, rad: of two gears the angle of the wheel with more teeth. *Error* ½ ulp.
     pub(crate) fn position_around(self, sum: Fx) -> Fx {
+        let Self::Gear { .. } = self else { return sum };
         Fx::from_bits(divided(sum.to_bits().into(), self.largest_teeth()) as i64)
     }
 
