@@ -61,6 +61,7 @@ mod laws;
 mod loads;
 mod passes;
 mod paths;
+mod residual;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -277,7 +278,7 @@ pub(super) struct Block {
     pub(super) impulses: [i64; 3],
     /// The impulses applied in the sub-step.
     change: Sums,
-    /// Sums of the changes of the sub-steps before.
+    /// Sums of the changes of all sub-steps, of the present one from its move on.
     pub(super) applied: Sums,
     /// Sums over sub-steps of the changes applied up to the move.
     pub(super) weighted: Sums,
@@ -408,10 +409,7 @@ impl Block {
     /// After the move of a sub-step: adds up the changes that moved the bodies, then updates arms and matrices to their poses.
     #[inline(always)]
     fn advance(&mut self, poses: &[Pose], laws: &mut [AxisRow]) -> u64 {
-        self.weighted.add(self.applied());
-        if self.is_pulley() {
-            self.rope_sums.weigh();
-        }
+        self.weigh();
         self.turn(poses, laws)
     }
 
@@ -427,6 +425,12 @@ impl Block {
         [self.axes[row], if self.is_pulley() { self.axes[1] } else { self.axes[row] }]
     }
 
+    /// Returns true if the joint holds a point: along the world's axes.
+    #[inline(always)]
+    fn holds_point(&self) -> bool {
+        self.held == [true; 2]
+    }
+
     /// Returns true if the joint holds a length, and nothing else.
     fn is_rod(&self) -> bool {
         self.held == [true, false]
@@ -438,48 +442,23 @@ impl Block {
         [0, 1].map(|k| rows.velocity(self.sides[k].row))
     }
 
-    /// The velocities of the rows that are held, in 2^-30. With a rate, in 2^-30, the velocity that takes errors away is added, and the
-    /// second-order term.
+    /// Changes the impulses of the rows, by less than 2^62, in the solve pass if `is_biased`. Returns the number of impulses that were cut off.
     #[inline(always)]
-    fn residual(&self, rows: &Rows, poses: &[Pose], rate: Option<i64>) -> [i64; 2] {
-        let velocities = self.velocities(rows);
-        let mut residual = [0; 2];
-        if let Some(rate) = rate {
-            let bends = self.bends(self.sweeps(poses));
-            for (row, sum) in residual.iter_mut().enumerate() {
-                if self.held[row] {
-                    let repair = rate * self.errors[row];
-                    *sum = self.velocity(row, velocities) + repair + self.second_order(row, velocities, bends);
-                }
-            }
-        } else {
-            for (row, sum) in residual.iter_mut().enumerate() {
-                if self.held[row] {
-                    *sum = self.velocity(row, velocities);
-                }
-            }
-        }
-        residual
-    }
-
-    /// Changes the impulses of the rows, by less than 2^62. Returns the number of impulses that were cut off.
-    #[inline(always)]
-    fn change(&mut self, changes: [i64; 3], laws: &mut [AxisRow]) -> u64 {
+    fn change(&mut self, changes: [i64; 3], laws: &mut [AxisRow], is_biased: bool) -> u64 {
         let mut cut = 0;
-        let mut applied = [0; 3];
+        let before = self.impulses;
         for row in 0..3 {
             if self.is_active[row] {
-                let before = self.impulses[row];
-                let wanted = before + changes[row];
+                let wanted = before[row] + changes[row];
                 let mut after = wanted.clamp(-IMPULSE, IMPULSE);
                 cut += u64::from(after != wanted);
                 if let Some(law) = laws.get_mut(self.laws[row] as usize) {
                     after = law.finish(after);
                 }
-                (self.impulses[row], applied[row]) = (after, after - before);
+                self.impulses[row] = after;
             }
         }
-        self.push(applied);
+        self.push(before, is_biased);
         cut
     }
 }

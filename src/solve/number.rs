@@ -46,9 +46,8 @@ pub(super) const fn lowered(value: i128, bits: i32) -> i128 {
 /// [`lowered`] by 64 bits: the upper word, without a shift. *Domain* |value| < 2^126.
 #[inline(always)]
 pub(super) const fn upper(value: i128) -> i64 {
-    // A half, less by one for a negative value.
-    let half = (1_u64 << 63).wrapping_add((value >> 127) as u64);
-    ((value + half as i128) >> 64) as i64
+    // A double word throughout: compilers choose between two halves by a branch, and signs cannot be predicted.
+    lowered(value, 64) as i64
 }
 
 /// The lower word of [`lowered`]: all of it, if the result fits. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 63.
@@ -56,7 +55,15 @@ pub(super) const fn upper(value: i128) -> i64 {
 pub(super) const fn lowered_low(value: i128, bits: i32) -> i64 {
     // A half, less by one for a negative value.
     let half = (1_u64 << (bits - 1)).wrapping_add((value >> 127) as u64);
+    ((value + half as i128) >> bits) as i64
+}
+
+/// [`lowered_low`] by bits that are no constant.
+#[inline(always)]
+pub(super) const fn lowered_low_by(value: i128, bits: i32) -> i64 {
+    let half = (1_u64 << (bits - 1)).wrapping_add((value >> 127) as u64);
     let sum = value + half as i128;
+    // Without the steps that a shift by 64 and more would take.
     ((sum as u64) >> bits | ((sum >> 64) as u64) << (64 - bits)) as i64
 }
 
@@ -70,6 +77,12 @@ pub(super) const fn lowered_within(value: i128, bits: i32, limit: i64) -> i64 {
     let low = if is_word { low } else { end };
     let low = if low < -limit { -limit } else { low };
     if low > limit { limit } else { low }
+}
+
+/// [`lowered`] within ±limit, most often by a part of a word. *Domain* |value| < 2^126, 2 ≤ bits ≤ 126, and 0 ≤ limit ≤ 2^62.
+#[inline(always)]
+pub(super) fn lowered_to(value: i128, bits: i32, limit: i128) -> i64 {
+    if bits < 64 { lowered_within(value, bits, limit as i64) } else { within(lowered(value, bits), limit) }
 }
 
 /// The exact product.
@@ -139,5 +152,8 @@ pub(super) const fn exponent(factor: FxFactor) -> i32 {
 #[inline]
 pub(super) const fn fixed(factor: FxFactor, bits: i32) -> i64 {
     let (mantissa, shift) = factor.parts();
-    shifted(mantissa as i128, shift - bits) as i64
+    match shift - bits {
+        down @ 2..65 => (((mantissa >> (down - 1)) + 1) >> 1) as i64,
+        down => shifted(mantissa as i128, down) as i64,
+    }
 }

@@ -77,18 +77,25 @@ impl Clock {
     }
 
     /// [`length`](Self::length) of 2^-32 m.
+    #[inline(always)]
     pub(super) fn length_of_bits(&self, bits: i128, unit: i32) -> i128 {
         let (mantissa, shift) = self.rate.parts();
         match (i64::try_from(bits), shift + 32 + unit) {
             (Ok(word), down @ 64..128) => multiple(word, mantissa, down).into(),
-            (_, down) => mul_shift_64(bits, mantissa, down).unwrap_or(if bits < 0 { -i128::MAX } else { i128::MAX }),
+            (_, down) => far_multiple(bits, mantissa, down),
         }
     }
 }
 
+/// [`multiple`] of any number and shift, as far as it fits.
+#[cold]
+fn far_multiple(value: i128, mantissa: u64, shift: i32) -> i128 {
+    mul_shift_64(value, mantissa, shift).unwrap_or(if value < 0 { -i128::MAX } else { i128::MAX })
+}
+
 /// value · mantissa · 2^-shift to nearest, ties to even: [`mul_shift_64`] of a word. *Domain* 64 ≤ shift < 128.
 #[inline(always)]
-fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
+pub(super) fn multiple(value: i64, mantissa: u64, shift: i32) -> i64 {
     // Below 2^127: the upper half, and the result, are below 2^63.
     let product = u128::from(value.unsigned_abs()) * u128::from(mantissa);
     let (high, low) = ((product >> 64) as u64, product as u64);

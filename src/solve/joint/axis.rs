@@ -37,6 +37,7 @@
 
 mod pair;
 mod spring;
+mod steps;
 
 use self::spring::SpringFactors;
 use super::tree::FRACTION;
@@ -45,7 +46,7 @@ use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::scalar::FxFactor;
 use crate::solve::number::{lowered, shifted};
-use crate::solve::unit::Clock;
+use crate::solve::unit::{Clock, multiple};
 
 /// The free row of a joint, with all that acts along it: for an angle in rad, rad/s and N·m, for a distance in m, m/s and N.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -156,6 +157,9 @@ pub(super) struct AxisRow {
 /// The product of a number and a factor, within ±limit.
 fn product(factor: (u64, i32), value: i128, limit: i64) -> i64 {
     let (mantissa, shift) = factor;
+    if value.unsigned_abs() < 1 << 62 && matches!(shift, 64..128) {
+        return multiple(value as i64, mantissa, shift).clamp(-limit, limit);
+    }
     let limit = i128::from(limit);
     mul_shift_64(value, mantissa, shift).unwrap_or(value.signum() * limit).clamp(-limit, limit) as i64
 }
@@ -191,7 +195,11 @@ impl AxisRow {
         };
         let position = |radians: i128| clock.length_of_bits(radians, unit - length).clamp(-FAR, FAR) as i64;
         let from_start = |radians: Fx| position(i128::from(radians.to_bits()) - i128::from(axis.position.to_bits()));
+        // Most rows lack some of them.
         let limit = |force: Fx| {
+            if force == Fx::ZERO {
+                return 0;
+            }
             let (mantissa, shift) = clock.substep.parts();
             product((mantissa, shift + 32 + mass_exponent + unit + length), force.to_bits().into(), IMPULSE)
         };
@@ -234,6 +242,13 @@ impl AxisRow {
         self.spring > 0
     }
 
+    /// A guess by the impulse that the row starts from: true if it may hold a velocity in the first pass.
+    pub(super) fn may_hold(&self, impulse: i64) -> bool {
+        let forces = self.motor + self.friction;
+        let is_held = if forces > 0 { impulse.abs() < forces } else { impulse != 0 };
+        self.is_locked() || is_held && !self.has_spring()
+    }
+
     /// Takes note of the velocity of the row at the beginning of a sub-step, in 2^-30.
     pub(super) fn set_start(&mut self, velocity: i64) {
         self.start = velocity;
@@ -245,6 +260,7 @@ impl AxisRow {
     }
 
     /// Begins a pass with the velocity of the row, in 2^-30, and its impulse; with a rate, in 2^-30, the solve pass.
+    #[inline(always)]
     pub(super) fn begin(&mut self, velocity: i64, impulse: i64, rate: Option<i64>) {
         self.is_biased = rate.is_some();
         self.strain = None;
@@ -267,70 +283,13 @@ impl AxisRow {
         }
     }
 
-    /// Lists the steps, from the highest velocity down.
-    fn set_steps(&mut self, rate: Option<i64>) {
-        // Below 2^31: velocities are below 2^29.5.
-        let [below, above] = [self.lower, self.upper].map(|bound| (bound - self.way).clamp(-(1 << 31), 1 << 31));
-        let [mut slowest, mut fastest] = [below, above].map(|error| error << 30);
-        match rate {
-            Some(rate) => {
-                slowest = if below > 0 || self.is_locked() { rate * below } else { slowest };
-                fastest = if above < 0 || self.is_locked() { rate * above } else { fastest };
-            }
-            None => {
-                let [presses_lower, presses_upper] = self.pressed_limits();
-                slowest = if self.is_locked() { 0 } else { self.relaxed(slowest.min(0), presses_lower) };
-                fastest = if self.is_locked() { 0 } else { self.relaxed(fastest.max(0), presses_upper) };
-            }
-        }
-        let forces = self.motor + self.friction;
-        self.count = 0;
-        self.levels[0] = -forces;
-        if self.upper < ENDLESS {
-            self.levels[0] = -ENDLESS;
-            self.add_step(fastest, -forces);
-        }
-        let mut pushes = [(self.motor_speed, self.motor), (0, self.friction)];
-        if self.motor_speed < 0 {
-            pushes.reverse();
-        }
-        for (speed, force) in pushes.into_iter().filter(|&(_, force)| force > 0) {
-            self.add_step(speed.clamp(slowest, fastest), self.levels[self.count] + 2 * force);
-        }
-        if self.lower > -ENDLESS {
-            self.add_step(slowest, ENDLESS);
-        }
-    }
-
-    /// True for the lower and the upper limit if the row pressed against it at the end of the pass before.
-    fn pressed_limits(&self) -> [bool; 2] {
-        match self.last_place {
-            Place::Step(step) => [step + 1 == self.count, step == 0],
-            Place::Level(_) | Place::Strained(..) | Place::Given(_) => [false; 2],
-        }
-    }
-
-    /// The velocity of a limit in the relax pass, from the velocity by which it is reached in the next sub-step: a limit that is neither reached nor
-    /// pressed against does not act yet, or it would stop an arm a sub-step before its time, and what it throws would lose the last push.
-    fn relaxed(&self, velocity: i64, is_pressed: bool) -> i64 {
-        if is_pressed { velocity } else { velocity.signum() * FASTEST as i64 }
-    }
-
-    /// Adds a step to a level. Steps at one velocity are one.
-    fn add_step(&mut self, velocity: i64, level: i64) {
-        if self.count == 0 || self.velocities[self.count - 1] != velocity {
-            self.velocities[self.count] = velocity;
-            self.count += 1;
-        }
-        self.levels[self.count] = level;
-    }
-
     /// Returns true if the limits leave one position.
     pub(super) fn is_locked(&self) -> bool {
         self.lower == self.upper
     }
 
     /// The impulse of the spring at a velocity.
+    #[inline(always)]
     fn spring_at(&self, velocity: i64) -> i64 {
         if !self.is_biased {
             return self.spring_impulse;
@@ -365,6 +324,7 @@ impl AxisRow {
     }
 
     /// The aim of the pass for the row, from its impulse at the beginning.
+    #[inline(always)]
     pub(super) fn aim(&self, impulse: i64) -> Aim {
         let velocity = self.velocity;
         match self.place {
@@ -385,6 +345,7 @@ impl AxisRow {
 
     /// Moves on to the next place if the row has left its place, at the end of a pass with this change of its velocity, in 2^-[`FRACTION`], and this
     /// impulse. Returns true if it has.
+    #[inline(always)]
     pub(super) fn revise(&mut self, change: i64, impulse: i64) -> bool {
         let velocity = self.velocity_after(change);
         if self.is_biased {
@@ -421,6 +382,7 @@ impl AxisRow {
     }
 
     /// The part of the spring of an impulse at the end of a pass.
+    #[inline(always)]
     fn spring_part(&self, impulse: i64) -> i64 {
         match self.place {
             Place::Step(step) => self.spring_at(self.velocities[step]),
@@ -469,17 +431,20 @@ impl AxisRow {
     }
 
     /// Returns true if the impulse of the spring follows from the velocity.
+    #[inline(always)]
     fn is_elastic(&self) -> bool {
         self.is_biased && self.spring > 0 && self.strain.is_none()
     }
 
     /// The velocity after a change since the beginning of the pass, in 2^-[`FRACTION`].
+    #[inline(always)]
     fn velocity_after(&self, change: i64) -> i64 {
         let limit = i128::from(i64::MAX);
         (i128::from(self.velocity) + (i128::from(change) << (30 - FRACTION))).clamp(-limit, limit) as i64
     }
 
     /// The impulse within the range of the place where the row ended, from the impulse that the pass led to.
+    #[inline(always)]
     pub(super) fn finish(&mut self, impulse: i64) -> i64 {
         (self.last_place, self.last_count) = (self.place, self.count);
         let impulse = match self.place {

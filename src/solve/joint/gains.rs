@@ -11,7 +11,7 @@ use super::turn::Side;
 use super::{Block, FINER, LOWER};
 use crate::kernel::simd::{GAIN_BITS, Lanes};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, product, upper, within};
+use crate::solve::number::{lowered, lowered_low, product, upper, within};
 
 /// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
 const RAISED: i32 = 18;
@@ -64,20 +64,39 @@ impl Block {
     /// Begins a sub-step with the impulses of the one before, at the present arms.
     #[inline(always)]
     pub(super) fn warm_start(&mut self, gains: &mut Gains) {
-        self.applied.add(self.change);
-        self.change = Sums::default();
         if self.is_pulley() {
             self.rope_sums.begin();
         }
-        self.push(self.impulses);
+        self.around += self.impulses[2];
+        self.change = self.sums(self.impulses);
         self.give_gains(gains);
     }
 
-    /// The sums of the changes of all sub-steps.
-    pub(super) fn applied(&self) -> Sums {
-        let mut applied = self.applied;
-        applied.add(self.change);
-        applied
+    /// Takes note of changed impulses in the change of the sub-step.
+    ///
+    /// Axes stay from the warm start to the move: up to there the change is the sum of the impulses themselves. After the move it is part of
+    /// `applied`, too.
+    #[inline(always)]
+    pub(super) fn push(&mut self, before: [i64; 3], is_biased: bool) {
+        let [first, second, third] = self.impulses;
+        self.around += third - before[2];
+        if is_biased {
+            self.change = self.sums(self.impulses);
+            return;
+        }
+        let sums = self.sums([first - before[0], second - before[1], third - before[2]]);
+        self.change.add(&sums);
+        self.applied.add(&sums);
+    }
+
+    /// Adds up the change that moved the bodies.
+    #[inline(always)]
+    pub(super) fn weigh(&mut self) {
+        self.applied.add(&self.change);
+        self.weighted.add(&self.applied);
+        if self.is_pulley() {
+            self.rope_sums.weigh();
+        }
     }
 
     /// The sums along x and y of the second body of a pulley: of the changes of all sub-steps, and of the changes up to the moves.
@@ -96,16 +115,18 @@ impl Block {
         *before = impulse;
     }
 
-    /// Adds impulses of the rows to the change of the sub-step.
-    #[inline(always)]
-    pub(super) fn push(&mut self, impulses: [i64; 3]) {
-        self.change.add(self.sums(impulses));
-        self.around += impulses[2];
-    }
-
     /// The sums of impulses of the rows; of a pulley along x and y of the first body.
     #[inline(always)]
     pub(super) fn sums(&self, impulses: [i64; 3]) -> Sums {
+        if self.holds_point() {
+            // The axes are the world's.
+            let ([first, second, third], [[ka, kb], [la, lb], [ma, mb]]) = (impulses, self.crosses);
+            let mut turns = [product(first, ka) + product(second, la), product(first, kb) + product(second, lb)];
+            if self.is_active[2] {
+                turns = [turns[0] + product(third, ma), turns[1] + product(third, mb)];
+            }
+            return Sums { linear: [i128::from(first) << 30, i128::from(second) << 30], turns };
+        }
         let (mut linear, mut turns) = ([0; 2], [0; 2]);
         for (row, impulse) in impulses.into_iter().enumerate() {
             if self.is_active[row] {
@@ -137,20 +158,26 @@ impl Block {
     pub(super) fn give_gains(&mut self, gains: &mut Gains) {
         // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let Sums { linear: [x, y], turns: [turn_a, turn_b] } = self.change;
-        if self.is_pulley() {
-            return self.give_large_gains(gains);
-        }
-        let [x, y] = [lowered(x, LOWER) as i64, lowered(y, LOWER) as i64];
-        let [turn_a, turn_b] = [lowered(turn_a, LOWER) as i64, lowered(turn_b, LOWER) as i64];
-        let up = 64 - RAISED - self.gain_bits();
+        let [x, y] = if self.holds_point() {
+            [self.impulses[0] << (30 - LOWER), self.impulses[1] << (30 - LOWER)]
+        } else {
+            [lowered_low(x, LOWER), lowered_low(y, LOWER)]
+        };
+        let [turn_a, turn_b] = [lowered_low(turn_a, LOWER), lowered_low(turn_b, LOWER)];
         let bound = magnitude(x) | magnitude(y) | magnitude(turn_a) | magnitude(turn_b);
-        if bound >> (63 - up) != 0 {
+        let [first, second] = [self.sides[0].row as usize, self.sides[1].row as usize];
+        let up = 64 - RAISED - self.gain_bits();
+        let count = gains.rows.len();
+        // Rows are checked ahead of the products as well: compilers know that a factor is a word within a block only.
+        if bound >> (63 - up) != 0 || self.is_pulley() || first >= count || second >= count {
             return self.give_large_gains(gains);
         }
+        let up = 64 - RAISED - self.gain_bits();
         let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
-        let [a, b] = &mut self.sides;
-        a.give_gains(gains, [x, y, turn_a], -1);
-        b.give_gains(gains, [x, y, turn_b], 1);
+        let [first, second] = &mut self.sides;
+        let (first_gain, second_gain) = (first.gain([x, y, turn_a]), second.gain([x, y, turn_b]));
+        first.give(gains, first_gain.map(i128::from), -1);
+        second.give(gains, second_gain.map(i128::from), 1);
     }
 
     /// [`give_gains`](Self::give_gains) by impulses of any size, and of pulleys.
@@ -204,7 +231,7 @@ impl RopeSums {
 
 impl Sums {
     #[inline(always)]
-    pub(super) fn add(&mut self, sums: Self) {
+    pub(super) fn add(&mut self, sums: &Self) {
         for i in 0..2 {
             self.linear[i] += sums.linear[i];
             self.turns[i] += sums.turns[i];
@@ -213,15 +240,12 @@ impl Sums {
 }
 
 impl Side {
-    /// Adds to the gains of the body the changes of velocity by the impulses of the sub-step, less the part that was added before. Masses are
-    /// at most 2^44, so that the products of raised masses and of impulses along x and y and of rotation, which are below 2^63, are below 2^126.
+    /// The change of velocity by raised impulses of the sub-step. Masses are at most 2^44, so that the products of raised masses and of impulses
+    /// along x and y and of rotation, which are below 2^63, are below 2^126.
     #[inline(always)]
-    fn give_gains(&mut self, gains: &mut Gains, impulses: [i64; 3], sign: i128) {
-        if !self.is_movable() {
-            return;
-        }
-        let gain = |k: usize| i128::from(upper(i128::from(self.masses[k] << RAISED) * i128::from(impulses[k])));
-        self.give(gains, [gain(0), gain(1), gain(2)], sign);
+    fn gain(&self, [x, y, turn]: [i64; 3]) -> [i64; 3] {
+        let [mx, my, angular] = self.masses;
+        [upper(product(mx << RAISED, x)), upper(product(my << RAISED, y)), upper(product(angular << RAISED, turn))]
     }
 
     /// Adds a change of velocity to the gains, less the part that was added before.

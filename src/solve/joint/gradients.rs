@@ -198,7 +198,7 @@ impl Loops {
                 let [x, y, turn] = joint.solution;
                 let changes =
                     [lowered_word(x, FINER_STILL), lowered_word(y, FINER_STILL), lowered_word(turn, FINER_STILL)];
-                cut += block.change(changes, laws);
+                cut += block.change(changes, laws, is_biased);
                 block.give_gains(gains);
             }
         }

@@ -236,7 +236,7 @@ impl Joints {
     pub(in crate::solve) fn apply_impact(&mut self, assembly: usize, ways: &mut [[i64; 3]], coarse: i32) {
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
-            block.applied.add(block.sums(self.impacts[index].impulses));
+            block.applied.add(&block.sums(self.impacts[index].impulses));
             block.around += self.impacts[index].impulses[2];
         }
         self.begin_impact(assembly);
@@ -247,7 +247,7 @@ impl Joints {
         }
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
-            block.weighted.add(block.sums(self.impacts[index].impulses.map(|impulse| -impulse)));
+            block.weighted.add(&block.sums(self.impacts[index].impulses.map(|impulse| -impulse)));
         }
     }
 }

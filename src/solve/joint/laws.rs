@@ -2,6 +2,7 @@
 
 use super::Block;
 use super::axis::{Aim, AxisRow, ENDLESS};
+use crate::slots::NONE;
 use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::shifted;
 
@@ -9,7 +10,7 @@ use crate::solve::number::shifted;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct RowChange {
     pub(super) velocity: i64,
-    pub(super) impulse: i128,
+    pub(super) impulse: i64,
 }
 
 impl Block {
@@ -22,9 +23,13 @@ impl Block {
     }
 
     /// The velocity of a row that has a law, in 2^-30; in the solve pass with the second-order term of a distance.
+    #[inline(always)]
     fn law_velocity(&self, row: usize, velocities: [Vector; 2], is_biased: bool) -> i64 {
+        if row == 2 {
+            return self.turning_velocity(velocities);
+        }
         let velocity = self.velocity(row, velocities);
-        if row == 2 || !is_biased {
+        if !is_biased {
             velocity
         } else if self.is_pulley() {
             velocity + self.rope_second_order(velocities)
@@ -46,8 +51,15 @@ impl Block {
     }
 
     /// Begins a pass of the laws; with a rate, in 2^-30, the solve pass.
+    #[inline(always)]
     pub(super) fn begin_laws(&self, rows: &Rows, laws: &mut [AxisRow], rate: Option<i64>) {
         let velocities = self.velocities(rows);
+        if let [NONE, NONE, around] = self.laws {
+            if let Some(law) = laws.get_mut(around as usize) {
+                law.begin(self.turning_velocity(velocities), self.impulses[2], rate);
+            }
+            return;
+        }
         for row in 0..3 {
             if let Some(law) = laws.get_mut(self.laws[row] as usize) {
                 let velocity = self.law_velocity(row, velocities, rate.is_some());
@@ -57,6 +69,7 @@ impl Block {
     }
 
     /// The aim of a pass for a row; `None` for a row without a law.
+    #[inline(always)]
     pub(super) fn aim(&self, row: usize, laws: &[AxisRow]) -> Option<Aim> {
         laws.get(self.laws[row] as usize).map(|law| law.aim(self.impulses[row]))
     }
@@ -65,12 +78,18 @@ impl Block {
     pub(super) fn revise_laws(&self, laws: &mut [AxisRow], changes: [RowChange; 3]) -> bool {
         let impulses = self.pushed_pair(&changes);
         let mut have_left = self.pair(laws).is_some_and(|pair| AxisRow::revise_pair(pair, impulses));
-        for (row, change) in changes.into_iter().enumerate() {
+        for (row, change) in changes.iter().enumerate() {
             if let Some(law) = laws.get_mut(self.laws[row] as usize).filter(|law| !law.is_paired()) {
-                have_left |= law.revise(change.velocity, self.pushed(row, change.impulse));
+                have_left |= self.revise_law(law, row, change);
             }
         }
         have_left
+    }
+
+    /// Moves a row on that has left its place by a change. Returns true if it has.
+    #[inline(always)]
+    pub(super) fn revise_law(&self, law: &mut AxisRow, row: usize, change: &RowChange) -> bool {
+        law.revise(change.velocity, self.pushed(row, change.impulse))
     }
 
     /// The laws of both rows along the axes.
@@ -105,7 +124,8 @@ impl Block {
     }
 
     /// The impulse of a row with a change.
-    fn pushed(&self, row: usize, push: i128) -> i64 {
-        (i128::from(self.impulses[row]) + push).clamp(-i128::from(ENDLESS), i128::from(ENDLESS)) as i64
+    fn pushed(&self, row: usize, push: i64) -> i64 {
+        // Below 2^50 and 2^61.
+        (self.impulses[row] + push).clamp(-ENDLESS, ENDLESS)
     }
 }

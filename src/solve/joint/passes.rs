@@ -37,8 +37,9 @@ pub(in crate::solve) struct Joints {
     /// The number of sub-steps, and of moves of the bodies so far.
     substeps: i32,
     moves: i32,
-    /// The laws of the rows of blocks, in their order.
+    /// The laws of the rows of blocks, in their order; and true if one has a spring.
     pub(super) laws: Vec<AxisRow>,
+    have_springs: bool,
     pub(super) trees: Trees,
     /// By block: its impulses in the impacts of a round; empty until a step needs them.
     pub(super) impacts: Vec<JointImpact>,
@@ -119,6 +120,7 @@ impl Joints {
                 laws,
             ));
         }
+        self.have_springs = laws.iter().any(AxisRow::has_spring);
         // An error that is cut off now is so after the first move, and counted there.
         for pose in poses.iter_mut() {
             pose.advance(&bodies.rows, 0, self.substeps);
@@ -155,7 +157,7 @@ impl Joints {
     /// not known.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(in crate::solve) fn begin(&mut self, rows: &Rows, is_first: bool) {
-        if !self.laws.is_empty() {
+        if self.have_springs {
             for block in &self.blocks {
                 block.set_start(rows, &mut self.laws, is_first);
             }
@@ -220,7 +222,7 @@ impl Joints {
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.
     pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.blocks.iter().map(|block| {
-            let [x, y] = block.rope_totals().map_or_else(|| block.applied().linear, |[applied, _]| applied);
+            let [x, y] = block.rope_totals().map_or_else(|| block.applied.linear, |[applied, _]| applied);
             // From 2^(exponent − 30), and from 2^exponent of the length of the row.
             let [x, y] = [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent));
             let around = shifted_within(block.around.into(), -32 - block.exponent - block.axis_length);
@@ -238,17 +240,19 @@ impl Joints {
             joint.impulses = Impulses { values: block.values(), exponent: block.exponent };
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
-            let (applied, weighted) = (block.applied(), block.weighted);
-            let seconds = block.rope_totals().unwrap_or([applied.linear, weighted.linear]);
+            let ends = joint.bodies.map(|body| body as usize);
+            let seconds = block.rope_totals().map_or([None; 2], |totals| totals.map(Some));
+            let sums = [&block.applied, &block.weighted];
             for (is_weighted, (Sums { linear, turns }, second)) in
-                [false, true].into_iter().zip([applied, weighted].into_iter().zip(seconds))
+                [false, true].into_iter().zip(sums.into_iter().zip(seconds))
             {
-                for (side, sign, along) in [(0, -1, linear), (1, 1, second)] {
-                    let body = joint.bodies[side] as usize;
-                    let [x, y] = along.map(|value| shifted_within(value, bits));
-                    let turn = shifted_within(turns[side], bits - flights[body].length());
-                    totals[body].add(is_weighted, [x, y, turn].map(|value| sign * value));
-                }
+                let [x, y] = linear.map(|value| shifted_within(value, bits));
+                let [second_x, second_y] =
+                    second.map_or([x, y], |linear| linear.map(|value| shifted_within(value, bits)));
+                let [turn_a, turn_b] =
+                    [0, 1].map(|side| shifted_within(turns[side], bits - flights[ends[side]].length()));
+                totals[ends[0]].add(is_weighted, [-x, -y, -turn_a]);
+                totals[ends[1]].add(is_weighted, [second_x, second_y, turn_b]);
             }
         }
     }

@@ -43,6 +43,7 @@ mod frame;
 mod impact;
 mod node;
 mod pin;
+mod setup;
 mod stiffness;
 mod symmetric;
 
@@ -60,7 +61,7 @@ use super::laws::RowChange;
 use super::turn::Pose;
 use crate::slots::NONE;
 use crate::solve::StepInput;
-use crate::solve::bodies::{BodyRows, STILL};
+use crate::solve::bodies::BodyRows;
 use crate::solve::motion::Rows;
 use crate::solve::number::{bits_of, lowered_word, shifted, within};
 
@@ -150,10 +151,9 @@ impl Trees {
     ) {
         self.clear();
         let Self { nodes, frames, trees } = self;
-        let length = |body: u32| bodies.bodies[body as usize].length;
-        for place in &forest.places {
-            let row = if place.body == NONE { STILL } else { bodies.row_of[place.body as usize] };
-            nodes.push(Node { row, ..Node::new(place, input.flights, length) });
+        nodes.resize(forest.places.len(), Node::default());
+        for (node, place) in nodes.iter_mut().zip(&forest.places) {
+            node.set(place, input.flights, bodies);
         }
         for range in &forest.trees {
             let is_loaded =
@@ -223,7 +223,7 @@ impl Trees {
             } else {
                 eliminate(nodes, frames, begin);
             }
-            cut += push(nodes, frames, blocks, laws, gains);
+            cut += push(nodes, frames, blocks, laws, gains, is_biased);
         }
         cut
     }
@@ -251,6 +251,7 @@ fn eliminate(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize) {
 }
 
 /// Begins a pass of all laws. Limits always push back by a tenth: where a row leaves its limit, the push stays as a velocity.
+#[inline(always)]
 fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Rows, is_biased: bool) {
     for node in nodes.iter().filter(|node| node.parent != NONE) {
         blocks[node.block as usize].begin_laws(rows, laws, is_biased.then_some(RATE));
@@ -258,6 +259,7 @@ fn begin_laws(nodes: &[Node], blocks: &[Block], laws: &mut [AxisRow], rows: &Row
 }
 
 /// Solves a tree until no row leaves its place. Returns false if rows still do.
+#[inline(always)]
 fn find_places(
     nodes: &mut [Node],
     frames: &mut [FrameRows],
@@ -281,12 +283,17 @@ fn find_places(
 /// iteration can raise the energy: for the matrix K of the rows and the part D of it in which each row is alone, K ≤ k·D. From the impulses of the
 /// pass before it leads to the end as slowly as projected Jacobi iterations do, but the search for places may go round in circles, and its last
 /// impulses, solved for limits that hold where they do not, would tear a chain between two supports apart in a step.
+#[cold]
+#[inline(never)]
 fn descend(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block], laws: &mut [AxisRow]) {
     for node in nodes.iter().filter(|node| node.parent != NONE) {
         blocks[node.block as usize].begin_descent(laws);
     }
-    for _ in 0..DESCENT {
+    for iteration in 0..=DESCENT {
         solve_aims(nodes, frames, begin, blocks, laws);
+        if iteration == DESCENT {
+            return;
+        }
         for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
             let block = &blocks[node.block as usize];
             if let Some(changes) = row_changes(nodes, frames, index, block) {
@@ -294,10 +301,10 @@ fn descend(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &
             }
         }
     }
-    solve_aims(nodes, frames, begin, blocks, laws);
 }
 
 /// Solves a tree for the present aims of its laws.
+#[inline(always)]
 fn solve_aims(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block], laws: &[AxisRow]) {
     if set_aims(nodes, frames, blocks, laws) {
         factor_changed(nodes, frames, begin, blocks);
@@ -306,6 +313,7 @@ fn solve_aims(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks
 }
 
 /// Sets the aims of laws in a round. Returns true if the matrices change by it.
+#[inline(always)]
 fn set_aims(nodes: &mut [Node], frames: &mut [FrameRows], blocks: &[Block], laws: &[AxisRow]) -> bool {
     let mut have_changed = false;
     for node in nodes.iter_mut().filter(|node| node.parent != NONE) {
@@ -325,26 +333,32 @@ fn row_changes(nodes: &[Node], frames: &[FrameRows], index: usize, block: &Block
     Some(changes)
 }
 
+#[inline(always)]
 fn row_change(nodes: &[Node], frames: &[FrameRows], index: usize, row: usize) -> Option<RowChange> {
     let node = &nodes[index];
-    let (velocity, impulse) = node.row_change(frames, row)?;
-    let (mut velocity, mut impulse, mut bits) = (velocity, i128::from(impulse), node.push_shift);
+    let (mut velocity, mut impulse) = node.row_change(frames, row)?;
+    let mut bits = node.push_shift;
     if node.is_half {
         // Halves move and push in opposite directions.
         let (second_velocity, second_impulse) =
             nodes.get(index + 1).filter(|second| second.is_half)?.row_change(frames, row)?;
-        (velocity, impulse, bits) = (velocity - second_velocity, impulse - i128::from(second_impulse), bits + 1);
+        (velocity, impulse, bits) = (velocity - second_velocity, impulse - second_impulse, bits + 1);
     }
     let sign = if node.side == 0 { -1 } else { 1 };
-    Some(RowChange { velocity: sign * velocity, impulse: i128::from(sign) * shifted(impulse, bits) })
+    Some(RowChange { velocity: sign * velocity, impulse: sign * change_of(impulse, bits) })
 }
 
 /// Moves rows on that have left their places. Returns true if there is one.
+#[inline(always)]
 fn revise_laws(nodes: &[Node], frames: &[FrameRows], blocks: &[Block], laws: &mut [AxisRow]) -> bool {
     let mut have_left = false;
     for (index, node) in nodes.iter().enumerate().filter(|(_, node)| node.parent != NONE) {
         let block = &blocks[node.block as usize];
-        if let Some(changes) = row_changes(nodes, frames, index, block) {
+        if let [NONE, NONE, around] = block.laws {
+            if let (Some(law), Some(change)) = (laws.get_mut(around as usize), row_change(nodes, frames, index, 2)) {
+                have_left |= block.revise_law(law, 2, &change);
+            }
+        } else if let Some(changes) = row_changes(nodes, frames, index, block) {
             have_left |= block.revise_laws(laws, changes);
         }
     }
@@ -428,22 +442,21 @@ fn change_of(push: i64, bits: i32) -> i64 {
 #[inline(always)]
 fn joint_impulses(nodes: &[Node], frames: &[FrameRows], index: usize) -> Option<[i64; 3]> {
     let node = &nodes[index];
-    let pushes = node.impulses(frames);
+    let [x, y, around] = node.impulses(frames);
     let sign = if node.side == 0 { -1 } else { 1 };
-    let mut changes = [0; 3];
     if !node.is_half {
-        for row in 0..3 {
-            changes[row] = sign * change_of(pushes[row], node.push_shift);
-        }
-        return Some(changes);
+        // Most joints have no row around.
+        let around = if around == 0 { 0 } else { change_of(around, node.push_shift) };
+        return Some([sign * change_of(x, node.push_shift), sign * change_of(y, node.push_shift), sign * around]);
     }
     if is_second_half(nodes, index) {
         return None;
     }
     // The mean of both halves of the joint.
     let second_pushes = nodes[index + 1].impulses(frames);
-    for row in 0..3 {
-        let sum = i128::from(pushes[row]) - i128::from(second_pushes[row]);
+    let mut changes = [0; 3];
+    for (row, push) in [x, y, around].into_iter().enumerate() {
+        let sum = i128::from(push) - i128::from(second_pushes[row]);
         changes[row] = sign * within(shifted(sum, node.push_shift + 1), LARGEST);
     }
     Some(changes)
@@ -451,12 +464,19 @@ fn joint_impulses(nodes: &[Node], frames: &[FrameRows], index: usize) -> Option<
 
 /// Adds the changes of impulses to the joints.
 #[inline(always)]
-fn push(nodes: &[Node], frames: &[FrameRows], blocks: &mut [Block], laws: &mut [AxisRow], gains: &mut Gains) -> u64 {
+fn push(
+    nodes: &[Node],
+    frames: &[FrameRows],
+    blocks: &mut [Block],
+    laws: &mut [AxisRow],
+    gains: &mut Gains,
+    is_biased: bool,
+) -> u64 {
     let mut cut = 0;
     for index in 0..nodes.len() - 1 {
         let Some(changes) = joint_impulses(nodes, frames, index) else { continue };
         let block = &mut blocks[nodes[index].block as usize];
-        cut += block.change(changes, laws);
+        cut += block.change(changes, laws, is_biased);
         block.give_gains(gains);
     }
     cut

@@ -11,7 +11,7 @@ use crate::slots::NONE;
 use crate::solve::Flight;
 use crate::solve::motion::{Rows, Vector};
 use crate::solve::number::{clamped, fixed, lowered, lowered_word, shifted, shifted_word, upper};
-use crate::solve::unit::Clock;
+use crate::solve::unit::{Clock, multiple};
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
 const LARGEST_ANGLE: i64 = 107_374_182;
@@ -54,9 +54,28 @@ fn turned([x, y]: [i64; 2], sin: i64, cos: i64) -> [i64; 2] {
 #[inline(always)]
 fn sweep(factor: (u64, i32), velocity: i32) -> i64 {
     let (mantissa, shift) = factor;
+    if matches!(shift, 32..96) {
+        // Raised, velocities are below 2^60.
+        let angle = multiple(i64::from(velocity) << 32, mantissa, shift + 32);
+        return angle.clamp(-LARGEST_ANGLE, LARGEST_ANGLE);
+    }
     let limit = i128::from(LARGEST_ANGLE);
     // An angle that does not fit is as large as any.
     mul_shift_64(velocity.into(), mantissa, shift).unwrap_or(limit).clamp(-limit, limit) as i64
+}
+
+/// The turn of an angular displacement by the turn of a unit of it, in 2^-64: whole turns do not matter.
+#[inline(always)]
+fn turn_of(factor: (u64, i32), displacement: i32) -> u64 {
+    let (mantissa, shift) = factor;
+    if !matches!(shift, 1..64) {
+        return mul_shift_64(displacement.into(), mantissa, shift).unwrap_or(0) as u64;
+    }
+    // To nearest, ties to even.
+    let product = u128::from(displacement.unsigned_abs()) * u128::from(mantissa);
+    let (floor, rest) = ((product >> shift) as u64, (product as u64) << (64 - shift));
+    let turn = floor.wrapping_add(u64::from(rest > (1 << 63) - (floor & 1)));
+    if displacement < 0 { turn.wrapping_neg() } else { turn }
 }
 
 /// A row of a body with joints, as all of these see it.
@@ -109,11 +128,13 @@ impl Pose {
     #[inline(always)]
     pub(super) fn advance(&mut self, rows: &Rows, moves: i32, substeps: i32) {
         let [x, y, turn, _] = rows.displacement(self.row);
-        let shift = self.shift.map(|shift| part(shift, moves, substeps));
-        self.moved = [x - shift[0], y - shift[1], turn - shift[2]];
-        let (mantissa, shift) = self.turn;
-        // Whole turns do not matter.
-        let turn = mul_shift_64(self.moved[2].into(), mantissa, shift).unwrap_or(0) as u64;
+        self.moved = [x, y, turn];
+        if self.shift != [0; 3] {
+            for (moved, shift) in self.moved.iter_mut().zip(self.shift) {
+                *moved -= part(shift, moves, substeps);
+            }
+        }
+        let turn = turn_of(self.turn, self.moved[2]);
         (self.sin, self.cos) = if turn == 0 { (0, 1 << 62) } else { sin_cos_turn(turn) };
     }
 
@@ -129,7 +150,7 @@ impl Pose {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bends {
     angles: [i64; 2],
-    bend: [i64; 2],
+    pub(super) bend: [i64; 2],
 }
 
 /// A body at a joint.
@@ -208,6 +229,10 @@ impl Side {
     /// Turns the arm to the pose.
     #[inline(always)]
     fn turn_to(&mut self, pose: &Pose) {
+        if pose.sin == 0 && pose.cos == 1 << 62 {
+            (self.arm, self.unit_arm) = (self.start, self.unit_start);
+            return;
+        }
         self.arm = turned(self.start, pose.sin, pose.cos);
         self.unit_arm = turned(self.unit_start, pose.sin, pose.cos);
     }
@@ -269,16 +294,11 @@ impl Block {
         }
         match self.frame {
             // Arms have these axes.
-            Frame::World => {
-                for k in 0..2 {
-                    let [x, y] = self.sides[k].unit_arm;
-                    for (row, cross) in [-y, x].into_iter().enumerate() {
-                        if self.is_active[row] {
-                            self.crosses[row][k] = cross;
-                        }
-                    }
-                }
+            Frame::World if self.holds_point() => {
+                let [[ax, ay], [bx, by]] = [self.sides[0].unit_arm, self.sides[1].unit_arm];
+                (self.crosses[0], self.crosses[1]) = ([-ay, -by], [ax, bx]);
             }
+            Frame::World => {}
             Frame::Line | Frame::Body(_) | Frame::Ropes { .. } => {
                 for row in 0..2 {
                     if self.is_active[row] {
@@ -382,7 +402,7 @@ impl Block {
 
     /// The shifts of both bodies at the end of the step.
     #[inline(always)]
-    fn shifts(&self) -> [Vector; 2] {
+    pub(super) fn shifts(&self) -> [Vector; 2] {
         [0, 1].map(|k| {
             let [x, y, turn] = self.sides[k].shift;
             [x, y, turn, 0]
@@ -436,6 +456,22 @@ impl Block {
     fn rope_way(&self, [a, b]: [Vector; 2]) -> i64 {
         let [[ax, ay], [bx, by], _] = self.axes;
         bx * i64::from(b[0]) + by * i64::from(b[1]) - ax * i64::from(a[0]) - ay * i64::from(a[1])
+    }
+
+    /// The [velocities](Self::velocity) of both rows of a joint that holds a point.
+    #[inline(always)]
+    pub(super) fn point_velocity(&self, [a, b]: [Vector; 2]) -> [i64; 2] {
+        let ([ka, kb], [la, lb]) = (self.crosses[0], self.crosses[1]);
+        let [turn_a, turn_b] = [i64::from(a[2]), i64::from(b[2])];
+        let [x, y] = [0, 1].map(|i| (i64::from(b[i]) - i64::from(a[i])) << 30);
+        [x + (kb * turn_b - ka * turn_a), y + (lb * turn_b - la * turn_a)]
+    }
+
+    /// The velocity of the row around, in 2^-30.
+    #[inline(always)]
+    pub(super) fn turning_velocity(&self, [a, b]: [Vector; 2]) -> i64 {
+        let [across_a, across_b] = self.crosses[2];
+        across_b * i64::from(b[2]) - across_a * i64::from(a[2])
     }
 
     /// The sum of a row's products with the velocities of both bodies, in 2^-30.

@@ -9,7 +9,7 @@ use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::{Block, FINER};
-use crate::solve::number::{divided, exponent, fixed, lowered, shifted, shifted_word, within};
+use crate::solve::number::{divided, exponent, fixed, lowered, lowered_word, shifted, shifted_word, within};
 use crate::solve::unit::SoftRow;
 
 /// A loop with laws in a pass.
@@ -59,7 +59,7 @@ impl LoopJoint {
     fn row_changes(&self, block: &Block) -> [RowChange; 3] {
         [0, 1, 2].map(|row| RowChange {
             velocity: self.velocity[row] - self.gives(block, row),
-            impulse: lowered(self.solution[row].into(), FINER_STILL),
+            impulse: lowered_word(self.solution[row], FINER_STILL),
         })
     }
 

@@ -20,6 +20,7 @@ pub(super) fn factor(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize,
 }
 
 /// Finds the matrices anew that change where the aims of laws have.
+#[inline(never)]
 pub(super) fn factor_changed(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &[Block]) {
     for index in 0..nodes.len() {
         if nodes[index].has_changed {
@@ -46,7 +47,7 @@ fn factor_next(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, index
     // Nodes that are as far from the centre stand side by side.
     let waits = nodes[index].parent as usize == begin + index + 1;
     match &mut nodes[index..] {
-        [first, second, ..] if first.may_be_pin() && second.may_be_pin() && !waits => {
+        [first, second, ..] if first.holds_point && second.holds_point && !waits => {
             Node::factor_pins(first, second);
             first.factor_others(frames);
             second.factor_others(frames);

@@ -1,23 +1,16 @@
 //! Nodes of trees: matrices and pushes on the way to the centre and back.
 
-use alloc::vec::Vec;
-
-use super::angle::AngleRow;
+use super::angle::{AngleRow, TermsNode};
 use super::frame::FrameRows;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, rarely_shifted, scaled, to_impulse, turned, unit_dot};
-use super::{COARSER, FRACTION, IMPULSE, INERTIA, LOCKED, MASS, PART, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT};
-use crate::math::Vec2;
-use crate::scalar::FxFactor;
+use super::{FRACTION, IMPULSE, PART, RATIO, RESIDUAL, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::slots::NONE;
-use crate::solve::Flight;
+use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
-use crate::solve::joint::forest::Place;
 use crate::solve::joint::turn::Pose;
-use crate::solve::joint::{Block, Frame};
 use crate::solve::motion::Rows;
 use crate::solve::number::{
-    bits_of, exponent, fixed, lowered, lowered_low, lowered_within, lowered_word, product, shifted, shifted_word,
-    within, within_word,
+    lowered, lowered_low, lowered_within, lowered_word, product, shifted, upper, within, within_word,
 };
 
 /// A node with the joint to its parent.
@@ -34,7 +27,7 @@ pub(super) struct Node {
     pub(super) is_rod: bool,
     /// The number of the frame of the joint, if rows of it along the axes have laws or are free; else [`NONE`].
     pub(super) frame: u32,
-    /// True for a body at a joint that holds a point; and if it turns freely there, and all its values are of the sizes that they most often have.
+    /// True for a body that can turn at a joint that holds a point; and if all its values are of the sizes that they most often have.
     pub(super) holds_point: bool,
     pub(super) is_pin: bool,
     /// True if the matrices change by the aims of laws.
@@ -46,8 +39,10 @@ pub(super) struct Node {
     pub(super) share: i32,
     /// log2 of the length of the body, m.
     pub(super) length: i32,
-    /// The axis of the joint, if something acts on it.
+    /// The axis of the joint, if something acts on it; and its κ and η on the node, zero without one.
     pub(super) angle: Option<AngleRow>,
+    pub(super) stiffness: i64,
+    pub(super) given: i64,
     /// log2 of the units of mass of the node and of the joint, kg.
     pub(super) unit: i32,
     pub(super) joint_unit: i32,
@@ -58,6 +53,9 @@ pub(super) struct Node {
     pub(super) inertia: i64,
     /// γ
     pub(super) compliance: i64,
+    /// γ, raised so that the velocity by which an impulse of the block makes the joint give way stands in the upper word of their product; zero if
+    /// it does not fit.
+    pub(super) raised_compliance: i64,
     /// From a product of the compliance and an impulse of the block to a velocity, as log2; and from an impulse to one of the block.
     pub(super) give_shift: i32,
     pub(super) push_shift: i32,
@@ -88,6 +86,8 @@ pub(super) struct Node {
     pub(super) tau: i64,
     pub(super) g: [i64; 2],
     pub(super) residual: [i64; 2],
+    /// r − γg, of a joint that is no rod.
+    pub(super) given_residual: [i64; 2],
     /// Δλ
     pub(super) push: [i64; 2],
     /// Δv and Δω.
@@ -96,89 +96,6 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// A node in the unit of its own mass. Other nodes than bodies have no mass.
-    pub(super) fn new(place: &Place, flights: &[Flight], length: impl Fn(u32) -> i32) -> Self {
-        let mut node = Self {
-            parent: place.parent,
-            block: place.block,
-            side: place.side,
-            is_body: place.body != NONE,
-            frame: NONE,
-            ..Self::default()
-        };
-        if node.is_body {
-            let flight = &flights[place.body as usize];
-            node.length = length(place.body);
-            let Flight { inverse_mass, inverse_inertia, .. } = flight;
-            let Vec2 { x, y } = *inverse_mass;
-            // An axis that is locked has the mass of the other one.
-            let free = if x.is_zero() { y } else { x };
-            let mass_x = if free.is_zero() { FxFactor::from_scalar(flight.mass) } else { FxFactor::ONE.over(free) };
-            let mass_y = if y == x || y.is_zero() { mass_x } else { FxFactor::ONE.over(y) };
-            node.unit = exponent(mass_x).max(exponent(mass_y)) - MASS + bits_of(place.children.into());
-            let masses = [mass_x, mass_y].map(|mass| fixed(mass, -node.unit).max(1));
-            node.linear = Reciprocal::new(masses[0].min(masses[1])).times(1 << 60, SOFT - 60);
-            node.mass =
-                [(0, x), (1, y)].map(|(axis, inverse)| masses[axis] << if inverse.is_zero() { LOCKED } else { 0 });
-            if !inverse_inertia.is_zero() {
-                let inertia = FxFactor::ONE.over(*inverse_inertia);
-                let up = -node.unit - 2 * node.length;
-                let [smallest, largest] = INERTIA;
-                let is_large = exponent(inertia) + up > bits_of(largest);
-                node.inertia = if is_large { largest } else { fixed(inertia, up).clamp(smallest, largest) };
-            }
-            node.turn = Reciprocal::new(node.inertia);
-        }
-        node
-    }
-
-    /// Half the sum of the inverse mass of the node at a point along x and along y, in 2^-[`SOFT`]: 1/m + q²/2c; below 2^91.
-    fn mobility(&self, [x, y]: [i64; 2]) -> i128 {
-        if self.inertia == 0 {
-            return self.linear;
-        }
-        // Below 2^61.
-        let square = x * x + y * y;
-        self.linear + self.turn.times(square, SOFT - 2 * UNIT - 1)
-    }
-
-    /// Sets the values that follow from the masses at the joint to the parent: the compliance, 2^-`bits` of the inverse mass of the node and of the
-    /// body at the other end, and units.
-    pub(super) fn set_joint(
-        &mut self,
-        opposite: &Self,
-        block: &Block,
-        laws: &[AxisRow],
-        bits: i32,
-        frames: &mut Vec<FrameRows>,
-    ) {
-        self.joint_unit = if self.is_body { self.unit.min(opposite.unit) } else { opposite.unit };
-        let mut inverse =
-            shifted(opposite.mobility(block.sides[1 - self.side].unit_arm), opposite.unit - self.joint_unit);
-        if self.is_body {
-            inverse += shifted(self.mobility(block.sides[self.side].unit_arm), self.unit - self.joint_unit);
-        }
-        let bits = if self.is_half { bits + 1 } else { bits };
-        self.compliance = within(shifted(inverse, bits), 1 << (SOFT - MASS)).max(1);
-        self.is_rod = block.is_rod();
-        self.give_shift = SOFT + self.joint_unit - block.mass_exponent - FRACTION;
-        self.push_shift = block.mass_exponent - self.joint_unit - COARSER;
-        if !block.is_rod() && !matches!(block.frame, Frame::World) {
-            self.frame = frames.len() as u32;
-            frames.push(FrameRows::new(block, laws, self, opposite));
-        } else {
-            self.angle = AngleRow::new(block, laws, self, opposite);
-        }
-        let is_point = block.held == [true; 2] && self.frame == NONE;
-        self.holds_point = is_point && self.is_body && self.inertia != 0;
-    }
-
-    /// Returns true if the node turns freely at a joint that holds a point.
-    #[inline(always)]
-    pub(super) fn may_be_pin(&self) -> bool {
-        self.holds_point && self.angle.as_ref().is_none_or(AngleRow::is_free)
-    }
-
     /// Begins with the masses of the node alone, and the arms and axes of the joint where the bodies are.
     #[inline(always)]
     pub(super) fn begin(&mut self, blocks: &[Block]) {
@@ -196,7 +113,7 @@ impl Node {
     #[inline(always)]
     pub(super) fn factor(&mut self, frames: &mut [FrameRows]) {
         self.is_pin = false;
-        if self.may_be_pin() {
+        if self.holds_point {
             self.factor_pin();
         }
         self.factor_others(frames);
@@ -226,8 +143,7 @@ impl Node {
             let [x, y] = self.a.times_unit(self.point);
             let b = [self.b[0] - x, self.b[1] - y];
             c_alone = self.c - unit_dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]);
-            let stiffness = self.angle.as_ref().map_or(0, |angle| angle.on_node(self.unit - self.joint_unit));
-            self.turn = Reciprocal::new(c_alone + stiffness);
+            self.turn = Reciprocal::new(c_alone + self.stiffness);
             let t = [self.turn.times_within(b[0], RATIO, IMPULSE), self.turn.times_within(b[1], RATIO, IMPULSE)];
             self.t = t;
             e.xx -= lowered_low(product(b[0], t[0]), RATIO);
@@ -250,10 +166,9 @@ impl Node {
     /// Finds the terms of the axis for the parent.
     #[inline(always)]
     fn factor_angle(&mut self, c: i64) {
-        if let Some(mut angle) = self.angle {
-            angle.factor(c, self.turn, self);
-            self.angle = Some(angle);
-        }
+        let Self { angle: Some(angle), t, spring, compliance, parent_point, .. } = self else { return };
+        let node = TermsNode { t: *t, spring: *spring, compliance: *compliance, parent_point: *parent_point };
+        angle.set_terms(&node, c, self.turn);
     }
 
     /// Eliminates the motion across a rod.
@@ -295,11 +210,11 @@ impl Node {
         parent.b = [parent.b[0] + moment[0], parent.b[1] + moment[1]];
         parent.c += unit_dot(self.parent_point, moment);
         if let Some(angle) = self.angle.as_ref().filter(|angle| !angle.is_free()) {
-            let (b, c) = angle.terms(self);
+            let terms = angle.terms();
             let down = parent.unit - self.joint_unit;
-            let [x, y] = b.map(|part| shifted_word(part, down));
+            let [x, y] = [rarely_shifted(terms.b[0], down), rarely_shifted(terms.b[1], down)];
             parent.b = [parent.b[0] + x, parent.b[1] + y];
-            parent.c += shifted_word(c, down);
+            parent.c += rarely_shifted(terms.c, down);
         }
     }
 
@@ -317,12 +232,12 @@ impl Node {
                 // Below 2^62.
                 let mut sum = lowered_word(part, bits);
                 if rate.is_some() {
-                    let gives = product(self.compliance, block.impulses[row]);
-                    // More than the sum may be is as good as that.
-                    sum += if matches!(self.give_shift, 2..64) {
-                        lowered_within(gives, self.give_shift, 1 << 61)
+                    sum += if self.raised_compliance != 0 {
+                        // Below 2^62 · 2^50.
+                        upper(product(self.raised_compliance, block.impulses[row]))
                     } else {
-                        within(shifted(gives, self.give_shift), 1 << 61)
+                        // More than the sum may be is as good as that.
+                        within(shifted(product(self.compliance, block.impulses[row]), self.give_shift), 1 << 61)
                     };
                 }
                 let sum = within_word(sum, RESIDUAL);
@@ -332,13 +247,20 @@ impl Node {
     }
 
     /// Sets the aims of the laws of the joint to the parent in a pass. Returns true if the matrices change by it.
+    #[inline(always)]
     pub(super) fn set_aims(&mut self, frames: &mut [FrameRows], block: &Block, laws: &[AxisRow]) -> bool {
         if let Some(frame) = frames.get_mut(self.frame as usize) {
             return frame.set_aims(block, laws, self);
         }
-        let Some(mut angle) = self.angle else { return false };
-        let has_changed = block.aim(2, laws).is_some_and(|aim| angle.set_aim(aim, block.impulses[2], self));
-        self.angle = Some(angle);
+        let (Some(angle), Some(aim)) = (&self.angle, block.aim(2, laws)) else { return false };
+        let aim = angle.aim(aim, block.impulses[2], self);
+        let up = self.unit - self.joint_unit;
+        let Some(angle) = &mut self.angle else { return false };
+        let has_changed = angle.set_aim(&aim);
+        self.given = angle.impulse_on_node(up);
+        if has_changed {
+            self.stiffness = angle.on_node(up);
+        }
         has_changed
     }
 
@@ -353,7 +275,7 @@ impl Node {
     pub(super) fn pass_down(&mut self, frames: &mut [FrameRows]) -> ([i64; 2], i64) {
         if self.is_pin {
             if let Some(impulse) = self.pass_down_pin() {
-                return (impulse, self.angle.as_ref().map_or(0, AngleRow::torque_on_parent));
+                return (impulse, self.torque_on_parent());
             }
         }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
@@ -362,8 +284,7 @@ impl Node {
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
-            let torque = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
-            let torque = self.torque + i128::from(torque) - i128::from(unit_dot(self.point, f));
+            let torque = self.torque + i128::from(self.given) - i128::from(unit_dot(self.point, f));
             self.tau = within(torque, IMPULSE);
             // At most 2^12 times as large.
             let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
@@ -375,13 +296,9 @@ impl Node {
         (self.f, self.torque) = ([0; 2], 0);
         if !self.is_rod || self.parent == NONE {
             self.g = g;
-            let arg = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
-            let push = self.spring.push(arg);
-            let torque = self.angle.as_ref().map_or(0, |angle| {
-                let spin = self.turn.times_within(self.tau, TO_IMPULSE, SPEED);
-                angle.pass_down(spin, arg)
-            });
-            return ([g[0] + push[0], g[1] + push[1]], torque);
+            self.given_residual = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
+            let push = self.spring.push(self.given_residual);
+            return ([g[0] + push[0], g[1] + push[1]], self.torque_on_parent());
         }
         let across = unit_dot(turned(self.axis), g);
         // Both are below 2^62.
@@ -390,6 +307,16 @@ impl Node {
         self.g = [along, across];
         let push = to_impulse(product(self.rod_spring, self.residual[0] - self.give(along)));
         (scaled(self.axis, within_word(along + push, IMPULSE)), 0)
+    }
+
+    /// The torque of the axis on the parent.
+    #[inline(always)]
+    fn torque_on_parent(&self) -> i64 {
+        match &self.angle {
+            None => 0,
+            Some(angle) if angle.is_free() => angle.torque_on_parent(),
+            Some(angle) => angle.pass_down(self.turn.times_within(self.tau, TO_IMPULSE, SPEED), self.given_residual),
+        }
     }
 
     /// Adds the impulses of a child at its joint.
@@ -417,12 +344,14 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_up(&mut self, frames: &mut [FrameRows], parent_velocity: [i64; 2], parent_spin: i64) {
         let at = moved(parent_velocity, parent_spin, self.parent_point);
-        if self.is_pin && self.pass_up_pin(at) {
-            let spin = self.spin;
-            if let Some(angle) = &mut self.angle {
-                angle.finish(angle.parent_spin(parent_spin), spin);
+        if self.is_pin {
+            let (by_angle, angle_spin) = self.pushes_of_angle(parent_spin);
+            if self.pass_up_pin(at, by_angle) {
+                if let Some(angle) = &mut self.angle {
+                    angle.finish(angle_spin, self.spin);
+                }
+                return;
             }
-            return;
         }
         if let Some(frame) = frames.get_mut(self.frame as usize) {
             frame.pass_up(self, at, parent_spin);
@@ -441,16 +370,12 @@ impl Node {
             }
         } else {
             let difference = [at[0] - self.residual[0], at[1] - self.residual[1]];
-            let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
-            let push = self.spring.push(arg);
+            let push = self.spring.push([at[0] - self.given_residual[0], at[1] - self.given_residual[1]]);
             self.push = [push[0] - self.g[0], push[1] - self.g[1]];
-            let angle_spin = self.angle.as_ref().map_or(0, |angle| angle.parent_spin(parent_spin));
-            if let Some(angle) = &self.angle {
-                let [x, y] = angle.push_of_point(angle_spin);
-                self.push = [self.push[0] + x, self.push[1] + y];
-                let torque = angle.torque_on_node(angle_spin, self.unit - self.joint_unit);
-                self.tau = within(i128::from(self.tau) + i128::from(torque), IMPULSE);
-            }
+            let ([x, y, torque], angle_spin) = self.pushes_of_angle(parent_spin);
+            self.push = [self.push[0] + x, self.push[1] + y];
+            // Both are at most 2^60.
+            self.tau = within_word(self.tau + torque, IMPULSE);
             if self.is_body {
                 self.finish([difference[0] - self.give(self.push[0]), difference[1] - self.give(self.push[1])]);
             }
@@ -458,6 +383,19 @@ impl Node {
                 angle.finish(angle_spin, if self.is_body { self.spin } else { 0 });
             }
         }
+    }
+
+    /// The impulses at the point of the joint and of rotation on the node that its axis makes of the velocity of the parent, and that velocity at
+    /// the length of the joint.
+    #[inline(always)]
+    fn pushes_of_angle(&self, parent_spin: i64) -> ([i64; 3], i64) {
+        let Some(angle) = &self.angle else { return ([0; 3], 0) };
+        let spin = angle.parent_spin(parent_spin);
+        if angle.is_free() {
+            return ([0; 3], spin);
+        }
+        let [x, y] = angle.push_of_point(spin);
+        ([x, y, angle.torque_on_node(spin, self.unit - self.joint_unit)], spin)
     }
 
     /// The changes of the impulses of the rows of the joint.
@@ -470,10 +408,11 @@ impl Node {
     }
 
     /// The changes of the velocity and of the impulse of a row that may have a law.
+    #[inline(always)]
     pub(super) fn row_change(&self, frames: &[FrameRows], row: usize) -> Option<(i64, i64)> {
         match frames.get(self.frame as usize) {
             Some(frame) => Some((frame.change[row], frame.push[row])),
-            None => self.angle.filter(|_| row == 2).map(|angle| (angle.change, angle.push)),
+            None => self.angle.as_ref().filter(|_| row == 2).map(|angle| (angle.change, angle.push)),
         }
     }
 

@@ -1,18 +1,19 @@
-//! Nodes at pins that turn freely, the usual joints: the kernels of [`Node`] for values of the usual sizes.
+//! Nodes at pins, the usual joints: the kernels of [`Node`] for values of the usual sizes.
 //!
 //! Each function gives up where a value is not, before it changes anything, and the general one has its place. There is no branch in between:
 //! compilers know that a factor is a word within a block only, and multiply by two words elsewhere.
 //!
 //! # Ranges
-//! [`tree`](super) has the ranges of all values. Here c' is below 2^50. Quotients of b' and τ by it have 8 and 12 bits of the 63 of a word above the bits
-//! of c': t is below 2^9, in 2^-[`RATIO`] below 2^49, and velocities by τ are below 2^37.
+//! [`tree`](super) has the ranges of all values. Here c'', which is c' with the κ of a law, is below 2^50. Quotients of b' and τ by it have 8 and 12
+//! bits of the 63 of a word above the bits of c'': t is below 2^9, in 2^-[`RATIO`] below 2^49, and velocities by τ are below 2^37.
 
+use super::angle::TermsNode;
 use super::node::Node;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, unit_dot};
 use super::{IMPULSE, PART, RATIO, SOFT, TO_IMPULSE};
-use crate::solve::number::{lowered_low, product, upper};
+use crate::solve::number::{lowered_low, lowered_low_by, product, upper};
 
-/// The bits that b' and τ may have above the bits of c'.
+/// The bits that b' and τ may have above the bits of c''.
 const RATIO_ABOVE: i32 = 8;
 const SPEED_ABOVE: i32 = 12;
 /// log2 of the largest impulse, and of the largest velocity here.
@@ -21,20 +22,20 @@ const SPEED_BITS: i32 = 43;
 
 /// Zero for a value of at most `bits` bits, and −2^bits.
 #[inline(always)]
-fn beyond(value: i64, bits: i32) -> i64 {
+pub(super) fn beyond(value: i64, bits: i32) -> i64 {
     (value ^ (value >> 63)) >> bits
 }
 
 /// [`beyond`] of a double word. *Domain* bits ≥ 64.
 #[inline(always)]
-fn wide_beyond(value: i128, bits: i32) -> i64 {
+pub(super) fn wide_beyond(value: i128, bits: i32) -> i64 {
     beyond((value >> 64) as i64, bits - 64)
 }
 
 /// value/denominator · 2^up, and zero if the value has at most `above` bits more than the denominator. *Domain* the denominator has at most
 /// 63 − `above` bits.
 #[inline(always)]
-fn quotient(reciprocal: Reciprocal, value: i64, up: i32, above: i32) -> (i64, i64) {
+pub(super) fn quotient(reciprocal: Reciprocal, value: i64, up: i32, above: i32) -> (i64, i64) {
     let room = 124 - reciprocal.shift - above;
     let raised = value << room;
     // The quotient is in 2^-(124 − above − up): the half is in the upper word.
@@ -44,10 +45,11 @@ fn quotient(reciprocal: Reciprocal, value: i64, up: i32, above: i32) -> (i64, i6
     ((high + (1 << (down - 1))) >> down, (raised >> room) ^ value)
 }
 
-/// A node whose rotation is being eliminated: b', and 1/c' with c'.
+/// A node whose rotation is being eliminated: b', c', and 1/c'' with c''.
 struct Turning {
     b: [i64; 2],
     c: i64,
+    stiff: i64,
     turn: Reciprocal,
 }
 
@@ -90,7 +92,7 @@ impl Fractions {
         let bits = self.reciprocal.shift - PART - down;
         let fitting = bits.clamp(65, 126);
         let element = |numerator: i128| {
-            let product = product(lowered_low(numerator, down), self.reciprocal.mantissa);
+            let product = product(lowered_low_by(numerator, down), self.reciprocal.mantissa);
             let upper = ((product + (product >> 127)) >> 64) as i64;
             (upper + (1 << (fitting - 65))) >> (fitting - 64)
         };
@@ -128,7 +130,8 @@ impl Node {
         let [x, y] = self.a.times_unit(self.point);
         let b = [self.b[0] - x, self.b[1] - y];
         let c = self.c - unit_dot(self.point, [self.b[0] + b[0], self.b[1] + b[1]]);
-        Turning { b, c, turn: Reciprocal::of_positive(c.max(1)) }
+        let stiff = c + self.stiffness;
+        Turning { b, c, stiff, turn: Reciprocal::of_positive(stiff.max(1)) }
     }
 
     #[inline(always)]
@@ -147,18 +150,31 @@ impl Node {
     /// Takes the values of a pin, if all are right.
     #[inline(always)]
     fn set_pin(&mut self, turning: &Turning, turned: &Turned, spring: Symmetric, rest: i64) {
-        self.is_pin = turned.rest | rest == 0 && (1..1 << 50).contains(&turning.c);
+        self.is_pin = turned.rest | rest == 0 && (1..1 << 50).contains(&turning.stiff);
         if self.is_pin {
             (self.t, self.turn, self.spring) = (turned.t, turning.turn, spring);
+            self.factor_pin_angle(turning.c);
         }
     }
 
-    /// [`pass_down`](Self::pass_down) but for the torque on the parent. `None` for values of other sizes.
+    /// Finds the terms of the axis for the parent, unless the node turns freely.
+    #[inline(always)]
+    fn factor_pin_angle(&mut self, c: i64) {
+        let Self { angle: Some(angle), t, spring, compliance, parent_point, .. } = self else { return };
+        if angle.is_free() {
+            return;
+        }
+        let node = TermsNode { t: *t, spring: *spring, compliance: *compliance, parent_point: *parent_point };
+        if angle.set_pin_terms(&node, c, self.turn) != 0 {
+            angle.set_terms(&node, c, self.turn);
+        }
+    }
+
+    /// [`pass_down`](Self::pass_down) but for the torque on the parent: the impulse that is left. `None` for values of other sizes.
     #[inline(always)]
     pub(super) fn pass_down_pin(&mut self) -> Option<[i64; 2]> {
         let f = [self.f[0] as i64, self.f[1] as i64];
-        let impulse = self.angle.as_ref().map_or(0, |angle| angle.impulse_on_node(self.unit - self.joint_unit));
-        let sum = self.torque + i128::from(impulse);
+        let sum = self.torque + i128::from(self.given);
         let torque = sum as i64;
         let words = (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ sum);
         let mut rest = (words >> 64) as i64 | beyond(f[0], IMPULSE_BITS) | beyond(f[1], IMPULSE_BITS);
@@ -177,22 +193,27 @@ impl Node {
         if rest != 0 {
             return None;
         }
-        (self.f, self.torque, self.tau, self.g) = ([0; 2], 0, tau, g);
+        (self.f, self.torque, self.tau, self.g, self.given_residual) = ([0; 2], 0, tau, g, arg);
         Some([g[0] + lowered_low(x, TO_IMPULSE), g[1] + lowered_low(y, TO_IMPULSE)])
     }
 
-    /// [`pass_up`](Self::pass_up). Returns false for values of other sizes.
+    /// [`pass_up`](Self::pass_up), with the impulses at the point and of rotation by the axis. Returns false for values of other sizes.
     #[inline(always)]
-    pub(super) fn pass_up_pin(&mut self, at: [i64; 2]) -> bool {
+    pub(super) fn pass_up_pin(&mut self, at: [i64; 2], by_angle: [i64; 3]) -> bool {
         let difference = [at[0] - self.residual[0], at[1] - self.residual[1]];
-        let arg = [difference[0] + self.give(self.g[0]), difference[1] + self.give(self.g[1])];
-        let [x, y] = self.spring.times(arg);
+        let [x, y] = self.spring.times([at[0] - self.given_residual[0], at[1] - self.given_residual[1]]);
         let mut rest = wide_beyond(x, IMPULSE_BITS + TO_IMPULSE) | wide_beyond(y, IMPULSE_BITS + TO_IMPULSE);
-        let push =
-            [lowered_low(x, TO_IMPULSE).wrapping_sub(self.g[0]), lowered_low(y, TO_IMPULSE).wrapping_sub(self.g[1])];
+        // What wraps is beyond.
+        let push = [
+            lowered_low(x, TO_IMPULSE).wrapping_sub(self.g[0]).wrapping_add(by_angle[0]),
+            lowered_low(y, TO_IMPULSE).wrapping_sub(self.g[1]).wrapping_add(by_angle[1]),
+        ];
+        // Both are at most 2^60.
+        let tau = self.tau + by_angle[2];
+        rest |= beyond(tau, IMPULSE_BITS);
         let velocity = [difference[0] - self.give(push[0]), difference[1] - self.give(push[1])];
         rest |= beyond(velocity[0], SPEED_BITS) | beyond(velocity[1], SPEED_BITS);
-        let (given, given_rest) = quotient(self.turn, self.tau, TO_IMPULSE, SPEED_ABOVE);
+        let (given, given_rest) = quotient(self.turn, tau, TO_IMPULSE, SPEED_ABOVE);
         let turning = dot(self.t, velocity);
         // The sum is below 2^93.
         let spin = given - lowered_low(turning, RATIO);

@@ -5,7 +5,7 @@ use super::symmetric::Reciprocal;
 use super::{FRACTION, IMPULSE, RESIDUAL, SOFT, UNIT};
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow, STIFFEST};
-use crate::solve::number::{exponent, fixed, product, shifted, shifted_word, within};
+use crate::solve::number::{exponent, fixed, product, shifted, shifted_word, within, within_word};
 
 /// The bits of κ.
 pub(super) const STIFF: i32 = 47;
@@ -40,19 +40,27 @@ impl Stiffness {
         Self { stiffest, elastic, compliance }
     }
 
+    /// The κ that holds a velocity.
+    pub(super) fn stiffest(&self) -> i64 {
+        self.stiffest
+    }
+
     /// The aim of the row between the node and its parent, for the aim of its law and the impulse that it has.
+    #[inline(always)]
     pub(super) fn aim(&self, aim: Aim, impulse: i64, node: &Node) -> RowAim {
         let sign = if node.side == 0 { -1 } else { 1 };
         match aim {
             Aim::Velocity { velocity, gives_way } => {
-                let mut sum = i128::from(shifted_word(velocity, UNIT - FRACTION + i32::from(node.is_half)));
+                let mut sum = shifted_word(velocity, UNIT - FRACTION + i32::from(node.is_half));
                 if gives_way {
-                    sum += shifted(product(self.compliance, impulse), node.give_shift);
+                    // More than that is too much in any case.
+                    sum += within(shifted(product(self.compliance, impulse), node.give_shift), 1 << 61);
                 }
-                RowAim { kappa: self.stiffest, residual: sign * within(sum, RESIDUAL), eta: 0 }
+                RowAim { kappa: self.stiffest, residual: sign * within_word(sum, RESIDUAL), eta: 0 }
             }
             Aim::Impulse { change, is_elastic } => {
-                let change = within(shifted(change.into(), -node.push_shift), IMPULSE);
+                // Most often there is none.
+                let change = if change == 0 { 0 } else { within(shifted(change.into(), -node.push_shift), IMPULSE) };
                 RowAim { kappa: if is_elastic { self.elastic } else { 0 }, residual: 0, eta: sign * change }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::{IMPULSE, PART, RATIO, SOFT, SPEED, TO_IMPULSE, UNIT};
 use crate::solve::number::{
-    lowered, lowered_low, lowered_within, product, shifted, shifted_word, upper, within, within_word,
+    lowered, lowered_low, lowered_low_by, lowered_within, product, shifted, shifted_word, upper, within, within_word,
 };
 
 /// Bits by which vectors in 2^-[`UNIT`] are raised, to at most 2^62, and their factors, to below 2^63: the wanted bits of the products stand in
@@ -263,7 +263,8 @@ impl Symmetric {
     /// The product with a compliance, in 2^-[`PART`].
     #[inline(always)]
     pub(super) fn given_way(&self, compliance: i64) -> Self {
-        let part = |value: i64| lowered(product(value, compliance), SOFT - PART) as i64;
+        // Below 2^61.
+        let part = |value: i64| lowered_low(product(value, compliance), SOFT - PART);
         Self { xx: part(self.xx), xy: part(self.xy), yy: part(self.yy) }
     }
 
@@ -283,7 +284,7 @@ impl Symmetric {
         if high > 0 && high.leading_zeros() > 3 {
             // Most often. Below 2^124: from 3 to 62 bits.
             let down = 66 - high.leading_zeros() as i32;
-            let element = |numerator: i128| reciprocal.times_low(lowered_low(numerator, down), PART + down);
+            let element = |numerator: i128| reciprocal.times_low(lowered_low_by(numerator, down), PART + down);
             return Self { xx: element(numerators[0]), xy: element(numerators[1]), yy: element(numerators[2]) };
         }
         let down = (bits_of_double(largest) - 62).max(0);
