@@ -172,7 +172,6 @@ impl Block {
         if bound >> (63 - up) != 0 || self.is_pulley() || first >= count || second >= count {
             return self.give_large_gains(gains);
         }
-        let up = 64 - RAISED - self.gain_bits();
         let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
         let [first, second] = &mut self.sides;
         let (first_gain, second_gain) = (first.gain([x, y, turn_a]), second.gain([x, y, turn_b]));

@@ -165,7 +165,7 @@ fn gaps_at_rest(world: &World) -> Vec<f64> {
     let gap = |i: usize| {
         let below: f64 = (i..world.bodies.len()).map(mass).sum();
         let above = if i > 1 { mobility(i - 1) } else { 0.0 };
-        10.0 * below * (above + mobility(i)) * h * h / 2048.0 / 0.1
+        10.0 * below * (above + mobility(i)) * h * h / 2048.0 / 0.3
     };
     (1..world.bodies.len()).map(gap).collect()
 }

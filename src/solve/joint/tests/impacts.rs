@@ -3,9 +3,9 @@
 use alloc::vec;
 use alloc::vec::Vec;
 
-use super::scene::{Scene, signed};
+use super::scene::{RATE, Scene, signed};
 use crate::cases::run_seed;
-use crate::math::Random;
+use crate::math::{Random, TimeStep};
 use crate::solve::Solver;
 use crate::solve::bodies::STILL;
 use crate::solve::joint::Response;
@@ -19,8 +19,9 @@ fn responses_are_answers() {
     for i in 0..200 {
         let scene = Scene::random(&mut random, [12, i % 3], 5 + i % 15, 0);
         let mut solver = Solver::default();
-        scene.solve_by(&mut solver);
+        solver.prepare(TimeStep::hz(RATE), &scene.options, &scene.flights, &scene.joints, &[]);
         let joints = &mut solver.joints;
+        joints.begin(&solver.bodies.rows, true);
         for assembly in 0..joints.assembly_count() {
             let mut rows = Vec::new();
             joints.list_rows(assembly, &mut rows);

@@ -51,7 +51,7 @@ fn check(world: &mut World, seconds: f64, gap: f64, rest: usize) -> Seen {
 #[test]
 fn chains_hang_still_at_once() {
     for (links, tip, seconds, drop, gap, rest) in
-        [(100, 1.0, 5.0, 0.0156, 0.31e-3, 8), (100, 100.0, 5.0, 0.047, 0.7e-3, 38), (400, 1.0, 5.0, 0.257, 1.8e-3, 255)]
+        [(100, 1.0, 5.0, 0.0053, 0.14e-3, 8), (100, 100.0, 5.0, 0.019, 0.3e-3, 38), (400, 1.0, 5.0, 0.085, 0.7e-3, 216)]
     {
         let mut world = chain(links, tip);
         check(&mut world, seconds, gap, rest);
@@ -117,9 +117,17 @@ fn bridge(planks: usize, density: f64) -> World {
     world
 }
 
+/// Discs roll to and fro on the bridge, and when all of them rest is a matter of chance: the mean of five bridges, with the discs some millimetres apart,
+/// is 840 steps.
 #[test]
 fn a_bridge_bears_discs() {
-    check(&mut bridge(30, 20.0), 30.0, 0.024, 731);
+    let rests = [0, 1, 2, 3, 4].map(|shift| {
+        let mut world = bridge(30, 20.0);
+        let first = world.bodies.len() - 5;
+        world.bodies[first..].iter_mut().for_each(|disc| disc.at[0] -= f64::from(shift) / 256.0);
+        check(&mut world, 30.0, 0.024, 1_000).rest
+    });
+    assert!(rests.iter().sum::<usize>() / 5 < 900, "{rests:?}");
 }
 
 #[test]
