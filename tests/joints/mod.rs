@@ -5,6 +5,7 @@ mod scenes;
 mod axes;
 mod breaking;
 mod calls;
+mod complaints;
 mod crowds;
 mod energy;
 mod floats;
