@@ -73,9 +73,11 @@ impl BodyRows {
             self.bodies.push(solver_body);
         }
         self.add_fixed_speeds(graph, flights);
-        self.add_repair_speeds(input, graph);
-        self.add_surface_speeds(input, graph);
-        self.add_impulse_speeds(input, graph);
+        self.loads.clear();
+        self.loads.resize(flights.len(), 0);
+        self.add_joint_speeds(input, graph);
+        self.add_contact_speeds(input, graph);
+        self.add_load_speeds(input, graph);
         add_leader_speeds(&mut self.fastest, graph, flights);
         self.set_rows(input, graph);
         self.carriers.clear();
@@ -119,39 +121,30 @@ impl BodyRows {
         }
     }
 
-    /// Joints count with the speed that takes their errors away.
-    fn add_repair_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+    /// Joints count with the speed that takes their errors away, and with the impulses that the step starts from: after a stop these turn a body back
+    /// as fast as it came.
+    fn add_joint_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
         for joint in input.joints {
             if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
                 let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(coarse(joint.repair_speed(input.clock, input.flights)));
             }
-        }
-    }
-
-    /// Bodies may take up the speed of a surface.
-    #[inline(always)]
-    fn add_surface_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
-        for contact in input.contacts.iter().filter(|contact| contact.surface_speed != Fx::ZERO) {
-            if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
-                let fastest = &mut self.fastest[island as usize];
-                *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
+            let Impulses { values: [first, second, around], exponent: unit } = joint.impulses;
+            for body in joint.bodies {
+                let solver_body = &self.bodies[body as usize];
+                let up = solver_body.exponent + unit + COARSE;
+                let load = &mut self.loads[body as usize];
+                add_load(load, first.unsigned_abs() + second.unsigned_abs(), up);
+                add_load(load, around.unsigned_abs(), up - solver_body.length);
             }
         }
     }
 
-    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
-    /// a light body under a heavy one are large and cancel, but one after the other. After a stop the impulses of joints turn a body back as fast as
-    /// it came.
+    /// Contacts count with the impulses that the step starts from. Bodies may take up the speed of a surface.
     #[inline(always)]
-    fn add_impulse_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
-        /// The largest speed that a unit is chosen for, 2^34 m/s: as the speeds of flights.
-        const FASTEST: u64 = 1 << (34 + COARSE);
+    fn add_contact_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
         let Self { bodies, fastest, loads, .. } = self;
-        let StepInput { clock, flights, contacts, joints, .. } = *input;
-        loads.clear();
-        loads.resize(flights.len(), 0);
-        for contact in contacts {
+        for contact in input.contacts {
             let Impulses { values: [first, second, tangent], exponent: unit } = contact.impulses;
             // Each is at most 2^62.
             let sum = first.unsigned_abs() + second.unsigned_abs() + tangent.unsigned_abs();
@@ -163,21 +156,25 @@ impl BodyRows {
                     add_load(&mut loads[body as usize], sum, up);
                 }
             }
-        }
-        for joint in joints.iter().filter(|joint| joint.impulses.values != [0; 3]) {
-            let Impulses { values: [first, second, around], exponent: unit } = joint.impulses;
-            for body in joint.bodies {
-                let solver_body = &bodies[body as usize];
-                let up = solver_body.exponent + unit + COARSE;
-                let load = &mut loads[body as usize];
-                add_load(load, first.unsigned_abs() + second.unsigned_abs(), up);
-                add_load(load, around.unsigned_abs(), up - solver_body.length);
+            if contact.surface_speed != Fx::ZERO {
+                if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+                    let fastest = &mut fastest[island as usize];
+                    *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
+                }
             }
         }
-        for (body, &load) in (0..).zip(&*loads) {
+    }
+
+    /// Impulses that the step starts from count as the velocities that each of them gives to a body, all of the body together: impulses on
+    /// a light body under a heavy one are large and cancel, but one after the other.
+    #[inline(always)]
+    fn add_load_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
+        /// The largest speed that a unit is chosen for, 2^34 m/s: as the speeds of flights.
+        const FASTEST: u64 = 1 << (34 + COARSE);
+        for (body, &load) in (0..).zip(&self.loads) {
             if let Some(island) = graph.island_of(body).filter(|_| load != 0) {
-                let fastest = &mut fastest[island as usize];
-                *fastest = (*fastest).max((load / u64::from(clock.substeps.max(4))).min(FASTEST));
+                let fastest = &mut self.fastest[island as usize];
+                *fastest = (*fastest).max((load / u64::from(input.clock.substeps.max(4))).min(FASTEST));
             }
         }
     }
@@ -301,7 +298,10 @@ fn mass(factor: FxFactor, bits: i32) -> i64 {
 /// Adds impulse · 2^up to a load.
 #[inline(always)]
 fn add_load(load: &mut u64, impulse: u64, up: i32) {
-    let is_far = up > 0 && up >= impulse.leading_zeros() as i32 && impulse != 0;
+    if impulse == 0 {
+        return;
+    }
+    let is_far = up > 0 && up >= impulse.leading_zeros() as i32;
     let shifted = if up > 0 { impulse << (up & 63) } else { impulse >> (-up).min(63) };
     *load = load.saturating_add(if is_far { u64::MAX } else { shifted });
 }

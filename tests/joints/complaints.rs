@@ -1,4 +1,4 @@
-//! What users of other engines complain about, as they have it: the threads are named, and the values are those that physics has.
+//! Complaints of users of other engines as tests of this engine: each names the public threads, and expects the value of physics.
 
 use super::scenes::{falling, steps, still, wheel};
 use crate::seeds::{run_seed, times};

@@ -289,6 +289,7 @@ fn descend(nodes: &mut [Node], frames: &mut [FrameRows], begin: usize, blocks: &
     for node in nodes.iter().filter(|node| node.parent != NONE) {
         blocks[node.block as usize].begin_descent(laws);
     }
+    // With the last solution in the loop the code of a solution is there once.
     for iteration in 0..=DESCENT {
         solve_aims(nodes, frames, begin, blocks, laws);
         if iteration == DESCENT {

@@ -53,7 +53,7 @@ impl AxisRow {
     #[inline(always)]
     fn pressed_limits(&self) -> [bool; 2] {
         match self.last_place {
-            Place::Step(step) => [step + 1 == self.count, step == 0],
+            Place::Step(step) => [step + 1 == self.last_count, step == 0],
             Place::Level(_) | Place::Strained(..) | Place::Given(_) => [false; 2],
         }
     }
@@ -66,5 +66,43 @@ impl AxisRow {
             self.count += 1;
         }
         self.levels[self.count] = level;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use alloc::vec::Vec;
+
+    use super::*;
+    use crate::fx;
+    use crate::math::TimeStep;
+    use crate::scalar::FxFactor;
+    use crate::solve::joint::Axis;
+    use crate::solve::unit::Clock;
+
+    /// The velocities and levels of the steps of a row of 1 kg with limits at ±1 m, a brake and friction, in the second beginning of a relax pass.
+    fn relaxed_steps(sign: i64) -> (Vec<i64>, Vec<i64>) {
+        let limits = Some([fx!(-1), fx!(1)]);
+        let axis = Axis { limits, motor_force: fx!(30), friction: fx!(1), ..Axis::default() };
+        let mut row = AxisRow::new(&axis, FxFactor::ONE, 0, &Clock::new(TimeStep::hz(60), 5), -22, 0);
+        let bound = if sign < 0 { row.lower } else { row.upper };
+        // Beyond the limit and pressed against it, then pushed inside.
+        row.set_way(bound + sign * 1_000);
+        row.begin(0, 0, Some(1 << 27));
+        row.place = Place::Step(if sign < 0 { row.count - 1 } else { 0 });
+        row.finish(-sign << 20);
+        row.set_way(bound - sign * 1_000);
+        row.begin(sign << 40, -sign << 20, None);
+        row.begin(sign << 40, -sign << 20, None);
+        (row.velocities[..row.count].to_vec(), row.levels[..=row.count].to_vec())
+    }
+
+    /// A pass begins once more where a tree is solved by a descent: a limit that was pressed still acts, the lower one as the upper one.
+    #[test]
+    fn both_limits_act_alike_in_a_pass_that_begins_twice() {
+        let (upper, lower) = (relaxed_steps(1), relaxed_steps(-1));
+        let mirrored = |values: &[i64]| values.iter().rev().map(|value| -value).collect::<Vec<i64>>();
+        assert_eq!((mirrored(&lower.0), mirrored(&lower.1)), upper);
+        assert_eq!(upper.0, [1_000 << 30, 0, -FASTEST as i64]);
     }
 }

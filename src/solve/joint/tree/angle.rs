@@ -161,9 +161,9 @@ impl AngleRow {
             lowered_low(product(compliance, by_x), SOFT - RATIO),
             lowered_low(product(compliance, by_y), SOFT - RATIO),
         ];
-        let given = dot(gives, [wx, wy]);
-        rest |= wide_beyond(given, 60 + RATIO);
-        let kept = within_word(kept.wrapping_sub(lowered_low(given, RATIO)), 1 << RATIO);
+        let share = dot(gives, [wx, wy]);
+        rest |= wide_beyond(share, 60 + RATIO);
+        let kept = within_word(kept.wrapping_sub(lowered_low(share, RATIO)), 1 << RATIO);
         let turned = lowered_low_by(product(self.kappa, kept), RATIO + 2 * parent_length);
         let c = within_word(twice.wrapping_add(turned), 1 << (STIFF + 2));
         self.terms = Terms { w: [wx, wy], moment: [mx, my], b, c };
@@ -185,9 +185,9 @@ impl AngleRow {
     /// The torque on the parent, of the length and unit of the joint: for the velocity τ'/c'' of the node, with η in it, and r − γg. η·c'/c'' is
     /// η less the part of it that turns the node.
     #[inline(always)]
-    pub(super) fn pass_down(&self, spin: i64, given: [i64; 2]) -> i64 {
+    pub(super) fn pass_down(&self, spin: i64, residual: [i64; 2]) -> i64 {
         // Spins are at most 2^44: more than 2^61 is too much in any case.
-        let velocity = within_word(spin + lowered_within(dot(self.terms.w, given), RATIO, 1 << 61), SPEED);
+        let velocity = within_word(spin + lowered_within(dot(self.terms.w, residual), RATIO, 1 << 61), SPEED);
         let velocity = shifted_word(velocity, self.node_length);
         // η is at most 2^61.
         within_word(to_impulse(product(self.kappa, velocity)) - self.eta, IMPULSE)

@@ -42,7 +42,7 @@ pub(super) struct Node {
     /// The axis of the joint, if something acts on it; and its κ and η on the node, zero without one.
     pub(super) angle: Option<AngleRow>,
     pub(super) stiffness: i64,
-    pub(super) given: i64,
+    pub(super) axis_torque: i64,
     /// log2 of the units of mass of the node and of the joint, kg.
     pub(super) unit: i32,
     pub(super) joint_unit: i32,
@@ -87,7 +87,7 @@ pub(super) struct Node {
     pub(super) g: [i64; 2],
     pub(super) residual: [i64; 2],
     /// r − γg, of a joint that is no rod.
-    pub(super) given_residual: [i64; 2],
+    pub(super) soft_residual: [i64; 2],
     /// Δλ
     pub(super) push: [i64; 2],
     /// Δv and Δω.
@@ -163,12 +163,17 @@ impl Node {
         }
     }
 
-    /// Finds the terms of the axis for the parent.
+    /// Finds the terms of the axis for the parent, unless both turn freely.
     #[inline(always)]
-    fn factor_angle(&mut self, c: i64) {
-        let Self { angle: Some(angle), t, spring, compliance, parent_point, .. } = self else { return };
+    pub(super) fn factor_angle(&mut self, c: i64) {
+        let Self { angle: Some(angle), is_pin, t, turn, spring, compliance, parent_point, .. } = self else { return };
+        if angle.is_free() {
+            return;
+        }
         let node = TermsNode { t: *t, spring: *spring, compliance: *compliance, parent_point: *parent_point };
-        angle.set_terms(&node, c, self.turn);
+        if !*is_pin || angle.set_pin_terms(&node, c, *turn) != 0 {
+            angle.set_terms(&node, c, *turn);
+        }
     }
 
     /// Eliminates the motion across a rod.
@@ -257,7 +262,7 @@ impl Node {
         let up = self.unit - self.joint_unit;
         let Some(angle) = &mut self.angle else { return false };
         let has_changed = angle.set_aim(&aim);
-        self.given = angle.impulse_on_node(up);
+        self.axis_torque = angle.impulse_on_node(up);
         if has_changed {
             self.stiffness = angle.on_node(up);
         }
@@ -284,7 +289,7 @@ impl Node {
         let mut g = [0; 2];
         if self.is_body || self.parent == NONE {
             let f = [within(self.f[0], IMPULSE), within(self.f[1], IMPULSE)];
-            let torque = self.torque + i128::from(self.given) - i128::from(unit_dot(self.point, f));
+            let torque = self.torque + i128::from(self.axis_torque) - i128::from(unit_dot(self.point, f));
             self.tau = within(torque, IMPULSE);
             // At most 2^12 times as large.
             let up = if self.parent == NONE { 0 } else { self.unit - self.joint_unit };
@@ -296,8 +301,8 @@ impl Node {
         (self.f, self.torque) = ([0; 2], 0);
         if !self.is_rod || self.parent == NONE {
             self.g = g;
-            self.given_residual = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
-            let push = self.spring.push(self.given_residual);
+            self.soft_residual = [self.residual[0] - self.give(g[0]), self.residual[1] - self.give(g[1])];
+            let push = self.spring.push(self.soft_residual);
             return ([g[0] + push[0], g[1] + push[1]], self.torque_on_parent());
         }
         let across = unit_dot(turned(self.axis), g);
@@ -315,7 +320,7 @@ impl Node {
         match &self.angle {
             None => 0,
             Some(angle) if angle.is_free() => angle.torque_on_parent(),
-            Some(angle) => angle.pass_down(self.turn.times_within(self.tau, TO_IMPULSE, SPEED), self.given_residual),
+            Some(angle) => angle.pass_down(self.turn.times_within(self.tau, TO_IMPULSE, SPEED), self.soft_residual),
         }
     }
 
@@ -370,7 +375,7 @@ impl Node {
             }
         } else {
             let difference = [at[0] - self.residual[0], at[1] - self.residual[1]];
-            let push = self.spring.push([at[0] - self.given_residual[0], at[1] - self.given_residual[1]]);
+            let push = self.spring.push([at[0] - self.soft_residual[0], at[1] - self.soft_residual[1]]);
             self.push = [push[0] - self.g[0], push[1] - self.g[1]];
             let ([x, y, torque], angle_spin) = self.pushes_of_angle(parent_spin);
             self.push = [self.push[0] + x, self.push[1] + y];

@@ -7,7 +7,6 @@
 //! [`tree`](super) has the ranges of all values. Here c'', which is c' with the κ of a law, is below 2^50. Quotients of b' and τ by it have 8 and 12
 //! bits of the 63 of a word above the bits of c'': t is below 2^9, in 2^-[`RATIO`] below 2^49, and velocities by τ are below 2^37.
 
-use super::angle::TermsNode;
 use super::node::Node;
 use super::symmetric::{Reciprocal, Symmetric, dot, moved, unit_dot};
 use super::{IMPULSE, PART, RATIO, SOFT, TO_IMPULSE};
@@ -153,20 +152,7 @@ impl Node {
         self.is_pin = turned.rest | rest == 0 && (1..1 << 50).contains(&turning.stiff);
         if self.is_pin {
             (self.t, self.turn, self.spring) = (turned.t, turning.turn, spring);
-            self.factor_pin_angle(turning.c);
-        }
-    }
-
-    /// Finds the terms of the axis for the parent, unless the node turns freely.
-    #[inline(always)]
-    fn factor_pin_angle(&mut self, c: i64) {
-        let Self { angle: Some(angle), t, spring, compliance, parent_point, .. } = self else { return };
-        if angle.is_free() {
-            return;
-        }
-        let node = TermsNode { t: *t, spring: *spring, compliance: *compliance, parent_point: *parent_point };
-        if angle.set_pin_terms(&node, c, self.turn) != 0 {
-            angle.set_terms(&node, c, self.turn);
+            self.factor_angle(turning.c);
         }
     }
 
@@ -174,7 +160,7 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_down_pin(&mut self) -> Option<[i64; 2]> {
         let f = [self.f[0] as i64, self.f[1] as i64];
-        let sum = self.torque + i128::from(self.given);
+        let sum = self.torque + i128::from(self.axis_torque);
         let torque = sum as i64;
         let words = (i128::from(f[0]) ^ self.f[0]) | (i128::from(f[1]) ^ self.f[1]) | (i128::from(torque) ^ sum);
         let mut rest = (words >> 64) as i64 | beyond(f[0], IMPULSE_BITS) | beyond(f[1], IMPULSE_BITS);
@@ -193,7 +179,7 @@ impl Node {
         if rest != 0 {
             return None;
         }
-        (self.f, self.torque, self.tau, self.g, self.given_residual) = ([0; 2], 0, tau, g, arg);
+        (self.f, self.torque, self.tau, self.g, self.soft_residual) = ([0; 2], 0, tau, g, arg);
         Some([g[0] + lowered_low(x, TO_IMPULSE), g[1] + lowered_low(y, TO_IMPULSE)])
     }
 
@@ -201,7 +187,7 @@ impl Node {
     #[inline(always)]
     pub(super) fn pass_up_pin(&mut self, at: [i64; 2], by_angle: [i64; 3]) -> bool {
         let difference = [at[0] - self.residual[0], at[1] - self.residual[1]];
-        let [x, y] = self.spring.times([at[0] - self.given_residual[0], at[1] - self.given_residual[1]]);
+        let [x, y] = self.spring.times([at[0] - self.soft_residual[0], at[1] - self.soft_residual[1]]);
         let mut rest = wide_beyond(x, IMPULSE_BITS + TO_IMPULSE) | wide_beyond(y, IMPULSE_BITS + TO_IMPULSE);
         // What wraps is beyond.
         let push = [
@@ -213,11 +199,11 @@ impl Node {
         rest |= beyond(tau, IMPULSE_BITS);
         let velocity = [difference[0] - self.give(push[0]), difference[1] - self.give(push[1])];
         rest |= beyond(velocity[0], SPEED_BITS) | beyond(velocity[1], SPEED_BITS);
-        let (given, given_rest) = quotient(self.turn, tau, TO_IMPULSE, SPEED_ABOVE);
+        let (spin_by_tau, spin_rest) = quotient(self.turn, tau, TO_IMPULSE, SPEED_ABOVE);
         let turning = dot(self.t, velocity);
         // The sum is below 2^93.
-        let spin = given - lowered_low(turning, RATIO);
-        rest |= given_rest | beyond(spin, SPEED_BITS);
+        let spin = spin_by_tau - lowered_low(turning, RATIO);
+        rest |= spin_rest | beyond(spin, SPEED_BITS);
         // Both terms are at most 2^43.
         let moved = moved(velocity, -spin, self.point);
         if rest != 0 {
