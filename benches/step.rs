@@ -98,6 +98,14 @@ mod threads {
         bencher.counter(ItemsCount::new(100_000usize)).bench_local(|| pool.install(|| scene.advance()));
     }
 
+    /// 64 pyramids of 55 boxes in a world.
+    #[divan::bench(args = [1, 2])]
+    fn pyramids_64_fx(bencher: Bencher, threads: usize) {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let mut scene = scenes::pyramids(64);
+        bencher.bench_local(|| pool.install(|| scene.advance()));
+    }
+
     /// 64 worlds of 1,000 bodies each.
     #[divan::bench(args = [1, 2])]
     fn worlds_64_of_1k_fx(bencher: Bencher, threads: usize) {

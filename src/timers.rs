@@ -129,7 +129,7 @@ sums! {
         waking,
         /// Preparing the solver: islands, rows of bodies, groups of contacts with their matrices.
         setup,
-        /// Impacts at their moments.
+        /// Impacts at their moments. This time, the passes and `apply` are sums over threads, where these share islands out.
         impacts,
         /// The passes over the contacts in all sub-steps, and the motion of bodies between them.
         passes,

@@ -79,9 +79,9 @@ fn play(data: &[u8], counts: bool) -> Result<Vec<usize>> {
     }
     // The first goes its way on one thread, the second on both; both at once.
     let mut worlds = [world.clone(), world];
-    worlds[0].share_bodies(usize::MAX);
+    worlds[0].share_work(usize::MAX);
     if !is_large {
-        worlds[1].share_bodies(0);
+        worlds[1].share_work(0);
     }
     for tick in 0..TICKS[usize::from(is_many && !is_large)] {
         if !author.input.is_empty() {

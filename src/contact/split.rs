@@ -22,16 +22,21 @@
 //! a sub-step: ten ragdolls that fall on crates open their hinges by 2.4 cm instead of 6.2, for a fifth of the time more. (Rounds in the relax pass
 //! too throw them about.)
 //!
+//! *Threads.* With the feature `parallel` the islands are shared out between threads, a part and a solver each.
+//!
 //! A body that dominates others must not depend on them: how its island is solved does not follow from theirs. An island under such a body
 //! is solved as the body's island is, if that one is special. If only its own contacts are, it is solved after the body's island, and sees
 //! that body go along the flight that this has found.
 
+mod shares;
+mod task;
+
 use alloc::vec::Vec;
 
+use self::shares::Shares;
+use self::task::{SplitStep, Task, kind_options};
 use crate::fx::Fx;
-use crate::limits::SPEED;
 use crate::math::TimeStep;
-use crate::scalar::FxAccumulator;
 use crate::slots::NONE;
 use crate::solve::{
     Contact, ContactImpact, ContactSolver, Correction, Flight, Graph, Joint, SolverOptions, is_heavy, may_be_heavy,
@@ -68,14 +73,6 @@ fn is_deep(contact: &Contact) -> bool {
     deeper.to_bits() < -DEEP_OVERLAP
 }
 
-/// The options for islands of a kind.
-fn kind_options(kind: usize, options: &SolverOptions) -> SolverOptions {
-    let substeps = if kind & IS_HEAVY == 0 { options.substeps } else { FINE_SUBSTEPS };
-    let relax_passes = if kind & IS_DEEP == 0 { options.relax_passes } else { RELAX_PASSES };
-    let joint_rounds = if kind & IS_JOINED == 0 { options.joint_rounds } else { JOINT_ROUNDS };
-    SolverOptions { substeps, relax_passes, joint_rounds, ..*options }
-}
-
 /// Joints and contacts of whole islands, and their flights.
 #[derive(Debug, Default)]
 pub(super) struct Part {
@@ -103,14 +100,8 @@ impl Part {
         contacts: &[Contact],
         is_taken: impl Fn([u32; 2]) -> bool,
     ) {
-        self.place.clear();
+        self.clear();
         self.place.resize(flights.len(), NONE);
-        self.flights.clear();
-        self.flight_numbers.clear();
-        self.joints.clear();
-        self.joint_numbers.clear();
-        self.contacts.clear();
-        self.contact_numbers.clear();
         for (number, joint) in (0..).zip(joints).filter(|(_, joint)| is_taken(joint.bodies)) {
             let bodies = joint.bodies.map(|body| self.take_flight(flights, body));
             self.joints.push(Joint { bodies, ..*joint });
@@ -121,6 +112,16 @@ impl Part {
             self.contacts.push(Contact { bodies, ..*contact });
             self.contact_numbers.push(number);
         }
+    }
+
+    fn clear(&mut self) {
+        self.place.clear();
+        self.flights.clear();
+        self.flight_numbers.clear();
+        self.joints.clear();
+        self.joint_numbers.clear();
+        self.contacts.clear();
+        self.contact_numbers.clear();
     }
 
     /// Copies a flight, if it is not there yet, and returns its number in the part.
@@ -145,22 +146,24 @@ impl Part {
     }
 }
 
-/// The joints and contacts of a step, split by the kinds of their islands, and a solver for each part.
+/// The joints and contacts of a step, split by the kinds of their islands and shared out between threads, and a solver for each part.
 #[derive(Debug, Default)]
 pub(crate) struct Solvers<C> {
     graph: Graph,
+    /// True if the graph and the kinds of islands belong to the step.
+    are_islands_known: bool,
     /// The largest mass on top of each body, kg.
     loads: Vec<Fx>,
     /// By island.
     kinds: Vec<usize>,
     contact_counts: Vec<u32>,
-    /// True if islands of the last step were of several kinds, or took other sub-steps.
+    shares: Shares,
+    /// True if islands of the last step were of several kinds, took other sub-steps or were shared out.
     is_split: bool,
     /// The kind of all islands, if they are not split.
     whole: usize,
-    /// By kind.
-    parts: [Part; KINDS],
-    solvers: [C; KINDS],
+    /// By share and kind: [`KINDS`] for each share.
+    tasks: Vec<Task<C>>,
 }
 
 impl<C: ContactSolver> Solvers<C> {
@@ -178,56 +181,87 @@ impl<C: ContactSolver> Solvers<C> {
         self.whole = if is_any_special { self.kinds[0] } else { 0 };
         self.is_split =
             self.whole & IS_HEAVY != 0 || is_any_special && self.kinds.iter().any(|&kind| kind != self.whole);
+        self.shares.clear();
+        #[cfg(feature = "parallel")]
+        let share_count = self.share_out(flights, joints, contacts);
+        #[cfg(not(feature = "parallel"))]
+        let share_count = 1;
+        self.is_split |= share_count > 1;
+        if self.tasks.len() < share_count * KINDS {
+            self.tasks.resize_with(share_count * KINDS, Task::default);
+        }
         if !self.is_split {
             let whole_options = kind_options(self.whole, options);
-            self.solvers[self.whole].solve(time_step, &whole_options, flights, joints, contacts, corrections);
+            let solver = &mut self.tasks[self.whole].solver;
+            solver.solve(time_step, &whole_options, flights, joints, contacts, corrections);
             return;
         }
         corrections.clear();
         corrections.resize(flights.len(), Correction::default());
-        for kind in 0..KINDS {
-            self.take(kind, time_step, flights, joints, contacts, corrections);
-            let part = &mut self.parts[kind];
-            if part.is_empty() {
-                continue;
-            }
-            let part_options = kind_options(kind, options);
-            let [part_substeps, substeps] = [part_options.substeps, options.substeps].map(u64::from);
-            for joint in &mut part.joints {
-                joint.impulses = joint.impulses.rescaled(substeps, part_substeps);
-            }
-            for contact in &mut part.contacts {
-                contact.impulses = contact.impulses.rescaled(substeps, part_substeps);
-            }
-            let Part { flights: part_flights, joints: part_joints, contacts: part_contacts, .. } = part;
-            let part_corrections = &mut part.corrections;
-            let solver = &mut self.solvers[kind];
-            solver.solve(time_step, &part_options, part_flights, part_joints, part_contacts, part_corrections);
-            // Fixed bodies, which may be in several parts, have none.
-            for (&number, correction) in part.flight_numbers.iter().zip(&part.corrections) {
-                corrections[number as usize] = *correction;
-            }
-            for (&number, joint) in part.joint_numbers.iter().zip(&part.joints) {
-                joints[number as usize].impulses = joint.impulses.rescaled(part_substeps, substeps);
-            }
-            for (&number, contact) in part.contact_numbers.iter().zip(&part.contacts) {
-                contacts[number as usize].impulses = contact.impulses.rescaled(part_substeps, substeps);
-            }
+        let Self { graph, kinds, shares, tasks, .. } = self;
+        tasks.iter_mut().for_each(|task| task.is_used = false);
+        // Joints of fixed bodies are in the first one.
+        tasks[0].is_used = true;
+        for (island, kind) in kinds.iter().enumerate() {
+            tasks[shares.of(island) * KINDS + kind].is_used = true;
         }
+        let step = SplitStep { time_step, options, flights, graph, kinds, shares };
+        #[cfg(feature = "parallel")]
+        if share_count > 1 {
+            use rayon::iter::{IndexedParallelIterator as _, IntoParallelRefMutIterator as _, ParallelIterator as _};
+            let (all_joints, all_contacts) = (&*joints, &*contacts);
+            tasks.par_iter_mut().with_max_len(1).enumerate().for_each(|(number, task)| {
+                task.take(&step, number, all_joints, all_contacts, &[]);
+                task.solve(&step, number);
+            });
+            for (number, task) in tasks.iter().enumerate() {
+                task.write(&step, number, joints, contacts, corrections);
+            }
+            return;
+        }
+        for (number, task) in tasks.iter_mut().enumerate() {
+            task.take(&step, number, joints, contacts, corrections);
+            task.solve(&step, number);
+            task.write(&step, number, joints, contacts, corrections);
+        }
+    }
+
+    /// Shares the islands out between threads, where these have enough to do. Returns the number of shares.
+    #[cfg(feature = "parallel")]
+    fn share_out(&mut self, flights: &[Flight], joints: &[Joint], contacts: &[Contact]) -> usize {
+        let Self { graph, are_islands_known, kinds, shares, .. } = self;
+        let count = shares.count_for(joints, contacts);
+        // Islands below a body that dominates them follow it.
+        if count == 1 || flights.iter().any(|flight| flight.leader.is_some()) {
+            return 1;
+        }
+        if !*are_islands_known {
+            let is_fixed = |body: u32| flights[body as usize].is_fixed();
+            graph.build_islands(is_fixed, flights.len(), bodies_of(joints, contacts));
+            kinds.clear();
+            kinds.resize(graph.islands(), 0);
+        }
+        shares.share_out(count, graph, joints, contacts)
+    }
+
+    /// Gives each thread at least so much work, in contacts.
+    #[cfg(all(feature = "parallel", feature = "selftest"))]
+    pub(crate) fn share(&mut self, least: usize) {
+        self.shares.set_least(least);
     }
 
     /// The timers of the solvers since they were taken last.
     #[cfg(feature = "timers")]
     pub(super) fn take_timers(&mut self) -> Timers {
         let mut sum = Timers::default();
-        self.solvers.iter_mut().for_each(|solver| sum += solver.take_timers());
+        self.tasks.iter_mut().for_each(|task| sum += task.solver.take_timers());
         sum
     }
 
     /// The number of each contact that was solved, its impulses along the normal over the step by point, and log2 of their unit.
     pub(super) fn totals(&self) -> impl Iterator<Item = (u32, [i64; 2], i32)> + '_ {
         self.solved_parts().flat_map(move |part| {
-            let totals = self.solvers[part].totals();
+            let totals = self.tasks[part].solver.totals();
             totals.map(move |(contact, sums, exponent)| (self.number(part, contact), sums, exponent))
         })
     }
@@ -237,29 +271,30 @@ impl<C: ContactSolver> Solvers<C> {
     pub(super) fn joint_totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.solved_parts().flat_map(move |part| {
             let number = move |joint: u32| {
-                if self.is_split { self.parts[part].joint_numbers[joint as usize] } else { joint }
+                if self.is_split { self.tasks[part].part.joint_numbers[joint as usize] } else { joint }
             };
-            self.solvers[part].joint_totals().map(move |(joint, total)| (number(joint), total))
+            self.tasks[part].solver.joint_totals().map(move |(joint, total)| (number(joint), total))
         })
     }
 
     /// The impacts in the step of these contacts, which must be the solved contacts.
     pub(super) fn impacts<'a>(&'a self, contacts: &'a [Contact]) -> impl Iterator<Item = ContactImpact> + 'a {
         self.solved_parts().flat_map(move |part| {
-            let contacts = if self.is_split { &self.parts[part].contacts } else { contacts };
-            let impacts = self.solvers[part].impacts(contacts);
+            let contacts = if self.is_split { &self.tasks[part].part.contacts } else { contacts };
+            let impacts = self.tasks[part].solver.impacts(contacts);
             impacts.map(move |impact| ContactImpact { contact: self.number(part, impact.contact), ..impact })
         })
     }
 
     /// The parts with joints or contacts of the last step.
     fn solved_parts(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..KINDS).filter(|&part| if self.is_split { !self.parts[part].is_empty() } else { part == self.whole })
+        (0..self.tasks.len())
+            .filter(|&part| if self.is_split { !self.tasks[part].part.is_empty() } else { part == self.whole })
     }
 
     /// The number among all of a contact of a part.
     fn number(&self, part: usize, contact: u32) -> u32 {
-        if self.is_split { self.parts[part].contact_numbers[contact as usize] } else { contact }
+        if self.is_split { self.tasks[part].part.contact_numbers[contact as usize] } else { contact }
     }
 
     /// Finds the kinds of the islands. Returns true if one is special.
@@ -273,7 +308,8 @@ impl<C: ContactSolver> Solvers<C> {
         let may_be_heavy = options.substeps < FINE_SUBSTEPS && may_be_heavy(flights);
         let any_deep = contacts.iter().any(is_deep);
         let may_be_joined = !joints.is_empty() && !contacts.is_empty();
-        if !may_be_heavy && !any_deep && !may_be_joined {
+        self.are_islands_known = may_be_heavy || any_deep || may_be_joined;
+        if !self.are_islands_known {
             return false;
         }
         let links = bodies_of(joints, contacts);
@@ -356,33 +392,6 @@ impl<C: ContactSolver> Solvers<C> {
             }
         }
     }
-
-    /// Copies the joints and contacts of the islands of a kind, and the flights that they join, with the corrections of the parts before.
-    fn take(
-        &mut self,
-        kind: usize,
-        time_step: TimeStep,
-        flights: &[Flight],
-        joints: &[Joint],
-        contacts: &[Contact],
-        corrections: &[Correction],
-    ) {
-        let Self { graph, kinds, parts, .. } = self;
-        let part = &mut parts[kind];
-        part.take(flights, joints, contacts, |bodies| {
-            let island = graph.mover(bodies).and_then(|body| graph.island_of(body));
-            island.map_or(0, |island| kinds[island as usize]) == kind
-        });
-        for index in 0..part.flights.len() {
-            let Some(leader) = part.flights[index].leader else { continue };
-            let place = part.flight(leader);
-            if place.is_none() {
-                // The leader was in a part before, or has no contacts at all.
-                correct(&mut part.flights[index], &corrections[leader as usize], time_step);
-            }
-            part.flights[index].leader = place;
-        }
-    }
 }
 
 /// The bodies of joints and contacts.
@@ -391,23 +400,4 @@ pub(super) fn bodies_of<'a>(
     contacts: &'a [Contact],
 ) -> impl Iterator<Item = [u32; 2]> + Clone + use<'a> {
     joints.iter().map(|joint| joint.bodies).chain(contacts.iter().map(|contact| contact.bodies))
-}
-
-/// Gives a flight the mean velocity of the step, with the changes by impulses: sub-steps see a fixed flight by its velocities alone,
-/// and an impact of its body has changed these at once.
-fn correct(flight: &mut Flight, correction: &Correction, time_step: TimeStep) {
-    if !correction.is_pushed {
-        return;
-    }
-    let (num, den) = time_step.seconds();
-    // Ways are below 2^30 m: products are below 2^94. No flight is faster than the limit.
-    let mean = |way: Fx, change: FxAccumulator| {
-        let way = i128::from(way.to_bits()) + i128::from(change.value().to_bits());
-        let limit = i128::from(SPEED.to_bits());
-        Fx::from_bits((way * i128::from(den) / i128::from(num)).clamp(-limit, limit) as i64)
-    };
-    flight.start.linear.x = mean(flight.displacement.x, correction.displacement.x);
-    flight.start.linear.y = mean(flight.displacement.y, correction.displacement.y);
-    flight.start.angular = mean(flight.rotation, correction.rotation);
-    flight.end = flight.start;
 }

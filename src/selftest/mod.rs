@@ -226,10 +226,11 @@ impl<S: crate::scalar::Scalar> crate::world::World<S> {
         self.workspace.do_without(ends, speculation);
     }
 
-    /// Gives each thread at least so many free bodies of this copy of the world in a step, but a block: tests share out small worlds.
+    /// Gives each thread at least so many free bodies of this copy of the world in a step, but a block, and islands with so many contacts, where a
+    /// joint counts as 16: tests share out small worlds.
     #[cfg(feature = "parallel")]
     #[doc(hidden)]
-    pub fn share_bodies(&mut self, least: usize) {
+    pub fn share_work(&mut self, least: usize) {
         self.workspace.share(least);
     }
 }

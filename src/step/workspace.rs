@@ -123,8 +123,9 @@ impl<S: Scalar> Workspace<S> {
     }
 
     #[cfg(all(feature = "parallel", feature = "selftest"))]
-    pub(crate) fn share(&mut self, min_bodies: usize) {
-        self.free.share(min_bodies);
+    pub(crate) fn share(&mut self, least: usize) {
+        self.free.share(least);
+        self.contacts.get_or_insert_default().solvers.share(least);
     }
 
     /// Makes it ready for a step: drops the caches of bodies that changed since the last one, and forgets the changes that all caches have

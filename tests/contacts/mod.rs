@@ -28,4 +28,6 @@ mod scenes;
 mod sensors;
 mod sleep;
 mod state;
+#[cfg(all(feature = "parallel", feature = "selftest"))]
+mod threads;
 mod tiles;

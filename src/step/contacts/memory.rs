@@ -34,7 +34,7 @@ impl Followed {
 #[derive(Debug, Default)]
 pub(in super::super) struct ContactMemory<S: Scalar> {
     pub(super) pipeline: Pipeline,
-    pub(super) solvers: Solvers<S::Solver>,
+    pub(in super::super) solvers: Solvers<S::Solver>,
     /// The last survey, which listed the moving bodies with colliders that meet others or with joints, and the revision of the joints in it.
     surveyed: Followed,
     surveyed_joints: u64,
