@@ -134,7 +134,7 @@ pub use character::{Character, CharacterHit, Ground, Movement};
 pub use codec::Malformed;
 pub use collider::{ColliderDef, ContactSettings, Filter, Material, MaterialPair, MixRule, OneWay};
 pub use contact::{ColliderPair, Contact, ContactHit, ContactPoint, Exclusion};
-#[cfg(feature = "float")]
+#[cfg(feature = "draw")]
 pub use display::{Blend, BodyClass, DebugDraw, DrawOptions, Interpolation, Pose, Role};
 pub use display::{StepClock, StepsDue, TickFraction};
 pub use error::{Cause, Dimension, Error, Fault, Irreversible, Quantity};

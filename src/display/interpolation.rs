@@ -6,7 +6,7 @@ use super::pose::Pose;
 use super::step_clock::TickFraction;
 use crate::body::Activity;
 use crate::limits;
-use crate::scalar::{Angle, Scalar, ToF64};
+use crate::scalar::{FloatAngle as _, Scalar, ToF64};
 use crate::slots::BodyId;
 use crate::world::World;
 
@@ -200,7 +200,7 @@ impl Seen {
                 let (Pose { position, angle }, (velocity, angular_velocity)) = (self.now, self.velocity);
                 let seconds = part.to_f64() * time_step;
                 let position = [0, 1].map(|i| position[i] + velocity[i] * seconds);
-                Pose { position, angle: angle.turned(angular_velocity * seconds) }
+                Pose { position, angle: angle.turned_by(angular_velocity * seconds) }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Poses of bodies in floats.
 
 use crate::math::Vec2;
-use crate::scalar::{Angle, Scalar, ToF64};
+use crate::scalar::{FloatAngle, Scalar, ToF64};
 use crate::world::BodyRef;
 
 /// Position and angle of a body, for drawing.
@@ -74,8 +74,8 @@ impl Pose {
     #[must_use]
     pub fn between(self, end: Self, share: f64) -> Self {
         let position = [0, 1].map(|i| mix(self.position[i], end.position[i], share));
-        let way: f64 = self.angle.way_to(end.angle);
-        let angle = if share < 1.0 { self.angle.turned(way * share) } else { end.angle };
+        let way = self.angle.shortest_way_to(end.angle);
+        let angle = if share < 1.0 { self.angle.turned_by(way * share) } else { end.angle };
         Self { position, angle }
     }
 }
@@ -110,7 +110,7 @@ pub(super) struct Placed {
 
 impl Placed {
     pub(super) fn at(pose: Pose) -> Self {
-        let (sin, cos) = pose.angle.direction();
+        let (sin, cos) = pose.angle.sine_cosine();
         Self { pose, sin, cos }
     }
 
@@ -125,7 +125,7 @@ impl Placed {
 
     /// The pose of a part of the body.
     pub(super) fn part(&self, at: [f64; 2], angle: f64) -> Self {
-        Self::at(Pose { position: self.point(at), angle: self.pose.angle.turned(angle) })
+        Self::at(Pose { position: self.point(at), angle: self.pose.angle.turned_by(angle) })
     }
 }
 
@@ -146,10 +146,11 @@ impl From<Pose<f32>> for mint::ColumnMatrix3<f32> {
 }
 
 #[cfg(feature = "mint")]
-fn matrix<T: Scalar<Angle = T> + Angle<T, Direction = (T, T)>>(pose: Pose<T>) -> mint::ColumnMatrix3<T> {
-    let ((sin, cos), [x, y]) = (pose.angle.direction(), pose.position);
+fn matrix<T: FloatAngle + core::ops::Neg<Output = T> + From<u8>>(pose: Pose<T>) -> mint::ColumnMatrix3<T> {
+    let ((sin, cos), [x, y]) = (pose.angle.sine_cosine(), pose.position);
     let column = |x, y, z| mint::Vector3 { x, y, z };
-    mint::ColumnMatrix3 { x: column(cos, sin, T::ZERO), y: column(-sin, cos, T::ZERO), z: column(x, y, T::ONE) }
+    let (zero, one) = (T::from(0), T::from(1));
+    mint::ColumnMatrix3 { x: column(cos, sin, zero), y: column(-sin, cos, zero), z: column(x, y, one) }
 }
 
 /// Position of the body.

@@ -9,6 +9,7 @@ use super::Offset;
 use super::accumulator::FxAccumulator;
 use super::bulk::Bulk;
 use super::factor::FxFactor;
+use super::float_angle::FloatAngle as _;
 use super::forces::{Forces, SpringConstants};
 use super::motion::{KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
 use super::number::{Accumulator, Angle, Arithmetic, Factor, Number, Scalar, Sum, Wide};
@@ -19,7 +20,7 @@ use crate::fx::Fx;
 use crate::math::Vec2;
 
 macro_rules! float_scalar {
-    ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $sin:ident, $cos:ident, $fabs:ident, $atan2:ident) => {
+    ($float:ident, $name:literal, $pow:ident, $exp:ident, $expm1:ident, $sqrt:ident, $fabs:ident, $atan2:ident) => {
         impl Number for $float {
             const WORDS: usize = 1;
 
@@ -140,16 +141,13 @@ macro_rules! float_scalar {
 
         impl Angle<$float> for $float {
             fn from_radians(radians: $float) -> Self {
-                let rest = radians % core::$float::consts::TAU;
-                let angle = if rest < 0.0 { rest + core::$float::consts::TAU } else { rest };
-                // A tiny negative one rounds up to the whole turn.
-                if angle < core::$float::consts::TAU { angle } else { 0.0 }
+                radians.wrapped()
             }
             fn radians(self) -> $float {
                 self
             }
             fn sin_cos(self) -> ($float, $float) {
-                (libm::$sin(self), libm::$cos(self))
+                self.sine_cosine()
             }
             fn drift_factor(span: Span) -> $float {
                 <$float as Motion<$float>>::seconds(span)
@@ -159,20 +157,15 @@ macro_rules! float_scalar {
                 Self::from_radians(if negative { self - passed } else { self + passed })
             }
             fn turned(self, radians: $float) -> Self {
-                Self::from_radians(self + radians)
+                self.turned_by(radians)
             }
             fn way_to(self, goal: Self) -> $float {
-                let way = Self::from_radians(goal - self);
-                match way.partial_cmp(&core::$float::consts::PI) {
-                    Some(Ordering::Greater) => way - core::$float::consts::TAU,
-                    Some(Ordering::Equal) => 0.0,
-                    _ => way,
-                }
+                self.shortest_way_to(goal)
             }
             type Direction = ($float, $float);
 
             fn direction(self) -> ($float, $float) {
-                (libm::$sin(self), libm::$cos(self))
+                self.sine_cosine()
             }
             fn turn(direction: ($float, $float), v: Vec2<$float>) -> Option<Vec2<$float>> {
                 let (sin, cos) = direction;
@@ -220,7 +213,7 @@ macro_rules! float_scalar {
 
         impl Arithmetic<$float> for $float {
             fn sin_cos(self) -> (Self, Self) {
-                (libm::$sin(self), libm::$cos(self))
+                self.sine_cosine()
             }
             fn product(self, other: Self) -> Self {
                 self * other
@@ -359,5 +352,5 @@ macro_rules! float_scalar {
     };
 }
 
-float_scalar!(f64, "f64", pow, exp, expm1, sqrt, sin, cos, fabs, atan2);
-float_scalar!(f32, "f32", powf, expf, expm1f, sqrtf, sinf, cosf, fabsf, atan2f);
+float_scalar!(f64, "f64", pow, exp, expm1, sqrt, fabs, atan2);
+float_scalar!(f32, "f32", powf, expf, expm1f, sqrtf, fabsf, atan2f);

@@ -37,6 +37,8 @@ mod factor;
 mod factor_text;
 #[cfg(feature = "float")]
 mod float;
+#[cfg(feature = "draw")]
+mod float_angle;
 mod forces;
 mod fx_bulk;
 mod fx_number;
@@ -48,7 +50,7 @@ mod polygon;
 #[cfg(feature = "serde")]
 mod serial;
 mod simd;
-#[cfg(feature = "float")]
+#[cfg(feature = "draw")]
 mod to_f64;
 mod turn;
 mod vectors;
@@ -56,10 +58,12 @@ mod wide;
 
 pub use accumulator::FxAccumulator;
 pub use factor::FxFactor;
+#[cfg(feature = "draw")]
+pub(crate) use float_angle::FloatAngle;
 pub use forces::SpringConstants;
 pub(crate) use forces::exponential;
 pub use number::{Accumulator, Angle, Factor, Scalar, Wide};
-#[cfg(feature = "float")]
+#[cfg(feature = "draw")]
 pub use to_f64::ToF64;
 pub use turn::Turn;
 pub use wide::{FxSum, FxWide};
