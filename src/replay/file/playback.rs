@@ -62,6 +62,29 @@ impl Replay {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn verify_within(&self, limits: ReplayLimits) -> Result<(), VerifyError> {
+        self.verified_end(limits).map(drop)
+    }
+
+    /// Verifies an untrusted replay as [`verify_within`](Self::verify_within) does, and gives the world at its end: a server reads the
+    /// result of a match from it, without a second run.
+    ///
+    /// # Errors
+    /// As [`verify_within`](Self::verify_within).
+    ///
+    /// ```
+    /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, ReplayLimits, World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// world.set_blob(b"3:1")?; // the game's own: before the step that records it
+    /// (0..30).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// let limits = ReplayLimits { ticks: 30, bodies: 9, fields: 9, colliders: 9, pairs: 1 << 20, commands: 9 };
+    /// let end = replay.verified_end(limits)?;
+    /// assert_eq!((end.tick(), end.blob()), (30, &b"3:1"[..]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn verified_end(&self, limits: ReplayLimits) -> Result<World, VerifyError> {
         Playback::new(self, limits).verify()
     }
 }
@@ -126,12 +149,12 @@ impl<'a> Playback<'a> {
         }
     }
 
-    /// Plays on to the end, or to the first divergence or exceeded limit.
-    pub(super) fn verify(mut self) -> Result<(), VerifyError> {
+    /// Plays on to the end and gives the world, or the first divergence or exceeded limit.
+    fn verify(mut self) -> Result<World, VerifyError> {
         self.limits.check_ticks(self.replay.ticks)?;
         self.limits.check(&self.world)?;
         while self.step()? {}
-        self.exceeded.map_or(Ok(()), Err)
+        self.exceeded.map_or(Ok(self.world), Err)
     }
 
     /// The world as it is now.
