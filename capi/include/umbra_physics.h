@@ -1,8 +1,8 @@
 /*
  * umbra-physics: deterministic 2D rigid-body physics in fixed point, the same bits on every machine.
  *
- * Numbers are integers: an UmbraFx counts multiples of 2^-32 of a metre, kilogram, second or radian, and handles have 64 bits. There
- * is no float in this interface, and no struct is passed by value.
+ * Numbers are integers: an UmbraFx counts multiples of 2^-32 of a metre, kilogram, second or radian, and handles have 64 bits. No
+ * struct is passed by value, and no float but for the points of drawings, which leave the library and never come back.
  *
  * Calls return UMBRA_OK or the number of an error. A refused call changes nothing and writes nothing, except the required size when a
  * buffer was too small, and where the function says so. Error numbers never change: docs/errors.md lists them.
@@ -42,8 +42,14 @@
 // All groups.
 #define UMBRA_ALL_FORCE_GROUPS 4294967295
 
+// The forces and torques that were applied over a step: what undoing it needs beside the world.
+typedef struct UmbraAppliedForces UmbraAppliedForces;
+
 // Bytes that the library owns: a snapshot, a replay, or room that a caller without memory of its own asked for.
 typedef struct UmbraBytes UmbraBytes;
+
+// A drawing of a world: figures, and the points that they have.
+typedef struct UmbraDrawing UmbraDrawing;
 
 // The inputs of one tick, by player and sequence.
 typedef struct UmbraInputs UmbraInputs;
@@ -884,6 +890,55 @@ typedef struct UmbraReplayLimits {
     uint32_t pairs;
 } UmbraReplayLimits;
 
+// What of a world is drawn, and where its points are measured from; `umbra_draw_options_default` fills it in.
+typedef struct UmbraDrawOptions {
+    // Points are measured from here, m: from the camera in a large world, as a float has 24 bits, a millimetre at 10 km. Default 0, 0.
+    struct UmbraVec2 origin;
+    // Velocities, as the way that a body takes in this many seconds; 0, the default, for none.
+    UmbraFx velocity_seconds;
+    // Normals of contacts, as arrows of this many m; 0, the default, for none.
+    UmbraFx normal_length;
+    // Impulses of contacts, as arrows of this many m for each N·s of the last sub-step; 0, the default, for none.
+    UmbraFx impulse_scale;
+    // 1, the default, for the outlines of bodies; or 0.
+    uint32_t bodies;
+    // 1, the default, for force fields that are somewhere; or 0.
+    uint32_t fields;
+    // 1, the default, for joints; or 0.
+    uint32_t joints;
+    // 1 for the points of contacts; 0 is the default.
+    uint32_t contacts;
+} UmbraDrawOptions;
+
+// Form of a figure: one of the four values below.
+typedef uint32_t UmbraFigureForm;
+
+// Meaning of a figure: one of the values below. Later versions may have more.
+typedef uint32_t UmbraFigureRole;
+
+// Class of a body for drawing, to choose a colour by: one of the values below.
+typedef uint32_t UmbraBodyClass;
+
+// A figure of a drawing.
+typedef struct UmbraFigure {
+    // The body, field, joint or collider that it shows, or `UMBRA_NO_HANDLE`.
+    uint64_t handle;
+    // The second collider of a contact, or `UMBRA_NO_HANDLE`.
+    uint64_t other;
+    // Its form.
+    UmbraFigureForm form;
+    // Its meaning.
+    UmbraFigureRole role;
+    // The class of a body that it outlines; of others 0.
+    UmbraBodyClass class_;
+    // The number of points of the drawing before its own.
+    uint32_t first_point;
+    // The number of its points: 1 of a point, 2 of a segment and an arrow, 3 and more of a polygon.
+    uint32_t point_count;
+    // 0.
+    uint32_t reserved;
+} UmbraFigure;
+
 // 1 as an `UmbraFx`.
 #define UMBRA_ONE 4294967296
 
@@ -931,6 +986,9 @@ typedef struct UmbraReplayLimits {
 
 // The tick already has an input of this player and sequence.
 #define UMBRA_ERROR_DUPLICATE_INPUT 117
+
+// The last step cannot be undone; `umbra_last_cause` has the number of the reason, 131 to 146.
+#define UMBRA_ERROR_NOT_REVERSIBLE 120
 
 // The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
 #define UMBRA_ERROR_LOCKED 121
@@ -1032,6 +1090,12 @@ typedef struct UmbraReplayLimits {
 // `umbra_last_message` has the line.
 #define UMBRA_ERROR_SCENE 500
 
+// The argument is zero or negative, where the function has no value.
+#define UMBRA_ERROR_MATH_NOT_POSITIVE 701
+
+// The value does not fit in an `UmbraFx`.
+#define UMBRA_ERROR_MATH_OVERFLOW 702
+
 // A number is expected, and there is no text.
 #define UMBRA_ERROR_NUMBER_EMPTY 711
 
@@ -1054,9 +1118,12 @@ typedef struct UmbraReplayLimits {
 // The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
 #define UMBRA_ERROR_PANIC 904
 
-// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
+// A world that a scene or a replay runs is changed by that alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
 // is being recorded does not go to another state at once.
 #define UMBRA_ERROR_BUSY 905
+
+// The replay that runs the world has no more ticks.
+#define UMBRA_ERROR_END 906
 
 // Order 1; gains energy. For comparison.
 #define UMBRA_EXPLICIT_EULER 0
@@ -1220,6 +1287,75 @@ typedef struct UmbraReplayLimits {
 // of the rope.
 #define UMBRA_PULLEY 7
 
+// A convex area by its corners, counter-clockwise. Discs and round ends have corners too: 48 to a whole disc.
+#define UMBRA_FIGURE_POLYGON 0
+
+// A line, by its two ends.
+#define UMBRA_FIGURE_SEGMENT 1
+
+// An arrow, by its two ends: to the second one.
+#define UMBRA_FIGURE_ARROW 2
+
+// A point without a size: a mark.
+#define UMBRA_FIGURE_POINT 3
+
+// A role that this version of the interface has no number for.
+#define UMBRA_ROLE_OTHER 0
+
+// The outline of a body, or a point at its position if it has no collider: `handle` is the body.
+#define UMBRA_ROLE_BODY 1
+
+// An arrow along the velocity of a body: `handle` is the body.
+#define UMBRA_ROLE_VELOCITY 2
+
+// A spring, from end to end: `handle` is the field.
+#define UMBRA_ROLE_SPRING 3
+
+// The centre of an attractor: `handle` is the field.
+#define UMBRA_ROLE_ATTRACTOR 4
+
+// An arrow to the point that a thrust acts at: `handle` is the field.
+#define UMBRA_ROLE_THRUST 5
+
+// The region of a zone, and an arrow along its acceleration: `handle` is the field.
+#define UMBRA_ROLE_ZONE 6
+
+// The box of a fluid, and an arrow along its flow: `handle` is the field.
+#define UMBRA_ROLE_BUOYANCY 7
+
+// The ends of a joint, the line between them, and its axis if it has one: `handle` is the joint.
+#define UMBRA_ROLE_JOINT 8
+
+// A point of a contact: `handle` and `other` are its colliders.
+#define UMBRA_ROLE_CONTACT 9
+
+// An arrow along the normal of a contact, from the first collider, `handle`, to the second one, `other`.
+#define UMBRA_ROLE_CONTACT_NORMAL 10
+
+// An arrow along the impulse on the second collider of a contact, `other`.
+#define UMBRA_ROLE_CONTACT_IMPULSE 11
+
+// An arrow along the impulse of friction on the second collider of a contact, `other`.
+#define UMBRA_ROLE_FRICTION_IMPULSE 12
+
+// Moved by everything, and awake.
+#define UMBRA_CLASS_DYNAMIC 0
+
+// Moved by the velocity it is given.
+#define UMBRA_CLASS_KINEMATIC 1
+
+// Moved by nothing.
+#define UMBRA_CLASS_STATIC 2
+
+// At rest and skipped.
+#define UMBRA_CLASS_ASLEEP 3
+
+// Taken out of the simulation by a step.
+#define UMBRA_CLASS_QUARANTINED 4
+
+// Taken out of the simulation by a call.
+#define UMBRA_CLASS_DISABLED 5
+
 #ifdef __cplusplus
 extern "C" {
 #endif // __cplusplus
@@ -1289,6 +1425,58 @@ UmbraStatus umbra_last_message(char *buffer,
 // `UMBRA_ERROR_BAD_ARGUMENT` for an unknown number, and then nothing is written. The last error is not changed.
 UmbraStatus umbra_status_message(UmbraStatus status, char *buffer, size_t capacity, size_t *length);
 
+// The ratio of two integers, rounded to nearest, ties to even: 1 and 3 for a third. `UMBRA_ERROR_MATH_NOT_POSITIVE` if `den` is 0,
+// `UMBRA_ERROR_MATH_OVERFLOW` if the ratio does not fit.
+UmbraStatus umbra_fx_from_ratio(int64_t num,
+                                int64_t den,
+                                UmbraFx *ratio);
+
+// The sum a + b. `UMBRA_ERROR_MATH_OVERFLOW` if it does not fit.
+UmbraStatus umbra_fx_add(UmbraFx a, UmbraFx b, UmbraFx *sum);
+
+// The difference a - b. `UMBRA_ERROR_MATH_OVERFLOW` if it does not fit.
+UmbraStatus umbra_fx_sub(UmbraFx a, UmbraFx b, UmbraFx *difference);
+
+// The product a·b, rounded to nearest, ties to even. `UMBRA_ERROR_MATH_OVERFLOW` if it does not fit.
+UmbraStatus umbra_fx_mul(UmbraFx a, UmbraFx b, UmbraFx *product);
+
+// The quotient a/b, rounded to nearest, ties to even. `UMBRA_ERROR_MATH_NOT_POSITIVE` if b is 0, `UMBRA_ERROR_MATH_OVERFLOW` if the
+// quotient does not fit.
+UmbraStatus umbra_fx_div(UmbraFx a,
+                         UmbraFx b,
+                         UmbraFx *quotient);
+
+// The remainder of a/b, exactly, from 0 to below the magnitude of b. `UMBRA_ERROR_MATH_NOT_POSITIVE` if b is 0.
+UmbraStatus umbra_fx_rem_euclid(UmbraFx a, UmbraFx b, UmbraFx *remainder);
+
+// The square root, the nearest value. `UMBRA_ERROR_MATH_NOT_POSITIVE` below 0.
+UmbraStatus umbra_fx_sqrt(UmbraFx number, UmbraFx *root);
+
+// The length of the vector (x, y), the nearest value. `UMBRA_ERROR_MATH_OVERFLOW` if it does not fit.
+UmbraStatus umbra_fx_hypot(UmbraFx x, UmbraFx y, UmbraFx *length);
+
+// The sine of an angle in radians, within 0.5001 ulp.
+UmbraStatus umbra_fx_sin(UmbraFx angle, UmbraFx *sine);
+
+// The cosine of an angle in radians, within 0.5001 ulp.
+UmbraStatus umbra_fx_cos(UmbraFx angle, UmbraFx *cosine);
+
+// The angle of the vector (x, y) from the x axis in radians, counter-clockwise, from -π to π, within 0.5001 ulp; 0 for the zero vector.
+// y comes first, as in C.
+UmbraStatus umbra_fx_atan2(UmbraFx y,
+                           UmbraFx x,
+                           UmbraFx *angle);
+
+// The binary logarithm, within 0.5001 ulp. `UMBRA_ERROR_MATH_NOT_POSITIVE` for 0 and below.
+UmbraStatus umbra_fx_log2(UmbraFx number, UmbraFx *logarithm);
+
+// The power of two, within 0.5001 ulp. `UMBRA_ERROR_MATH_OVERFLOW` from 31 on.
+UmbraStatus umbra_fx_exp2(UmbraFx exponent, UmbraFx *power);
+
+// The power of a base above 0, within 0.5001 ulp. `UMBRA_ERROR_MATH_NOT_POSITIVE` for a base of 0 and below,
+// `UMBRA_ERROR_MATH_OVERFLOW` if the power does not fit.
+UmbraStatus umbra_fx_pow(UmbraFx base, UmbraFx exponent, UmbraFx *power);
+
 // A disc of a radius of 2^-7 to 2^12 m.
 UmbraStatus umbra_shape_circle(UmbraFx radius, struct UmbraShape **shape);
 
@@ -1340,20 +1528,10 @@ UmbraStatus umbra_world_from_scene(const char *json,
                                    uint32_t most,
                                    struct UmbraWorld **world);
 
-// The body of a name in a world that a scene runs. Names are the scene's: they end with it, handles do not.
-UmbraStatus umbra_world_find_body(const struct UmbraWorld *world, const char *name, size_t length, uint64_t *body);
-
-// The name of a body in a world that a scene runs; text as `umbra_last_message` gives it.
-UmbraStatus umbra_world_body_name(const struct UmbraWorld *world,
-                                  uint64_t body,
-                                  char *buffer,
-                                  size_t capacity,
-                                  size_t *length);
-
-// Ends the scene of a world: the world stays as it is, and the caller may change it. Without a scene nothing happens.
+// Ends the scene or the replay that runs a world: the world stays as it is, and the caller may change it. Of other worlds nothing changes.
 UmbraStatus umbra_world_leave_scene(struct UmbraWorld *world);
 
-// A world with the same state and future, which shares what no step changes, and with the same scene. It is not recorded.
+// A world with the same state and future, which shares what no step changes, and with the same scene or replay. It is not recorded.
 UmbraStatus umbra_world_clone(const struct UmbraWorld *world,
                               struct UmbraWorld **copy);
 
@@ -1363,8 +1541,8 @@ void umbra_world_free(struct UmbraWorld *world);
 // Definition of the world, with all changes since.
 UmbraStatus umbra_world_def(const struct UmbraWorld *world, struct UmbraWorldDef *def);
 
-// Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
-// made.
+// Moves a world on by a tick. A scene can be refused: what it does in this tick before that is done, and the step is not
+// made. So can a replay: see `umbra_world_from_replay`.
 UmbraStatus umbra_world_step(struct UmbraWorld *world);
 
 // Carries out the inputs of a tick, by player and then by sequence, and moves the world on. An input that is refused changes
@@ -1444,6 +1622,50 @@ UmbraStatus umbra_world_first_difference(const struct UmbraWorld *left,
                                          char *buffer,
                                          size_t capacity,
                                          size_t *length);
+
+// The body of a name in a world that a scene or a replay runs: the first one, if several have it. Names end with
+// `umbra_world_leave_scene`, handles do not.
+UmbraStatus umbra_world_find_body(const struct UmbraWorld *world, const char *name, size_t length, uint64_t *body);
+
+// The force field of a name, as `umbra_world_find_body` finds a body.
+UmbraStatus umbra_world_find_field(const struct UmbraWorld *world, const char *name, size_t length, uint64_t *field);
+
+// The joint of a name, as `umbra_world_find_body` finds a body.
+UmbraStatus umbra_world_find_joint(const struct UmbraWorld *world, const char *name, size_t length, uint64_t *joint);
+
+// The collider of a name, as `umbra_world_find_body` finds a body.
+UmbraStatus umbra_world_find_collider(const struct UmbraWorld *world,
+                                      const char *name,
+                                      size_t length,
+                                      uint64_t *collider);
+
+// The name of a body in a world that a scene or a replay runs, empty if it has none; text as `umbra_last_message` gives it.
+UmbraStatus umbra_world_body_name(const struct UmbraWorld *world,
+                                  uint64_t body,
+                                  char *buffer,
+                                  size_t capacity,
+                                  size_t *length);
+
+// The name of a force field, as `umbra_world_body_name` gives that of a body.
+UmbraStatus umbra_world_field_name(const struct UmbraWorld *world,
+                                   uint64_t field,
+                                   char *buffer,
+                                   size_t capacity,
+                                   size_t *length);
+
+// The name of a joint, as `umbra_world_body_name` gives that of a body.
+UmbraStatus umbra_world_joint_name(const struct UmbraWorld *world,
+                                   uint64_t joint,
+                                   char *buffer,
+                                   size_t capacity,
+                                   size_t *length);
+
+// The name of a collider, as `umbra_world_body_name` gives that of a body.
+UmbraStatus umbra_world_collider_name(const struct UmbraWorld *world,
+                                      uint64_t collider,
+                                      char *buffer,
+                                      size_t capacity,
+                                      size_t *length);
 
 // Fills in a definition: a body of 1 kg, or of the mass of the colliders that are added to it, that everything moves, at rest at the origin.
 UmbraStatus umbra_body_def_default(struct UmbraBodyDef *def);
@@ -2070,6 +2292,23 @@ UmbraStatus umbra_world_set_blob(struct UmbraWorld *world,
 // The game's own data; a list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_blob(const struct UmbraWorld *world, uint8_t *bytes, size_t capacity, size_t *length);
 
+// The forces and torques that were applied over the last step of a world: to be kept, one a tick, by a program that will undo more than
+// the last step.
+UmbraStatus umbra_world_applied_forces(const struct UmbraWorld *world,
+                                       struct UmbraAppliedForces **applied);
+
+// Undoes the last step: the world is what it was before, to the bit, with the forces of that tick applied again. `applied` are the forces
+// of that step; null takes those of the last report, which this call empties, so that it is good for one step. Undo calls between two
+// steps yourself, the last one first, before you undo the step before them.
+//
+// Steps with sleep (`UMBRA_NEVER` turns it off), damping, contacts, joints that pulled, or impulses have no inverse, among others:
+// `UMBRA_ERROR_NOT_REVERSIBLE`, and `umbra_last_cause` has the reason, 131 to 146. A world that is recorded is not set back.
+UmbraStatus umbra_world_step_back(struct UmbraWorld *world,
+                                  const struct UmbraAppliedForces *applied);
+
+// Frees the forces of a step. Null is ignored.
+void umbra_applied_forces_free(struct UmbraAppliedForces *applied);
+
 // The world as it is, to go back to.
 UmbraStatus umbra_world_snapshot(const struct UmbraWorld *world, struct UmbraSnapshot **snapshot);
 
@@ -2118,6 +2357,62 @@ UmbraStatus umbra_replay_verify(const uint8_t *bytes,
                                 size_t length,
                                 const struct UmbraReplayLimits *limits,
                                 uint64_t *ticks);
+
+// The world that a replay starts with: a server compares its `umbra_world_state_hash` with the hash of the level that was to be played,
+// as anybody can record a run of another level.
+UmbraStatus umbra_replay_start(const uint8_t *bytes,
+                               size_t length,
+                               struct UmbraWorld **world);
+
+// Verifies a replay as `umbra_replay_verify` does, and gives the world at its end, with its blob: to read the score, and who won.
+UmbraStatus umbra_replay_end(const uint8_t *bytes,
+                             size_t length,
+                             const struct UmbraReplayLimits *limits,
+                             struct UmbraWorld **world);
+
+// A world that a replay runs, at its start. `umbra_world_step` plays a tick and compares its hash with the recorded one:
+// `UMBRA_ERROR_DIVERGENCE` if they differ, and the world is at its tick and can go on; `UMBRA_ERROR_END` at the end, and nothing is done.
+// `umbra_world_outcomes`, events, poses and names are those of the run; the replay alone changes the world, until
+// `umbra_world_leave_scene`. A replay of a stranger may ask for much work: verify it first (`umbra_replay_verify`).
+UmbraStatus umbra_world_from_replay(const uint8_t *bytes,
+                                    size_t length,
+                                    struct UmbraWorld **world);
+
+// Goes to a tick of the replay that runs a world, from the nearest snapshot before it, without comparing: to its end or its start if the
+// tick is beyond. There are no outcomes then.
+UmbraStatus umbra_world_seek(struct UmbraWorld *world,
+                             uint64_t tick);
+
+// The ticks at the start and at the end of the replay that runs a world.
+UmbraStatus umbra_world_replay_ticks(const struct UmbraWorld *world, uint64_t *start, uint64_t *end);
+
+// Fills in options: bodies, force fields and joints, measured from the origin of the world.
+UmbraStatus umbra_draw_options_default(struct UmbraDrawOptions *options);
+
+// A drawing without figures, for `umbra_world_draw`.
+UmbraStatus umbra_drawing_new(struct UmbraDrawing **drawing);
+
+// Draws a world at its tick, in place of what a drawing had, in its memory. Figures come in the order of the fields, the bodies, the joints,
+// the velocities and the contacts. Nothing of the world changes.
+UmbraStatus umbra_world_draw(const struct UmbraWorld *world,
+                             const struct UmbraDrawOptions *options,
+                             struct UmbraDrawing *drawing);
+
+// The figures of a drawing; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_drawing_figures(const struct UmbraDrawing *drawing,
+                                  struct UmbraFigure *figures,
+                                  size_t capacity,
+                                  size_t *count);
+
+// The points of the figures of a drawing, m from the origin of its options: x and y of one after the other, in singles. A list as
+// `umbra_world_outcomes` gives it, with two entries to a point. For a renderer alone: a float that goes back into a world is a desync to come.
+UmbraStatus umbra_drawing_points(const struct UmbraDrawing *drawing,
+                                 float *coordinates,
+                                 size_t capacity,
+                                 size_t *count);
+
+// Frees a drawing. Null is ignored.
+void umbra_drawing_free(struct UmbraDrawing *drawing);
 
 // The kinetic energy of the dynamic bodies, multiples of 2^-64 J.
 UmbraStatus umbra_world_kinetic_energy(const struct UmbraWorld *world, struct UmbraInt128 *energy);

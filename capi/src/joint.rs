@@ -207,7 +207,7 @@ pub(crate) const fn joint_word(joint: JointId) -> u64 {
     word(slot, generation)
 }
 
-const fn joint_id(word: u64) -> JointId {
+pub(crate) const fn joint_id(word: u64) -> JointId {
     JointId::from_parts(word as u32, (word >> 32) as u32)
 }
 

@@ -1,8 +1,8 @@
 //! `umbra-physics` behind a C ABI: for C, C++, C#, engines that load libraries, and browsers.
 //!
 //! It is a separate package because pointers from other languages need `unsafe`, which the library denies outside its vector
-//! instructions. It stands where a pointer comes with a length (`memory`), where a definition contains a shape, and for the run of a
-//! scene, which borrows from the scene (`world`); elsewhere functions take references that may be null. Every change is a `Command`.
+//! instructions. It stands where a pointer comes with a length (`memory`), where a definition contains a shape, and for the runs of
+//! scenes and replays, which borrow from them (`run`); elsewhere functions take references that may be null. Every change is a `Command`.
 //! Nothing is computed here: every function checks its arguments, calls the library, and returns the result.
 //! The header, `include/umbra_physics.h`, is generated from these sources; `README.md` describes building, linking and
 //! ownership.
@@ -24,9 +24,14 @@ mod memory;
 mod number;
 mod status;
 
+mod arithmetic;
+
 mod shape;
 
+mod run;
 mod world;
+
+mod name;
 
 mod body;
 mod collider;
@@ -42,22 +47,29 @@ mod character;
 mod command;
 mod settings;
 
+mod back;
 mod snapshot;
 
 mod replay;
 
+mod draw;
+
 mod totals;
 
+pub use arithmetic::*;
+pub use back::*;
 pub use body::*;
 pub use character::*;
 pub use collider::*;
 pub use command::*;
 pub use contact::*;
+pub use draw::*;
 pub use event::*;
 pub use field::*;
 pub use force::*;
 pub use joint::*;
 pub use memory::*;
+pub use name::*;
 pub use number::*;
 pub use query::*;
 pub use replay::*;

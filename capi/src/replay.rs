@@ -2,10 +2,11 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{RecordOptions, Recorder, Replay, ReplayLimits};
+use umbra_physics::{RecordOptions, Recorder, Replay, ReplayLimits, World};
 
 use crate::memory::{UmbraBytes, given, slice};
-use crate::status::{Refusal, UMBRA_ERROR_BUSY, UmbraStatus, guard};
+use crate::run::ReplayPlay;
+use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UmbraStatus, guard};
 use crate::world::UmbraWorld;
 
 /// Begins to record a world as it is: all calls that change it from now on, the inputs of its ticks, a hash after every
@@ -21,6 +22,9 @@ pub extern "C" fn umbra_world_record(
         let world = given(world)?;
         if world.drafted().is_ok() {
             return Err(Refusal::own(UMBRA_ERROR_BUSY, "a draft has no run"));
+        }
+        if world.replay().is_ok() {
+            return Err(Refusal::own(UMBRA_ERROR_BUSY, "a replay runs this world, and is its recording"));
         }
         if world.recorder().is_some() {
             return Err(Refusal::own(UMBRA_ERROR_BUSY, "this world is being recorded already"));
@@ -97,13 +101,117 @@ pub unsafe extern "C" fn umbra_replay_verify(
     ticks: Option<&mut MaybeUninit<u64>>,
 ) -> UmbraStatus {
     guard(|| {
-        let &UmbraReplayLimits { ticks: most_ticks, commands, bodies, fields, colliders, pairs } = given(limits)?;
+        let limits = ReplayLimits::from(given(limits)?);
         // SAFETY: as the caller promises.
-        let replay = Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?;
+        let replay = unsafe { read(bytes, length) }?;
         if let Some(ticks) = ticks {
             ticks.write(replay.ticks());
         }
-        let limits = ReplayLimits { ticks: most_ticks, bodies, fields, colliders, pairs, commands };
         Ok(replay.verify_within(limits)?)
+    })
+}
+
+impl From<&UmbraReplayLimits> for ReplayLimits {
+    fn from(&UmbraReplayLimits { ticks, commands, bodies, fields, colliders, pairs }: &UmbraReplayLimits) -> Self {
+        Self { ticks, bodies, fields, colliders, pairs, commands }
+    }
+}
+
+/// Reads a replay.
+///
+/// # Safety
+/// As [`slice`].
+unsafe fn read(bytes: *const u8, length: usize) -> Result<Replay> {
+    // SAFETY: as the caller promises.
+    Ok(Replay::from_bytes(unsafe { slice(bytes, length) }?, &[])?)
+}
+
+/// Reads a replay and hands on a world that it gives.
+///
+/// # Safety
+/// As [`slice`].
+unsafe fn write_world(
+    bytes: *const u8,
+    length: usize,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+    find: impl FnOnce(Replay) -> Result<World>,
+) -> UmbraStatus {
+    guard(|| {
+        let place = given(world)?;
+        // SAFETY: as the caller promises.
+        let replay = unsafe { read(bytes, length) }?;
+        place.write(UmbraWorld::boxed(find(replay)?));
+        Ok(())
+    })
+}
+
+/// The world that a replay starts with: a server compares its `umbra_world_state_hash` with the hash of the level that was to be played,
+/// as anybody can record a run of another level.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_replay_start(
+    bytes: *const u8,
+    length: usize,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    // SAFETY: as the caller promises.
+    unsafe { write_world(bytes, length, world, |replay| Ok(replay.start().clone())) }
+}
+
+/// Verifies a replay as `umbra_replay_verify` does, and gives the world at its end, with its blob: to read the score, and who won.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_replay_end(
+    bytes: *const u8,
+    length: usize,
+    limits: Option<&UmbraReplayLimits>,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    // SAFETY: as the caller promises.
+    unsafe { write_world(bytes, length, world, |replay| Ok(replay.verified_end(given(limits)?.into())?)) }
+}
+
+/// A world that a replay runs, at its start. `umbra_world_step` plays a tick and compares its hash with the recorded one:
+/// `UMBRA_ERROR_DIVERGENCE` if they differ, and the world is at its tick and can go on; `UMBRA_ERROR_END` at the end, and nothing is done.
+/// `umbra_world_outcomes`, events, poses and names are those of the run; the replay alone changes the world, until
+/// `umbra_world_leave_scene`. A replay of a stranger may ask for much work: verify it first (`umbra_replay_verify`).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_from_replay(
+    bytes: *const u8,
+    length: usize,
+    world: Option<&mut MaybeUninit<Option<Box<UmbraWorld>>>>,
+) -> UmbraStatus {
+    guard(|| {
+        let place = given(world)?;
+        // SAFETY: as the caller promises.
+        let replay = unsafe { read(bytes, length) }?;
+        place.write(Some(Box::new(UmbraWorld::replayed(ReplayPlay::new(replay)))));
+        Ok(())
+    })
+}
+
+/// Goes to a tick of the replay that runs a world, from the nearest snapshot before it, without comparing: to its end or its start if the
+/// tick is beyond. There are no outcomes then.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_seek(world: Option<&mut UmbraWorld>, tick: u64) -> UmbraStatus {
+    guard(|| {
+        let world = given(world)?;
+        world.replay_mut()?.playback.seek(tick);
+        world.forget_outcomes();
+        Ok(())
+    })
+}
+
+/// The ticks at the start and at the end of the replay that runs a world.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_replay_ticks(
+    world: Option<&UmbraWorld>,
+    start: Option<&mut MaybeUninit<u64>>,
+    end: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, start, end) = (given(world)?, given(start)?, given(end)?);
+        let replay = world.replay()?.replay();
+        start.write(replay.start().tick());
+        end.write(replay.end());
+        Ok(())
     })
 }

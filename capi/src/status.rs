@@ -9,7 +9,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use umbra_physics::selftest::{Failure, Problem};
 use umbra_physics::{
-    Cause, Divergence, Error, Irreversible, Malformed, ParseFxError, Quantity, ReplayError, SnapshotError, VerifyError,
+    Cause, Divergence, Error, Irreversible, Malformed, MathError, ParseFxError, Quantity, ReplayError, SnapshotError,
+    VerifyError,
 };
 use umbra_scene::{SceneError, SceneErrors};
 
@@ -49,6 +50,8 @@ pub const UMBRA_ERROR_FULL: UmbraStatus = 114;
 pub const UMBRA_ERROR_ELAPSED_TIME: UmbraStatus = 115;
 /// The tick already has an input of this player and sequence.
 pub const UMBRA_ERROR_DUPLICATE_INPUT: UmbraStatus = 117;
+/// The last step cannot be undone; `umbra_last_cause` has the number of the reason, 131 to 146.
+pub const UMBRA_ERROR_NOT_REVERSIBLE: UmbraStatus = 120;
 /// The body is locked along an axis of the velocity; `umbra_last_cause` has which velocity, 153 or 154.
 pub const UMBRA_ERROR_LOCKED: UmbraStatus = 121;
 /// The body is disabled: enable it first.
@@ -116,6 +119,10 @@ pub const UMBRA_ERROR_VERIFY_PAIRS: UmbraStatus = 427;
 /// The scene says what cannot be. Scenes have numbers from 500 to 510, and those of what the engine refuses of them;
 /// `umbra_last_message` has the line.
 pub const UMBRA_ERROR_SCENE: UmbraStatus = 500;
+/// The argument is zero or negative, where the function has no value.
+pub const UMBRA_ERROR_MATH_NOT_POSITIVE: UmbraStatus = 701;
+/// The value does not fit in an `UmbraFx`.
+pub const UMBRA_ERROR_MATH_OVERFLOW: UmbraStatus = 702;
 /// A number is expected, and there is no text.
 pub const UMBRA_ERROR_NUMBER_EMPTY: UmbraStatus = 711;
 /// The text stops being a number.
@@ -131,9 +138,11 @@ pub const UMBRA_ERROR_BAD_ARGUMENT: UmbraStatus = 902;
 pub const UMBRA_ERROR_BUFFER_TOO_SMALL: UmbraStatus = 903;
 /// The library has a fault: it panicked, and the call was ended. What the call changed may only be freed.
 pub const UMBRA_ERROR_PANIC: UmbraStatus = 904;
-/// A world that a scene runs is changed by the scene alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
+/// A world that a scene or a replay runs is changed by that alone (`umbra_world_leave_scene`), a draft is not stepped, and a world that
 /// is being recorded does not go to another state at once.
 pub const UMBRA_ERROR_BUSY: UmbraStatus = 905;
+/// The replay that runs the world has no more ticks.
+pub const UMBRA_ERROR_END: UmbraStatus = 906;
 
 /// Reason why a call was refused.
 #[derive(Debug)]
@@ -182,12 +191,18 @@ macro_rules! refusals {
     };
 }
 
-refusals!(Error, Malformed, SnapshotError, ReplayError, Divergence, SceneError, SceneErrors, ParseFxError);
+refusals!(Error, Malformed, SnapshotError, ReplayError, MathError, SceneError, SceneErrors, ParseFxError);
+
+impl From<Box<Divergence>> for Refusal {
+    fn from(divergence: Box<Divergence>) -> Self {
+        Self::of(divergence.code(), &*divergence)
+    }
+}
 
 impl From<VerifyError> for Refusal {
     fn from(error: VerifyError) -> Self {
         match error {
-            VerifyError::Divergence(divergence) => (*divergence).into(),
+            VerifyError::Divergence(divergence) => divergence.into(),
             error => Self::of(error.code(), &error),
         }
     }

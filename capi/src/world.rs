@@ -2,20 +2,20 @@
 
 use std::ffi::c_char;
 use std::mem::MaybeUninit;
-use std::sync::Arc;
 
 use umbra_physics::{
     BodyId, Command, Created, Damping, FieldId, Fx, Input, InputResult, Inputs, Integrator, Labels, Recorder,
     StepReport, TimeStep, World, WorldDef,
 };
-use umbra_scene::{Scene, SceneRun};
+use umbra_scene::Scene;
 
 use crate::UMBRA_NO_HANDLE;
 use crate::collider::collider_word;
 use crate::joint::joint_word;
 use crate::memory::{fill, given, slice, text, write_text};
 use crate::number::{UmbraFx, UmbraUint128, UmbraVec2};
-use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_OK, UmbraStatus, guard};
+use crate::run::{ReplayPlay, ScenePlay};
+use crate::status::{Refusal, Result, UMBRA_ERROR_BUSY, UMBRA_ERROR_END, UMBRA_OK, UmbraStatus, guard};
 
 /// Integrator of a world: one of the five values below.
 pub type UmbraIntegrator = u32;
@@ -153,32 +153,19 @@ enum State {
     /// The caller.
     Own(World),
     /// A scene.
-    Scene(Play),
+    Scene(ScenePlay),
+    /// A replay.
+    Replay(ReplayPlay),
     /// Nobody: calls are written down, and the world stays empty.
     Draft(World, Vec<u8>),
 }
 
-/// The run of a scene, with the scene.
-#[derive(Clone)]
-struct Play {
-    /// First, so that it ends first: it borrows from the scene, whatever its lifetime says, and nothing of it is handed out with
-    /// that lifetime.
-    run: SceneRun<'static>,
-    _scene: Arc<Scene>,
-}
-
-impl Play {
-    fn new(scene: Scene) -> Result<Self> {
-        let scene = Arc::new(scene);
-        // SAFETY: what an `Arc` holds does not move, and lives as long as one of its copies; each `Play` has one, and drops its
-        // run before.
-        let borrowed: &'static Scene = unsafe { &*Arc::as_ptr(&scene) };
-        Ok(Self { run: borrowed.start()?, _scene: scene })
-    }
-}
-
 fn run_by_a_scene() -> Refusal {
     Refusal::own(UMBRA_ERROR_BUSY, "a scene runs this world")
+}
+
+fn run_by_a_replay() -> Refusal {
+    Refusal::own(UMBRA_ERROR_BUSY, "a replay runs this world")
 }
 
 impl UmbraWorld {
@@ -194,26 +181,44 @@ impl UmbraWorld {
         match &self.state {
             State::Own(world) | State::Draft(world, _) => world,
             State::Scene(play) => play.run.world(),
+            State::Replay(play) => play.playback.world(),
         }
     }
 
-    fn play(&self) -> Result<&Play> {
+    /// The replay that runs this world.
+    pub(crate) fn replay(&self) -> Result<&ReplayPlay> {
         match &self.state {
-            State::Scene(play) => Ok(play),
-            _ => Err(Refusal::bad("no scene runs this world")),
+            State::Replay(play) => Ok(play),
+            _ => Err(Refusal::bad("no replay runs this world")),
         }
     }
 
-    /// Name of a body in its scene. Valid as long as it is borrowed, whatever the run says.
-    fn name(&self, body: BodyId) -> Option<&str> {
-        self.play().ok().map(|play| play.run.name(body)).filter(|name| !name.is_empty())
+    pub(crate) fn replay_mut(&mut self) -> Result<&mut ReplayPlay> {
+        match &mut self.state {
+            State::Replay(play) => Ok(play),
+            _ => Err(Refusal::bad("no replay runs this world")),
+        }
     }
 
-    /// The world and its recorder, unless a scene runs it.
+    /// A world that a replay runs.
+    pub(crate) const fn replayed(play: ReplayPlay) -> Self {
+        Self { state: State::Replay(play), recorder: None, outcomes: Vec::new() }
+    }
+
+    /// The name of a body, without a list of all names where a scene runs the world.
+    pub(crate) fn body_name(&self, body: BodyId) -> Result<Option<String>> {
+        match &self.state {
+            State::Scene(play) => Ok(Some(play.run.name(body).to_owned())),
+            _ => Ok(self.named()?.body(body).map(str::to_owned)),
+        }
+    }
+
+    /// The world and its recorder, unless a scene or a replay runs it.
     fn parts(&mut self) -> Result<(&mut World, &mut Option<Recorder>, &mut Vec<InputResult>)> {
         match &mut self.state {
             State::Own(world) => Ok((world, &mut self.recorder, &mut self.outcomes)),
             State::Scene(_) => Err(run_by_a_scene()),
+            State::Replay(_) => Err(run_by_a_replay()),
             State::Draft(..) => Err(Refusal::own(UMBRA_ERROR_BUSY, "a draft is no world")),
         }
     }
@@ -231,12 +236,18 @@ impl UmbraWorld {
         }
     }
 
-    /// The names of a scene's bodies and force fields.
+    /// The names of a scene or of a replay.
     pub(crate) fn labels(&self) -> Option<Labels> {
         match &self.state {
             State::Scene(play) => Some(play.run.labels()),
-            _ => None,
+            State::Replay(play) => Some(play.replay().labels().clone()),
+            State::Own(_) | State::Draft(..) => None,
         }
+    }
+
+    /// The names, where there can be some.
+    pub(crate) fn named(&self) -> Result<Labels> {
+        self.labels().ok_or_else(|| Refusal::bad("no scene or replay runs this world"))
     }
 
     pub(crate) const fn recorder(&mut self) -> &mut Option<Recorder> {
@@ -261,6 +272,7 @@ impl UmbraWorld {
         match &self.state {
             State::Own(world) => Ok(world.check(command)?),
             State::Scene(_) => Err(run_by_a_scene()),
+            State::Replay(_) => Err(run_by_a_replay()),
             State::Draft(..) => Ok(()),
         }
     }
@@ -284,6 +296,18 @@ impl UmbraWorld {
     }
 
     fn step(&mut self, inputs: &Inputs) -> Result {
+        if let State::Replay(play) = &mut self.state {
+            if !inputs.is_empty() {
+                return Err(run_by_a_replay());
+            }
+            if play.is_at_end() {
+                return Err(Refusal::own(UMBRA_ERROR_END, "the replay has no more ticks"));
+            }
+            let played = play.playback.step();
+            self.outcomes.clear();
+            self.outcomes.extend_from_slice(play.playback.outcomes());
+            return Ok(played.map(drop)?);
+        }
         self.outcomes.clear();
         if let State::Scene(play) = &mut self.state {
             if !inputs.is_empty() {
@@ -455,64 +479,26 @@ pub unsafe extern "C" fn umbra_world_from_scene(
         // SAFETY: as the caller promises.
         let json = unsafe { text(json, length) }?;
         let place = given(world)?;
-        let play = Play::new(Scene::parse_within(json, most)?)?;
+        let play = ScenePlay::new(Scene::parse_within(json, most)?)?;
         let world = UmbraWorld { state: State::Scene(play), recorder: None, outcomes: Vec::new() };
         place.write(Some(Box::new(world)));
         Ok(())
     })
 }
 
-/// The body of a name in a world that a scene runs. Names are the scene's: they end with it, handles do not.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn umbra_world_find_body(
-    world: Option<&UmbraWorld>,
-    name: *const c_char,
-    length: usize,
-    body: Option<&mut MaybeUninit<u64>>,
-) -> UmbraStatus {
-    guard(|| {
-        // SAFETY: as the caller promises.
-        let name = unsafe { text(name, length) }?;
-        let (world, place) = (given(world)?, given(body)?);
-        let named =
-            world.play()?.run.world().bodies().map(|body| body.id()).find(|&body| world.name(body) == Some(name));
-        let named = named.ok_or_else(|| Refusal::bad("no body has this name"))?;
-        place.write(body_word(named));
-        Ok(())
-    })
-}
-
-/// The name of a body in a world that a scene runs; text as `umbra_last_message` gives it.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn umbra_world_body_name(
-    world: Option<&UmbraWorld>,
-    body: u64,
-    buffer: *mut c_char,
-    capacity: usize,
-    length: Option<&mut MaybeUninit<usize>>,
-) -> UmbraStatus {
-    guard(|| {
-        let world = given(world)?;
-        world.play()?;
-        let body = world.world().body(body_id(body))?.id();
-        // SAFETY: as the caller promises.
-        unsafe { write_text(world.name(body).unwrap_or_default(), buffer, capacity, length) }
-    })
-}
-
-/// Ends the scene of a world: the world stays as it is, and the caller may change it. Without a scene nothing happens.
+/// Ends the scene or the replay that runs a world: the world stays as it is, and the caller may change it. Of other worlds nothing changes.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_leave_scene(world: Option<&mut UmbraWorld>) -> UmbraStatus {
     guard(|| {
         let world = given(world)?;
-        if let State::Scene(play) = &world.state {
-            world.state = State::Own(play.run.world().clone());
+        if let State::Scene(_) | State::Replay(_) = &world.state {
+            world.state = State::Own(world.world().clone());
         }
         Ok(())
     })
 }
 
-/// A world with the same state and future, which shares what no step changes, and with the same scene. It is not recorded.
+/// A world with the same state and future, which shares what no step changes, and with the same scene or replay. It is not recorded.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_clone(
     world: Option<&UmbraWorld>,
@@ -523,6 +509,7 @@ pub extern "C" fn umbra_world_clone(
         let state = match &world.state {
             State::Own(world) => State::Own(world.clone()),
             State::Scene(play) => State::Scene(play.clone()),
+            State::Replay(play) => State::Replay(play.clone()),
             State::Draft(world, bytes) => State::Draft(world.clone(), bytes.clone()),
         };
         place.write(Some(Box::new(UmbraWorld { state, recorder: None, outcomes: world.outcomes.clone() })));
@@ -545,8 +532,8 @@ pub extern "C" fn umbra_world_def(
     look(world, def, |world| Ok(as_def(world.def())))
 }
 
-/// Moves a world on by a tick. Only a scene can be refused: what it does in this tick before that is done, and the step is not
-/// made.
+/// Moves a world on by a tick. A scene can be refused: what it does in this tick before that is done, and the step is not
+/// made. So can a replay: see `umbra_world_from_replay`.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_step(world: Option<&mut UmbraWorld>) -> UmbraStatus {
     guard(|| given(world)?.step(&Inputs::new()))
@@ -796,18 +783,8 @@ mod tests {
         const { may::<crate::UmbraShape>() }
         const { may::<crate::UmbraSnapshot>() }
         const { may::<crate::UmbraBytes>() }
-    }
-
-    #[test]
-    fn the_run_of_a_scene_outlives_its_copies_and_they_it() {
-        let text = r#"{"bodies": [{"name": "a"}], "inputs": [{"from": 0, "to": 9, "body": "a", "force": [1, 0]}]}"#;
-        let mut first = Play::new(Scene::parse(text).unwrap()).unwrap();
-        let mut second = first.clone();
-        first.run.advance().unwrap();
-        drop(first);
-        for _ in 0..9 {
-            second.run.advance().unwrap();
-        }
-        assert!(second.run.world().bodies().all(|body| body.velocity().x > Fx::ZERO));
+        const { may::<crate::UmbraMovement>() }
+        const { may::<crate::UmbraAppliedForces>() }
+        const { may::<crate::UmbraDrawing>() }
     }
 }

@@ -6,6 +6,7 @@ use std::mem::MaybeUninit;
 use std::path::Path;
 use std::ptr;
 
+use umbra_physics::scalar::ToF64 as _;
 use umbra_physics::{
     ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, ColliderDef, ColliderId, Command, ContactSettings, Damping,
     Distance, End, Exclusion, Explosion, FieldId, FieldKind, Filter, ForceField, ForceOrImpulse, Frame, Fx, FxFactor,
@@ -1821,6 +1822,381 @@ fn a_replay_is_verified_within_limits() {
     umbra_world_free(Some(world));
 }
 
+/// All bytes of a recording that ends, freed.
+fn end_record(world: &mut UmbraWorld) -> Vec<u8> {
+    let mut bytes = own(|bytes| umbra_world_end_record(Some(world), bytes)).expect("bytes");
+    let (at, length) = (umbra_bytes_data(Some(&mut bytes)), umbra_bytes_length(Some(&bytes)));
+    // SAFETY: that is where they are.
+    let file = unsafe { std::slice::from_raw_parts(at, length) }.to_vec();
+    umbra_bytes_free(Some(bytes));
+    file
+}
+
+/// A recording of 60 ticks of a ball that falls, with a score in the blob, and the hashes of all ticks.
+fn recorded_fall(gravity: i64) -> (Vec<u8>, Vec<u64>) {
+    let mut world = world();
+    assert_eq!(umbra_world_set_gravity(Some(&mut world), 0, gravity), UMBRA_OK);
+    let body = add(&mut world, &body_def()).expect("a body");
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 20), UMBRA_OK);
+    let mut inputs = UmbraInputs::default();
+    let mut draft = own(|draft| umbra_draft_new(draft)).expect("a draft");
+    let mut hashes = vec![state_hash(&world)];
+    for tick in 0..60 {
+        assert_eq!(umbra_world_set_velocity(Some(&mut draft), body, tick * ONE, 0), UMBRA_OK);
+        let command = drafted(&draft);
+        assert_eq!(umbra_inputs_clear(Some(&mut inputs)), UMBRA_OK);
+        // SAFETY: the bytes are there.
+        let insert = unsafe { umbra_inputs_insert(Some(&mut inputs), 3, 0, command.as_ptr(), command.len()) };
+        assert_eq!(insert, UMBRA_OK);
+        // SAFETY: the byte is there.
+        assert_eq!(unsafe { umbra_world_set_blob(Some(&mut world), [tick as u8].as_ptr(), 1) }, UMBRA_OK);
+        assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_OK);
+        hashes.push(state_hash(&world));
+    }
+    let file = end_record(&mut world);
+    umbra_world_free(Some(draft));
+    umbra_world_free(Some(world));
+    (file, hashes)
+}
+
+fn blob(world: &UmbraWorld) -> Vec<u8> {
+    // SAFETY: the buffers are those of `list`.
+    list(|to, size, count| unsafe { umbra_world_blob(Some(world), to, size, count) }).expect("a blob")
+}
+
+#[test]
+fn a_server_knows_where_a_replay_starts_and_who_won() {
+    let (file, hashes) = recorded_fall(-10 * ONE);
+    // SAFETY: the bytes are there.
+    let start = own(|world| unsafe { umbra_replay_start(file.as_ptr(), file.len(), world) }).expect("a start");
+    assert_eq!(state_hash(&start), hashes[0]);
+    // The same match in a level without gravity is good in itself, and starts elsewhere.
+    let (forged, _) = recorded_fall(0);
+    let end = |file: &[u8], limits: UmbraReplayLimits| {
+        // SAFETY: the bytes are there.
+        own(|world| unsafe { umbra_replay_end(file.as_ptr(), file.len(), Some(&limits), world) })
+    };
+    assert!(end(&forged, LIMITS).is_ok());
+    // SAFETY: the bytes are there.
+    let elsewhere = own(|world| unsafe { umbra_replay_start(forged.as_ptr(), forged.len(), world) }).expect("a start");
+    assert_ne!(state_hash(&elsewhere), hashes[0]);
+
+    let last = end(&file, LIMITS).expect("the end");
+    assert_eq!((state_hash(&last), blob(&last)), (hashes[60], vec![59]));
+    let refused = end(&file, UmbraReplayLimits { commands: 59, ..LIMITS }).err();
+    assert_eq!(refused, Some(UMBRA_ERROR_VERIFY_COMMANDS));
+    let mut changed = file.clone();
+    changed[200] ^= 1;
+    assert_eq!(end(&changed, LIMITS).err(), Some(UMBRA_ERROR_REPLAY_TAMPERED));
+    assert_eq!(end(&file[..file.len() - 9], LIMITS).err(), Some(UMBRA_ERROR_REPLAY_CUT_OFF));
+    // What it gives is the caller's, as any world.
+    let mut last = last;
+    assert_eq!(umbra_world_step(Some(&mut last)), UMBRA_OK);
+    for world in [start, elsewhere, last] {
+        umbra_world_free(Some(world));
+    }
+}
+
+#[test]
+fn a_replay_is_played_step_by_step() {
+    let (file, hashes) = recorded_fall(-10 * ONE);
+    // SAFETY: the bytes are there.
+    let played = own(|world| unsafe { umbra_world_from_replay(file.as_ptr(), file.len(), world) });
+    let mut world = played.expect("a world");
+    let mut end = MaybeUninit::new(0);
+    let start = out(|start| umbra_world_replay_ticks(Some(&world), start, Some(&mut end))).expect("ticks");
+    // SAFETY: initialised above.
+    assert_eq!((start, unsafe { end.assume_init() }), (0, 60));
+    let outcomes = |world: &UmbraWorld| {
+        // SAFETY: the buffers are those of `list`.
+        list(|to, size, count| unsafe { umbra_world_outcomes(Some(world), to, size, count) }).expect("outcomes")
+    };
+    for &hash in &hashes[1..=30] {
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+        assert_eq!(state_hash(&world), hash);
+        assert_eq!(
+            outcomes(&world).iter().map(|outcome| (outcome.player, outcome.status)).collect::<Vec<_>>(),
+            [(3, 0)]
+        );
+    }
+    // The replay alone changes it.
+    let body = out(|body| umbra_world_body_with_key(Some(&world), 0, body));
+    let refused = umbra_world_set_velocity(Some(&mut world), body.unwrap_or(0), 0, 0);
+    assert_eq!((refused, last_message().as_str()), (UMBRA_ERROR_BUSY, "a replay runs this world"));
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 0), UMBRA_ERROR_BUSY);
+    assert_eq!(umbra_world_step_back(Some(&mut world), None), UMBRA_ERROR_BUSY);
+    let mut inputs = UmbraInputs::default();
+    // SAFETY: a command of one byte.
+    assert_eq!(unsafe { umbra_inputs_insert(Some(&mut inputs), 0, 0, [27].as_ptr(), 1) }, UMBRA_OK);
+    assert_eq!(umbra_world_step_inputs(Some(&mut world), Some(&inputs)), UMBRA_ERROR_BUSY);
+    assert_eq!((state_hash(&world), outcomes(&world).len()), (hashes[30], 1), "what is refused changes nothing");
+
+    // A copy plays on by itself; the first goes to and fro.
+    let mut copy = own(|copy| umbra_world_clone(Some(&world), copy)).expect("a copy");
+    for (tick, expected) in [(7, 7), (59, 59), (1000, 60), (0, 0), (45, 45)] {
+        assert_eq!(umbra_world_seek(Some(&mut world), tick), UMBRA_OK);
+        assert_eq!((state_hash(&world), outcomes(&world).len()), (hashes[expected], 0), "tick {tick}");
+    }
+    for &hash in &hashes[31..=60] {
+        assert_eq!(umbra_world_step(Some(&mut copy)), UMBRA_OK);
+        assert_eq!(state_hash(&copy), hash);
+    }
+    assert_eq!(umbra_world_step(Some(&mut copy)), UMBRA_ERROR_END);
+    assert_eq!((state_hash(&copy), outcomes(&copy).len()), (hashes[60], 1), "nothing is done");
+    // Then it is the caller's, and no replay's any more.
+    assert_eq!(umbra_world_leave_scene(Some(&mut world)), UMBRA_OK);
+    assert_eq!(umbra_world_seek(Some(&mut world), 3), UMBRA_ERROR_BAD_ARGUMENT);
+    assert_eq!((state_hash(&world), umbra_world_step(Some(&mut world))), (hashes[45], UMBRA_OK));
+    umbra_world_free(Some(copy));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn all_names_of_a_scene_and_of_its_replay_are_found() {
+    let json = r#"{
+        "bodies": [
+            {"name": "wall", "kind": "static", "colliders": [{"name": "brick", "shape": {"rectangle": {"width": 1, "height": 1}}}]},
+            {"name": "door", "position": [4, 0], "colliders": [{"shape": {"circle": {"radius": 1}}}, {"name": "knob", "shape": {"circle": {"radius": 0.1}}}]}
+        ],
+        "fields": [{"name": "wind", "drag": {"linear": 1, "wind": [1, 0]}}],
+        "joints": [{"name": "hinge", "bodies": ["wall", "door"], "point": [2, 0], "revolute": {}}]
+    }"#;
+    // SAFETY: the text is there.
+    let world = own(|world| unsafe { umbra_world_from_scene(json.as_ptr().cast(), json.len(), 100, world) });
+    let mut world = world.unwrap_or_else(|_| panic!("{}", last_message()));
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 0), UMBRA_OK);
+    assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    let file = end_record(&mut world);
+    // SAFETY: the bytes are there.
+    let replayed = own(|world| unsafe { umbra_world_from_replay(file.as_ptr(), file.len(), world) }).expect("a world");
+
+    type Find = unsafe extern "C" fn(Option<&UmbraWorld>, *const c_char, usize, Option<&mut MaybeUninit<u64>>) -> i32;
+    type Name =
+        unsafe extern "C" fn(Option<&UmbraWorld>, u64, *mut c_char, usize, Option<&mut MaybeUninit<usize>>) -> i32;
+    let kinds: [(Find, Name, &[&str], UmbraStatus); 4] = [
+        (umbra_world_find_body, umbra_world_body_name, &["wall", "door"], UMBRA_ERROR_NO_SUCH_BODY),
+        (umbra_world_find_field, umbra_world_field_name, &["wind"], UMBRA_ERROR_NO_SUCH_FIELD),
+        (umbra_world_find_joint, umbra_world_joint_name, &["hinge"], UMBRA_ERROR_NO_SUCH_JOINT),
+        (umbra_world_find_collider, umbra_world_collider_name, &["brick", "knob"], UMBRA_ERROR_NO_SUCH_COLLIDER),
+    ];
+    for run in [&world, &replayed] {
+        for (find, name, names, unknown) in kinds {
+            for expected in names {
+                // SAFETY: the text is there.
+                let handle = out(|handle| unsafe { find(Some(run), expected.as_ptr().cast(), expected.len(), handle) });
+                let handle = handle.expect(expected);
+                // SAFETY: the buffers are those of `text`.
+                let written = text(|to, size, length| unsafe { name(Some(run), handle, to, size, length) });
+                assert_eq!(written.as_deref(), Ok(*expected));
+            }
+            // SAFETY: the text is there.
+            let nobody = out(|handle| unsafe { find(Some(run), c"it".as_ptr(), 2, handle) });
+            assert_eq!(nobody, Err(UMBRA_ERROR_BAD_ARGUMENT));
+            // SAFETY: null is good for a capacity of 0.
+            assert_eq!(unsafe { name(Some(run), UMBRA_NO_HANDLE, ptr::null_mut(), 0, None) }, unknown);
+        }
+    }
+    // The first collider of the door has none.
+    // SAFETY: the text is there.
+    let door = out(|body| unsafe { umbra_world_find_body(Some(&world), c"door".as_ptr(), 4, body) }).expect("a door");
+    // SAFETY: the buffers are those of `list`.
+    let colliders = list(|to, size, count| unsafe { umbra_world_body_colliders(Some(&world), door, to, size, count) });
+    let first = colliders.expect("colliders")[0];
+    let mut buffer = [1u8; 4];
+    // SAFETY: the buffer is there.
+    let status = unsafe { umbra_world_collider_name(Some(&world), first, buffer.as_mut_ptr().cast(), 4, None) };
+    assert_eq!((status, buffer[0]), (UMBRA_OK, 0));
+    umbra_world_free(Some(replayed));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn steps_are_undone_as_in_the_library() {
+    let mut def = out(|def| umbra_world_def_default(def)).expect("a definition");
+    (def.sleep_after, def.gravity.y) = (UMBRA_NEVER, -10 * ONE);
+    let mut world = own(|world| umbra_world_new(Some(&def), world)).expect("a world");
+    let body = add(&mut world, &body_def()).expect("a body");
+    assert_eq!(umbra_world_step_back(Some(&mut world), None), UMBRA_ERROR_NOT_REVERSIBLE);
+    assert_eq!(umbra_last_cause(), 133, "no step has been taken");
+    let (mut hashes, mut kept) = (Vec::new(), Vec::new());
+    for tick in 0..20 {
+        hashes.push(state_hash(&world));
+        if tick % 3 == 0 {
+            assert_eq!(umbra_world_apply_force(Some(&mut world), body, 7 * ONE, ONE / 3, None, 0), UMBRA_OK);
+        }
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+        kept.push(own(|applied| umbra_world_applied_forces(Some(&world), applied)).expect("forces"));
+    }
+    // The last one by the report of the world, which is good for one step.
+    assert_eq!(umbra_world_step_back(Some(&mut world), None), UMBRA_OK);
+    umbra_applied_forces_free(kept.pop());
+    for tick in (0..19).rev() {
+        // Over the tick that was undone nothing of this tick acts: the forces are applied again, to be cleared.
+        assert_eq!(umbra_world_clear_forces(Some(&mut world)), UMBRA_OK);
+        let applied = kept.pop().expect("forces");
+        assert_eq!(umbra_world_step_back(Some(&mut world), Some(&applied)), UMBRA_OK, "{}", last_message());
+        umbra_applied_forces_free(Some(applied));
+        let mut cleared = own(|copy| umbra_world_clone(Some(&world), copy)).expect("a copy");
+        assert_eq!(umbra_world_clear_forces(Some(&mut cleared)), UMBRA_OK);
+        assert_eq!(state_hash(&cleared), hashes[tick], "tick {tick}");
+        umbra_world_free(Some(cleared));
+    }
+    assert_eq!(umbra_world_record(Some(&mut world), 1, 0), UMBRA_OK);
+    assert_eq!(umbra_world_step_back(Some(&mut world), None), UMBRA_ERROR_BUSY);
+    umbra_world_free(Some(world));
+}
+
+/// Corners as a renderer gets them: of a box that turns, a disc, a body without a collider, and the contact of the two that touch.
+#[test]
+fn a_drawing_has_the_figures_of_the_library() {
+    let json = r#"{
+        "gravity": [0, -10],
+        "bodies": [
+            {"name": "floor", "kind": "static", "position": [1000, 0], "colliders": [{"shape": {"rectangle": {"width": 8, "height": 2}}}]},
+            {"name": "ball", "position": [1000, 1.5], "colliders": [{"shape": {"circle": {"radius": 0.5}}}]},
+            {"name": "box", "position": [1004, 9], "angle": 1, "colliders": [{"shape": {"rectangle": {"width": 2, "height": 1}}}]},
+            {"name": "dot", "position": [1000, 20], "velocity": [3, 0]}
+        ]
+    }"#;
+    // SAFETY: the text is there.
+    let world = own(|world| unsafe { umbra_world_from_scene(json.as_ptr().cast(), json.len(), 100, world) });
+    let mut world = world.unwrap_or_else(|_| panic!("{}", last_message()));
+    for _ in 0..3 {
+        assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
+    }
+    let mut drawing = own(|drawing| umbra_drawing_new(drawing)).expect("a drawing");
+    let standard = out(|options| umbra_draw_options_default(options)).expect("options");
+    let mut draw = |options: &UmbraDrawOptions| {
+        assert_eq!(umbra_world_draw(Some(&world), Some(options), Some(&mut drawing)), UMBRA_OK);
+        // SAFETY: the buffers are those of `list`.
+        let figures = list(|to, size, count| unsafe { umbra_drawing_figures(Some(&drawing), to, size, count) });
+        // SAFETY: the buffers are those of `list`.
+        let points = list(|to, size, count| unsafe { umbra_drawing_points(Some(&drawing), to, size, count) });
+        let (figures, points) = (figures.expect("figures"), points.expect("points"));
+        let points: Vec<[f32; 2]> = points.chunks(2).map(|pair| [pair[0], pair[1]]).collect();
+        // Each point is of one figure, in their order.
+        let ends = figures.iter().scan(0, |end, figure| {
+            assert_eq!(figure.first_point, *end);
+            *end += figure.point_count;
+            Some(*end)
+        });
+        assert_eq!(ends.last().unwrap_or(0) as usize, points.len());
+        let corners = |figure: &UmbraFigure| {
+            let first = figure.first_point as usize;
+            points[first..first + figure.point_count as usize].to_vec()
+        };
+        figures.iter().map(|figure| (*figure, corners(figure))).collect::<Vec<_>>()
+    };
+    let origin = UmbraVec2 { x: 1000 * ONE, y: ONE };
+    let all = draw(&UmbraDrawOptions { origin, contacts: 1, velocity_seconds: ONE / 2, ..standard });
+    let body = |name: &str| {
+        // SAFETY: the text is there.
+        out(|body| unsafe { umbra_world_find_body(Some(&world), name.as_ptr().cast(), name.len(), body) }).expect(name)
+    };
+    let of = |name: &str, role| {
+        all.iter().filter(|(figure, _)| figure.role == role && figure.handle == body(name)).collect::<Vec<_>>()
+    };
+    let [(floor, corners)] = of("floor", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    assert_eq!((floor.form, floor.class, floor.other), (UMBRA_FIGURE_POLYGON, UMBRA_CLASS_STATIC, UMBRA_NO_HANDLE));
+    assert_eq!(corners[..], [[-4.0, -2.0], [4.0, -2.0], [4.0, 0.0], [-4.0, 0.0]]);
+    // A disc of 48 corners, and the line to its rim.
+    let [(disc, rim), (radius, ends)] = of("ball", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    assert_eq!((disc.point_count, disc.class, radius.form), (48, UMBRA_CLASS_DYNAMIC, UMBRA_FIGURE_SEGMENT));
+    let centre = ends[0];
+    assert!(rim.iter().all(|point| ((point[0] - centre[0]).hypot(point[1] - centre[1]) - 0.5).abs() < 1e-6));
+    // The box is where its body is: its middle, and the way from its first corner to the second.
+    let state = out(|state| umbra_world_body(Some(&world), body("box"), state)).expect("a body");
+    let (position, angle) = (Vec2::from(state.position).to_f64(), Fx::from_bits(state.angle).to_f64());
+    let [(_, corners)] = of("box", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    let middle = [0, 1].map(|i| corners.iter().map(|corner| f64::from(corner[i])).sum::<f64>() / 4.0);
+    assert!((middle[0] + 1000.0 - position[0]).abs() < 1e-6 && (middle[1] + 1.0 - position[1]).abs() < 1e-6);
+    let along = [0, 1].map(|i| f64::from(corners[1][i] - corners[0][i]));
+    assert!((along[0] - 2.0 * angle.cos()).abs() < 1e-6 && (along[1] - 2.0 * angle.sin()).abs() < 1e-6);
+    let [(dot, at)] = of("dot", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    assert_eq!((dot.form, at.len()), (UMBRA_FIGURE_POINT, 1));
+    // 1.5 m to the right, as it falls with less than that.
+    let [(arrow, ends)] = of("dot", UMBRA_ROLE_VELOCITY)[..] else { panic!("{all:?}") };
+    assert_eq!((arrow.form, ends[0], ends[1][0] - ends[0][0]), (UMBRA_FIGURE_ARROW, at[0], 1.5));
+    let contacts: Vec<_> = all.iter().filter(|(figure, _)| figure.role == UMBRA_ROLE_CONTACT).collect();
+    let [(contact, point)] = contacts[..] else { panic!("{all:?}") };
+    let touching = out(|body| umbra_world_collider_body(Some(&world), contact.other, body));
+    assert_eq!(touching, Ok(body("ball")));
+    assert!(point[0][0].abs() < 1e-3 && point[0][1].abs() < 1e-2);
+    // Without options that are off by default there are bodies alone, and the memory is that of the drawing before.
+    assert!(draw(&standard).iter().all(|(figure, _)| figure.role == UMBRA_ROLE_BODY));
+    let nothing = draw(&UmbraDrawOptions { bodies: 0, fields: 0, joints: 0, ..standard });
+    assert!(nothing.is_empty());
+    umbra_drawing_free(Some(drawing));
+    umbra_world_free(Some(world));
+}
+
+#[test]
+fn arithmetic_is_that_of_the_library() {
+    type Binary = extern "C" fn(UmbraFx, UmbraFx, Option<&mut MaybeUninit<UmbraFx>>) -> UmbraStatus;
+    type Unary = extern "C" fn(UmbraFx, Option<&mut MaybeUninit<UmbraFx>>) -> UmbraStatus;
+    type Reference2 = fn(Fx, Fx) -> Option<Fx>;
+    type Reference = fn(Fx) -> Option<Fx>;
+    let binary: [(Binary, Reference2); 9] = [
+        (umbra_fx_from_ratio, |a, b| Fx::checked_from_ratio(a.to_bits(), b.to_bits())),
+        (umbra_fx_add, Fx::checked_add),
+        (umbra_fx_sub, Fx::checked_sub),
+        (umbra_fx_mul, Fx::checked_mul),
+        (umbra_fx_div, Fx::checked_div),
+        (umbra_fx_rem_euclid, |a, b| (b != Fx::ZERO).then(|| a.rem_euclid(b))),
+        (umbra_fx_hypot, Fx::checked_hypot),
+        (umbra_fx_atan2, |a, b| Some(a.atan2(b))),
+        (umbra_fx_pow, |a, b| a.pow(b).ok()),
+    ];
+    let unary: [(Unary, Reference); 5] = [
+        (umbra_fx_sqrt, Fx::checked_sqrt),
+        (umbra_fx_sin, |a| Some(a.sin())),
+        (umbra_fx_cos, |a| Some(a.cos())),
+        (umbra_fx_log2, |a| a.log2().ok()),
+        (umbra_fx_exp2, |a| a.exp2().ok()),
+    ];
+    let mut random = Random::seeded(5);
+    let edges = [0, 1, -1, ONE, -ONE, 3 * ONE, i64::MAX, i64::MIN];
+    let some: Vec<i64> = (0..40).map(|i| (random.bits() as i64) >> i).chain(edges).collect();
+    let (mut refused, mut done) = (0, 0);
+    let mut same = |result: Result<i64, UmbraStatus>, expected: Option<Fx>| match (result, expected) {
+        (Ok(bits), Some(expected)) => {
+            assert_eq!(bits, expected.to_bits());
+            done += 1;
+        }
+        (Err(UMBRA_ERROR_MATH_NOT_POSITIVE | UMBRA_ERROR_MATH_OVERFLOW), None) => refused += 1,
+        pair => panic!("{pair:?}"),
+    };
+    for &a in &some {
+        for (function, reference) in unary {
+            same(out(|number| function(a, number)), reference(Fx::from_bits(a)));
+        }
+        for &b in &some {
+            for (function, reference) in binary {
+                same(out(|number| function(a, b, number)), reference(Fx::from_bits(a), Fx::from_bits(b)));
+            }
+        }
+    }
+    assert!(refused > 1000 && done > 10_000, "{refused} {done}");
+    // Which reason, and its words.
+    let reason = |status: UmbraStatus| (status, last_message());
+    let mut number = MaybeUninit::new(7);
+    let zero = "division by zero".to_owned();
+    assert_eq!(reason(umbra_fx_div(ONE, 0, Some(&mut number))), (UMBRA_ERROR_MATH_NOT_POSITIVE, zero.clone()));
+    assert_eq!(reason(umbra_fx_from_ratio(1, 0, Some(&mut number))), (UMBRA_ERROR_MATH_NOT_POSITIVE, zero));
+    let too_large = "the value does not fit in I32F32".to_owned();
+    assert_eq!(
+        reason(umbra_fx_mul(1 << 60, 1 << 60, Some(&mut number))),
+        (UMBRA_ERROR_MATH_OVERFLOW, too_large.clone())
+    );
+    assert_eq!(reason(umbra_fx_exp2(31 * ONE, Some(&mut number))), (UMBRA_ERROR_MATH_OVERFLOW, too_large));
+    let root = "the square root of a negative number".to_owned();
+    assert_eq!(reason(umbra_fx_sqrt(-1, Some(&mut number))), (UMBRA_ERROR_MATH_NOT_POSITIVE, root));
+    let logarithm = "the argument is not positive".to_owned();
+    assert_eq!(reason(umbra_fx_log2(0, Some(&mut number))), (UMBRA_ERROR_MATH_NOT_POSITIVE, logarithm));
+    // SAFETY: initialised above.
+    assert_eq!(unsafe { number.assume_init() }, 7, "nothing is written of what is refused");
+}
+
 #[test]
 fn room_that_is_asked_for_is_aligned_for_every_struct() {
     for length in [0, 1, 7, 24, 4096] {
@@ -1858,7 +2234,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
         assert!(words.len() > 3 && !words.contains(['`', '|', '[']), "{words}");
         count += 1;
     }
-    assert_eq!(count, 55);
+    assert_eq!(count, 59);
 }
 
 /// The struct sizes of C, which the page in `examples/web` relies on too.
@@ -1868,5 +2244,6 @@ fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, is_bullet)), (144, 140));
     assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 272));
     assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
+    assert_eq!((size_of::<UmbraDrawOptions>(), size_of::<UmbraFigure>()), (56, 40));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
 }

@@ -6,6 +6,7 @@ use std::mem::MaybeUninit;
 use std::path::Path;
 use std::ptr::{null, null_mut};
 
+use umbra_physics::{RecordOptions, Recorder, World, WorldDef};
 use umbra_physics_capi::*;
 
 macro_rules! refused {
@@ -78,6 +79,12 @@ fn null_is_refused_everywhere() {
     let text = c"1".as_ptr();
     let part = UmbraPart { position: point, angle: 0, density: UMBRA_ONE, shape: null() };
     let mut place = MaybeUninit::uninit();
+    let mut drawing = made(|drawing| umbra_drawing_new(drawing)).expect("a drawing");
+    let g = &mut *drawing;
+    let file = {
+        let run = World::new(WorldDef::default()).expect("a world");
+        Recorder::new(&run, RecordOptions::default()).finish(&run)
+    };
 
     refused! { names:
         umbra_bytes_new(3, None);
@@ -89,6 +96,20 @@ fn null_is_refused_everywhere() {
         umbra_factor_from_text(text, 1, None);
         umbra_factor_from_text(null(), 1, Some(&mut MaybeUninit::uninit()));
         umbra_factor_from_fx(1, None);
+        umbra_fx_from_ratio(1, 1, None);
+        umbra_fx_add(1, 1, None);
+        umbra_fx_sub(1, 1, None);
+        umbra_fx_mul(1, 1, None);
+        umbra_fx_div(1, 1, None);
+        umbra_fx_rem_euclid(1, 1, None);
+        umbra_fx_sqrt(1, None);
+        umbra_fx_sin(1, None);
+        umbra_fx_cos(1, None);
+        umbra_fx_log2(1, None);
+        umbra_fx_exp2(1, None);
+        umbra_fx_hypot(1, 1, None);
+        umbra_fx_atan2(1, 1, None);
+        umbra_fx_pow(1, 1, None);
         umbra_last_message(null_mut(), 1, None);
         umbra_status_message(101, null_mut(), 1, None);
         umbra_selftest(None);
@@ -118,6 +139,18 @@ fn null_is_refused_everywhere() {
         umbra_world_find_body(Some(w), null(), 1, Some(&mut MaybeUninit::uninit()));
         umbra_world_find_body(Some(w), text, 1, None);
         umbra_world_body_name(None, b, null_mut(), 0, None);
+        umbra_world_find_field(None, text, 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_field(Some(w), null(), 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_field(Some(w), text, 1, None);
+        umbra_world_field_name(None, f, null_mut(), 0, None);
+        umbra_world_find_joint(None, text, 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_joint(Some(w), null(), 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_joint(Some(w), text, 1, None);
+        umbra_world_joint_name(None, j, null_mut(), 0, None);
+        umbra_world_find_collider(None, text, 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_collider(Some(w), null(), 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_find_collider(Some(w), text, 1, None);
+        umbra_world_collider_name(None, c, null_mut(), 0, None);
         umbra_world_leave_scene(None);
         umbra_world_clone(None, Some(&mut MaybeUninit::uninit()));
         umbra_world_clone(Some(w), None);
@@ -384,6 +417,29 @@ fn null_is_refused_everywhere() {
         umbra_world_end_record(Some(w), None);
         umbra_replay_verify(null(), 1, Some(&UmbraReplayLimits::default()), None);
         umbra_replay_verify(clear.as_ptr(), 1, None, None);
+        umbra_replay_start(null(), 1, Some(&mut MaybeUninit::uninit()));
+        umbra_replay_start(clear.as_ptr(), 1, None);
+        umbra_replay_end(null(), 1, Some(&UmbraReplayLimits::default()), Some(&mut MaybeUninit::uninit()));
+        umbra_replay_end(file.as_ptr(), file.len(), None, Some(&mut MaybeUninit::uninit()));
+        umbra_replay_end(clear.as_ptr(), 1, Some(&UmbraReplayLimits::default()), None);
+        umbra_world_from_replay(null(), 1, Some(&mut MaybeUninit::uninit()));
+        umbra_world_from_replay(clear.as_ptr(), 1, None);
+        umbra_world_seek(None, 1);
+        umbra_world_replay_ticks(None, Some(&mut MaybeUninit::uninit()), Some(&mut MaybeUninit::uninit()));
+        umbra_world_replay_ticks(Some(w), None, Some(&mut MaybeUninit::uninit()));
+        umbra_world_replay_ticks(Some(w), Some(&mut MaybeUninit::uninit()), None);
+        umbra_world_applied_forces(None, Some(&mut MaybeUninit::uninit()));
+        umbra_world_applied_forces(Some(w), None);
+        umbra_world_step_back(None, None);
+        umbra_draw_options_default(None);
+        umbra_drawing_new(None);
+        umbra_world_draw(None, Some(&UmbraDrawOptions::default()), Some(g));
+        umbra_world_draw(Some(w), None, Some(g));
+        umbra_world_draw(Some(w), Some(&UmbraDrawOptions::default()), None);
+        umbra_drawing_figures(None, null_mut(), 0, None);
+        umbra_drawing_figures(Some(g), null_mut(), 1, None);
+        umbra_drawing_points(None, null_mut(), 0, None);
+        umbra_drawing_points(Some(g), null_mut(), 1, None);
 
         umbra_world_kinetic_energy(None, Some(&mut second));
         umbra_world_kinetic_energy(Some(w), None);
@@ -415,6 +471,8 @@ fn null_is_refused_everywhere() {
     umbra_inputs_free(None);
     umbra_bytes_free(None);
     umbra_snapshot_free(None);
+    umbra_applied_forces_free(None);
+    umbra_drawing_free(None);
     let others = [
         "umbra_bytes_data",
         "umbra_bytes_length",
@@ -424,6 +482,8 @@ fn null_is_refused_everywhere() {
         "umbra_movement_free",
         "umbra_inputs_free",
         "umbra_snapshot_free",
+        "umbra_applied_forces_free",
+        "umbra_drawing_free",
     ];
     let header = Path::new(env!("CARGO_MANIFEST_DIR")).join("include/umbra_physics.h");
     let header = fs::read_to_string(header).expect("the header");

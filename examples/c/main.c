@@ -1,6 +1,6 @@
 /*
  * A program in C99: builds a world and steps it, and compares its hash with that of the same world built in Rust; runs a scene;
- * goes back to a snapshot; records a run and verifies it; sends a command; and is refused what cannot be.
+ * draws it; goes back to a snapshot; records a run, verifies and plays it; sends a command; and is refused what cannot be.
  *
  *   main SCENE.json
  *
@@ -199,6 +199,42 @@ static void play(UmbraWorld *world, uint64_t ball, uint64_t rocket, int tick)
         DO(umbra_world_set_velocity(world, ball, 0, 5 * UMBRA_ONE));
 }
 
+/* Outlines for a renderer, measured from a camera above the rocket: all points lie in the room around it. */
+static void drawn(const UmbraWorld *world, uint64_t rocket)
+{
+    enum { CAPACITY = 4096 };
+    static float points[CAPACITY];
+    static UmbraFigure figures[CAPACITY];
+    UmbraDrawOptions options;
+    UmbraDrawing *drawing = NULL;
+    UmbraBodyState state;
+    UmbraFx height = 0;
+    size_t count = 0, figure_count = 0, i;
+    int rockets = 0;
+
+    DO(umbra_drawing_new(&drawing));
+    DO(umbra_draw_options_default(&options));
+    DO(umbra_world_body(world, rocket, &state));
+    options.origin = state.position;
+    DO(umbra_fx_add(state.position.y, 2 * UMBRA_ONE, &height));
+    options.origin.y = height;
+    DO(umbra_world_draw(world, &options, drawing));
+    DO(umbra_drawing_points(drawing, points, CAPACITY, &count)); /* x, y of one corner after the other */
+    DO(umbra_drawing_figures(drawing, figures, CAPACITY, &figure_count));
+    for (i = 0; i < figure_count; i++) {
+        const UmbraFigure *figure = &figures[i];
+        check(2 * (figure->first_point + figure->point_count) <= count, "a figure has its points");
+        if (figure->role == UMBRA_ROLE_BODY && figure->handle == rocket) {
+            const float *corner = points + 2 * figure->first_point;
+            check(figure->form == UMBRA_FIGURE_POLYGON && figure->point_count == 3, "the rocket is a triangle");
+            check(corner[1] < 0 && corner[1] > -4, "below the camera");
+            rockets++;
+        }
+    }
+    check(rockets == 1, "it is drawn once");
+    umbra_drawing_free(drawing);
+}
+
 static void golden(void)
 {
     uint64_t ball = 0, rocket = 0, physics = 0;
@@ -245,14 +281,27 @@ static void golden(void)
         }
     }
     free(poses);
+    drawn(world, rocket);
     umbra_world_free(world);
+}
+
+/* A server and the file of a stranger: the match began in this level, its run is right, and the world at its end has the score. */
+static UmbraWorld *judge(const UmbraWorld *level, const uint8_t *file, size_t length, const UmbraReplayLimits *limits)
+{
+    UmbraWorld *start = NULL, *end = NULL;
+
+    DO(umbra_replay_start(file, length, &start));
+    check(hash_of(start) == hash_of(level), "the match began in this level");
+    umbra_world_free(start);
+    DO(umbra_replay_end(file, length, limits, &end)); /* plays it, and compares every hash */
+    return end;
 }
 
 /* Saved in memory and as bytes, played on, and back again; recorded meanwhile, in another world. */
 static void saved(void)
 {
     uint64_t ball = 0, rocket = 0, later, ticks = 0;
-    UmbraWorld *world = build(&ball, &rocket), *other = NULL;
+    UmbraWorld *world = build(&ball, &rocket), *other = NULL, *level = NULL, *end = NULL, *played = NULL;
     UmbraSnapshot *snapshot = NULL, *read = NULL;
     UmbraBytes *bytes = NULL, *replay = NULL;
     UmbraReplayLimits limits;
@@ -291,6 +340,17 @@ static void saved(void)
     DO(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, &ticks));
     check(ticks == 100, "the replay has all ticks");
     printf("replay of %" PRIu64 " ticks, %lu bytes, verified\n", ticks, (unsigned long)umbra_bytes_length(replay));
+    DO(umbra_snapshot_world(snapshot, &level));
+    end = judge(level, umbra_bytes_data(replay), umbra_bytes_length(replay), &limits);
+    check(hash_of(end) == later, "the end of the match");
+    DO(umbra_world_from_replay(umbra_bytes_data(replay), umbra_bytes_length(replay), &played));
+    DO(umbra_world_seek(played, 99));
+    DO(umbra_world_step(played));
+    check(hash_of(played) == later, "the last tick, played");
+    REFUSED(umbra_world_step(played), UMBRA_ERROR_END);
+    umbra_world_free(played);
+    umbra_world_free(end);
+    umbra_world_free(level);
     limits.ticks = 99;
     REFUSED(umbra_replay_verify(umbra_bytes_data(replay), umbra_bytes_length(replay), &limits, NULL), UMBRA_ERROR_VERIFY_TICKS);
     limits.ticks = 100;

@@ -192,7 +192,7 @@ fn blocks<'a>(text: &'a str, kind: &str) -> Vec<&'a str> {
 fn the_excerpts_in_the_guide_stand_in_the_examples() {
     let chapters = [
         ("engines", "rust,ignore", 6, &["examples/bevy/src/main.rs"][..]),
-        ("languages", "c", 6, &["examples/c/main.c"]),
+        ("languages", "c", 8, &["examples/c/main.c"]),
         ("languages", "js", 2, &["examples/web/match.js", "examples/web/page.js"]),
     ];
     for (chapter, kind, count, examples) in chapters {
