@@ -33,7 +33,8 @@ pub struct ContactSettings<S = Fx> {
     /// were spawned inside each other more gently.
     pub push_speed: S,
     /// The approach speed above which bodies bounce, m/s, 0 to 2^10; 1 by default. Slower impacts do not bounce, nor do those at less than the
-    /// speed that forces give in two steps, so that bodies come to rest.
+    /// speed that forces give in two steps, so that bodies come to rest. A world seen from above, as of billiards, wants 0: by the default a
+    /// ball that runs into a wall at 1 m/s or less stays there.
     pub restitution_speed: S,
     /// The speed below which a body that contacts push counts as at rest, m/s, 0 to 2^10; 0.05 by default. The speed of a body is that of
     /// its fastest point. An island of bodies that were all at rest for [`WorldDef::sleep_after`](crate::WorldDef::sleep_after) ticks stops

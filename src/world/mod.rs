@@ -89,7 +89,8 @@ pub use trace::Trace;
 pub struct WorldDef<S: Scalar = Fx> {
     /// The length of a step, 1 to 10,000 steps a second; 60 by default.
     pub time_step: TimeStep,
-    /// Gravity, m/s², each component within ±2^16. The default is none.
+    /// Gravity, m/s², each component within ±2^16. The default is none. In a world seen from above nothing has to come to rest in spite of
+    /// gravity: let slow balls bounce too, by [`ContactSettings::restitution_speed`] 0.
     pub gravity: Vec2<S>,
     /// The integrator.
     pub integrator: Integrator,

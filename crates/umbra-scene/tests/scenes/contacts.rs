@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{BodyRef, Fx, Scalar, fx};
+use umbra_physics::{BodyKind, BodyRef, Fx, Scalar, fx};
 use umbra_scene::{Scene, SceneBody, SceneRun};
 
 use super::scenes::{scenes, short};
@@ -51,7 +51,7 @@ fn body<'a>(run: &'a SceneRun<'_, Fx>, name: &str) -> BodyRef<'a> {
 
 /// Positions by name, m, of the bodies that are not static.
 fn places(run: &SceneRun<'_, Fx>) -> BTreeMap<String, [f64; 2]> {
-    let moving = run.world().bodies().filter(|body| body.kind() != umbra_physics::BodyKind::Static);
+    let moving = run.world().bodies().filter(|body| body.kind() != BodyKind::Static);
     moving.map(|body| (run.name(body.id()).to_owned(), body.position().to_f64())).collect()
 }
 
@@ -73,7 +73,7 @@ fn without_image<S: Scalar>(run: &SceneRun<'_, S>, axis: usize) -> usize {
         let (at, v) = (body.position(), body.velocity());
         [at.x, at.y, v.x, v.y, body.angular_velocity()]
     };
-    let moving = run.world().bodies().filter(|body| body.kind() != umbra_physics::BodyKind::Static);
+    let moving = run.world().bodies().filter(|body| body.kind() != BodyKind::Static);
     // A number and its opposite as texts: floats have no order, and −0 is 0.
     let text = |[a, b, c, d, e]: [S; 5]| format!("{a:?} {b:?} {c:?} {d:?} {e:?}");
     let plain = |value: S| if value == S::ZERO { S::ZERO } else { value };
@@ -265,6 +265,33 @@ fn the_billiard_break_stays_symmetric_to_the_bit() {
     let after = places(&run);
     let far = before.iter().filter(|(name, [x, y])| (after[*name][0] - x).hypot(after[*name][1] - y) > 1.0);
     assert!(far.count() >= 15);
+}
+
+/// Rails give back what the coefficients say at any speed: a ball that reaches one slowly does not stick to it and slide along.
+#[test]
+fn the_rails_of_the_billiard_table_give_slow_balls_back() {
+    let table = include_str!("../../../../scenes/billiards.json");
+    let cue = r#""position": [-12, 0], "velocity": [30, 0]"#;
+    assert!(table.contains(cue));
+    for speed in [0.05, 0.3, 0.9, 1.0, 1.1, 5.0] {
+        // A tenth of a second away from the rail on the left, whose restitution is the lower one.
+        let aimed = format!(r#""position": [{}, 0], "velocity": [-{speed}, 0.2]"#, -21.5 + speed / 10.0);
+        let scene = Scene::parse(&table.replace(cue, &aimed)).expect("a scene");
+        let mut run = start(&scene);
+        let mut before = -speed;
+        let after = loop {
+            let tick = run.world().tick() + 1;
+            assert!(tick < 20, "{speed} m/s: it is still at the rail");
+            advance(&mut run, tick);
+            match body(&run, "cue").velocity().to_f64()[0] {
+                velocity if velocity > 0.0 => break velocity,
+                velocity => before = velocity,
+            }
+        };
+        // 0.95, less a tick of damping at most.
+        let share = -after / before;
+        assert!((share - 0.95).abs() < 0.01, "{speed} m/s: {after} after {before} m/s");
+    }
 }
 
 #[test]
