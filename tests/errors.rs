@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 3] = [(106, "Error::NoShape"), (149, "Error::FloatJoint"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 169] = [
+const GIVEN: [(u16, &str); 173] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -150,6 +150,7 @@ const GIVEN: [(u16, &str); 169] = [
     (425, "VerifyError::Commands"),
     (426, "VerifyError::Colliders"),
     (427, "VerifyError::Pairs"),
+    (428, "VerifyError::Stopped"),
     (500, "SceneError"),
     (501, "Flaw::NotJson"),
     (502, "Flaw::WrongKind"),
@@ -179,6 +180,9 @@ const GIVEN: [(u16, &str); 169] = [
     (802, "option"),
     (804, "kind"),
     (805, "output"),
+    (806, "size"),
+    (807, "start"),
+    (808, "job"),
     (901, "UMBRA_ERROR_NULL_POINTER"),
     (902, "UMBRA_ERROR_BAD_ARGUMENT"),
     (903, "UMBRA_ERROR_BUFFER_TOO_SMALL"),

@@ -2,6 +2,7 @@
 
 use alloc::boxed::Box;
 use alloc::vec::Vec;
+use core::fmt;
 
 use super::replay::{Cursor, Replay};
 use super::verify::{Divergence, ReplayLimits, VerifyError};
@@ -13,6 +14,33 @@ impl Replay {
     #[must_use]
     pub fn play(&self) -> Playback<'_> {
         Playback::new(self, ReplayLimits::NONE)
+    }
+
+    /// Plays an untrusted replay from its start within limits, as [`verify_within`](Self::verify_within) does, tick by tick: for a
+    /// caller that looks at the ticks, or that ends the work by its own measure, such as time
+    /// ([`Playback::stop_when`]). Once a limit is exceeded, [`Playback::step`] returns `false`, and [`Playback::exceeded`] says
+    /// which one.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, Command, Inputs, RecordOptions, Recorder, Replay, ReplayLimits, VerifyError};
+    /// use umbra_physics::{World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// for _ in 0..9 {
+    ///     recorder.execute(&mut world, &Command::AddBody(BodyDef::dynamic()))?;
+    ///     recorder.step(&mut world, &Inputs::new());
+    /// }
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// let limits = ReplayLimits { ticks: 99, bodies: 6, fields: 9, colliders: 9, pairs: 1 << 20, commands: 99 };
+    /// let mut playback = replay.play_within(limits);
+    /// while playback.step()? {}
+    /// assert_eq!((playback.world().tick(), playback.exceeded()), (6, Some(&VerifyError::Bodies { tick: 6, most: 6 })));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn play_within(&self, limits: ReplayLimits) -> Playback<'_> {
+        Playback::new(self, limits)
     }
 
     /// Runs the whole replay again, and compares every hash. For an untrusted replay use
@@ -85,7 +113,9 @@ impl Replay {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn verified_end(&self, limits: ReplayLimits) -> Result<World, VerifyError> {
-        Playback::new(self, limits).verify()
+        let mut playback = self.play_within(limits);
+        while playback.step()? {}
+        playback.exceeded.map_or(Ok(playback.world), Err)
     }
 }
 
@@ -129,13 +159,25 @@ pub struct Playback<'a> {
     limits: ReplayLimits,
     /// The number of commands carried out.
     commands: u64,
+    stop: Option<Stop<'a>>,
     /// The limit that was exceeded. The playback stopped there, maybe within a tick, and does not go on.
     exceeded: Option<VerifyError>,
+}
+
+/// Says whether a playback is to stop.
+#[derive(Clone, Copy)]
+struct Stop<'a>(&'a (dyn Fn() -> bool + Sync));
+
+impl fmt::Debug for Stop<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Stop")
+    }
 }
 
 impl<'a> Playback<'a> {
     pub(super) fn new(replay: &'a Replay, limits: ReplayLimits) -> Self {
         let (cursor, recorded, outcomes) = (Cursor::default(), None, Vec::new());
+        let exceeded = limits.check_ticks(replay.ticks).and_then(|()| limits.check(&replay.start)).err();
         Self {
             replay,
             world: replay.start.clone(),
@@ -145,16 +187,40 @@ impl<'a> Playback<'a> {
             outcomes,
             limits,
             commands: 0,
-            exceeded: None,
+            stop: None,
+            exceeded,
         }
     }
 
-    /// Plays on to the end and gives the world, or the first divergence or exceeded limit.
-    fn verify(mut self) -> Result<World, VerifyError> {
-        self.limits.check_ticks(self.replay.ticks)?;
-        self.limits.check(&self.world)?;
-        while self.step()? {}
-        self.exceeded.map_or(Ok(self.world), Err)
+    /// Stops the playback when the caller says so, who is asked before each command and before each step, in the search of a
+    /// divergence too: the work left is at most one command or step. [`exceeded`](Self::exceeded) is [`VerifyError::Stopped`] then.
+    ///
+    /// ```
+    /// use core::sync::atomic::{AtomicU32, Ordering};
+    /// use umbra_physics::{Inputs, RecordOptions, Recorder, Replay, VerifyError, World, WorldDef};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let mut recorder = Recorder::new(&world, RecordOptions::default());
+    /// (0..100).for_each(|_| _ = recorder.step(&mut world, &Inputs::new()));
+    /// let replay = Replay::from_bytes(&recorder.finish(&world), &[])?;
+    /// let asked = AtomicU32::new(0);
+    /// let is_enough = || asked.fetch_add(1, Ordering::Relaxed) == 30;
+    /// let mut playback = replay.play().stop_when(&is_enough);
+    /// while playback.step()? {}
+    /// assert_eq!(playback.exceeded(), Some(&VerifyError::Stopped { tick: 30 }));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub const fn stop_when(mut self, is_over: &'a (dyn Fn() -> bool + Sync)) -> Self {
+        self.stop = Some(Stop(is_over));
+        self
+    }
+
+    /// The limit that was exceeded, if one was. The playback has stopped there, maybe after some commands of the tick to come, and
+    /// does not go on.
+    #[must_use]
+    pub const fn exceeded(&self) -> Option<&VerifyError> {
+        self.exceeded.as_ref()
     }
 
     /// The world as it is now.
@@ -183,10 +249,12 @@ impl<'a> Playback<'a> {
         self.recorded
     }
 
-    /// Plays a tick and compares the result with the recorded one. Returns `false` at the end, where nothing is done.
+    /// Plays a tick and compares the result with the recorded one. Returns `false` at the end, where nothing is done, and where a
+    /// limit is exceeded.
     ///
     /// When the run diverges, a copy is played on up to a snapshot that tells which value differs. That may take long, and a
-    /// loop of the caller cannot interrupt it: the limits of [`Replay::verify_within`] hold for it too.
+    /// loop of the caller cannot interrupt it: the limits of [`Replay::play_within`] and [`stop_when`](Self::stop_when) hold for it
+    /// too.
     ///
     /// # Errors
     /// A [`Divergence`]. The world is at its tick, and the playback can go on.
@@ -224,7 +292,7 @@ impl<'a> Playback<'a> {
             let outcome = self.world.carry_out_one(&input);
             self.outcomes.push(outcome);
         }
-        self.exceeded = self.limits.check(&self.world).err();
+        self.exceeded = self.limits.check(&self.world).err().or_else(|| self.stopped());
         if self.exceeded.is_some() {
             return false;
         }
@@ -237,10 +305,16 @@ impl<'a> Playback<'a> {
     /// Says whether the last command exceeded a limit, or the next one would.
     fn exceeds_limits(&mut self) -> bool {
         let exceeded = VerifyError::Commands { tick: self.world.tick(), most: self.limits.commands };
-        self.exceeded =
-            self.limits.check(&self.world).err().or((self.commands == self.limits.commands).then_some(exceeded));
+        let commands = (self.commands == self.limits.commands).then_some(exceeded);
+        self.exceeded = self.limits.check(&self.world).err().or(commands).or_else(|| self.stopped());
         self.commands += 1;
         self.exceeded.is_some()
+    }
+
+    /// The error of a playback that the caller stops.
+    fn stopped(&self) -> Option<VerifyError> {
+        let is_over = self.stop.is_some_and(|Stop(is_over)| is_over());
+        is_over.then(|| VerifyError::Stopped { tick: self.world.tick() })
     }
 
     /// Goes to a tick, or to the end if that is earlier: from the nearest snapshot before it, without comparing.

@@ -137,6 +137,11 @@ pub enum VerifyError {
         /// The limit.
         most: u32,
     },
+    /// The caller stopped the playback: [`Playback::stop_when`](crate::Playback::stop_when).
+    Stopped {
+        /// The tick in which it stopped.
+        tick: u64,
+    },
 }
 
 impl fmt::Display for VerifyError {
@@ -151,6 +156,7 @@ impl fmt::Display for VerifyError {
                 write!(f, "settings that allow more than {most} pairs of colliders at tick {tick}")
             }
             Self::Commands { tick, most } => write!(f, "more than {most} commands up to tick {tick}"),
+            Self::Stopped { tick } => write!(f, "stopped at tick {tick}"),
         }
     }
 }
@@ -163,6 +169,7 @@ codes!(VerifyError {
     Commands = 425,
     Colliders = 426,
     Pairs = 427,
+    Stopped = 428,
 });
 
 impl core::error::Error for VerifyError {

@@ -3,6 +3,7 @@
 use alloc::string::ToString as _;
 use alloc::vec;
 use alloc::vec::Vec;
+use core::sync::atomic::{AtomicU32, Ordering};
 
 use super::{chunks, custom_forces, recording, reseal, values};
 use crate::body::{Activity, BodyDef, BodyKind};
@@ -135,6 +136,34 @@ fn a_divergence_is_named_within_the_limits_and_no_further() {
         assert_eq!(named(ReplayLimits { bodies: 11, fields: 11, ..replay_limits }), (1, "position.x".to_string()));
         assert_eq!(named(replay_limits), (1, "hash".to_string()));
         assert_eq!(forged_run(&many, by_a_player).verify().expect_err("it parts").difference.field, "position.x");
+    }
+}
+
+#[test]
+fn a_playback_stops_between_commands_and_steps_and_on_the_way_to_a_finding() {
+    for by_a_player in [false, true] {
+        let replay = forged_run(&vec![Command::AddBody(BodyDef::dynamic()); 10], by_a_player);
+        // It is asked before the first step, whose hash differs; then for ten commands and three steps up to the snapshot at the end.
+        let finding_after = |most: u32| {
+            let asked = AtomicU32::new(0);
+            let is_over = || asked.fetch_add(1, Ordering::Relaxed) >= most;
+            let mut playback = replay.play().stop_when(&is_over);
+            let stepped = playback.step().map_err(|divergence| divergence.difference.field);
+            (stepped, playback.exceeded().cloned(), asked.load(Ordering::Relaxed))
+        };
+        assert_eq!(finding_after(0), (Ok(false), Some(VerifyError::Stopped { tick: 0 }), 1));
+        assert_eq!(finding_after(1), (Err("hash".to_string()), None, 2));
+        assert_eq!(finding_after(13), (Err("hash".to_string()), None, 14));
+        assert_eq!(finding_after(14), (Err("position.x".to_string()), None, 14));
+        // After the divergence it goes on, and stops within the tick of the commands.
+        let asked = AtomicU32::new(0);
+        let is_over = || asked.fetch_add(1, Ordering::Relaxed) >= 20;
+        let mut playback = replay.play().stop_when(&is_over);
+        assert!(playback.step().is_err());
+        assert_eq!((playback.step(), playback.world().body_count()), (Ok(false), 7));
+        assert_eq!(playback.exceeded(), Some(&VerifyError::Stopped { tick: 1 }));
+        assert_eq!(playback.step(), Ok(false));
+        assert_eq!(asked.load(Ordering::Relaxed), 21, "it does not go on");
     }
 }
 
