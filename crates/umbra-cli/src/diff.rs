@@ -1,6 +1,5 @@
 //! `umbra diff`: where two recordings part.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,7 +8,7 @@ use umbra_physics::{Difference, Dump, Replay, TickPhase, World};
 
 use crate::failure::Failure;
 use crate::finding::{DifferenceLine, FindingLine};
-use crate::load;
+use crate::load::{self, Kind};
 use crate::output::Destinations;
 use crate::text;
 
@@ -23,7 +22,7 @@ Exit status: 0 if they are the same, 1 if they differ, 2 for bad input or usage.
 #[derive(Args)]
 #[command(after_help = HELP)]
 pub(crate) struct Options {
-    /// A replay, or a desync dump.
+    /// A replay, or a desync dump; - is the standard input.
     a: PathBuf,
     /// Another one of its kind.
     b: PathBuf,
@@ -46,13 +45,14 @@ enum Content {
 
 impl Content {
     fn load(file: &Path) -> Result<Self, Failure> {
-        let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
-        match &bytes {
-            _ if bytes.starts_with(load::REPLAY) => {
-                load::replay(&bytes, file).map(|replay| Self::Replay(Box::new(replay)))
+        let bytes = load::bytes(file)?;
+        match Kind::of(&bytes) {
+            Some(Kind::Replay) => load::replay(&bytes, file).map(|replay| Self::Replay(Box::new(replay))),
+            Some(Kind::Dump) => load::dump(&bytes, file).map(|dump| Self::Dump(Box::new(dump))),
+            kind => {
+                let expected = "a replay or a desync dump of umbra-physics";
+                Err(Failure::Foreign { file: file.into(), expected, kind })
             }
-            _ if bytes.starts_with(load::DUMP) => load::dump(&bytes, file).map(|dump| Self::Dump(Box::new(dump))),
-            _ => Err(Failure::Foreign { file: file.into(), is_scene: bytes.trim_ascii_start().starts_with(b"{") }),
         }
     }
 }

@@ -8,10 +8,17 @@ use std::process::ExitCode;
 use umbra_physics::ReplayError;
 use umbra_scene::SceneErrors;
 
+use crate::load::Kind;
 use crate::text;
 
 /// The number of a file that cannot be read or written.
 pub(crate) const UNREADABLE: u16 = 801;
+/// And of one to verify that has more bytes than the limit.
+pub(crate) const TOO_LARGE: u16 = 806;
+/// And of a replay that begins with another world.
+pub(crate) const OTHER_START: u16 = 807;
+/// And of a line that is no job.
+pub(crate) const BAD_JOB: u16 = 808;
 
 /// A number as messages have it.
 pub(crate) fn tag(code: u16) -> String {
@@ -30,8 +37,8 @@ pub enum Failure {
     Option { what: String },
     /// `bad` files of `files` are not as recorded.
     Verify { bad: usize, files: usize, status: u8 },
-    /// A file is nothing that can be compared.
-    Foreign { file: PathBuf, is_scene: bool },
+    /// A file is of another kind than a command takes.
+    Foreign { file: PathBuf, expected: &'static str, kind: Option<Kind> },
     /// An output would go over an input or another output, which `with` says.
     Clash { file: PathBuf, with: &'static str },
     /// The arguments are wrong.
@@ -112,17 +119,10 @@ impl Failure {
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
             Self::Option { what } | Self::Usage { what } | Self::Check { what } => f.write_str(what),
-            Self::Verify { bad, files, .. } => write!(f, "{bad} of {files} files are not as recorded"),
-            Self::Foreign { file, is_scene } => {
-                let file = text::path(file);
-                write!(f, "{file}: expected a replay or a desync dump of umbra-physics")?;
-                if *is_scene {
-                    write!(
-                        f,
-                        ", found a scene: record it with `umbra run {file} --record FILE` and compare the replays"
-                    )?;
-                }
-                Ok(())
+            Self::Verify { bad, files, .. } => write!(f, "{bad} of {files} files are not verified"),
+            Self::Foreign { file, expected, kind } => {
+                write!(f, "{}: expected {expected}", text::path(file))?;
+                kind.map_or(Ok(()), |kind| write!(f, ", found {}", kind.advice(&text::argument(file))))
             }
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))

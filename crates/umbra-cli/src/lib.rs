@@ -34,6 +34,9 @@ behind; `verify`, `view` and `diff` read as much of a replay as is whole. Links 
 existing file are kept. An output over an input is refused, and so are two outputs to one file. Pipes, devices and
 /dev/stdout are written to directly.
 
+The file - is the standard input or the standard output; a file of this name is ./-. Where an output goes to the standard
+output, what the command prints by itself goes to the standard error.
+
 Exit status: 0 for success; 1 if a check failed; 2 for bad usage, for bad input, and for an output that cannot be written.
 A reader that stops early, as `head` does, is no error: the task goes on to its end, and the status is that of its result.";
 

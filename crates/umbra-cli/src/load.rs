@@ -1,7 +1,7 @@
-//! Scenes and replays from files.
+//! Scenes and replays from files, and from the standard input.
 
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 
 use umbra_physics::{Dump, Replay};
@@ -9,10 +9,44 @@ use umbra_scene::Scene;
 
 use crate::failure::Failure;
 
-/// The first bytes of a replay, which no JSON begins with.
-pub(crate) const REPLAY: &[u8] = b"UMBRAREP";
-/// And of a desync dump.
-pub(crate) const DUMP: &[u8] = b"UMBRADMP";
+/// The name of the standard input, and of the standard output. A file of this name is `./-`.
+const DASH: &str = "-";
+
+/// A kind of file, told by its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A scene, or other JSON.
+    Scene,
+    /// A replay.
+    Replay,
+    /// A desync dump.
+    Dump,
+    /// A snapshot of a world.
+    Snapshot,
+}
+
+impl Kind {
+    /// The kind of file that these bytes are; None if they are of no kind of ours.
+    pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
+        // No JSON begins with the marks of the others.
+        let marks = [(&b"UMBRAREP"[..], Self::Replay), (b"UMBRADMP", Self::Dump), (b"UMBRASNP", Self::Snapshot)];
+        let marked = marks.into_iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, kind)| kind);
+        marked.or_else(|| bytes.trim_ascii_start().starts_with(b"{").then_some(Self::Scene))
+    }
+
+    /// The kind in words, and the commands for it.
+    pub(crate) fn advice(self, file: &str) -> String {
+        match self {
+            Self::Scene => format!("a scene: `umbra run {file} --record REPLAY` makes a replay of it"),
+            Self::Replay => format!(
+                "a replay: `umbra verify {file}` runs it again, `umbra view {file} --out PAGE.html` plays it, and \
+                 `umbra diff {file} OTHER` compares it with another one"
+            ),
+            Self::Dump => format!("a desync dump: `umbra diff {file} OTHER` compares it with the one of another peer"),
+            Self::Snapshot => "a snapshot of a world, which `Snapshot::from_bytes` of the library reads".to_owned(),
+        }
+    }
+}
 
 /// A run in a file.
 pub(crate) enum Run {
@@ -21,13 +55,29 @@ pub(crate) enum Run {
     Replay(Box<Replay>),
 }
 
+/// Says whether a path is the standard input, or the standard output.
+pub(crate) fn is_dash(file: &Path) -> bool {
+    file == Path::new(DASH)
+}
+
+/// The bytes of a file.
+pub(crate) fn bytes(file: &Path) -> Result<Vec<u8>, Failure> {
+    let read = if is_dash(file) {
+        let mut bytes = Vec::new();
+        io::stdin().read_to_end(&mut bytes).map(|_| bytes)
+    } else {
+        fs::read(file)
+    };
+    read.map_err(Failure::file(file, "read"))
+}
+
 /// The scene or replay in a file.
 pub(crate) fn run(file: &Path) -> Result<Run, Failure> {
-    let bytes = fs::read(file).map_err(Failure::file(file, "read"))?;
-    if !bytes.starts_with(REPLAY) {
-        return parse(bytes, file).map(|scene| Run::Scene(Box::new(scene)));
+    let bytes = bytes(file)?;
+    match Kind::of(&bytes) {
+        Some(Kind::Replay) => replay(&bytes, file).map(|replay| Run::Replay(Box::new(replay))),
+        _ => parse(bytes, file, "a scene or a replay").map(|scene| Run::Scene(Box::new(scene))),
     }
-    replay(&bytes, file).map(|replay| Run::Replay(Box::new(replay)))
 }
 
 /// Reads the part that is whole of the replay in these bytes of a file.
@@ -42,10 +92,13 @@ pub(crate) fn dump(bytes: &[u8], file: &Path) -> Result<Dump, Failure> {
 
 /// The scene in a file.
 pub fn scene(file: &Path) -> Result<Scene, Failure> {
-    parse(fs::read(file).map_err(Failure::file(file, "read"))?, file)
+    parse(bytes(file)?, file, "a scene")
 }
 
-fn parse(bytes: Vec<u8>, file: &Path) -> Result<Scene, Failure> {
+fn parse(bytes: Vec<u8>, file: &Path, expected: &'static str) -> Result<Scene, Failure> {
+    if let Some(kind) = Kind::of(&bytes).filter(|&kind| kind != Kind::Scene) {
+        return Err(Failure::Foreign { file: file.into(), expected, kind: Some(kind) });
+    }
     let text = String::from_utf8(bytes).map_err(|error| {
         let error = io::Error::new(io::ErrorKind::InvalidData, error.utf8_error());
         Failure::file(file, "read")(error)

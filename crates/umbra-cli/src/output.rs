@@ -8,6 +8,7 @@ use same_file::Handle;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::load;
 use crate::text;
 use umbra_selftest::Stream;
 
@@ -26,9 +27,13 @@ enum Identity {
 }
 
 impl<'a> Destinations<'a> {
-    /// Takes the inputs, and the standard output: where that goes to a file, it is a destination like others.
+    /// Takes the inputs, and the standard output: where that goes to a file, it is a destination like others. The standard input can be
+    /// read once.
     pub fn beside(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Result<Self, Failure> {
         let inputs: Vec<&Path> = inputs.into_iter().map(PathBuf::as_path).collect();
+        if inputs.iter().filter(|input| load::is_dash(input)).count() > 1 {
+            return Err(Failure::Usage { what: "- is given twice: the standard input can be read once".to_owned() });
+        }
         let stdout =
             Handle::stdout().ok().filter(|stream| stream.as_file().metadata().is_ok_and(|metadata| metadata.is_file()));
         let mut all = Self { inputs, taken: Vec::new() };
@@ -40,8 +45,9 @@ impl<'a> Destinations<'a> {
 
     /// Adds a destination. It can be written to, and is neither an input nor one of those before.
     pub fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
+        let (found, file) = (Target::find(file), if load::is_dash(file) { Path::new(text::STDOUT) } else { file });
         let failed = Failure::file(file, "write");
-        let (target, identity) = Target::find(file).map_err(&failed)?;
+        let (target, identity) = found.map_err(&failed)?;
         self.take(file, identity)?;
         if let Target::File { path, .. } = &target {
             // Whether the folder takes a file shows when one is made. This one goes at once.
@@ -59,8 +65,11 @@ impl<'a> Destinations<'a> {
         if let Identity::Existing(handle) = &identity {
             // A pipe is not opened: closing it again would break it for whoever writes to it.
             let is_file = |input: &Path| fs::metadata(input).is_ok_and(|metadata| metadata.is_file());
-            let is_same =
-                |input: &&Path| is_file(input) && Handle::from_path(input).is_ok_and(|opened| opened == *handle);
+            let opened = |input: &Path| match input {
+                stdin if load::is_dash(stdin) => Handle::stdin().ok(),
+                path => is_file(path).then(|| Handle::from_path(path).ok())?,
+            };
+            let is_same = |input: &&Path| opened(input).is_some_and(|opened| opened == *handle);
             if self.inputs.iter().any(is_same) {
                 return clash("an input");
             }
@@ -96,7 +105,9 @@ enum Target {
 impl Target {
     fn find(file: &Path) -> io::Result<(Self, Identity)> {
         // By these names. A file that the shell opened as the standard output is where that goes, and no second output.
-        if ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| file == Path::new(name)) {
+        if load::is_dash(file)
+            || ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"].iter().any(|name| file == Path::new(name))
+        {
             return Ok((Self::Stdout, Identity::Path("/dev/stdout".into())));
         }
         match fs::metadata(file) {
@@ -154,6 +165,11 @@ impl Destination {
     /// The path as it was given.
     pub(crate) fn file(&self) -> &Path {
         &self.file
+    }
+
+    /// Says whether it is the standard output, where nothing else is to be then.
+    pub(crate) const fn is_stdout(&self) -> bool {
+        matches!(self.target, Target::Stdout)
     }
 
     /// Begins an output.

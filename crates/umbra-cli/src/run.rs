@@ -21,7 +21,7 @@ use crate::text;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// The scene, a JSON file.
+    /// The scene, a JSON file; - is the standard input.
     scene: PathBuf,
     /// Number of steps [default: what the scene says].
     #[arg(long, value_name = "N")]
@@ -98,6 +98,16 @@ impl Outputs {
         let mut add = |file: &Option<PathBuf>| all.add_any(file.as_ref());
         Ok(Self { csv: add(csv)?, plot: add(plot)?, record: add(record)? })
     }
+
+    /// Prints the result, on the standard error where another output has the standard output.
+    fn tell(&self, summary: &Summary, json: bool) -> Result<(), Failure> {
+        let has_stdout = [&self.csv, &self.plot, &self.record].into_iter().flatten().any(Destination::is_stdout);
+        if !has_stdout {
+            return text::print_result(summary, json);
+        }
+        text::warn(text::result(summary, json).trim_end());
+        Ok(())
+    }
 }
 
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
@@ -130,7 +140,7 @@ where
     S::Wide: ToF64,
 {
     let mut run = scene.start::<S>().map_err(Failure::scene(&options.scene))?;
-    text::print_result(&simulate(scene, &mut run, &mut (), |()| Ok(()), options, outputs)?, options.json)
+    outputs.tell(&simulate(scene, &mut run, &mut (), |()| Ok(()), options, outputs)?, options.json)
 }
 
 fn record(scene: &Scene, options: &Options, outputs: &Outputs, to: &Destination) -> Result<(), Failure> {
@@ -140,7 +150,7 @@ fn record(scene: &Scene, options: &Options, outputs: &Outputs, to: &Destination)
     match simulate(scene, &mut run, &mut recording, Recording::check, options, outputs) {
         Ok(summary) => {
             recording.finish(&run)?;
-            text::print_result(&summary, options.json)
+            outputs.tell(&summary, options.json)
         }
         Err(failure) => {
             recording.break_off();

@@ -9,6 +9,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::load;
 
 /// The standard output in messages.
 pub(crate) const STDOUT: &str = "standard output";
@@ -20,8 +21,20 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
 }
 
 /// Prints a result for a person, or as a JSON object.
-pub fn print_result<T: Display + Serialize>(result: &T, json: bool) -> Result<(), Failure> {
-    if json { print(serde_json::to_string_pretty(result).unwrap_or_default()) } else { print(result) }
+pub fn print_result<T: Display + Serialize>(value: &T, json: bool) -> Result<(), Failure> {
+    print(result(value, json))
+}
+
+/// A result for a person, or as a JSON object.
+pub(crate) fn result<T: Display + Serialize>(value: &T, json: bool) -> String {
+    if json { serde_json::to_string_pretty(value).unwrap_or_default() } else { value.to_string() }
+}
+
+/// Prints a line that somebody waits for: a reader that has closed its end is a failure.
+pub(crate) fn answer(line: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    let written = writeln!(out, "{}", escaped(line, &[])).and_then(|()| out.flush());
+    written.map_err(Failure::file(Path::new(STDOUT), "write"))
 }
 
 /// Prints the help or the version, or says what is wrong with the arguments.
@@ -56,8 +69,21 @@ pub(crate) fn warn(text: impl Display) {
     let _ = writeln!(io::stderr(), "{}", escaped(&text.to_string(), &['\n']));
 }
 
-/// A path for a message, on one line.
+/// The path of an input for a message, on one line.
 pub fn path(path: &Path) -> String {
+    if load::is_dash(path) { "standard input".to_owned() } else { argument(path) }
+}
+
+/// The name of an input without its folders, for a title.
+pub(crate) fn name(file: &Path) -> String {
+    if load::is_dash(file) {
+        return "standard input".to_owned();
+    }
+    file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// A path as the arguments have it, on one line.
+pub(crate) fn argument(path: &Path) -> String {
     quoted(&path.display().to_string())
 }
 

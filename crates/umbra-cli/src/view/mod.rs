@@ -30,7 +30,7 @@ use words::Names;
 
 #[derive(Args)]
 pub(crate) struct Options {
-    /// A scene, a JSON file, or a replay.
+    /// A scene, a JSON file, or a replay; - is the standard input.
     run: PathBuf,
     /// The page.
     #[arg(long, value_name = "FILE.html")]
@@ -45,7 +45,7 @@ pub(crate) struct Options {
 
 pub(crate) fn view(options: &Options) -> Result<(), Failure> {
     let out = Destinations::beside([&options.run])?.add(&options.out)?;
-    let file = options.run.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    let file = text::name(&options.run);
     match load::run(&options.run)? {
         Run::Scene(scene) => {
             let recording = of_scene(&scene, options)?;

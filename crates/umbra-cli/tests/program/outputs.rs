@@ -377,15 +377,99 @@ fn pipes_and_devices_are_written_to_as_they_are() {
     folder
         .refuses(&["run", "s.json", "--csv", "fifo", "--record", "fifo"], "fifo: cannot write: this is where another");
 
-    // Before what the program prints by itself.
+    // What the program prints by itself goes elsewhere.
     let output = folder.umbra(&["run", "s.json", "--csv", "/dev/stdout"]);
     succeeds(&output);
-    assert!(output.stdout.starts_with(&table) && output.stdout.len() > table.len());
+    assert!(output.stdout == table && text(&output.stderr).contains("state hash"));
     let out = fs::File::create(folder.path("out")).expect("a file");
     let mut both = folder.command(["run", "s.json", "--csv", "/dev/stdout", "--plot", "/dev/null"]);
     succeeds(&both.args(["--record", "/dev/null"]).stdout(out).output().expect("the program starts"));
-    assert!(folder.read("out").starts_with(&table) && folder.read("out").len() > table.len());
+    assert!(folder.read("out") == table);
     assert_eq!(folder.parts(), [""; 0].map(PathBuf::from));
+}
+
+/// The program with these bytes on its standard input.
+fn fed(folder: &Folder, arguments: &[&str], bytes: &[u8]) -> Output {
+    let mut command = folder.command(arguments);
+    command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the program starts");
+    std::io::Write::write_all(&mut child.stdin.take().expect("a pipe"), bytes).expect("it reads");
+    child.wait_with_output().expect("it ends")
+}
+
+#[test]
+fn a_dash_is_the_standard_input_and_the_standard_output() {
+    let folder = with_replays("dash");
+    let replay = folder.read("r.umbrarep");
+    succeeds(&folder.umbra(&["run", "s.json", "--csv", "s.csv", "--plot", "s.svg"]));
+    succeeds(&folder.umbra(&["view", "r.umbrarep", "--out", "r.html"]));
+    let outputs = [("--csv", folder.read("s.csv")), ("--plot", folder.read("s.svg")), ("--record", replay.clone())];
+    for (option, expected) in outputs {
+        // From a pipe into a pipe; the result is on the standard error.
+        let output = fed(&folder, &["run", "-", option, "-"], SCENE.as_bytes());
+        succeeds(&output);
+        assert!(output.stdout == expected, "{option}");
+        assert!(text(&output.stderr).contains("state hash"), "{option}: {}", text(&output.stderr));
+    }
+    let output = fed(&folder, &["run", "-", "--json", "--record", "-"], SCENE.as_bytes());
+    let summary: Value = serde_json::from_slice(&output.stderr).expect("JSON");
+    assert!(output.stdout == replay && summary["state_hash"].is_string());
+    let page = text(&fed(&folder, &["view", "-", "--out", "-"], &replay).stdout);
+    assert_eq!(page.replace("standard input", "r.umbrarep"), text(&folder.read("r.html")));
+    let output = fed(&folder, &["verify", "r.umbrarep", "-"], &replay);
+    succeeds(&output);
+    assert!(text(&output.stdout).lines().nth(1).is_some_and(|line| line.starts_with("ok  standard input  9 ticks")));
+    for files in [["-", "other.umbrarep"], ["other.umbrarep", "-"]] {
+        let output = fed(&folder, &[&["diff"], &files[..]].concat(), &replay);
+        assert_eq!((output.status.code(), text(&output.stdout).contains("velocity.x: ")), (Some(1), true), "{files:?}");
+    }
+    // It is read once, and written once; and a file of this name is one.
+    folder.refuses(&["diff", "-", "-"], "- is given twice: the standard input can be read once");
+    folder.refuses(&["verify", "-", "r.umbrarep", "-"], "- is given twice: the standard input can be read once");
+    let said = "standard output: cannot write: this is where another output goes";
+    folder.refuses(&["run", "s.json", "--csv", "-", "--plot", "-"], said);
+    #[cfg(unix)]
+    folder.refuses(&["run", "s.json", "--csv", "/dev/stdout", "--plot", "-"], said);
+    assert!(!folder.path("-").exists());
+    folder.write("-", SCENE);
+    succeeds(&folder.umbra(&["run", "./-"]));
+    // A file behind the standard input is an input.
+    let stdin = fs::File::open(folder.path("s.json")).expect("a file");
+    let output = folder.command(["run", "-", "--csv", "s.json"]).stdin(stdin).output().expect("the program starts");
+    assert!(text(&output.stderr).starts_with("s.json: cannot write: this is an input"), "{}", text(&output.stderr));
+    assert_eq!(folder.read("s.json"), SCENE.as_bytes());
+    let output = fed(&folder, &["run", "-"], b"{\"bodys\": []}");
+    assert_eq!(text(&output.stderr), "standard input:1: bodys: unknown field: did you mean `bodies`? [E503]\n");
+}
+
+#[test]
+fn a_file_of_another_kind_is_named_with_what_to_do() {
+    let folder = with_replays("kinds");
+    let world = umbra_physics::World::new(umbra_physics::WorldDef::default()).expect("a world");
+    let mut after = world.clone();
+    after.step();
+    folder.write("d.umbradmp", umbra_physics::Dump::of_game(&world, |_| (), &after).to_bytes());
+    folder.write("w.umbrasnp", world.snapshot().to_bytes());
+    let replay = "found a replay: `umbra verify r.umbrarep` runs it again, `umbra view r.umbrarep --out PAGE.html` plays it, and \
+        `umbra diff r.umbrarep OTHER` compares it with another one [E804]";
+    let dump = "found a desync dump: `umbra diff d.umbradmp OTHER` compares it with the one of another peer [E804]";
+    let snapshot = "found a snapshot of a world, which `Snapshot::from_bytes` of the library reads [E804]";
+    let either = "a replay or a desync dump of umbra-physics";
+    for (arguments, file, expected, found) in [
+        (&["run", "r.umbrarep"][..], "r.umbrarep", "a scene", replay),
+        (&["run", "d.umbradmp"], "d.umbradmp", "a scene", dump),
+        (&["run", "w.umbrasnp"], "w.umbrasnp", "a scene", snapshot),
+        (&["view", "d.umbradmp", "--out", "x.html"], "d.umbradmp", "a scene or a replay", dump),
+        (&["view", "w.umbrasnp", "--out", "x.html"], "w.umbrasnp", "a scene or a replay", snapshot),
+        (&["diff", "r.umbrarep", "w.umbrasnp"], "w.umbrasnp", either, snapshot),
+    ] {
+        folder.refuses(arguments, &format!("{file}: expected {expected}, {found}\n"));
+    }
+    let output = folder.umbra(&["verify", "s.json", "d.umbradmp"]);
+    let expected = "malformed  s.json  expected a replay, found a scene: `umbra run FILE --record REPLAY` makes a replay of it [E401]\n\
+        malformed  d.umbradmp  expected a replay, found a desync dump: `umbra diff FILE OTHER` compares it with the one of another \
+        peer [E401]\n";
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(2), expected.to_owned()));
 }
 
 #[cfg(unix)]

@@ -12,6 +12,8 @@ use umbra_scene::Scene;
 use xxhash_rust::xxh3::Xxh3;
 
 mod diff;
+mod limits;
+mod service;
 
 use crate::{root, umbra};
 
@@ -265,7 +267,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     };
     assert_eq!(self::text(&output.stdout), expected("3.00000000023"));
     assert_eq!(self::text(&umbra(&["verify", "--exact", &changed]).stdout), expected(ulp_more));
-    assert_eq!(self::text(&output.stderr), "1 of 1 files are not as recorded\n");
+    assert_eq!(self::text(&output.stderr), "1 of 1 files are not verified\n");
 }
 
 #[test]
@@ -358,7 +360,7 @@ fn files_come_in_the_order_given_whatever_is_done_at_once() {
         factor.is_some_and(|factor| factor.replace(',', "").parse::<f64>().is_ok_and(|number| number > 0.0)),
         "{ok}"
     );
-    assert_eq!(text(&output.stderr), "1 of 2 files are not as recorded\n", "no progress but on a terminal");
+    assert_eq!(text(&output.stderr), "1 of 2 files are not verified\n", "no progress but on a terminal");
 }
 
 #[test]

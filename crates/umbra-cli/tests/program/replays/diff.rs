@@ -85,7 +85,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
         }
     };
     refused(&changed, "changed after it was recorded: ");
-    let record = "found a scene: record it with `umbra run scenes/kepler.json --record FILE` and compare the replays";
+    let record = "found a scene: `umbra run scenes/kepler.json --record REPLAY` makes a replay of it";
     refused("scenes/kepler.json", &format!("expected a replay or a desync dump of umbra-physics, {record} [E804]"));
     let table = folder.write("table.csv", "1,2\n");
     refused(&table, "expected a replay or a desync dump of umbra-physics [E804]");
