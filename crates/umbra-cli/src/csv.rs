@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use umbra_physics::Scalar;
-use umbra_scene::SceneRun;
+use umbra_physics::{Scalar, World};
 
+use crate::cast::Cast;
 use crate::failure::Failure;
 use crate::output::{Destination, Output};
 
@@ -21,14 +21,14 @@ impl Table {
     }
 
     /// Writes the bodies if this is a tick to do so.
-    pub(crate) fn write<S: Scalar>(&mut self, run: &SceneRun<'_, S>) -> Result<(), Failure> {
-        let tick = run.world().tick();
+    pub(crate) fn write<S: Scalar>(&mut self, world: &World<S>, cast: &impl Cast) -> Result<(), Failure> {
+        let tick = world.tick();
         if tick % self.every != 0 {
             return Ok(());
         }
         self.output.put(|out| {
-            run.world().bodies().try_for_each(|body| {
-                let (name, x, v) = (field(run.name(body.id())), body.position(), body.velocity());
+            world.bodies().try_for_each(|body| {
+                let (name, x, v) = (field(cast.name(body.id())), body.position(), body.velocity());
                 let (angle, spin) = (body.angle(), body.angular_velocity());
                 writeln!(out, "{tick},{name},{},{},{angle},{},{},{spin}", x.x, x.y, v.x, v.y)
             })

@@ -4,18 +4,23 @@
 //! Exit status 0: done; 1: a check failed; 2: bad usage, bad input, or an output that cannot be written.
 #![forbid(unsafe_code)]
 
+mod cast;
 mod csv;
 mod diff;
 pub mod failure;
 mod finding;
 pub mod load;
+mod manual;
+mod open;
 pub mod output;
 pub mod picture;
 mod profile;
 pub mod progress;
 mod record;
 mod run;
+mod scenes;
 mod selftest;
+mod sheets;
 mod summary;
 pub mod text;
 mod verify;
@@ -23,7 +28,7 @@ mod view;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use failure::Failure;
 
@@ -42,7 +47,7 @@ A reader that stops early, as `head` does, is no error: the task goes on to its 
 
 /// Deterministic 2D physics in fixed point: scenes in, exact results and pictures out.
 #[derive(Parser)]
-#[command(version, about, bin_name = "umbra", after_help = HELP)]
+#[command(name = "umbra", version, about, after_help = HELP)]
 struct Arguments {
     #[command(subcommand)]
     task: Task,
@@ -58,8 +63,14 @@ enum Task {
     Verify(verify::Options),
     /// Finds the first value in which two recordings part.
     Diff(diff::Options),
+    /// Lists the scenes that come with the program, or writes one of them.
+    Scenes(scenes::Options),
     /// Runs the built-in scenes and compares their digests with those that every machine gives.
     Selftest(selftest::Options),
+    /// Prints the completions of the commands for a shell.
+    Completions(manual::CompletionOptions),
+    /// Prints the page of the manual.
+    Man(manual::ManOptions),
 }
 
 impl Task {
@@ -69,7 +80,10 @@ impl Task {
             Self::View(options) => view::view(options),
             Self::Verify(options) => verify::verify(options),
             Self::Diff(options) => diff::diff(options),
+            Self::Scenes(options) => scenes::scenes(options),
             Self::Selftest(options) => selftest::selftest(options),
+            Self::Completions(options) => manual::completions(options, Arguments::command()),
+            Self::Man(options) => manual::man(options, Arguments::command()),
         }
     }
 }

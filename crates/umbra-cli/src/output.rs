@@ -172,6 +172,11 @@ impl Destination {
         matches!(self.target, Target::Stdout)
     }
 
+    /// Says whether it is a file, which is there once it is written.
+    pub(crate) const fn is_file(&self) -> bool {
+        matches!(self.target, Target::File { .. })
+    }
+
     /// Begins an output.
     pub(crate) fn create(&self) -> Result<Output, Failure> {
         let begin = || {

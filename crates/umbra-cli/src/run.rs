@@ -8,14 +8,15 @@ use umbra_physics::scalar::ToF64;
 use umbra_physics::{Fx, Integrator, RecordOptions, Scalar, Stepper, WorldDef};
 use umbra_scene::{Scene, SceneRun};
 
-use crate::csv::Table;
 use crate::failure::Failure;
 use crate::load;
+use crate::open;
 use crate::output::{Destination, Destinations};
-use crate::picture::{ContactMark, ContactOptions, Recorder};
+use crate::picture::{ContactMark, ContactOptions, Subject};
 use crate::profile::Profile;
 use crate::progress::progress;
 use crate::record::Recording;
+use crate::sheets::{SheetFiles, SheetOptions, Sheets};
 use crate::summary::{FaultLine, Summary, Totals};
 use crate::text;
 
@@ -32,21 +33,17 @@ pub(crate) struct Options {
     /// The integrator [default: what the scene says].
     #[arg(long, value_name = "NAME", value_parser = integrator)]
     integrator: Option<Integrator>,
-    /// Writes all bodies to a table, in exact decimals.
-    #[arg(long, value_name = "FILE")]
-    csv: Option<PathBuf>,
-    /// Writes them each so many ticks.
-    #[arg(long, value_name = "K", default_value_t = 1, requires = "csv", value_parser = clap::value_parser!(u64).range(1..))]
-    every: u64,
-    /// Draws the ways of the bodies.
-    #[arg(long, value_name = "FILE.svg")]
-    plot: Option<PathBuf>,
+    #[command(flatten)]
+    sheets: SheetOptions,
     /// Draws contacts at the end of the run as well; several kinds are parted by commas.
     #[arg(long, value_enum, value_name = "KINDS", value_delimiter = ',', requires = "plot")]
     contacts: Vec<ContactMark>,
     /// Length of an impulse in the picture, m for each N·s [default: a tenth of the picture for the largest].
     #[arg(long, value_name = "M", requires = "contacts", value_parser = positive)]
     impulse_scale: Option<f64>,
+    /// Opens the picture in the program that the system has for it.
+    #[arg(long, requires = "plot")]
+    open: bool,
     /// Records the run as a replay, for `verify`, `diff` and `view`. The time it takes counts as that of the steps.
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
@@ -86,23 +83,19 @@ fn positive(text: &str) -> Result<f64, String> {
 
 /// The destinations of the outputs of a run.
 struct Outputs {
-    csv: Option<Destination>,
-    plot: Option<Destination>,
+    sheets: SheetFiles,
     record: Option<Destination>,
 }
 
 impl Outputs {
     fn of(options: &Options) -> Result<Self, Failure> {
-        let Options { scene, csv, plot, record, .. } = options;
-        let mut all = Destinations::beside([scene])?;
-        let mut add = |file: &Option<PathBuf>| all.add_any(file.as_ref());
-        Ok(Self { csv: add(csv)?, plot: add(plot)?, record: add(record)? })
+        let mut all = Destinations::beside([&options.scene])?;
+        Ok(Self { sheets: SheetFiles::new(&options.sheets, &mut all)?, record: all.add_any(options.record.as_ref())? })
     }
 
     /// Prints the result, on the standard error where another output has the standard output.
     fn tell(&self, summary: &Summary, json: bool) -> Result<(), Failure> {
-        let has_stdout = [&self.csv, &self.plot, &self.record].into_iter().flatten().any(Destination::is_stdout);
-        if !has_stdout {
+        if !self.sheets.has_stdout() && !self.record.as_ref().is_some_and(Destination::is_stdout) {
             return text::print_result(summary, json);
         }
         text::warn(text::result(summary, json).trim_end());
@@ -112,6 +105,7 @@ impl Outputs {
 
 pub(crate) fn run(options: &Options) -> Result<(), Failure> {
     let outputs = Outputs::of(options)?;
+    let opened = outputs.sheets.plot.as_ref().filter(|_| options.open).map(open::file).transpose()?;
     let mut scene = load::scene(&options.scene)?;
     if let Some(integrator) = options.integrator {
         scene.world = WorldDef { integrator, ..scene.world };
@@ -124,7 +118,7 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
             ),
         })?;
     }
-    match (options.scalar, &outputs.record) {
+    let done = match (options.scalar, &outputs.record) {
         (Numbers::Fx, Some(to)) => record(&scene, options, &outputs, to),
         (_, Some(_)) => {
             Err(Failure::Option { what: "--record needs --scalar fx: a replay has fixed-point states".to_owned() })
@@ -132,7 +126,8 @@ pub(crate) fn run(options: &Options) -> Result<(), Failure> {
         (Numbers::Fx, None) => start::<Fx>(&scene, options, &outputs),
         (Numbers::F64, None) => start::<f64>(&scene, options, &outputs),
         (Numbers::F32, None) => start::<f32>(&scene, options, &outputs),
-    }
+    };
+    done.and_then(|()| opened.map_or(Ok(()), open::open))
 }
 
 fn start<S: Scalar + ToF64>(scene: &Scene, options: &Options, outputs: &Outputs) -> Result<(), Failure>
@@ -174,21 +169,12 @@ where
 {
     let at_fault = Failure::scene(&options.scene);
     let ticks = options.ticks.unwrap_or(scene.ticks);
-    let mut table = outputs.csv.as_ref().map(|to| Table::create(to, options.every)).transpose()?;
-    let mut recorder = outputs.plot.as_ref().map(|_| {
-        let contacts = ContactOptions { marks: options.contacts.clone(), impulse_scale: options.impulse_scale };
-        Recorder::new(scene, ticks, contacts)
-    });
+    let contacts = ContactOptions { marks: options.contacts.clone(), impulse_scale: options.impulse_scale };
+    let mut sheets = Sheets::create(&outputs.sheets, Subject::of(scene), ticks, contacts)?;
     let before = Totals::of(run.world());
     let (mut faults, mut body_steps, mut stepping) = (Vec::new(), 0u64, Duration::ZERO);
     let progress = progress(ticks, "tick");
-    let mut observe = |run: &SceneRun<'_, S>| {
-        if let Some(recorder) = &mut recorder {
-            recorder.record(run);
-        }
-        table.as_mut().map_or(Ok(()), |table| table.write(run))
-    };
-    observe(run)?;
+    sheets.see(run.world(), run)?;
     for tick in 0..ticks {
         let started = Instant::now();
         let report = run.advance_by(driver).map_err(&at_fault)?;
@@ -200,17 +186,12 @@ where
             faults.push(FaultLine { tick: tick + 1, name, cause: fault.cause.to_string() });
         }
         body_steps += run.world().body_count() as u64;
-        observe(run)?;
+        sheets.see(run.world(), run)?;
         progress.set_position(tick + 1);
     }
     progress.finish_and_clear();
-    if let Some(table) = table {
-        table.finish()?;
-    }
     let mut summary = Summary::new(scene, run.world(), before, faults, stepping, body_steps);
     summary.profile = options.profile.then(|| Profile::of(run.world()));
-    if let (Some(recorder), Some(to)) = (&recorder, &outputs.plot) {
-        to.write(&recorder.draw(run))?;
-    }
+    sheets.finish(run.world(), run)?;
     Ok(summary)
 }

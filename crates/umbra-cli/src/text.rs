@@ -20,6 +20,11 @@ pub fn print(text: impl Display) -> Result<(), Failure> {
     written(|out| writeln!(out, "{}", escaped(text.trim_end(), &['\n'])))
 }
 
+/// Prints what the program has made itself, as it is.
+pub(crate) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
+    written(|out| out.write_all(bytes))
+}
+
 /// Prints a result for a person, or as a JSON object.
 pub fn print_result<T: Display + Serialize>(value: &T, json: bool) -> Result<(), Failure> {
     print(result(value, json))

@@ -12,9 +12,10 @@ mod svg;
 use std::collections::BTreeMap;
 
 use umbra_physics::scalar::ToF64;
-use umbra_physics::{BodyClass, BodyKind, Scalar, World};
-use umbra_scene::{Scene, SceneRun, Trails};
+use umbra_physics::{BodyClass, BodyKind, Scalar, Vec2, World};
+use umbra_scene::{Scene, Trails};
 
+use crate::cast::Cast;
 pub use axis::ticks;
 use contacts::Contacts;
 pub(crate) use contacts::{ContactMark, ContactOptions};
@@ -33,51 +34,91 @@ const POINTS: u64 = 2_000_000;
 /// The largest number of trails in a picture. Of more, an even choice is drawn.
 const WAYS: usize = 600;
 
+/// What a picture shows.
+pub(crate) struct Subject {
+    pub(crate) title: String,
+    /// The part of the plane, m; `None` for all of what happens.
+    pub(crate) view: Option<[Vec2; 2]>,
+    /// The number of moments on the way at which outlines are drawn.
+    pub(crate) exposures: u32,
+    pub(crate) trails: Trails,
+    /// The number of bodies, as far as it is known.
+    pub(crate) bodies: usize,
+}
+
+impl Subject {
+    pub(crate) fn of(scene: &Scene) -> Self {
+        let plot = &scene.plot;
+        Self {
+            title: if scene.title.is_empty() { "Scene".to_owned() } else { scene.title.clone() },
+            view: plot.view,
+            exposures: plot.exposures,
+            trails: plot.trails.clone(),
+            bodies: scene.bodies.len(),
+        }
+    }
+}
+
 /// The contents of a picture, gathered while the run goes on.
-pub(crate) struct Recorder<'a> {
-    scene: &'a Scene,
+pub(crate) struct Recorder {
+    subject: Subject,
     contacts: ContactOptions,
-    chosen: Vec<bool>,
+    /// Of all bodies, each so many have trails.
+    each: usize,
     stride: u64,
     exposed_each: u64,
     ticks: u64,
-    /// The trails, by the index of the body in the scene.
-    ways: BTreeMap<usize, Vec<Point>>,
+    /// The number of ticks seen.
+    seen: u64,
+    /// The trails, by the number of the body.
+    ways: BTreeMap<usize, NamedWay>,
     exposures: Vec<Outline>,
     start: Vec<Outline>,
 }
 
-impl<'a> Recorder<'a> {
-    pub(crate) fn new(scene: &'a Scene, ticks: u64, contacts: ContactOptions) -> Self {
-        let count = scene.bodies.len();
-        let mut chosen = vec![false; count];
-        match &scene.plot.trails {
-            Trails::All => {
-                let step = count.div_ceil(WAYS).max(1);
-                chosen.iter_mut().step_by(step).for_each(|chosen| *chosen = true);
-            }
-            Trails::Of(bodies) => bodies.iter().for_each(|&index| chosen[index] = true),
-            Trails::None => {}
-        }
-        let drawn = chosen.iter().filter(|&&chosen| chosen).count() as u64;
-        let exposures = u64::from(scene.plot.exposures);
+#[derive(Default)]
+struct NamedWay {
+    name: String,
+    points: Vec<Point>,
+}
+
+impl Recorder {
+    pub(crate) fn new(subject: Subject, ticks: u64, contacts: ContactOptions) -> Self {
+        let each = subject.bodies.div_ceil(WAYS).max(1);
+        let drawn = match &subject.trails {
+            Trails::All => subject.bodies.div_ceil(each),
+            Trails::Of(bodies) => bodies.len(),
+            Trails::None => 0,
+        };
+        let exposures = u64::from(subject.exposures);
         Self {
-            scene,
+            subject,
             contacts,
-            chosen,
-            stride: (drawn.saturating_mul(ticks) / POINTS).max(1),
+            each,
+            stride: ((drawn as u64).saturating_mul(ticks) / POINTS).max(1),
             exposed_each: if exposures == 0 { u64::MAX } else { (ticks / (exposures + 1)).max(1) },
             ticks,
+            seen: 0,
             ways: BTreeMap::new(),
             exposures: Vec::new(),
             start: Vec::new(),
         }
     }
 
-    /// Keeps where the bodies are now.
-    pub(crate) fn record<S: Scalar + ToF64>(&mut self, run: &SceneRun<'_, S>) {
-        let world = run.world();
-        let tick = world.tick();
+    /// Says whether a body has a trail.
+    fn is_chosen(&self, index: usize) -> bool {
+        match &self.subject.trails {
+            // Bodies that come later may be more than can be drawn.
+            Trails::All => index % self.each == 0 && (self.ways.len() < WAYS || self.ways.contains_key(&index)),
+            Trails::Of(bodies) => bodies.contains(&index),
+            Trails::None => false,
+        }
+    }
+
+    /// Takes in the world at a tick.
+    pub(crate) fn record<S: Scalar + ToF64>(&mut self, world: &World<S>, cast: &impl Cast) {
+        let tick = self.seen;
+        self.seen += 1;
         let last = tick == self.ticks;
         if tick == 0 {
             self.start = Outline::all(world);
@@ -89,33 +130,28 @@ impl<'a> Recorder<'a> {
             return;
         }
         for body in world.bodies().filter(|body| body.kind() != BodyKind::Static) {
-            let Some(index) = run.index(body.id()) else { continue };
-            if self.chosen[index] {
-                let way = self.ways.entry(index).or_default();
-                let point = place(body.position());
-                if way.last() != Some(&point) {
-                    way.push(point);
-                }
+            let Some(index) = cast.index(body.id()).filter(|&index| self.is_chosen(index)) else { continue };
+            let name = || NamedWay { name: cast.name(body.id()).to_owned(), points: Vec::new() };
+            let way = self.ways.entry(index).or_insert_with(name);
+            let point = place(body.position());
+            if way.points.last() != Some(&point) {
+                way.points.push(point);
             }
         }
     }
 
     /// The picture as SVG.
-    pub(crate) fn draw<S: Scalar + ToF64>(&self, run: &SceneRun<'_, S>) -> String {
-        let world = run.world();
+    pub(crate) fn draw<S: Scalar + ToF64>(&self, world: &World<S>, cast: &impl Cast) -> String {
         let bodies = world.bodies().zip(Outline::all(world)).map(|(body, outline)| {
-            let way = run.index(body.id()).filter(|index| self.ways.contains_key(index));
+            let way = cast.index(body.id()).filter(|index| self.ways.contains_key(index));
             EndState { way, at: place(body.position()), outline }
         });
+        let ways = self.ways.iter().map(|(&index, way)| Way { index, name: &way.name, points: &way.points });
         let picture = Picture {
-            title: if self.scene.title.is_empty() { "Scene" } else { &self.scene.title },
+            title: &self.subject.title,
             caption: caption(world),
-            view: self.scene.plot.view.map(|corners| corners.map(place)),
-            ways: self
-                .ways
-                .iter()
-                .map(|(&index, points)| Way { index, name: &self.scene.bodies[index].name, points })
-                .collect(),
+            view: self.subject.view.map(|corners| corners.map(place)),
+            ways: ways.collect(),
             bodies: bodies.collect(),
             start: &self.start,
             exposures: &self.exposures,

@@ -1,10 +1,12 @@
 //! The tests of the program `umbra`, a file a task, as one program.
 
 mod cli;
+mod manual;
 mod outputs;
 mod replays;
 #[path = "../../../../tests/support/seeds.rs"]
 mod seeds;
+mod sheets;
 mod view;
 
 use std::path::Path;

@@ -502,7 +502,7 @@ fn a_file_that_cannot_be_moved_into_place_is_left_beside_it() {
 /// Every way to print something on the standard output, and the status where there is room for it. The self-test, which runs for longer
 /// than all the others together, only by night.
 fn printing() -> Vec<(Vec<&'static str>, i32)> {
-    let lines: [(&str, i32); 16] = [
+    let lines: [(&str, i32); 20] = [
         ("run s.json", 0),
         ("run s.json --json", 0),
         ("verify r.umbrarep", 0),
@@ -519,6 +519,10 @@ fn printing() -> Vec<(Vec<&'static str>, i32)> {
         ("help run", 0),
         ("verify -h", 0),
         ("run s.json --record again.umbrarep", 0),
+        ("scenes", 0),
+        ("scenes kepler", 0),
+        ("completions zsh", 0),
+        ("man verify", 0),
     ];
     let lines = lines.into_iter().filter(|(line, _)| !is_short() || !line.starts_with("selftest"));
     lines.map(|(line, status)| (line.split(' ').collect(), status)).collect()
