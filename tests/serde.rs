@@ -517,7 +517,7 @@ fn invalid_values_are_not_read() {
         postcard::from_bytes(&postcard::to_allocvec(&(0u32, 5u32)).expect("bytes")).expect("a time step");
     assert_eq!(step, TimeStep::ratio(0, 5));
     for (json, why) in [
-        (r#"{"circle":{"radius":"0"}}"#, "expected a radius from 2^-7 to 2^12 m, not 0"),
+        (r#"{"circle":{"radius":"0"}}"#, "expected a radius from 2^-7 (0.0078125) to 2^12 m, not 0"),
         (
             r#"{"polygon":{"corners":[{"x":0,"y":0},{"x":1,"y":0},{"x":2,"y":0}]}}"#,
             "is not convex, or repeats its neighbour",

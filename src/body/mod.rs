@@ -180,6 +180,7 @@ codec_plain!(Locks { x, y, rotation });
 /// assert_eq!(world.body(hero)?.mass(), Some(fx!(70)));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias = "RigidBodyBuilder")]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct BodyDef<S: Scalar = Fx> {
@@ -291,6 +292,7 @@ impl<S: Scalar> BodyDef<S> {
     }
 
     /// A static body at the origin.
+    #[doc(alias("static", "static_"))]
     #[must_use]
     pub fn fixed() -> Self {
         Self { kind: BodyKind::Static, ..Self::dynamic() }

@@ -13,6 +13,7 @@
 /// let ghost = Filter { category: GHOST, mask: WALL, ..Filter::default() }; // walks through players
 /// assert!(ghost.agrees(Filter::default()) && player.agrees(player) && !ghost.agrees(player));
 /// ```
+#[doc(alias("InteractionGroups", "collision_groups"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Filter {

@@ -55,6 +55,7 @@ pub use settings::ContactSettings;
 /// assert_eq!(format!("{:.3}", world.body(cart)?.mass().unwrap()), "15.393");
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("ColliderBuilder", "ShapeDef"))]
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ColliderDef<S: Scalar = Fx> {

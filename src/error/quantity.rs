@@ -166,12 +166,12 @@ impl Dimension {
     /// Name and range of the size, with an article, for messages.
     const fn range(self) -> &'static str {
         match self {
-            Self::Radius | Self::Rounding => "a radius from 2^-7 to 2^12 m",
-            Self::Width => "a width from 2^-7 to 2^12 m",
-            Self::Height => "a height from 2^-7 to 2^12 m",
-            Self::Length => "a length from 2^-7 to 2^12 m",
-            Self::Extent => "a width or a height of 2^-7 m or more",
-            Self::Edge(_) => "an edge of a chain from 2^-7 m",
+            Self::Radius | Self::Rounding => "a radius from 2^-7 (0.0078125) to 2^12 m",
+            Self::Width => "a width from 2^-7 (0.0078125) to 2^12 m",
+            Self::Height => "a height from 2^-7 (0.0078125) to 2^12 m",
+            Self::Length => "a length from 2^-7 (0.0078125) to 2^12 m",
+            Self::Extent => "a width or a height of 2^-7 (0.0078125) m or more",
+            Self::Edge(_) => "an edge of a chain from 2^-7 (0.0078125) m",
             Self::Coordinate(_) => "a coordinate within ±2^12 m",
         }
     }

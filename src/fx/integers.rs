@@ -76,6 +76,7 @@ impl Fx {
     /// assert_eq!((Fx::MAX.floor_to_int(), Fx::MAX.ceil_to_int(), Fx::MIN.round_to_int()), (i32::MAX, 1 << 31, i32::MIN.into()));
     /// assert_eq!((Fx::try_from(7u64), Fx::try_from(i64::MAX).is_err()), (Ok(fx!(7)), true));
     /// ```
+    #[doc(alias("to_int", "as_i32"))]
     #[must_use]
     #[inline]
     pub const fn floor_to_int(self) -> i32 {

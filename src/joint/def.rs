@@ -31,6 +31,7 @@ use crate::slots::BodyId;
 /// assert!(broke && world.joint(rod)?.is_broken());
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("GenericJointBuilder", "JointBuilder"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct JointDef<S = Fx> {

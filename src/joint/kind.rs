@@ -63,6 +63,7 @@ pub enum JointKind<S = Fx> {
 /// assert!((world.body(gate)?.position() - vec2(0, 1)).length() < fx!(0.001));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("hinge", "RevoluteJoint"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Revolute<S = Fx> {
@@ -84,6 +85,7 @@ pub struct Revolute<S = Fx> {
 ///
 /// A row of welded bodies is solved exactly, and bends by no more than the joints of a chain give way. For bodies that never come apart one
 /// body with several colliders costs less.
+#[doc(alias("FixedJoint", "WeldJoint"))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Weld<S = Fx> {
@@ -113,6 +115,7 @@ pub struct Weld<S = Fx> {
 /// assert_eq!(rod.limits, Some(JointLimits { lower: fx!(2), upper: fx!(2) }));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("DistanceJoint", "RopeJoint", "SpringJoint"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Distance<S = Fx> {
@@ -196,6 +199,7 @@ impl<S: Scalar> Distance<S> {
 /// assert!((world.body(cabin)?.position() - vec2(0, 3)).length() < fx!(0.001));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("slider", "PrismaticJoint"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Prismatic<S = Fx> {
@@ -241,6 +245,7 @@ pub struct Prismatic<S = Fx> {
 /// assert!((world.body(car)?.velocity() - vec2(4, 0)).length() < fx!(0.05));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("WheelJoint", "suspension"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Wheel<S = Fx> {

@@ -32,6 +32,7 @@ use crate::scalar::Scalar;
 /// assert!((handle - vec2(2, 1)).length() < fx!(0.03));
 /// # Ok::<(), umbra_physics::Error>(())
 /// ```
+#[doc(alias("MotorJoint", "MouseJoint"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Motor<S = Fx> {

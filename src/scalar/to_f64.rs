@@ -80,6 +80,7 @@ impl ToF64 for f64 {
 impl Fx {
     /// The value nearest to a double, ties to even; `None` for a NaN or a number that does not fit. For tools alone: floats
     /// differ from machine to machine, and a simulation that takes one in desyncs.
+    #[doc(alias("from_f32", "from_f64", "from_num"))]
     #[must_use]
     pub fn from_f64_for_tools(value: f64) -> Option<Self> {
         /// 2^63.
@@ -90,6 +91,7 @@ impl Fx {
     }
 
     /// The single nearest to it, for drawing.
+    #[doc(alias("f32", "as_f32"))]
     #[must_use]
     pub fn to_f32(self) -> f32 {
         self.to_bits() as f32 * ULP as f32

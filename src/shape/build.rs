@@ -59,9 +59,10 @@ impl Shape {
     /// let error = Shape::rectangle(1, fx!(0.00390625)).unwrap_err();
     /// let quantity = Quantity::Size { dimension: Dimension::Height, value: fx!(0.00390625) };
     /// assert_eq!(error, Error::OutOfRange { quantity });
-    /// assert_eq!(error.to_string(), "out of range: expected a height from 2^-7 to 2^12 m, not 0.00390625");
+    /// assert_eq!(error.to_string(), "out of range: expected a height from 2^-7 (0.0078125) to 2^12 m, not 0.00390625");
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias("ball", "disc"))]
     pub fn circle(radius: impl IntoFx) -> Result<Self, Error> {
         Self::new(Geometry::Circle { radius: radius.into() })
     }
@@ -70,6 +71,7 @@ impl Shape {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] with [`Quantity::Size`].
+    #[doc(alias("cuboid", "box", "make_box"))]
     pub fn rectangle(width: impl IntoFx, height: impl IntoFx) -> Result<Self, Error> {
         Self::new(Geometry::Rectangle { width: width.into(), height: height.into() })
     }
@@ -177,6 +179,7 @@ impl<S: Scalar> Shape<S> {
     /// other, less than 2^-7 m apart; [`Error::ChainCrosses`] if it crosses or touches itself.
     ///
     /// *Cost* n·log n.
+    #[doc(alias("polyline", "heightfield"))]
     pub fn chain(points: &[Vec2<S>], closed: bool) -> Result<Self, Error> {
         S::chain(points, closed)
     }
@@ -205,6 +208,7 @@ impl<S: Scalar> Shape<S> {
     /// # Errors
     /// [`Error::NotConvex`] at the first corner that does not turn the way the others do, or repeats another;
     /// [`Error::OutOfRange`] with [`Quantity::Count`] or [`Quantity::Size`].
+    #[doc(alias = "convex_polyline")]
     pub fn polygon(corners: &[Vec2<S>]) -> Result<Self, Error> {
         S::polygon(corners)
     }

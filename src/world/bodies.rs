@@ -34,6 +34,7 @@ impl<S: Scalar> World<S> {
     /// assert!(world.body(body).is_err()); // its handle names nothing any more, ever
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias("create_body", "insert_body", "spawn"))]
     pub fn add_body(&mut self, def: BodyDef<S>) -> Result<BodyId, Error> {
         S::add_body(self, def)
     }
@@ -57,6 +58,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`].
+    #[doc(alias("destroy_body", "despawn"))]
     pub fn remove_body(&mut self, body: BodyId) -> Result<(), Error> {
         S::remove_body(self, body)
     }
@@ -86,6 +88,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] with [`Quantity::Position`](crate::Quantity::Position).
+    #[doc(alias("set_translation", "set_transform", "teleport"))]
     pub fn set_position(&mut self, body: BodyId, position: Vec2<S>) -> Result<(), Error> {
         self.check_body_position(body, position)?;
         let dense = self.touch(body, Change::ALL)?;
@@ -100,6 +103,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::OutOfRange`] for a float that is no number.
+    #[doc(alias = "set_rotation")]
     pub fn set_angle(&mut self, body: BodyId, angle: S) -> Result<(), Error> {
         self.check_body_angle(body, angle)?;
         let dense = self.touch(body, Change::ALL)?;
@@ -117,6 +121,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
     /// [`Quantity::Velocity`](crate::Quantity::Velocity).
+    #[doc(alias("set_linvel", "set_linear_velocity"))]
     pub fn set_velocity(&mut self, body: BodyId, velocity: Vec2<S>) -> Result<(), Error> {
         self.check_body_velocity(body, velocity)?;
         let dense = self.touch(body, Change::VELOCITY)?;
@@ -131,6 +136,7 @@ impl<S: Scalar> World<S> {
     /// # Errors
     /// [`Error::NoSuchBody`]; [`Error::NotMovable`]; [`Error::OutOfRange`] or [`Error::Locked`] with
     /// [`Quantity::AngularVelocity`](crate::Quantity::AngularVelocity).
+    #[doc(alias = "set_angvel")]
     pub fn set_angular_velocity(&mut self, body: BodyId, velocity: S) -> Result<(), Error> {
         self.check_body_angular_velocity(body, velocity)?;
         let dense = self.touch(body, Change::VELOCITY)?;
@@ -173,6 +179,7 @@ impl<S: Scalar> World<S> {
     /// assert_eq!(world.body(lift)?.velocity(), vec2(0, 0));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias("set_target_transform", "set_next_kinematic_position", "set_next_kinematic_translation"))]
     pub fn move_to(&mut self, body: BodyId, position: Vec2<S>, angle: S) -> Result<(), Error> {
         S::move_to(self, body, position, angle)
     }

@@ -73,6 +73,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// The position of the centre of mass, m: the exact position rounded to nearest, ties to even.
+    #[doc(alias("translation", "center_of_mass"))]
     #[must_use]
     pub fn position(&self) -> Vec2<S> {
         self.position_exact().map(Accumulator::value)
@@ -103,6 +104,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// The velocity of the centre of mass, m/s.
+    #[doc(alias("linvel", "linear_velocity"))]
     #[must_use]
     pub fn velocity(&self) -> Vec2<S> {
         self.velocity_exact().map(Accumulator::value)
@@ -115,6 +117,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// The angular velocity, rad/s.
+    #[doc(alias = "angvel")]
     #[must_use]
     pub fn angular_velocity(&self) -> S {
         self.angular_velocity_exact().value()

@@ -36,6 +36,7 @@ impl<S: Scalar> World<S> {
     /// assert!(world.collider(collider).is_err() && world.colliders().next().is_none());
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias("create_shape", "insert_collider", "add_shape"))]
     pub fn add_collider(&mut self, body: BodyId, def: impl Into<ColliderDef<S>>) -> Result<ColliderId, Error> {
         S::add_collider(self, body, def.into())
     }

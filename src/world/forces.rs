@@ -110,6 +110,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
+    #[doc(alias = "add_force")]
     pub fn apply_force(&mut self, body: BodyId, force: Vec2<S>) -> Result<(), Error> {
         self.apply(body, ForceOrImpulse::Force { force, point: None }, ApplyOptions::default())
     }
@@ -131,6 +132,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
+    #[doc(alias = "add_torque")]
     pub fn apply_torque(&mut self, body: BodyId, torque: S) -> Result<(), Error> {
         self.apply(body, ForceOrImpulse::Torque(torque), ApplyOptions::default())
     }
@@ -139,6 +141,7 @@ impl<S: Scalar> World<S> {
     ///
     /// # Errors
     /// As [`apply`](Self::apply).
+    #[doc(alias = "apply_linear_impulse")]
     pub fn apply_impulse(&mut self, body: BodyId, impulse: Vec2<S>) -> Result<(), Error> {
         self.apply(body, ForceOrImpulse::Impulse { impulse, point: None }, ApplyOptions::default())
     }

@@ -49,6 +49,7 @@ impl<S: Scalar> World<S> {
     /// assert!(world.joint(rod).is_err() && world.joints().next().is_none());
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias("create_joint", "insert_joint"))]
     pub fn add_joint(&mut self, def: JointDef<S>) -> Result<JointId, Error> {
         S::add_joint(self, def)
     }

@@ -198,6 +198,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// body, it hashes the properties of that body. After changes of bodies with colliders that are static or asleep, and of colliders, it
 /// looks at the colliders of these bodies, or at all of them if many changed: for n colliders it takes n·log n, once for all calls. A search for expensive commands found no kilobyte of them
 /// that costs more than ten steps of its world, including that work.
+#[doc(alias("PhysicsWorld", "PhysicsPipeline"))]
 pub struct World<S: Scalar = Fx> {
     pub(crate) def: WorldDef<S>,
     pub(crate) tick: u64,

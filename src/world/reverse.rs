@@ -51,6 +51,7 @@ impl<S: Scalar> World<S> {
     /// assert_eq!(world.state_hash(), before);
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
+    #[doc(alias = "undo")]
     pub fn step_back(&mut self, applied: &[AppliedForce<S>]) -> Result<(), Error> {
         S::step_back(self, applied)
     }

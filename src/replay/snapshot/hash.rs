@@ -17,6 +17,7 @@ impl<S: Scalar> World<S> {
     /// worlds have equal hashes on every machine; derived and cached values are not part of it.
     ///
     /// *Source* XXH3, 64 bits (Collet).
+    #[doc(alias = "checksum")]
     #[must_use]
     pub fn state_hash(&self) -> u64 {
         S::state_hash(self)

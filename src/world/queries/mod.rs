@@ -89,6 +89,7 @@ impl<S: Scalar> World<S> {
     /// - if the world was just made, cloned or restored, and always without the feature `std`.
     ///
     /// A query then takes time in proportion to the colliders that it meets and to the logarithm of the number of all.
+    #[doc(alias("cast_ray", "cast_shape", "overlap_box", "raycast", "query_pipeline"))]
     #[must_use]
     pub fn queries(&self) -> Queries<'_, S> {
         let mut queries = Queries {

@@ -209,7 +209,7 @@ fn numbers_out_of_range_are_refused_at_their_field() {
         ),
         (
             "\"colliders\": [{\"shape\": {\"circle\": {\"radius\": 5000}}}]",
-            "colliders[0].shape.circle.radius: out of range: expected a radius from 2^-7 to 2^12 m, not 5000",
+            "colliders[0].shape.circle.radius: out of range: expected a radius from 2^-7 (0.0078125) to 2^12 m, not 5000",
         ),
         (
             "\"colliders\": [{\"shape\": {\"ball\": {}}}]",

@@ -238,8 +238,8 @@ fn mistakes_in_shapes_materials_and_filters_are_told_at_their_fields() {
     let expected = [
         "2: bodies[0].colliders[0].shape.circle.radius: expected a number, found a text [E502]",
         "3: bodies[0].colliders[1].shape.polygon[2]: corner 2 is not convex, or repeats its neighbour: list the corners of a convex polygon in order [E105]",
-        "4: bodies[0].colliders[2].shape.rounded_polygon.radius: out of range: expected a radius from 2^-7 to 2^12 m, not -1 [E101]",
-        "5: bodies[0].colliders[3].shape.segment: out of range: expected a length from 2^-7 to 2^12 m, not 0 [E101]",
+        "4: bodies[0].colliders[2].shape.rounded_polygon.radius: out of range: expected a radius from 2^-7 (0.0078125) to 2^12 m, not -1 [E101]",
+        "5: bodies[0].colliders[3].shape.segment: out of range: expected a length from 2^-7 (0.0078125) to 2^12 m, not 0 [E101]",
         "6: bodies[0].colliders[4].shape.ball: unknown field: did you mean `circle`? [E503]",
         "7: bodies[0].colliders[5].friction: expected a number, found a text [E502]",
         "8: bodies[0].colliders[6].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
