@@ -285,9 +285,10 @@ fn every_level_names_modules_that_are_there() {
 
 /// Files that may name floats: the builds in floats, their list of compiled functions, and output for a display, which nothing in a step
 /// can name.
-const FLOATS: [&str; 7] = [
+const FLOATS: [&str; 8] = [
     "compiled.rs",
     "scalar/float.rs",
+    "scalar/float_angle.rs",
     "scalar/to_f64.rs",
     "display/draw.rs",
     "display/interpolation.rs",
