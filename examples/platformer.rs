@@ -172,7 +172,7 @@ impl Game {
             ..QueryFilter::default()
         };
         let (position, way) = (world.body(id)?.position(), vec2(run, player.rise) * TICK);
-        let moved = self.hero.translate(&world.queries(), position, player.ground, way, &filter)?;
+        let moved = self.hero.translate(&world.queries_after_step(), position, player.ground, way, &filter)?;
         for push in self.hero.push(world, &moved) {
             world.execute(&push)?;
         }

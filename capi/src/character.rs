@@ -4,6 +4,7 @@
 //!
 //! ```c
 //! UmbraMovement *movement = NULL;
+//! way.before_step = 1;
 //! umbra_character_move(world, &hero, &way, NULL, &movement); // way.position, way.translation, way.ground
 //! umbra_movement_state(movement, &state);
 //! way.position = state.position, way.ground = state.ground;
@@ -15,10 +16,10 @@ use std::mem::MaybeUninit;
 use umbra_physics::{Character, CharacterHit, Command, ForceOrImpulse, Fx, Ground, Movement};
 
 use crate::UMBRA_NO_HANDLE;
-use crate::collider::collider_word;
+use crate::collider::{collider_word, flag};
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
-use crate::query::{UmbraQueryFilter, query};
+use crate::query::{UmbraQueryFilter, query_by};
 use crate::shape::UmbraShape;
 use crate::status::{UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, body_word};
@@ -69,6 +70,11 @@ pub struct UmbraCharacterMove {
     pub translation: UmbraVec2,
     /// The ground in the state of the last movement.
     pub ground: UmbraGround,
+    /// 1 for a movement before a step: kinematic bodies are seen where the step takes them, so that the character stands beside them after
+    /// it. 0 to see them where they are. Refused otherwise.
+    pub before_step: u32,
+    /// 0.
+    pub reserved: u32,
 }
 
 /// The result of a movement.
@@ -83,10 +89,13 @@ pub struct UmbraMovementState {
     pub ground_collider: u64,
     /// The unit normal of the ground, towards the character; zero in the air.
     pub ground_normal: UmbraVec2,
-    /// The velocity of the ground at the centre of the character, m/s; zero in the air.
+    /// The velocity of the surface of the ground at the centre of the character, m/s, with the speed of a belt; zero in the air.
     pub ground_velocity: UmbraVec2,
     /// The translation that was asked for, m.
     pub desired: UmbraVec2,
+    /// The part of it that was not gone, if it met a dynamic body, m; else zero. A movement by it after the step, with `before_step` 0, takes
+    /// the character up to what it pushed: to draw it and to begin the next tick with.
+    pub held_back: UmbraVec2,
     /// 1 if it overlaps a collider that it could not get out of, else 0.
     pub is_overlapping: u32,
     /// 0.
@@ -211,9 +220,11 @@ pub unsafe extern "C" fn umbra_character_move(
             (body != UMBRA_NO_HANDLE).then(|| Ground { body: body_id(body), local: local.into(), point: point.into() });
         let (position, translation) = (way.position.into(), way.translation.into());
         let source = given(world)?.world();
+        let is_before_step = flag(way.before_step, "before_step is 0 or 1")?;
+        let queries = if is_before_step { source.queries_after_step() } else { source.queries() };
         // SAFETY: as the caller promises.
         let movement = unsafe {
-            query(world, filter, |queries, filter| {
+            query_by(&queries, filter, |queries, filter| {
                 let movement = character.translate(queries, position, ground, translation, filter)?;
                 let pushes = character.push(source, &movement);
                 Ok(UmbraMovement { movement, pushes: pushes.iter().filter_map(UmbraCharacterPush::of).collect() })
@@ -239,6 +250,7 @@ pub extern "C" fn umbra_movement_state(
             ground_normal: movement.ground_normal.into(),
             ground_velocity: movement.ground_velocity.into(),
             desired: movement.desired.into(),
+            held_back: movement.held_back.into(),
             is_overlapping: movement.is_overlapping.into(),
             reserved: 0,
         });

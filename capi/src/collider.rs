@@ -153,7 +153,7 @@ pub struct UmbraContactSettings {
 }
 
 /// A number that is 0 or 1.
-fn flag(number: u32, otherwise: &'static str) -> Result<bool> {
+pub(crate) fn flag(number: u32, otherwise: &'static str) -> Result<bool> {
     if number <= 1 { Ok(number == 1) } else { Err(Refusal::bad(otherwise)) }
 }
 

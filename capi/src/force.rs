@@ -1,10 +1,13 @@
 //! Forces and impulses of the caller's.
 
+use std::mem::MaybeUninit;
+
 use umbra_physics::{ApplyOptions, Command, Explosion, ForceOrImpulse, Frame, Fx};
 
 use crate::memory::given;
 use crate::number::{UmbraFx, UmbraVec2, vector};
-use crate::status::{Refusal, Result, UmbraStatus};
+use crate::shape::UmbraShape;
+use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, change, change_by};
 
 /// Options of a force or impulse: 0, or any of the flags below.
@@ -101,20 +104,41 @@ pub struct UmbraExplosion {
     pub reserved: u32,
 }
 
+impl From<&UmbraExplosion> for Explosion {
+    fn from(explosion: &UmbraExplosion) -> Self {
+        Self {
+            position: explosion.position.into(),
+            radius: Fx::from_bits(explosion.radius),
+            falloff: Fx::from_bits(explosion.falloff),
+            impulse: Fx::from_bits(explosion.impulse),
+            mask: explosion.mask,
+        }
+    }
+}
+
+/// The impulse of an explosion on a shape at a position, m, and an angle, rad: N·s, by the law for bodies. A game divides it by the mass of
+/// a character and adds it to its velocity. The mask does not matter.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_explosion_impulse_on(
+    explosion: Option<&UmbraExplosion>,
+    shape: Option<&UmbraShape>,
+    x: UmbraFx,
+    y: UmbraFx,
+    angle: UmbraFx,
+    impulse: Option<&mut MaybeUninit<UmbraVec2>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (explosion, shape, place) = (Explosion::from(given(explosion)?), &given(shape)?.shape, given(impulse)?);
+        place.write(explosion.impulse_on(shape, (vector(x, y), Fx::from_bits(angle)))?.into());
+        Ok(())
+    })
+}
+
 /// Sets off an explosion, which wakes the bodies that it hits.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_explode(
     world: Option<&mut UmbraWorld>,
     explosion: Option<&UmbraExplosion>,
 ) -> UmbraStatus {
-    change_by(world, || {
-        let explosion = given(explosion)?;
-        Ok(Command::Explode(Explosion {
-            position: explosion.position.into(),
-            radius: Fx::from_bits(explosion.radius),
-            falloff: Fx::from_bits(explosion.falloff),
-            impulse: Fx::from_bits(explosion.impulse),
-            mask: explosion.mask,
-        }))
-    })
+    change_by(world, || Ok(Command::Explode(given(explosion)?.into())))
 }

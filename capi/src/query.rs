@@ -144,8 +144,21 @@ pub(crate) unsafe fn query<T>(
     filter: Option<&UmbraQueryFilter>,
     ask: impl FnOnce(&Queries<'_>, &QueryFilter<'_>) -> Result<T>,
 ) -> Result<T> {
-    let world = given(world)?.world();
-    let Some(umbra_filter) = filter else { return ask(&world.queries(), &QueryFilter::default()) };
+    let queries = given(world)?.world().queries();
+    // SAFETY: as the caller promises.
+    unsafe { query_by(&queries, filter, ask) }
+}
+
+/// Asks by a filter of C.
+///
+/// # Safety
+/// As [`query`].
+pub(crate) unsafe fn query_by<T>(
+    queries: &Queries<'_>,
+    filter: Option<&UmbraQueryFilter>,
+    ask: impl FnOnce(&Queries<'_>, &QueryFilter<'_>) -> Result<T>,
+) -> Result<T> {
+    let Some(umbra_filter) = filter else { return ask(queries, &QueryFilter::default()) };
     // SAFETY: as the caller promises.
     let (bodies, colliders) = unsafe {
         (
@@ -169,7 +182,7 @@ pub(crate) unsafe fn query<T>(
         without_colliders: &colliders,
         predicate: called.as_ref().map(|called| called as _),
     };
-    ask(&world.queries(), &filter)
+    ask(queries, &filter)
 }
 
 /// Fills in a filter that lets all colliders through.

@@ -463,7 +463,9 @@ fn a_character_moves_as_in_the_library() {
         umbra_movement_free(Some(movement));
         Ok::<_, UmbraStatus>((state, hits.expect("hits"), pushes.expect("pushes")))
     };
-    let fall = UmbraCharacterMove { position: part(0, 8), translation: part(0, -8), ground: air };
+    let still =
+        UmbraCharacterMove { position: part(0, 8), translation: part(0, 0), ground: air, before_step: 0, reserved: 0 };
+    let fall = UmbraCharacterMove { translation: part(0, -8), ..still };
     let (fallen, hits, pushes) = go(&world, &hero, &fall).expect("a movement");
     assert_eq!((fallen.ground.body, fallen.ground_collider), (ground, ground_collider));
     assert_eq!((fallen.ground_normal, fallen.ground_velocity, fallen.desired), (part(0, 4), part(12, 0), part(0, -8)));
@@ -477,8 +479,11 @@ fn a_character_moves_as_in_the_library() {
     assert_eq!((flying.ground, flying.ground_collider), (air, UMBRA_NO_HANDLE));
     assert_eq!((flying.position, flying.ground_normal, flying.ground_velocity), (part(0, 9), part(0, 0), part(0, 0)));
     // It meets the crate, of 1 kg, at 1 m/s a step and pushes it.
-    let walk = UmbraCharacterMove { position: fallen.position, translation: part(8, 0), ground: air };
-    let (_, hits, pushes) = go(&world, &hero, &walk).expect("a movement");
+    let walk = UmbraCharacterMove { position: fallen.position, translation: part(8, 0), ..still };
+    let (walked, hits, pushes) = go(&world, &hero, &walk).expect("a movement");
+    let gone = walked.position.x - fallen.position.x;
+    assert!((gone + walked.held_back.x - 2 * UMBRA_ONE).abs() <= 2 && walked.held_back.x > UMBRA_ONE, "{walked:?}");
+    assert_eq!(fallen.held_back, part(0, 0));
     assert!(hits.iter().any(|hit| hit.collider == pushed_collider), "{hits:?}");
     let [push] = pushes[..] else { panic!("{pushes:?}") };
     assert!(push.body == pushed && push.impulse.x > UMBRA_ONE && push.impulse.y == 0, "{push:?}");
@@ -486,9 +491,27 @@ fn a_character_moves_as_in_the_library() {
     assert_eq!(go(&world, &weak, &walk).expect("a movement").2, []);
     // It rides: a tick takes the floor 3/60 m along.
     assert_eq!(umbra_world_step(Some(&mut world)), UMBRA_OK);
-    let ride = UmbraCharacterMove { position: fallen.position, translation: part(0, 0), ground: fallen.ground };
+    let ride = UmbraCharacterMove { position: fallen.position, ground: fallen.ground, ..still };
     let (ridden, ..) = go(&world, &hero, &ride).expect("a movement");
     assert!((ridden.position.x - UMBRA_ONE / 20).abs() < 8, "{}", ridden.position.x);
+    // Before the next step it goes to where that will take the floor.
+    let (ahead, ..) = go(&world, &hero, &UmbraCharacterMove { before_step: 1, ..ride }).expect("a movement");
+    assert!((ahead.position.x - UMBRA_ONE / 10).abs() < 16, "{}", ahead.position.x);
+    assert_eq!(
+        go(&world, &hero, &UmbraCharacterMove { before_step: 2, ..ride }).map(drop),
+        Err(UMBRA_ERROR_BAD_ARGUMENT)
+    );
+    // 4 N·s a metre on a box that is 1 m tall, 3 m away at half the strength.
+    let blast = UmbraExplosion {
+        position: part(-12, 0),
+        radius: 2 * UMBRA_ONE,
+        falloff: UMBRA_ONE,
+        impulse: 4 * UMBRA_ONE,
+        mask: 0,
+        reserved: 0,
+    };
+    let impulse = out(|impulse| umbra_explosion_impulse_on(Some(&blast), Some(&box_), 0, 0, 0, impulse));
+    assert_eq!(impulse, Ok(part(8, 0)));
     for (bad, cause) in [
         (UmbraCharacterDef { skin: 0, ..hero }, 190),
         (UmbraCharacterDef { up: part(0, 0), ..hero }, 191),

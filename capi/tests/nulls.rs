@@ -62,9 +62,12 @@ fn null_is_refused_everywhere() {
     let empty_collider = made(|def| umbra_collider_def_default(def));
     let disc = made(|shape| umbra_shape_circle(UMBRA_ONE, shape)).expect("a shape");
     let hero = UmbraCharacterDef { shape: &raw const *disc, ..shapeless };
+    let blast =
+        UmbraExplosion { position: UmbraVec2::default(), radius: 0, falloff: 0, impulse: 0, mask: 0, reserved: 0 };
     let no_ground = UmbraGround { body: UMBRA_NO_HANDLE, local: UmbraVec2::default(), point: UmbraVec2::default() };
     let far = UmbraVec2 { x: 99 * UMBRA_ONE, y: 0 };
-    let way = UmbraCharacterMove { position: far, translation: UmbraVec2::default(), ground: no_ground };
+    let still = UmbraVec2::default();
+    let way = UmbraCharacterMove { position: far, translation: still, ground: no_ground, before_step: 0, reserved: 0 };
     // SAFETY: the shape is alive.
     let movement = made(|movement| unsafe { umbra_character_move(Some(w), Some(&hero), Some(&way), None, movement) });
     let movement = movement.expect("a movement");
@@ -228,6 +231,9 @@ fn null_is_refused_everywhere() {
         umbra_world_set_dominance(None, b, 0);
         umbra_world_set_bullet(None, b, 0);
         umbra_world_explode(None, None);
+        umbra_explosion_impulse_on(None, Some(&disc), 0, 0, 0, Some(&mut MaybeUninit::uninit()));
+        umbra_explosion_impulse_on(Some(&blast), None, 0, 0, 0, Some(&mut MaybeUninit::uninit()));
+        umbra_explosion_impulse_on(Some(&blast), Some(&disc), 0, 0, 0, None);
         umbra_world_set_force_groups(None, b, 0);
         umbra_world_set_key(None, b, 0);
         umbra_world_set_user_data(None, b, 0);

@@ -8,6 +8,7 @@ use crate::math::Vec2;
 use crate::query::{
     Core, FULL, Feature, Near, Point, RayEnd, cross, distance, dot, edge, first_hit, from_to, nearest, normal, outward,
 };
+use crate::scalar::Scalar;
 use crate::slots::BodyId;
 use crate::world::Neighbour;
 
@@ -68,6 +69,10 @@ pub(super) fn along(a: Point, unit: Point) -> i64 {
 /// A unit vector times a length, rounded to nearest.
 pub(super) fn times(unit: Point, length: i64) -> Point {
     unit.map(|part| crate::query::odd_shift(i128::from(part) * i128::from(length), 32) as i64)
+}
+
+pub(super) fn in_ulps<S: Scalar>(v: Vec2<S>) -> Point {
+    [v.x.to_fx().to_bits(), v.y.to_fx().to_bits()]
 }
 
 pub(super) fn sum(a: Point, b: Point) -> Point {

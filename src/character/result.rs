@@ -9,7 +9,8 @@ use crate::slots::{BodyId, ColliderId};
 /// The ground that a character stands on.
 ///
 /// A game gives it back at the next call, so that the character rides: where the body has moved and turned since, the character moves along
-/// with the point of the body at its centre.
+/// with the point of the body at its centre. The body is meant as the [queries](crate::Queries) of the call saw it: as it was, or as the next
+/// step takes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Ground<S = Fx> {
@@ -36,6 +37,8 @@ pub struct CharacterHit<S = Fx> {
     pub point: Vec2<S>,
     /// The unit normal of the collider there. *Error* 1 ulp in each component.
     pub normal: Vec2<S>,
+    /// How far the stretch in which they touch, but for a skin, goes to either side of the point along (−n.y, n.x), m.
+    pub(super) stretch: [S; 2],
 }
 
 /// The result of a movement: [`Character::translate`](crate::Character::translate).
@@ -58,7 +61,7 @@ pub struct CharacterHit<S = Fx> {
 /// assert!(!landed.is_overlapping);
 /// let hit: &CharacterHit = &landed.hits[0];
 /// assert_eq!((hit.body, hit.part, hit.point, hit.normal), (lift, 0, vec2(0, 2), vec2(0, 1)));
-/// assert_eq!(landed.desired, vec2(0, -1));
+/// assert_eq!((landed.desired, landed.held_back), (vec2(0, -1), vec2(0, 0)));
 /// // It rides along for a second, at the same height.
 /// (0..60).for_each(|_| _ = world.step());
 /// let ridden = hero.translate(&world.queries(), landed.position, landed.ground, vec2(0, 0), &all)?;
@@ -76,7 +79,8 @@ pub struct Movement<S = Fx> {
     pub ground_collider: Option<ColliderId>,
     /// The unit normal of the ground, towards the character; zero without ground. *Error* 1 ulp in each component.
     pub ground_normal: Vec2<S>,
-    /// The velocity of the ground at the centre of the character, m/s: add it when the character jumps off. Zero without ground.
+    /// The velocity of the surface of the ground at the centre of the character, m/s: add it when the character jumps off. It is the
+    /// velocity of the body there and the [speed of the surface](crate::Material::surface_speed). Zero without ground.
     pub ground_velocity: Vec2<S>,
     /// The colliders that it moved against, in the order in which it met them; at the same time, by key, then by handle.
     pub hits: Vec<CharacterHit<S>>,
@@ -84,4 +88,10 @@ pub struct Movement<S = Fx> {
     pub is_overlapping: bool,
     /// The translation that was asked for, m.
     pub desired: Vec2<S>,
+    /// The part of the translation that it did not go, if it met a dynamic body, m; else zero.
+    ///
+    /// A crate moves in the step, when the character stands already: without more it is drawn the way of a tick behind a crate that it
+    /// pushes. A [`translate`](crate::Character::translate) by this in the [world after the step](crate::World::queries) takes it there,
+    /// to draw it and to begin the next tick with.
+    pub held_back: Vec2<S>,
 }

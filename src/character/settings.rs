@@ -1,6 +1,6 @@
 //! The settings of a character.
 
-use super::obstacle::times;
+use super::obstacle::{along, in_ulps, times};
 use crate::error::{Error, Quantity};
 use crate::fx;
 use crate::fx::Fx;
@@ -8,7 +8,7 @@ use crate::limits;
 use crate::math::Vec2;
 use crate::query::Point;
 use crate::scalar::Scalar;
-use crate::shape::Shape;
+use crate::shape::{Outline, Shape};
 
 /// A character controller: a shape that is moved by translations and stops, slides and steps where it meets colliders.
 ///
@@ -48,7 +48,9 @@ pub struct Character<S: Scalar = Fx> {
     /// The angle of the steepest slope on which a downward translation moves it nowhere, rad, 0 to π/2. On a steeper one it slides, also
     /// where it can climb.
     pub max_rest_slope: S,
-    /// The height of the highest step that it climbs, m, 0 to 2^4; 0 climbs none. Colliders of dynamic bodies are no steps.
+    /// The height of the highest step that it climbs, m, 0 to 2^4; 0 climbs none. It is measured from the lowest point of the shape. Colliders
+    /// of dynamic bodies are no steps. The edge of a lower step is ground to a round shape that meets it within
+    /// [`max_slope`](Self::max_slope), up to a height of (R + skin)·(1 − cos `max_slope`).
     pub step_height: S,
     /// The smallest depth of the top of a step that it climbs, m, 0 to 2^4. A shape with a radius R needs more, to stand on the edge of the
     /// step: (R + skin)·(1 − sin [max_slope](Self::max_slope)) in addition.
@@ -118,11 +120,18 @@ impl<S: Scalar> Character<S> {
             Ok::<_, Error>(angle.cos().to_bits() - 4)
         };
         let length = |value: S| Ok::<_, Error>(within(value, Fx::ZERO, LENGTH, Quantity::CharacterStep)?.to_bits());
+        let up = [up.x.to_bits(), up.y.to_bits()];
+        let lowest = |outline: &Outline<S>| {
+            let corners = outline.corners().iter().map(|corner| along(in_ulps(*corner), up));
+            corners.min().unwrap_or_default() - outline.radius().to_fx().to_bits()
+        };
+        let sole = self.shape.outlines().iter().map(lowest).min().unwrap_or_default();
         let radius = self.shape.outlines().iter().map(|outline| outline.radius().to_fx()).max().unwrap_or_default();
         let edge = times([0, Fx::ONE.to_bits() - self.max_slope.to_fx().sin().to_bits()], (radius + skin).to_bits())[1];
         within(self.push_mass, Fx::ZERO, limits::MASS_MAX, Quantity::Mass)?;
         Ok(Terms {
-            up: [up.x.to_bits(), up.y.to_bits()],
+            up,
+            sole,
             skin: skin.to_bits(),
             climbs: cosine(self.max_slope)?,
             rests: cosine(self.max_rest_slope)?,
@@ -141,6 +150,8 @@ const LENGTH: Fx = Fx::from_bits(1 << 36);
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Terms {
     pub(super) up: Point,
+    /// The height of the lowest point of the shape above its centre, along up.
+    pub(super) sole: i64,
     pub(super) skin: i64,
     /// The smallest cosine of the angle between up and the normal of a surface that it climbs.
     pub(super) climbs: i64,

@@ -31,6 +31,8 @@ pub(super) struct Walker<'a> {
     pub(super) obstacles: Obstacles<'a>,
     pub(super) at: Point,
     pub(super) touches: Vec<Touch>,
+    /// The part of the way walked that obstacles held back.
+    pub(super) held_back: Point,
 }
 
 /// The part of a way along a plane with this normal, rounded to nearest, halves away from zero, and never into the plane.
@@ -73,8 +75,8 @@ fn clip(way: Point, planes: &[Plane]) -> Point {
 }
 
 impl<'a> Walker<'a> {
-    pub(super) fn new(obstacles: Obstacles<'a>) -> Self {
-        Self { obstacles, at: [0; 2], touches: Vec::new() }
+    pub(super) fn new(obstacles: Obstacles<'a>, at: Point) -> Self {
+        Self { obstacles, at, touches: Vec::new(), held_back: [0; 2] }
     }
 
     pub(super) fn contacts(&self) -> Contacts {
@@ -98,9 +100,9 @@ impl<'a> Walker<'a> {
     }
 
     /// Goes a way and slides along everything except the body `excluded`. This is for riding: slopes and steps make no difference.
-    pub(super) fn carry(&mut self, mut way: Point, excluded: BodyId) {
+    pub(super) fn carry(&mut self, mut way: Point, excluded: Option<BodyId>) {
         for _ in 0..ROUNDS {
-            let mut contacts = self.obstacles.contacts(self.at, Some(excluded));
+            let mut contacts = self.obstacles.contacts(self.at, excluded);
             contacts.planes.retain(|plane| !plane.is_deep());
             let free = clip(way, &contacts.planes);
             if free == [0; 2] {
@@ -166,10 +168,12 @@ impl<'a> Walker<'a> {
             self.note(way, &contacts);
             if stands && !is_up && level != [0; 2] {
                 if let Some(ground) = self.climb(level, &contacts) {
+                    self.held_back = [0; 2];
                     return Some(ground);
                 }
             }
             let free = self.free_part(way, level, &contacts.planes);
+            self.held_back = from_to(free, way);
             if free == [0; 2] {
                 return None;
             }
@@ -179,6 +183,7 @@ impl<'a> Walker<'a> {
                 return None;
             }
             way = point_at(way, FULL - fraction);
+            self.held_back = way;
         }
         None
     }

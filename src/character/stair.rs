@@ -2,7 +2,9 @@
 
 use super::obstacle::{Contacts, Plane, along, sum, times, unit};
 use super::slide::Walker;
-use crate::query::{FULL, Point, at as point_at, dot, from_to};
+use crate::fx::Fx;
+use crate::math::Vec2;
+use crate::query::{FULL, Point, RayEnd, at as point_at, dot, from_to};
 
 /// The point is lifted by this many ulps more than the height of a step, as it stands up to as many lower.
 const LIFT: i64 = 8;
@@ -41,16 +43,18 @@ impl Walker<'_> {
             return None;
         }
         let probed_contacts = self.obstacles.contacts(probed, None);
-        let ground = match self.ground_of(&probed_contacts) {
-            Some(ground) => ground,
+        let (ground, landed) = match self.ground_of(&probed_contacts) {
+            Some(ground) => (ground, probed),
             None if blocks(&probed_contacts, down) => return None,
             None => {
                 let (landed, fraction) = go(probed, down, &probed_contacts);
                 let ground = self.ground_of(&self.obstacles.contacts(landed, None));
-                ground.filter(|_| fraction < FULL)?
+                (ground.filter(|_| fraction < FULL)?, landed)
             }
         };
-        if is_dynamic(&ground) {
+        // A round shape gets onto the edge of a step that is higher than the way it was lifted.
+        let rise = self.surface_height(&ground, landed) - (along(self.at, terms.up) + terms.sole - terms.skin);
+        if is_dynamic(&ground) || rise > terms.step_height + 2 * LIFT {
             return None;
         }
         let (moved, _) = go(lifted, level, &lifted_contacts);
@@ -62,5 +66,16 @@ impl Walker<'_> {
         }
         self.at = end;
         Some(ground)
+    }
+    /// The height of a surface where the shape with its centre at `at` stands on it, along up from the start, ulps. *Error* 4 ulps.
+    fn surface_height(&self, plane: &Plane, at: Point) -> i64 {
+        let terms = self.obstacles.terms;
+        let neighbour = &self.obstacles.neighbours[plane.index];
+        let [x, y] = plane.unit.map(Fx::from_bits);
+        let end = RayEnd { fraction: FULL, feature: plane.feature };
+        let touch = neighbour.sum.touch_point([&neighbour.cores[0], &neighbour.cores[1]], at, end, Vec2::new(x, y));
+        // A corner of the shape is a skin away from the surface.
+        let gap = if neighbour.sum.is_corner_of_first(plane.feature) { terms.skin } else { 0 };
+        along(touch, terms.up) - along(times(plane.unit, gap), terms.up)
     }
 }

@@ -59,6 +59,13 @@ impl Sum {
         }
     }
 
+    /// Returns true if a corner of A touches an edge of B at a feature of the sum.
+    pub(crate) fn is_corner_of_first(&self, feature: Feature) -> bool {
+        let Feature::Edge(k) = feature else { return false };
+        let next = if k + 1 < self.pairs.len() { k + 1 } else { 0 };
+        self.pairs[k][0] == self.pairs[next][0]
+    }
+
     /// The point where A, cast along a ray, first touches the surface of B, ulps: in the middle where two edges touch. *Error* 1 ulp in
     /// each component, and 2 ulps of the normal at the end of a radius. The normal is that of B.
     pub(crate) fn touch_point(&self, [a, b]: [&Core; 2], ray: Point, end: RayEnd, normal: Vec2) -> Point {

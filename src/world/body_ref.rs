@@ -1,6 +1,6 @@
 //! Views of bodies.
 
-use super::World;
+use super::{Stance, World};
 use crate::body::{Activity, BodyInfo, BodyKind, Damping, Key, Locks, Mass};
 use crate::error::Error;
 use crate::force::velocity_at;
@@ -56,6 +56,11 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// The world of the body, and its index in the columns.
     pub(crate) fn parts(&self) -> (&'a World<S>, usize) {
         (self.world, self.dense)
+    }
+
+    /// Where the next step takes it, if nothing but its target or its velocities acts on it.
+    pub(crate) fn stance_after_step(&self) -> Stance<S> {
+        self.world.stance_after_step(self.dense)
     }
 
     fn info(&self) -> &'a BodyInfo<S> {
@@ -156,17 +161,14 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// component, or one of the vector from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn world_point(&self, local: Vec2<S>) -> Option<Vec2<S>> {
-        let (centre, arm) = (self.position(), self.angle_exact().rotate(local)?);
-        let component = |centre: S, arm: S::Wide| S::Wide::from_scalar(centre).plus(arm)?.to_scalar();
-        Some(Vec2::new(component(centre.x, arm.x)?, component(centre.y, arm.y)?))
+        self.world.stance(self.dense).world_point(local)
     }
 
     /// The position of a point of the world in the body's axes, from its centre of mass, m. `None` if a component, or one of
     /// the vector from the centre, does not fit. *Error* ½ ulp, and 2^-60 of the distance from the centre.
     #[must_use]
     pub fn local_point(&self, world: Vec2<S>) -> Option<Vec2<S>> {
-        let centre = self.position();
-        self.local_vector(Vec2::new(world.x.offset(centre.x).to_scalar()?, world.y.offset(centre.y).to_scalar()?))
+        self.world.stance(self.dense).local_point(world)
     }
 
     /// A vector of the body's axes in the world's axes; `None` if a component does not fit. *Error* ½ ulp, and 2^-60 of its
@@ -180,10 +182,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     /// and 2^-60 of its length.
     #[must_use]
     pub fn local_vector(&self, world: Vec2<S>) -> Option<Vec2<S>> {
-        // The inverse rotation with the same sine and cosine: mirrored, rotated, mirrored.
-        let mirrored = S::ZERO.offset(world.y).to_scalar()?;
-        let turned = self.angle_exact().rotate(Vec2::new(world.x, mirrored))?;
-        Some(Vec2::new(turned.x.to_scalar()?, turned.y.negated().to_scalar()?))
+        self.world.stance(self.dense).local_vector(world)
     }
 
     /// The body's share of the world's [`kinetic_energy`](World::kinetic_energy), J: zero unless it is dynamic and simulated.

@@ -14,7 +14,8 @@ use crate::math::Vec2;
 use crate::query::{
     Core, Placement, Point, beside, checked_point, distance, dot, in_scalar, nearest, odd_shift, point,
 };
-use crate::scalar::{Accumulator as _, Scalar, Wide as _};
+use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide as _};
+use crate::shape::Shape;
 use crate::slots::BodyId;
 
 /// An explosion: an impulse, away from a point, on each collider of a dynamic body around it. Sensors get none.
@@ -96,6 +97,41 @@ impl<S: Scalar> Explosion<S> {
         within(self.impulse, -IMPULSE, IMPULSE, Quantity::ExplosionImpulse)
     }
 
+    /// The impulse on a shape at a position and an angle, N·s: the sum over its parts, by the law for the colliders of bodies. It is for
+    /// a [`Character`](crate::Character), which has no velocity that the engine could change: divide it by its mass, and add the quotient
+    /// to its velocity. The [mask](Self::mask) does not matter. Out of reach it is zero.
+    ///
+    /// *Error* 2^-30 of it and 4 ulps in each component. *Cost* in proportion to the corners.
+    ///
+    /// # Errors
+    /// The errors of [`check`](Self::check); [`Error::OutOfRange`] with [`Quantity::Position`] for the position, or with
+    /// [`Quantity::Impulse`] if a component does not fit.
+    ///
+    /// ```
+    /// use umbra_physics::{Explosion, Shape, fx, vec2};
+    ///
+    /// let blast = Explosion { radius: fx!(2), falloff: fx!(4), ..Explosion::new(vec2(0, 0), fx!(40)) };
+    /// // A hero of 80 kg, 2 m tall: 3 m to the right of it, half of 40 N·s a metre.
+    /// let impulse = blast.impulse_on(&Shape::rectangle(fx!(1), fx!(2))?, (vec2(fx!(4.5), 0), fx!(0)))?;
+    /// assert_eq!((impulse, impulse / 80), (vec2(40, 0), vec2(fx!(0.5), 0)));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn impulse_on(&self, shape: &Shape<S>, (position, angle): (Vec2<S>, S)) -> Result<Vec2<S>, Error> {
+        self.check()?;
+        let (from, centre) = (checked_point(self.position)?, checked_point(position)?);
+        let placement = Placement::<S>::new(position, S::Angle::from_radians(angle));
+        // Positions are below 2^62 ulps, so that the difference fits.
+        let towards = [centre[0] - from[0], centre[1] - from[1]];
+        let mut sum = [0_i64; 2];
+        for outline in shape.outlines() {
+            let core = Core::new(outline, &placement, from);
+            let Some(([x, y], _)) = core.and_then(|core| self.impulse_at(&core, from, towards)) else { continue };
+            let out = Error::OutOfRange { quantity: Quantity::Impulse };
+            sum = [sum[0].checked_add(x).ok_or(out)?, sum[1].checked_add(y).ok_or(out)?];
+        }
+        Ok(in_scalar(sum))
+    }
+
     /// The share of its strength that is left at a distance in units of 2^-48 m, in units of 2^-32, rounded down.
     fn strength(&self, away: u128) -> i64 {
         let parts = |length: S| u128::from(length.to_fx().to_bits().unsigned_abs()) << 16;
@@ -111,7 +147,7 @@ impl<S: Scalar> Explosion<S> {
     /// The impulse on an outline, and the point where it acts, both in ulps of their units. `towards` is the centre of mass of its body.
     ///
     /// *Error* of a component of the impulse 2^-32 of it and 2 ulps.
-    fn impulse_on(&self, core: &Core, from: Point, towards: Point) -> Option<(Point, Point)> {
+    fn impulse_at(&self, core: &Core, from: Point, towards: Point) -> Option<(Point, Point)> {
         let closest = nearest(core.corners());
         let away = distance(core, closest);
         let strength = self.strength(away);
@@ -222,7 +258,7 @@ impl<S: Scalar> World<S> {
             }
             for part in 0..collider.outline_count() {
                 let core = Core::new(&collider.outline(part).outline, &placement, from);
-                let hit = core.and_then(|core| explosion.impulse_on(&core, from, towards));
+                let hit = core.and_then(|core| explosion.impulse_at(&core, from, towards));
                 let Some((impulse, at)) = hit else { continue };
                 let out = Error::OutOfRange { quantity: Quantity::Impulse };
                 let (impulse, at) = (in_scalar::<S>(impulse), in_scalar::<S>(at));

@@ -27,6 +27,7 @@ mod query;
 mod reverse;
 mod rollback;
 mod settings;
+mod stance;
 mod stepper;
 mod totals;
 mod trace;
@@ -66,6 +67,7 @@ pub(crate) use queries::Neighbour;
 pub use queries::{CastHit, ClosestPoint, Queries, QueryFilter};
 pub use query::BodyIter;
 pub use rollback::{ConfirmedTick, EventStatus, Rollback, RollbackReport, TickEvent};
+pub(crate) use stance::{Moment, Stance};
 pub use stepper::Stepper;
 pub use trace::Trace;
 

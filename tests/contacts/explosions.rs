@@ -47,6 +47,46 @@ fn the_impulse_is_the_width_that_is_turned_to_the_centre_times_the_strength() {
 }
 
 #[test]
+fn the_impulse_on_a_shape_is_the_impulse_on_a_body_that_has_it() {
+    let mut random = Random::seeded(run_seed(0x5A));
+    let mut number = |low: i32, high: i32| random.number(Fx::from(low)..=Fx::from(high));
+    let disc = |x: Fx| Part {
+        shape: Shape::circle(fx!(0.5)).unwrap(),
+        position: Vec2::new(x, fx!(0)),
+        angle: fx!(0),
+        density: fx!(1),
+    };
+    let shapes = [
+        Shape::rectangle(fx!(0.6), fx!(1.8)).unwrap(),
+        Shape::capsule(fx!(1), fx!(0.3)).unwrap(),
+        Shape::compound(&[disc(fx!(-1)), disc(fx!(1))]).unwrap(),
+    ];
+    let mut hits = 0;
+    for run in 0..300 {
+        let (at, angle) = (Vec2::new(number(-6, 6), number(-6, 6)), number(-3, 3));
+        let shape = &shapes[run % shapes.len()];
+        let blast = Explosion { radius: fx!(1), falloff: fx!(5), ..Explosion::new(vec2(1, 0), number(-30, 30)) };
+        let impulse = blast.impulse_on(shape, (at, angle)).unwrap();
+        let mut world = world();
+        let def = BodyDef { position: at, angle, mass: Mass::Kilograms(fx!(2)), ..BodyDef::dynamic() };
+        let body = world.add_body(def.with_collider(shape.clone())).unwrap();
+        world.explode(&blast).unwrap();
+        let difference = velocity(&world, body) * 2 - impulse;
+        assert!(difference.x.abs().max(difference.y.abs()) <= Fx::from_bits(6), "run {run}: {difference}");
+        hits += usize::from(impulse != vec2(0, 0));
+    }
+    assert!((100..300).contains(&hits), "{hits}");
+    let far = Explosion { radius: fx!(5000), ..Explosion::new(vec2(0, 0), fx!(1)) };
+    assert_eq!(
+        far.impulse_on(&shapes[0], (vec2(0, 0), fx!(0))),
+        Err(Error::OutOfRange { quantity: Quantity::ExplosionRadius })
+    );
+    let blast = Explosion { radius: fx!(1), ..far };
+    let beyond = Vec2::new(limits::POSITION + Fx::ONE, fx!(0));
+    assert_eq!(blast.impulse_on(&shapes[0], (beyond, fx!(0))), Err(Error::OutOfRange { quantity: Quantity::Position }));
+}
+
+#[test]
 fn a_body_that_is_hit_beside_its_centre_turns_and_is_pushed_straight_out() {
     let mut world = world();
     let bar = add(&mut world, vec2(4, 2), Shape::rectangle(2, 6).unwrap());

@@ -13,7 +13,7 @@ use crate::query::{Core, Point, Sum, beside, from_to};
 use crate::scalar::{Angle as _, Scalar, Wide as _};
 use crate::shape::Shape;
 use crate::slots::{BodyId, ColliderId};
-use crate::world::World;
+use crate::world::{Moment, Stance, World};
 
 /// A part of a collider and one of a shape. The centre of the shape is a point that meets the sum of the two.
 #[derive(Debug)]
@@ -37,6 +37,16 @@ impl<'a, S: Scalar> Queries<'a, S> {
         self.world
     }
 
+    /// The moment at which the queries see kinematic bodies.
+    pub(crate) fn moment(&self) -> Moment {
+        self.moment
+    }
+
+    /// The stance of a body as the queries see it; `None` if it is gone.
+    pub(crate) fn stance(&self, body: BodyId) -> Option<Stance<S>> {
+        self.world.bodies.find(body).ok().map(|dense| self.world.stance_at(dense, self.moment))
+    }
+
     /// The parts of colliders that come within `reach` ulps of a shape at a position, along an axis, sorted by key, handle and part.
     pub(crate) fn around(
         &self,
@@ -58,7 +68,7 @@ impl<'a, S: Scalar> Queries<'a, S> {
                         _ => None,
                     };
                     let side = target.collider.side.and_then(|side| {
-                        let angle = self.world.body(target.collider.body).ok()?.angle_exact();
+                        let Stance { angle, .. } = self.stance(target.collider.body)?;
                         let turned = angle.rotate(side.direction)?.try_map(|part| Some(part.to_scalar()?.to_fx()))?;
                         Some(Side { direction: turned, cosine: side.cosine.to_fx() })
                     });

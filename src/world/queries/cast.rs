@@ -105,7 +105,7 @@ impl Cast {
         let (offset, normal) = match &self.shape {
             None => {
                 let beyond = beyond_seam(&collider.def.shape, part, end);
-                let core = |part| outline.world.core(OutlineId { slot: id.slot, part }, self.from);
+                let core = |part| outline.core_of(OutlineId { slot: id.slot, part }, self.from);
                 let beyond = beyond.and_then(core).map(|(core, _)| core);
                 (at(ray, end.fraction), normal_at_seam(&target, beyond, ray, end))
             }

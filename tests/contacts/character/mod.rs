@@ -1,5 +1,7 @@
 //! Characters: slopes, steps, seams, platforms, pushes, walls, and mirror images to the bit.
 
+mod ahead;
+mod belts;
 mod platforms;
 mod pushes;
 mod random;
@@ -9,8 +11,8 @@ mod steps;
 use std::collections::BTreeSet;
 
 use umbra_physics::{
-    BodyDef, BodyId, Character, ColliderDef, Command, Error, ForceOrImpulse, Fx, Ground, Locks, Mass, Movement, OneWay,
-    Quantity, QueryFilter, Random, Shape, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
+    BodyDef, BodyId, BodyKind, Character, ColliderDef, Command, Error, ForceOrImpulse, Fx, Ground, Locks, Mass,
+    Movement, OneWay, Part, Quantity, QueryFilter, Random, Shape, Symmetry, TimeStep, Vec2, World, WorldDef, fx, vec2,
 };
 
 const ALL: QueryFilter<'_> = QueryFilter { filter: None, without_bodies: &[], without_colliders: &[], predicate: None };

@@ -112,6 +112,59 @@ fn a_mirror_image_moves_to_the_mirror_image() {
     assert!(moves >= 6_000 && met > 700, "{moves} moves, {met} hits");
 }
 
+/// The clutter with belts, and with bodies that move and turn.
+fn moving_clutter(random: &mut Random) -> Vec<BodyDef> {
+    let mut bodies = clutter(random, true);
+    for (i, def) in bodies.iter_mut().enumerate() {
+        def.colliders[0].material.surface_speed = random.number(fx!(-4)..=fx!(4));
+        def.kind = [BodyKind::Static, BodyKind::Kinematic, BodyKind::Dynamic][i % 3];
+        def.gravity_scale = fx!(0);
+        if def.kind != BodyKind::Static {
+            let mut number = |max: Fx| random.number(-max..=max);
+            def.velocity = Vec2::new(number(fx!(3)), number(fx!(3)));
+            def.angular_velocity = number(fx!(1));
+        }
+    }
+    bodies
+}
+
+#[test]
+fn a_mirror_image_rides_and_pushes_before_a_step_as_the_mirror_image_does() {
+    let (mirror, mut rides, mut pushed, mut held_back) = (Symmetry::MIRROR, 0, 0, 0);
+    for seed in 0..24 {
+        let random = &mut Random::seeded(run_seed(2_000 + seed));
+        let mut world = world_of(moving_clutter(random));
+        let mut image = mirror.world(&world).expect("an image");
+        let hero = Character { push_mass: fx!(2), ..any_hero(random) };
+        let Some(place) = free_place(random, &world, &hero) else { continue };
+        let image_hero = Character { shape: mirror.shape(&hero.shape).unwrap(), ..hero.clone() };
+        let (mut walk, mut image_walk) = (Walk::new(hero, place), Walk::new(image_hero, mirror.point(place).unwrap()));
+        for i in 0..60 {
+            let way = Vec2::new(random.number(fx!(-0.4)..=fx!(0.4)), random.number(fx!(-0.4)..=fx!(0.1)));
+            let go = |world: &mut World, walk: &mut Walk, way: Vec2| {
+                let queries = world.queries_after_step();
+                let moved = walk.hero.translate(&queries, walk.position, walk.ground, way, &ALL).expect("a movement");
+                let pushes = walk.hero.push(world, &moved);
+                pushes.iter().for_each(|push| _ = world.execute(push).expect("an impulse"));
+                world.step();
+                (walk.position, walk.ground) = (moved.position, moved.ground);
+                (moved, pushes)
+            };
+            let (moved, pushes) = go(&mut world, &mut walk, way);
+            let (image_moved, image_pushes) = go(&mut image, &mut image_walk, mirror.vector(way).unwrap());
+            assert_eq!(mirror.point(moved.position), Some(image_moved.position), "seed {seed}, move {i}: {way}");
+            let vectors = [moved.ground_velocity, moved.held_back].map(|vector| mirror.vector(vector).unwrap());
+            assert_eq!(vectors, [image_moved.ground_velocity, image_moved.held_back], "seed {seed}, move {i}");
+            let pushes: Vec<_> = pushes.iter().map(|push| mirror.command(push).expect("an image")).collect();
+            assert_eq!(pushes, image_pushes, "seed {seed}, move {i}");
+            rides += usize::from(moved.ground_velocity != vec2(0, 0));
+            pushed += pushes.len();
+            held_back += usize::from(moved.held_back != vec2(0, 0));
+        }
+    }
+    assert!(rides > 60 && pushed > 40 && held_back > 40, "{rides} rides, {pushed} pushes, {held_back} held back");
+}
+
 #[test]
 fn the_order_in_which_a_world_was_built_makes_no_difference() {
     let mut hits = 0;

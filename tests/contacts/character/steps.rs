@@ -56,6 +56,31 @@ fn a_capsule_climbs_steps_too() {
 }
 
 #[test]
+fn round_shapes_climb_steps_up_to_the_step_height_and_no_higher_ones() {
+    let capsule = Shape::capsule(fx!(1), fx!(0.3)).unwrap();
+    let upright = Shape::compound(&[Part {
+        shape: capsule.clone(),
+        position: vec2(0, 0),
+        angle: Fx::FRAC_PI_2,
+        density: fx!(1),
+    }])
+    .unwrap();
+    for shape in [capsule, upright, Shape::circle(fx!(0.8)).unwrap()] {
+        for (height, climbs) in
+            [(fx!(0.25), true), (fx!(0.2501), false), (fx!(0.28), false), (fx!(0.31), false), (fx!(0.4), false)]
+        {
+            for speed in [fx!(0.02), fx!(0.1), fx!(0.4)] {
+                let world = stairs(height, 1);
+                let mut walk = Walk::new(Character::new(shape.clone()), vec2(-2, 2));
+                walk.land(&world);
+                (0..400).for_each(|_| _ = walk.go(&world, Vec2::new(speed, fx!(-0.001))));
+                assert_eq!(walk.position.x > fx!(3), climbs, "{height} {speed}: {}", walk.position);
+            }
+        }
+    }
+}
+
+#[test]
 fn a_step_that_is_too_narrow_is_a_wall() {
     for (width, climbs) in [(fx!(0.01), false), (fx!(0.5), true)] {
         let mut world = world();
