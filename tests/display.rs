@@ -465,7 +465,8 @@ fn each_shape_is_drawn_where_its_pose_is() {
     for (shape, expected) in shapes {
         let mut world = world();
         let body = add(&mut world, BodyDef::dynamic().with_collider(shape.expect("a fair shape")));
-        let role = Role::Body(body, BodyClass::Dynamic);
+        let collider = world.colliders_of(body).expect("it is there").next().expect("its collider");
+        let role = Role::Collider(body, collider, BodyClass::Dynamic);
         let expected: Vec<_> = expected.into_iter().map(|mark| (role, mark)).collect();
         assert_eq!(drawn(&world, quarter, &DrawOptions::default()), expected);
     }
@@ -702,10 +703,11 @@ fn colliders_are_drawn_at_their_places_ghosts_too() {
     let ghost = umbra_physics::ColliderDef::ghost(disc());
     let def = BodyDef::dynamic().with_collider(disc()).with_collider(ghost).with_collider(outer);
     let body = add(&mut world, def);
-    let role = Role::Body(body, BodyClass::Dynamic);
+    let colliders: Vec<_> = world.colliders_of(body).expect("it is there").collect();
+    let role = |i: usize| Role::Collider(body, colliders[i], BodyClass::Dynamic);
     let circle = Mark::Circle([10.0, 20.0], 0.5, Some([10.0, 20.5]));
     let capsule = Mark::Capsule([[11.0, 22.0], [9.0, 22.0]], 0.25);
-    let expected = [(role, circle.clone()), (role, circle), (role, capsule)];
+    let expected = [(role(0), circle.clone()), (role(1), circle), (role(2), capsule)];
     assert_eq!(drawn(&world, quarter, &DrawOptions::default()), expected);
 }
 

@@ -19,9 +19,11 @@ use crate::world::{BodyRef, JointRef, World};
 /// let class = BodyClass::new(BodyKind::Dynamic, Activity::Asleep);
 /// assert_eq!(class, BodyClass::Asleep);
 /// let colour = |role| match role {
-///     Role::Body(_, BodyClass::Asleep | BodyClass::Static) => "grey",
-///     Role::Body(_, BodyClass::Quarantined) => "red",
-///     Role::Body(..) => "blue",
+///     Role::Body(_, class) | Role::Collider(_, _, class) => match class {
+///         BodyClass::Asleep | BodyClass::Static => "grey",
+///         BodyClass::Quarantined => "red",
+///         _ => "blue",
+///     },
 ///     _ => "green",
 /// };
 /// assert_eq!(colour(Role::Body(umbra_physics::BodyId::from_parts(0, 0), class)), "grey");
@@ -61,8 +63,10 @@ impl BodyClass {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Role {
-    /// The outline of a body: its shape and its colliders, or a point at its position if it has neither.
+    /// A point at the position of a body that has no colliders.
     Body(BodyId, BodyClass),
+    /// The outline of a collider of a body: [`World::collider`] tells whether it is a sensor, one-way, or a belt.
+    Collider(BodyId, ColliderId, BodyClass),
     /// An arrow from the position of a body, along its velocity.
     Velocity(BodyId),
     /// A spring, from end to end.
@@ -315,16 +319,16 @@ impl<S: Scalar + ToF64> World<S> {
 
     fn draw_body(&self, body: &BodyRef<'_, S>, pose: Pose, draw: &mut (impl DebugDraw + ?Sized)) {
         let at = Placed::at(pose);
-        let role = Role::Body(body.id(), BodyClass::new(body.kind(), body.activity()));
-        let colliders = self.colliders_of(body.id()).into_iter().flatten().filter_map(|id| self.collider(id).ok());
+        let class = BodyClass::new(body.kind(), body.activity());
         let mut is_point = true;
-        for collider in colliders {
+        for id in self.colliders_of(body.id()).into_iter().flatten() {
+            let Ok(collider) = self.collider(id) else { continue };
             is_point = false;
             let collider_at = at.part(collider.position.to_f64(), collider.angle.to_f64());
-            draw_geometry(collider.shape.geometry(), &collider_at, role, draw);
+            draw_geometry(collider.shape.geometry(), &collider_at, Role::Collider(body.id(), id, class), draw);
         }
         if is_point {
-            draw.point(pose.position, role);
+            draw.point(pose.position, Role::Body(body.id(), class));
         }
     }
 

@@ -22,6 +22,7 @@ mod scenes;
 mod selftest;
 mod sheets;
 mod summary;
+mod surface;
 pub mod text;
 mod verify;
 mod view;

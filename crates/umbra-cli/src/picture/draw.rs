@@ -5,10 +5,11 @@ use umbra_physics::BodyClass;
 use super::axis::ticks;
 use super::clip;
 use super::layout::Layout;
-use super::outline::Outline;
+use super::outline::{Outline, Ring};
 use super::simplify::simplify;
 use super::svg::{Anchor, Label, Paint, Stroke, Svg, text_width};
 use super::{EndState, Picture, Point, length};
+use crate::surface::Surface;
 
 /// Colours that are told apart by people who do not see all of them (Okabe, Ito 2008), without the yellow, and three
 /// more.
@@ -27,6 +28,8 @@ const QUARANTINED: Paint = Paint::solid(0xC80000);
 const IMPULSE: Paint = Paint::solid(0xA50F15);
 /// The colour of disabled bodies, which are outlines alone.
 const ABSENT: Paint = Paint::solid(0x969696);
+/// The share of its opacity that the area of a sensor has.
+const SENSOR: f64 = 0.25;
 /// Ways that have names beside the picture.
 const NAMED: usize = 10;
 /// Points of all ways in a picture, about.
@@ -183,9 +186,19 @@ impl Drawing {
 
     /// A line through points of the plane.
     fn line(&mut self, points: &[Point], stroke: Stroke) {
+        self.edge(points, stroke, Surface::Solid);
+    }
+
+    /// The edge of a collider through points of the plane: of a sensor, a one-way one or a belt it has dashes.
+    fn edge(&mut self, points: &[Point], stroke: Stroke, surface: Surface) {
         for piece in clip::line(points, &self.layout.window()) {
             let piece: Vec<Point> = piece.into_iter().map(|point| self.place(point)).collect();
-            self.svg.line(piece, stroke);
+            match surface {
+                Surface::Solid => self.svg.line(piece, stroke),
+                Surface::Sensor => self.svg.dashed_line(piece, stroke, "4 4"),
+                Surface::OneWay => self.svg.dashed_line(piece, stroke, "9 3 2 3"),
+                Surface::Belt => self.svg.dashed_line(piece, stroke, "2 2"),
+            }
         }
     }
 
@@ -207,15 +220,16 @@ impl Drawing {
 
     fn outline(&mut self, outline: &Outline, paint: Paint, filled: f64, width: f64) {
         let stroke = Stroke { paint, width };
-        for ring in &outline.rings {
+        for Ring { surface, points } in &outline.rings {
             if filled > 0.0 {
-                self.area(ring, paint.thinned(filled));
+                let share = if *surface == Surface::Sensor { SENSOR } else { 1.0 };
+                self.area(points, paint.thinned(filled * share));
             }
-            let closed: Vec<Point> = ring.iter().chain(ring.first()).copied().collect();
-            self.line(&closed, stroke);
+            let closed: Vec<Point> = points.iter().chain(points.first()).copied().collect();
+            self.edge(&closed, stroke, *surface);
         }
         for line in &outline.strokes {
-            self.line(line, stroke);
+            self.edge(&line.ends, stroke, line.surface);
         }
     }
 
@@ -281,8 +295,7 @@ impl Drawing {
             BodyClass::Disabled => 0.0,
             _ => 0.22,
         };
-        let points = body.outline.rings.iter().flatten().chain(body.outline.strokes.iter().flatten());
-        let reach = points.map(|p| length((p.0 - body.at.0, p.1 - body.at.1))).fold(0.0, f64::max);
+        let reach = body.outline.points().map(|p| length((p.0 - body.at.0, p.1 - body.at.1))).fold(0.0, f64::max);
         let reach = reach * self.layout.scale();
         if reach >= 2.0 {
             self.outline(&body.outline, paint, filled, 1.3);

@@ -1,6 +1,7 @@
 //! The part of the plane that is shown, and its size.
 
 use super::clip::Window;
+use super::outline::Outline;
 use super::{Picture, Point};
 
 /// The longer and the shorter side of the plot, px.
@@ -61,7 +62,7 @@ impl Layout {
 fn around(picture: &Picture<'_>) -> [Point; 2] {
     let ways = picture.ways.iter().flat_map(|way| way.points.iter());
     let outlines = picture.bodies.iter().map(|body| &body.outline).chain(picture.start).chain(picture.exposures);
-    let outlines = outlines.flat_map(|o| o.rings.iter().flatten().chain(o.strokes.iter().flatten()));
+    let outlines = outlines.flat_map(Outline::points);
     let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.scenery.centres);
     // The ends of joints, and not their axes: limits may be far out.
     let springs = picture.scenery.springs.iter().flatten().chain(&picture.scenery.joint_ends);

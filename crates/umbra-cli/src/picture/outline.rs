@@ -8,6 +8,7 @@ use umbra_physics::{
 };
 
 use super::Point;
+use crate::surface::Surface;
 
 /// A body as it is drawn: the closed lines around its colliders, and the strokes that show how far a round one is turned. A body
 /// without colliders has neither.
@@ -15,30 +16,60 @@ use super::Point;
 pub(super) struct Outline {
     pub(super) body: BodyId,
     pub(super) class: BodyClass,
-    pub(super) rings: Vec<Vec<Point>>,
-    pub(super) strokes: Vec<[Point; 2]>,
+    pub(super) rings: Vec<Ring>,
+    pub(super) strokes: Vec<Stroke>,
+}
+
+/// The closed line around a collider, or a part of it.
+#[derive(Clone, Debug)]
+pub(super) struct Ring {
+    pub(super) surface: Surface,
+    pub(super) points: Vec<Point>,
+}
+
+/// A line of a collider.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stroke {
+    pub(super) surface: Surface,
+    pub(super) ends: [Point; 2],
 }
 
 impl Outline {
     /// The outlines of all bodies, in the order of their slots.
     pub(super) fn all<S: Scalar + ToF64>(world: &World<S>) -> Vec<Self> {
-        let mut outlines = Outlines::default();
-        world.debug_draw(Pose::of, &DrawOptions { fields: false, ..DrawOptions::default() }, &mut outlines);
-        outlines.0
+        let mut outlines = Outlines { world, all: Vec::new() };
+        world.debug_draw(
+            Pose::of,
+            &DrawOptions { fields: false, joints: false, ..DrawOptions::default() },
+            &mut outlines,
+        );
+        outlines.all
+    }
+
+    /// All points of it.
+    pub(super) fn points(&self) -> impl Iterator<Item = &Point> {
+        let rings = self.rings.iter().flat_map(|ring| &ring.points);
+        rings.chain(self.strokes.iter().flat_map(|stroke| &stroke.ends))
     }
 }
 
-#[derive(Default)]
-struct Outlines(Vec<Outline>);
+struct Outlines<'a, S: Scalar> {
+    world: &'a World<S>,
+    all: Vec<Outline>,
+}
 
-impl Outlines {
-    /// The outline of the body that is being drawn: a body comes in one piece.
-    fn of(&mut self, role: Role) -> Option<&mut Outline> {
-        let Role::Body(body, class) = role else { return None };
-        if self.0.last().is_none_or(|last| last.body != body) {
-            self.0.push(Outline { body, class, rings: Vec::new(), strokes: Vec::new() });
+impl<S: Scalar> Outlines<'_, S> {
+    /// The outline of the body that is being drawn, and the surface of its collider: a body comes in one piece.
+    fn of(&mut self, role: Role) -> Option<(&mut Outline, Surface)> {
+        let (body, class, surface) = match role {
+            Role::Body(body, class) => (body, class, Surface::Solid),
+            Role::Collider(body, collider, class) => (body, class, Surface::of(self.world.collider(collider).ok()?)),
+            _ => return None,
+        };
+        if self.all.last().is_none_or(|last| last.body != body) {
+            self.all.push(Outline { body, class, rings: Vec::new(), strokes: Vec::new() });
         }
-        self.0.last_mut()
+        self.all.last_mut().map(|outline| (outline, surface))
     }
 }
 
@@ -79,16 +110,16 @@ fn ring(corners: &[[f64; 2]]) -> Vec<Point> {
     corners.iter().copied().map(point).collect()
 }
 
-impl DebugDraw for Outlines {
+impl<S: Scalar> DebugDraw for Outlines<'_, S> {
     fn polygon(&mut self, corners: &[[f64; 2]], role: Role) {
-        if let Some(outline) = self.of(role) {
-            outline.rings.push(ring(corners));
+        if let Some((outline, surface)) = self.of(role) {
+            outline.rings.push(Ring { surface, points: ring(corners) });
         }
     }
 
     fn segment(&mut self, ends: [[f64; 2]; 2], role: Role) {
-        if let Some(outline) = self.of(role) {
-            outline.strokes.push(ends.map(point));
+        if let Some((outline, surface)) = self.of(role) {
+            outline.strokes.push(Stroke { surface, ends: ends.map(point) });
         }
     }
 

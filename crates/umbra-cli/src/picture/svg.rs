@@ -87,6 +87,13 @@ impl Svg {
         let _ = writeln!(self.0, "<polyline fill=\"none\" {stroke} points=\"{points}\"/>");
     }
 
+    /// A line with dashes, which are given as SVG has them.
+    pub(super) fn dashed_line(&mut self, points: impl IntoIterator<Item = Point>, stroke: Stroke, dashes: &str) {
+        let (points, stroke) = (list(points), stroke.attributes());
+        let _ =
+            writeln!(self.0, "<polyline fill=\"none\" {stroke} stroke-dasharray=\"{dashes}\" points=\"{points}\"/>");
+    }
+
     pub(super) fn area(&mut self, corners: impl IntoIterator<Item = Point>, fill: Paint) {
         let (corners, fill) = (list(corners), fill.attributes("fill"));
         let _ = writeln!(self.0, "<polygon {fill} points=\"{corners}\"/>");

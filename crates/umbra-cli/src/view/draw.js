@@ -12,8 +12,9 @@ function readColours() {
   }
 }
 
-// Adds what a shape is drawn as to a path of areas and one of lines, its centre of mass at x, y on the canvas.
-function trace(shape, areas, lines, x, y, angle) {
+// Adds what a shape is drawn as to a path of areas and one of lines, its centre of mass at x, y on the canvas. Sensors, one-way
+// colliders and belts go to paths of their own, if there are some.
+function trace(shape, areas, lines, x, y, angle, surfaces) {
   const scale = camera.scale, cos = Math.cos(angle) * scale, sin = Math.sin(angle) * scale;
   const point = ([px, py]) => [x + px * cos - py * sin, y - px * sin - py * cos];
   const line = (from, to) => {
@@ -21,6 +22,15 @@ function trace(shape, areas, lines, x, y, angle) {
     lines.lineTo(...point(to));
   };
   for (const [letter, a, b, c] of shape) {
+    if (SURFACES.includes(letter)) {
+      const path = surfaces?.[letter];
+      trace(a, path ?? areas, path ?? lines, x, y, angle);
+      if (path && b) {
+        const [dx, dy] = [(c[0] * cos - c[1] * sin) / scale, (c[0] * sin + c[1] * cos) / scale];
+        arrow(surfaces.arrows, ...point(b), 16 * dx, -16 * dy);
+      }
+      continue;
+    }
     switch (letter) {
       case "c": {
         const [cx, cy] = point(a);
@@ -242,10 +252,27 @@ function drawTrails(frame, tick, selected) {
 
 // How each look is drawn: the opacity of its area, and the dashes of its outline.
 const FILLS = [0.3, 0.3, 0.45, 0.08, 0.15, 0.04], DASHES = [[], [5, 3], [], [2, 3], [], [1, 4]];
+// And each surface: the share of that opacity, and the dashes. A sensor has a colour of its own.
+const SURFACE_FILLS = { sensor: 0.2, "one-way": 0.4, belt: 1 }, SURFACE_DASHES = { sensor: [4, 4], "one-way": [9, 3, 2, 3], belt: [2, 2] };
+
+function drawSurfaces(paths, look) {
+  for (const surface of SURFACES) {
+    pen.fillStyle = pen.strokeStyle = surface === "sensor" ? colours.field : colours[LOOKS[look]];
+    pen.setLineDash(SURFACE_DASHES[surface]);
+    pen.globalAlpha = FILLS[look] * SURFACE_FILLS[surface];
+    pen.fill(paths[surface]);
+    pen.globalAlpha = 1;
+    pen.stroke(paths[surface]);
+  }
+  pen.setLineDash([]);
+  pen.strokeStyle = colours.ink;
+  pen.stroke(paths.arrows);
+}
 
 // Returns how many bodies there are of each look.
 function drawBodies(frame, tick) {
   const areas = LOOKS.map(() => new Path2D()), lines = LOOKS.map(() => new Path2D());
+  const surfaces = LOOKS.map(() => Object.fromEntries([...SURFACES, "arrows"].map(name => [name, new Path2D()])));
   const dots = LOOKS.map(() => []), counts = LOOKS.map(() => 0);
   for (const body of bodies) {
     if (!body.isThere(frame)) continue;
@@ -254,7 +281,7 @@ function drawBodies(frame, tick) {
     const x = screenX(body.near(frame, X)), y = screenY(body.near(frame, Y)), margin = radius * camera.scale + 10;
     if (x < -margin || y < -margin || x > size.width + margin || y > size.height + margin) continue;
     if (radius * camera.scale >= DOT) {
-      trace(run.shapes[look.shape], areas[look.index], lines[look.index], x, y, body.near(frame, ANGLE));
+      trace(run.shapes[look.shape], areas[look.index], lines[look.index], x, y, body.near(frame, ANGLE), surfaces[look.index]);
     } else if (areMany) dots[look.index].push(x, y);
     else {
       areas[look.index].moveTo(x + DOT, y);
@@ -281,6 +308,7 @@ function drawBodies(frame, tick) {
     pen.stroke(areas[look]);
     pen.setLineDash([]);
     pen.stroke(lines[look]);
+    drawSurfaces(surfaces[look], look);
   }
   return counts;
 }

@@ -4,17 +4,19 @@ const marks = $("marks"), tip = $("tip");
 
 const WORDS = {
   added: "added", removed: "removed", slept: "fell asleep", woke: "woke", quarantined: "quarantined", released: "released",
-  disabled: "disabled", enabled: "enabled", input: "input", diverged: "not as recorded",
+  disabled: "disabled", enabled: "enabled", broke: "broke", touched: "touch", parted: "part", hit: "hit", entered: "entered a sensor",
+  left: "left a sensor", input: "input", diverged: "not as recorded",
 };
-const events = run.events.map(([tick, until, what, text, list, count]) => ({ tick, until, what, text, list, count }));
+const events = run.events.map(([tick, until, what, text, list, count, times]) => ({ tick, until, what, text, list, count, times }));
 let filtered = events, listed = 0;
 
-function eventText({ until, tick, what, text, list, count }) {
+function eventText({ until, tick, text, list, count, times }) {
   const parts = list.map(index => bodies[index].label);
   if (count > list.length) parts.push(`${count - list.length} more`);
   const who = parts.join(", ");
+  const often = times > 1 && times !== until - tick + 1 ? `, ${times} times` : "";
   const span = until > tick ? ` (to tick ${until})` : "";
-  return (who && text ? `${who}: ${text}` : who || text) + span;
+  return (who && text ? `${who}: ${text}` : who || text) + often + span;
 }
 
 function goTo(event) {

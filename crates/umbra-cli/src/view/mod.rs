@@ -6,6 +6,7 @@
 
 mod contacts;
 mod drawing;
+mod encounters;
 mod events;
 mod joints;
 mod page;
@@ -30,7 +31,7 @@ use crate::sheets::{SheetFiles, SheetOptions, Sheets};
 use crate::text;
 use page::Heading;
 use recording::{Budget, Recording};
-use words::Names;
+use words::{Names, Words};
 
 const HELP: &str = "\
 The page opens at a tick if its address says so: run.html#tick=300. A replay that goes another way than it was recorded is shown up
@@ -86,9 +87,10 @@ impl<'a> Views<'a> {
         self.sheets.see(world, cast)
     }
 
-    fn input(&mut self, tick: u64, text: impl FnOnce() -> String) {
+    fn input(&mut self, tick: u64, words: impl FnOnce() -> Words) {
         if let Some(recording) = &mut self.recording {
-            recording.input(tick, text());
+            let Words { topic, text } = words();
+            recording.input(tick, topic, text);
         }
     }
 

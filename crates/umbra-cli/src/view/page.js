@@ -276,6 +276,14 @@ function legend() {
     item.append(name);
     $("legend").append(item);
   });
+  const surfaces = new Set(run.shapes.flat().map(([letter]) => letter));
+  for (const surface of SURFACES.filter(surface => surfaces.has(surface))) {
+    const colour = surface === "sensor" ? "var(--field)" : "var(--ink)", dash = SURFACE_DASHES[surface].join(" ");
+    const item = document.createElement("li");
+    item.innerHTML = `<svg viewBox="0 0 14 14" fill="none" stroke="${colour}" stroke-width="1.5" stroke-dasharray="${dash}"><path d="M1 2h12v10H1z"/></svg>`;
+    item.append(surface);
+    $("legend").append(item);
+  }
   $("legend").hidden = used.size === 0;
 }
 

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 use umbra_physics::{Activity, BodyKind, PHYSICS_VERSION, Vec2};
 
-use super::events::{Event, What};
+use super::events::Event;
 use super::recording::{Life, Look, Placed, Recording, Span};
 use crate::text::markup;
 
@@ -62,8 +62,11 @@ impl Recording {
             let each = ordinal(self.stride);
             parts.push(format!("every {each} of {ticks} ticks is in the page: all would make it too large"));
         }
-        if self.events.untold > 0 {
-            parts.push(format!("{} events more than are listed", self.events.untold));
+        for (untold, what) in self.events.untold.into_iter().zip(["events", "contacts and visits of sensors", "inputs"])
+        {
+            if untold > 0 {
+                parts.push(format!("{untold} {what} more than are listed"));
+            }
         }
         (!parts.is_empty()).then(|| parts.join("; "))
     }
@@ -152,19 +155,8 @@ fn placed(placed: &Placed) -> Option<Value> {
 }
 
 fn event(event: &Event) -> Value {
-    let what = match event.what {
-        What::Added => "added",
-        What::Removed => "removed",
-        What::Slept => "slept",
-        What::Woke => "woke",
-        What::Quarantined => "quarantined",
-        What::Released => "released",
-        What::Disabled => "disabled",
-        What::Enabled => "enabled",
-        What::Input => "input",
-        What::Diverged => "diverged",
-    };
-    json!([event.tick, event.until, what, event.text, event.bodies, event.count])
+    let Event { tick, until, times, what, text, bodies, count } = event;
+    json!([tick, until, what.name(), text, bodies, count, times])
 }
 
 #[cfg(test)]

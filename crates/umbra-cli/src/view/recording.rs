@@ -8,7 +8,7 @@ use umbra_physics::{
 
 use super::events::{Events, What};
 use super::track::{Sample, Track};
-use super::{contacts, drawing, joints};
+use super::{contacts, drawing, encounters, joints};
 
 /// The limits of a page.
 #[derive(Clone, Copy, Debug)]
@@ -157,13 +157,10 @@ impl Recording {
                 self.events.tell(tick, What::Quarantined, Some(life), fault.cause.to_string());
             }
         }
+        self.see_encounters(world);
         let hash = if is_frame || recorded.is_some() { world.state_hash() } else { 0 };
         if let Some(recorded) = recorded.filter(|&recorded| recorded != hash) {
-            self.events.repeat(
-                tick,
-                What::Diverged,
-                format!("recorded with another state hash, first {recorded:016x}"),
-            );
+            self.events.diverge(tick, format!("recorded with another state hash, first {recorded:016x}"));
         }
         self.last = tick;
         if is_frame {
@@ -175,9 +172,9 @@ impl Recording {
         }
     }
 
-    /// Notes what is done before the step from this tick to the next. The same done again at the next tick goes on.
-    pub(crate) fn input(&mut self, tick: u64, text: String) {
-        self.events.repeat(tick, What::Input, text);
+    /// Notes what is done before the step from this tick to the next, and about what. The same topic again soon after goes on.
+    pub(crate) fn input(&mut self, tick: u64, topic: String, text: String) {
+        self.events.input(tick, topic, text);
     }
 
     /// Takes in the last world once more, so that the run's end is a frame.
@@ -192,6 +189,16 @@ impl Recording {
         }
         self.hashes.push(world.state_hash());
         self.see_contacts(world);
+    }
+
+    /// The encounters of the last step; what was there at the start of the run is not of it.
+    fn see_encounters(&mut self, world: &World<Fx>) {
+        if world.tick() == self.start {
+            return;
+        }
+        let Self { alive, lives, events, .. } = self;
+        let life = |body| known_life(alive, lives, body).or_else(|| lives.iter().rposition(|life| life.id == body));
+        encounters::tell(&world.last_report(), events, life);
     }
 
     fn see_contacts(&mut self, world: &World<Fx>) {

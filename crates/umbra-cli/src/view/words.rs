@@ -13,8 +13,47 @@ pub(crate) struct Names<B, F, C> {
     pub(crate) collider: C,
 }
 
+/// What an input does in words, and what it is about: the same for all that differ in their values alone.
+pub(super) struct Words {
+    pub(super) topic: String,
+    pub(super) text: String,
+}
+
 /// A command in words.
-pub(crate) fn command<B, F, C>(command: &Command<Fx>, names: &Names<B, F, C>) -> String
+pub(super) fn command<B, F, C>(command: &Command<Fx>, names: &Names<B, F, C>) -> Words
+where
+    B: Fn(BodyId) -> String,
+    F: Fn(FieldId) -> String,
+    C: Fn(ColliderId) -> String,
+{
+    let text = command_text(command, names);
+    let topic = match command {
+        Command::AddBody(def) => format!("add a {} body", kind(def.kind)),
+        Command::Apply { body, action, .. } => format!("{} on {}", act_topic(action), (names.body)(*body)),
+        Command::SetPosition { body, .. } => format!("put {}", (names.body)(*body)),
+        Command::SetAngle { body, .. } => format!("turn {}", (names.body)(*body)),
+        Command::MoveTo { body, .. } => format!("move {}", (names.body)(*body)),
+        Command::Explode(_) => "an explosion".to_owned(),
+        Command::SetBlob(_) => "a blob".to_owned(),
+        // The texts of settings have their values behind this.
+        Command::SetVelocity { .. } | Command::SetAngularVelocity { .. } => {
+            text.rsplit_once(": ").map_or_else(|| text.clone(), |(topic, _)| topic.to_owned())
+        }
+        _ => text.clone(),
+    };
+    Words { topic, text }
+}
+
+fn act_topic(action: &ForceOrImpulse) -> &'static str {
+    match action {
+        ForceOrImpulse::Force { .. } => "force",
+        ForceOrImpulse::Torque(_) => "torque",
+        ForceOrImpulse::Impulse { .. } => "impulse",
+        ForceOrImpulse::AngularImpulse(_) => "angular impulse",
+    }
+}
+
+fn command_text<B, F, C>(command: &Command<Fx>, names: &Names<B, F, C>) -> String
 where
     B: Fn(BodyId) -> String,
     F: Fn(FieldId) -> String,
@@ -112,7 +151,7 @@ where
 }
 
 /// Says in words what an input of a scene does.
-pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
+pub(super) fn action(scene: &Scene, action: &SceneAction) -> Words {
     // The handles in it are indices.
     let body = |id: BodyId| scene.bodies.get(id.parts().0 as usize).map_or(id.to_string(), |body| body.name.clone());
     let field = |id: FieldId| {
@@ -125,8 +164,8 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
         colliders.and_then(|colliders| colliders.get(part as usize)?.name.clone())
     };
     let collider = |id: ColliderId| collider_name(id).unwrap_or_else(|| "a collider".to_owned());
-    match action {
-        SceneAction::Command(what) => command(what, &Names { body, field, collider }),
+    let text = match action {
+        SceneAction::Command(what) => return command(what, &Names { body, field, collider }),
         SceneAction::AddBody(index) => format!("add {}", body(BodyId::from_parts(*index as u32, 0))),
         SceneAction::AddField(index) => {
             let added = &scene.fields[*index];
@@ -139,7 +178,8 @@ pub(super) fn action(scene: &Scene, action: &SceneAction) -> String {
             format!("add {} to {}", collider(*symbol), body(BodyId::from_parts(symbol.parts().0, 0)))
         }
         action => format!("{action:?}").chars().take_while(char::is_ascii_alphanumeric).collect(),
-    }
+    };
+    Words { topic: text.clone(), text }
 }
 
 fn act(action: &ForceOrImpulse) -> String {
@@ -189,12 +229,12 @@ fn vector(v: Vec2) -> String {
     format!("({}, {})", short(v.x), short(v.y))
 }
 
-/// The exact text if it is short, or if six digits after the point would be zeros; else these.
 fn damped(damping: Damping) -> String {
     if damping == Damping::NONE { "none".to_owned() } else { format!("keeps {} a second", short(damping.kept())) }
 }
 
-fn short(value: Fx) -> String {
+/// The exact text if it is short, or if six digits after the point would be zeros; else these.
+pub(super) fn short(value: Fx) -> String {
     let (exact, rounded) = (value.to_string(), format!("{value:.6}"));
     if exact.len() <= 9 || !rounded.contains(|digit| ('1'..='9').contains(&digit)) {
         return exact;

@@ -651,3 +651,145 @@ fn the_page_is_legible_wide_narrow_and_dark() {
     }
     browser.assert_clean();
 }
+
+/// The texts of the events that the page lists.
+fn listed(browser: &mut Browser) -> Vec<String> {
+    let list = browser.evaluate("[...document.querySelectorAll('#list li')].map(li => li.textContent)");
+    list.as_array().expect("a list").iter().filter_map(Value::as_str).map(str::to_owned).collect()
+}
+
+#[test]
+fn contacts_hits_sensors_and_joints_are_listed_and_inputs_are_folded() {
+    let inputs: Vec<String> = (0..100)
+        .map(|tick| format!(r#"{{"at": {tick}, "body": "drone", "set": {{"velocity": [0.{tick:03}, 0]}}}}"#))
+        .collect();
+    let scene = format!(
+        r#"{{"ticks": 70, "gravity": [0, -10], "sleep_after": null, "bodies": [
+        {{"name": "floor", "kind": "static", "colliders": [{{"shape": {{"rectangle": {{"width": 8, "height": 1}}}}}}]}},
+        {{"name": "gate", "kind": "static", "position": [0, 3],
+            "colliders": [{{"shape": {{"rectangle": {{"width": 2, "height": 0.5}}}}, "sensor": true}}]}},
+        {{"name": "ball", "position": [0, 5],
+            "colliders": [{{"shape": {{"circle": {{"radius": 0.25}}}}, "contact_events": true, "hit_events": true}}]}},
+        {{"name": "drone", "position": [3, 9], "gravity_scale": 0}}],
+        "joints": [{{"bodies": [null, "drone"], "points": [[3, 10], [3, 9]], "distance": {{}}, "break_force": 0, "events": true}}],
+        "inputs": [{}]}}"#,
+        inputs.join(", ")
+    );
+    let scene = Page::scene("encounters", scene);
+    let (page, said) = Page::of(scene.path(), None);
+    assert_eq!(said, "", "all is listed");
+    let Some(mut browser) = Browser::start() else { return };
+    browser.open(&page.0, "");
+    let list = listed(&mut browser);
+    let find =
+        |start: &str| list.iter().find(|line| line.trim_start_matches(|c: char| c.is_ascii_digit()).starts_with(start));
+    let input = "0input velocity of drone (to tick 69)";
+    assert!(list.iter().any(|line| line == input), "{list:#?}");
+    assert_eq!(list.iter().filter(|line| line.contains("input ")).count(), 1, "{list:#?}");
+    for start in
+        ["broke drone: joint 0", "entered a sensor ball, gate", "left a sensor ball, gate", "touch floor, ball"]
+    {
+        assert!(find(start).is_some(), "{start} in {list:#?}");
+    }
+    let hit = find("hit floor, ball: at 9.").expect("a fall of 4.25 m");
+    assert!(hit.ends_with(" N·s"), "{hit}");
+    // They are kinds to choose, and go to their tick.
+    browser.evaluate("(() => { const kinds = document.querySelector('#kinds'); kinds.value = 'hit'; kinds.dispatchEvent(new Event('change')); })()");
+    assert_eq!(listed(&mut browser).len(), 1);
+    browser.click("#list button");
+    assert!((54..58).contains(&tick(&mut browser)));
+    assert_eq!(browser.text("#body dd[data-name=name]"), "floor");
+    browser.assert_clean();
+}
+
+#[test]
+fn the_picture_fits_the_outlines_of_bodies() {
+    // A long floor, and a ball above it: a disc around the floor would be 40 m high.
+    let scene = r#"{"ticks": 1, "bodies": [
+        {"name": "floor", "kind": "static", "colliders": [{"shape": {"chain": {"points": [[20, 0], [-20, 0]]}}}]},
+        {"name": "plank", "position": [0, 3], "colliders": [{"shape": {"rectangle": {"width": 30, "height": 1}}}]}]}"#;
+    let scene = Page::scene("fit", scene);
+    let (page, _) = Page::of(scene.path(), None);
+    let Some(mut browser) = Browser::start() else { return };
+    browser.look([1280, 800], "light");
+    browser.open(&page.0, "");
+    // From x = -20 to 20 over the width, and from y = 0 to 3.5 about the middle.
+    let shares = browser.evaluate(
+        "(() => {
+            const { clientWidth: w, clientHeight: h } = document.querySelector('#canvas'), scale = (w - 48) / 40;
+            const at = (x, y) => [0.5 + x * scale / w, 0.5 - (y - 1.75) * scale / h];
+            return [at(-19.9, 0), at(19.9, 0), at(14.9, 3.4), at(15.5, 3.4)];
+        })()",
+    );
+    for (i, name) in ["floor", "floor", "plank", ""].into_iter().enumerate() {
+        let share = [0, 1].map(|axis| shares[i][axis].as_f64().expect("a number"));
+        browser.hover("#canvas", share);
+        let shown = browser.evaluate("document.querySelector('#body dd[data-name=name]')?.textContent ?? ''");
+        assert_eq!(shown, name, "{share:?}");
+    }
+    browser.assert_clean();
+}
+
+#[test]
+fn sensors_one_way_colliders_and_belts_are_told_apart() {
+    let scene = r#"{"ticks": 2, "bodies": [
+        {"name": "wall", "kind": "static", "position": [-3, 0], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}}]},
+        {"name": "coin", "kind": "static", "position": [-1, 0], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}, "sensor": true}]},
+        {"name": "plank", "kind": "static", "position": [1, 0], "angle": 1.5707963267,
+            "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}, "one_way": {}}]},
+        {"name": "belt", "kind": "static", "position": [3, 0], "colliders": [{"shape": {"rectangle": {"width": 1, "height": 1}}, "surface_speed": 2}]}],
+        "plot": {"view": [[-5, -2], [5, 2]], "trails": "none"}}"#;
+    let scene = Page::scene("surfaces", scene);
+    let (page, _) = Page::of(scene.path(), None);
+    let text = page.text();
+    assert!(text.contains(r#"["sensor",[["p",[[-0.5,-0.5],"#), "{text}");
+    // A belt whose speed is above zero carries its top to the left; a plank holds upwards in its own axes.
+    assert!(text.contains(r#"],[0.0,0.0],[0.0,1.0]]"#) && text.contains(r#"],[0.0,0.0],[-1.0,0.0]]"#), "{text}");
+    let Some(mut browser) = Browser::start() else { return };
+    browser.look([1280, 800], "light");
+    browser.open(&page.0, "");
+    browser.hover("h1", [0.5, 0.5]);
+    let legend = browser.text("#legend");
+    assert_eq!(legend, "staticsensorone-waybelt");
+    // How dark the area of each is, away from its middle with the arrow: 0 for the paper. And the number of dark points of its left edge.
+    let measure = |browser: &mut Browser, x: f64| {
+        let script = format!(
+            "(() => {{
+                const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
+                const copy = document.createElement('canvas');
+                [copy.width, copy.height] = [canvas.width, canvas.height];
+                const pen = copy.getContext('2d', {{ willReadFrequently: true }});
+                pen.drawImage(canvas, 0, 0);
+                const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 4);
+                const darkness = (x, y) => {{
+                    const px = (canvas.clientWidth / 2 + x * scale) * ratio, py = (canvas.clientHeight / 2 - y * scale) * ratio;
+                    const [r, g, b] = pen.getImageData(Math.round(px), Math.round(py), 1, 1).data;
+                    return 255 - (r + g + b) / 3;
+                }};
+                let dark = 0;
+                for (let i = -45; i <= 45; i++) dark += Math.max(darkness({x} - 0.5, i / 100), darkness({x} - 0.5 - 1 / scale, i / 100)) > 100;
+                return [darkness({x} + 0.3, 0.3), dark];
+            }})()"
+        );
+        let value = browser.evaluate(&script);
+        [0, 1].map(|i| value[i].as_f64().expect("a number"))
+    };
+    let [wall, coin, plank, belt] = [-3.0, -1.0, 1.0, 3.0].map(|x| measure(&mut browser, x));
+    assert!(
+        coin[0] < plank[0] && plank[0] < wall[0] && (belt[0] - wall[0]).abs() < 2.0,
+        "{coin:?} {plank:?} {wall:?} {belt:?}"
+    );
+    // The edge of a wall has no gaps; all others have dashes.
+    assert!(wall[1] > 88.0, "{wall:?}");
+    for dashed in [coin, plank, belt] {
+        assert!((20.0..85.0).contains(&dashed[1]), "{dashed:?}");
+    }
+    browser.assert_clean();
+    // The picture of `--plot` has the same dashes.
+    let picture = Page(Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-surfaces.svg", std::process::id())));
+    assert!(umbra(&["view", scene.path(), "--plot", picture.path()]).status.success());
+    let picture = picture.text();
+    for (dashes, count) in [("4 4", 1), ("9 3 2 3", 1), ("2 2", 1)] {
+        assert_eq!(picture.matches(&format!("stroke-dasharray=\"{dashes}\"")).count(), count, "{dashes}");
+    }
+}

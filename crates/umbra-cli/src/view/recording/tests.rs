@@ -7,6 +7,7 @@ use umbra_physics::{
     TimeStep, Wheel, WorldDef, fx, vec2,
 };
 
+use super::super::events::EVENTS;
 use super::*;
 
 fn world() -> World<Fx> {
@@ -349,4 +350,103 @@ fn joints_are_drawn_while_steps_keep_them() {
     spans.sort_unstable();
     // The rope broke in the step in which it was enabled.
     assert_eq!(spans, [(0, 10), (0, 30), (0, 40), (21, 59), (31, 59)]);
+}
+
+/// The ticks, the numbers of times and the texts of all events.
+fn listed(events: &Events) -> Vec<(u64, u64, u64, &str)> {
+    events.told.iter().map(|event| (event.tick, event.until, event.times, &event.text[..])).collect()
+}
+
+#[test]
+fn inputs_about_one_thing_that_change_all_the_time_are_one_event() {
+    let mut events = Events::default();
+    let velocity = |events: &mut Events, tick: u64, value: u64| {
+        events.input(tick, "velocity of a".to_owned(), format!("velocity of a: ({value}, 0) m/s"));
+    };
+    // Another value each tick, then each third tick; a pause; a value that is held, and another one.
+    (0..100).for_each(|tick| velocity(&mut events, tick, tick));
+    (100..160).step_by(3).for_each(|tick| velocity(&mut events, tick, tick));
+    (200..210).for_each(|tick| velocity(&mut events, tick, 7));
+    (210..220).for_each(|tick| velocity(&mut events, tick, 8));
+    // The same each sixth tick goes on, and each seventh it is another one.
+    (300..313).step_by(6).for_each(|tick| velocity(&mut events, tick, 9));
+    (400..415).step_by(7).for_each(|tick| velocity(&mut events, tick, 9));
+    let expected = [
+        (0, 157, 120, "velocity of a"),
+        (200, 209, 10, "velocity of a: (7, 0) m/s"),
+        (210, 219, 10, "velocity of a: (8, 0) m/s"),
+        (300, 312, 3, "velocity of a: (9, 0) m/s"),
+        (400, 400, 1, "velocity of a: (9, 0) m/s"),
+        (407, 407, 1, "velocity of a: (9, 0) m/s"),
+        (414, 414, 1, "velocity of a: (9, 0) m/s"),
+    ];
+    assert_eq!(listed(&events), expected);
+    // Two things at a time do not disturb each other.
+    let mut events = Events::default();
+    for tick in 0..50 {
+        velocity(&mut events, tick, tick);
+        events.input(tick, "torque on b".to_owned(), format!("torque {tick} N·m on b"));
+    }
+    assert_eq!(listed(&events), [(0, 49, 50, "velocity of a"), (0, 49, 50, "torque on b")]);
+}
+
+#[test]
+fn many_events_of_a_group_leave_room_for_the_others() {
+    let mut events = Events::default();
+    for tick in 0..EVENTS as u64 + 3 {
+        events.input(tick, format!("topic {tick}"), "text".to_owned());
+        events.add(tick, What::Hit, vec![0, 1], String::new());
+        events.add(tick, What::Touched, vec![0, 1], String::new());
+    }
+    events.tell(99_999, What::Removed, Some(0), String::new());
+    events.diverge(99_999, "another hash".to_owned());
+    assert_eq!(events.told.len(), 2 * EVENTS + 2);
+    assert_eq!(events.untold, [0, EVENTS as u64 + 6, 3]);
+    assert_eq!(events.told.last().map(|event| event.what), Some(What::Diverged));
+}
+
+#[test]
+fn contacts_hits_sensors_and_joints_are_events_with_both_bodies() {
+    let mut world = world();
+    let floor = Shape::rectangle(fx!(8), fx!(1)).expect("a floor");
+    let gate = ColliderDef { sensor: true, ..ColliderDef::new(Shape::rectangle(2, fx!(0.5)).expect("a gate")) };
+    let loud = ColliderDef {
+        contact_events: true,
+        hit_events: true,
+        ..ColliderDef::new(Shape::circle(fx!(0.25)).expect("a disc"))
+    };
+    let bodies = [
+        BodyDef::fixed().with_collider(floor),
+        BodyDef { position: vec2(0, 3), ..BodyDef::fixed() }.with_collider(gate),
+        BodyDef { position: vec2(0, 5), ..BodyDef::dynamic() }.with_collider(loud),
+        BodyDef { position: vec2(3, 5), ..BodyDef::dynamic() },
+    ];
+    let [_, _, ball, lamp] = bodies.map(|def| world.add_body(def).expect("there is room"));
+    let wire = JointDef::between(&world, None, vec2(3, 7), lamp, vec2(3, 5)).expect("a wire");
+    world.add_joint(JointDef { break_force: Some(fx!(5)), events: true, ..wire }).expect("there is room");
+    let mut recording = Recording::new(Budget::default());
+    for tick in 0..120 {
+        recording.see(&world, None, unnamed);
+        if tick == 90 {
+            world.remove_body(ball).expect("it is there");
+        }
+        world.step();
+    }
+    recording.see(&world, None, unnamed);
+    let events: Vec<_> = recording.events.told.iter().map(|event| (event.what, &event.bodies[..])).collect();
+    let expected = [
+        (What::Broke, &[3][..]),
+        (What::Entered, &[2, 1]),
+        (What::Left, &[2, 1]),
+        (What::Touched, &[0, 2]),
+        (What::Hit, &[0, 2]),
+        (What::Slept, &[2]),
+        (What::Removed, &[2]),
+        (What::Parted, &[0, 2]),
+    ];
+    assert_eq!(events, expected);
+    let hit = recording.events.told.iter().find(|event| event.what == What::Hit).expect("a hit");
+    // A fall of 4.25 m: 9.2 m/s, and the impulse of its mass with it.
+    let speed = hit.text.strip_prefix("at ").and_then(|text| text.split(' ').next()?.parse::<f64>().ok());
+    assert!(speed.is_some_and(|speed| (speed - 85f64.sqrt()).abs() < 0.1), "{}", hit.text);
 }
