@@ -1,4 +1,4 @@
-//! Lists the scenes, for the program to have them: `scenes/` of the package, or of the repository, which it is a link to.
+//! Puts the scenes together in one file, for the program to have them: `scenes/` of the package, or of the repository, which it is a link to.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -11,15 +11,16 @@ fn main() {
     let entries = fs::read_dir(folder).expect("it can be read").map(|entry| entry.expect("an entry").path());
     let mut scenes: Vec<PathBuf> = entries.filter(|path| path.extension().is_some_and(|kind| kind == "json")).collect();
     scenes.sort_by(|a, b| a.file_stem().cmp(&b.file_stem()));
-    let rows: Vec<String> = scenes.iter().map(|path| row(path)).collect();
-    let list = format!("[\n{}]\n", rows.concat());
+    let scenes: Vec<String> = scenes.iter().map(|path| scene(path)).collect();
     let out = PathBuf::from(env::var_os("OUT_DIR").expect("Cargo sets it"));
-    fs::write(out.join("scenes.rs"), list).expect("it can be written");
+    fs::write(out.join("scenes"), scenes.concat()).expect("it can be written");
     println!("cargo::rerun-if-changed={}", folder.display());
 }
 
-/// The name of a scene and its text.
-fn row(path: &Path) -> String {
+/// A separator, the name of a scene, an end of line, and its text.
+fn scene(path: &Path) -> String {
     let name = path.file_stem().expect("a name").to_str().expect("UTF-8");
-    format!("    ({name:?}, include_str!({:?})),\n", path.to_str().expect("UTF-8"))
+    let text = fs::read_to_string(path).expect("a text");
+    assert!(!text.contains('\u{1e}'), "{name} has a separator");
+    format!("\u{1e}{name}\n{text}")
 }

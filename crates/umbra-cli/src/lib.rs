@@ -1,5 +1,7 @@
-//! The program `umbra`: runs scenes of `umbra-physics` from files, records and checks replays. The public modules serve
-//! `umbra-lab` as well, the program of the repository that measures the engine; they are no interface to build on.
+//! The program `umbra`: runs scenes of `umbra-physics` from files, records and checks replays.
+//!
+//! [`picture::svg`] draws a world in one call. The other public items serve `umbra-lab` as well, the program of the repository that measures the
+//! engine; they are no interface to build on.
 //!
 //! Exit status 0: done; 1: a check failed; 2: bad usage, bad input, or an output that cannot be written.
 #![forbid(unsafe_code)]

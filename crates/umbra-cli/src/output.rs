@@ -45,9 +45,10 @@ impl<'a> Destinations<'a> {
 
     /// Adds a destination. It can be written to, and is neither an input nor one of those before.
     pub fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
-        let (found, file) = (Target::find(file), if load::is_dash(file) { Path::new(text::STDOUT) } else { file });
+        let opened = Target::find(file);
+        let file = if load::is_dash(file) { Path::new(text::STDOUT) } else { file };
         let failed = Failure::file(file, "write");
-        let (target, identity) = found.map_err(&failed)?;
+        let (target, identity) = opened.map_err(&failed)?;
         self.take(file, identity)?;
         if let Target::File { path, .. } = &target {
             // Whether the folder takes a file shows when one is made. This one goes at once.

@@ -10,15 +10,22 @@ use crate::failure::Failure;
 use crate::output::Destinations;
 use crate::text;
 
-/// The scenes by their names, as `build.rs` lists them.
-const SCENES: &[(&str, &str)] = &include!(concat!(env!("OUT_DIR"), "/scenes.rs"));
+/// The scenes, as `build.rs` puts them together: a separator, the name, an end of line, the text.
+const SCENES: &str = include_str!(concat!(env!("OUT_DIR"), "/scenes"));
+/// A character that no scene has.
+const SEPARATOR: char = '\u{1e}';
+
+/// The scenes with their names.
+fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
+    SCENES.split(SEPARATOR).filter_map(|scene| scene.split_once('\n'))
+}
 
 #[derive(Args)]
 pub(crate) struct Options {
     /// The scene to write [default: lists all of them].
     #[arg(value_name = "NAME")]
     name: Option<String>,
-    /// Where to write it [default: the standard output].
+    /// File to write it to [default: the standard output].
     #[arg(long, value_name = "FILE.json", requires = "name")]
     out: Option<PathBuf>,
     /// Lists them as JSON objects, one a line.
@@ -37,10 +44,10 @@ struct Line<'a> {
 
 pub(crate) fn scenes(options: &Options) -> Result<(), Failure> {
     let Some(name) = &options.name else {
-        return SCENES.iter().try_for_each(|(name, scene)| list(name, scene, options.json));
+        return all().try_for_each(|(name, scene)| list(name, scene, options.json));
     };
-    let found = SCENES.iter().find(|(known, _)| known == name);
-    let (_, scene) = found
+    let (_, scene) = all()
+        .find(|(known, _)| known == name)
         .ok_or_else(|| Failure::Usage { what: format!("there is no scene {name:?}: `umbra scenes` lists them") })?;
     match &options.out {
         Some(out) => Destinations::beside([])?.add(out)?.write(scene),

@@ -25,7 +25,7 @@ pub(crate) struct SheetOptions {
     plot: Option<PathBuf>,
 }
 
-/// Where the table and the picture go.
+/// The destinations of the table and the picture.
 pub(crate) struct SheetFiles {
     csv: Option<Destination>,
     every: u64,

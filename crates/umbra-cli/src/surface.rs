@@ -1,16 +1,16 @@
-//! How colliders hold others, for drawings to tell them apart.
+//! The ways in which colliders hold others, for drawings to tell them apart.
 
 use umbra_physics::{ColliderDef, Scalar};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Surface {
-    /// It holds from all sides.
+    /// A collider that holds from all sides.
     Solid,
-    /// It holds nothing.
+    /// A collider that holds nothing.
     Sensor,
-    /// It holds from one side.
+    /// A collider that holds from one side.
     OneWay,
-    /// It holds, and carries along.
+    /// A collider that holds, and carries along.
     Belt,
 }
 

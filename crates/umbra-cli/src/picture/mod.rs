@@ -34,7 +34,7 @@ const POINTS: u64 = 2_000_000;
 /// The largest number of trails in a picture. Of more, an even choice is drawn.
 const WAYS: usize = 600;
 
-/// What a picture shows.
+/// The subject of a picture.
 pub(crate) struct Subject {
     pub(crate) title: String,
     /// The part of the plane, m; `None` for all of what happens.
@@ -63,7 +63,7 @@ impl Subject {
 pub(crate) struct Recorder {
     subject: Subject,
     contacts: ContactOptions,
-    /// Of all bodies, each so many have trails.
+    /// The step from one body with a trail to the next.
     each: usize,
     stride: u64,
     exposed_each: u64,
@@ -162,8 +162,23 @@ impl Recorder {
     }
 }
 
+/// A picture of a world as it is now, as SVG: bodies, force fields and joints, all that there are of them.
+///
+/// ```
+/// use umbra_physics::{BodyDef, Shape, World, WorldDef};
+///
+/// let mut world = World::new(WorldDef::default())?;
+/// world.add_body(BodyDef::dynamic().with_collider(Shape::rectangle(2, 1)?))?;
+/// std::fs::write("world.svg", umbra_cli::picture::svg(&world))?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn svg<S: Scalar + ToF64>(world: &World<S>) -> String {
+    still(world, &format!("Tick {}", world.tick()), None)
+}
+
 /// Draws the bodies of a world as they are now, in a part of the plane or in all of it, m.
-pub fn still(world: &World, title: &str, view: Option<[Point; 2]>) -> String {
+pub fn still<S: Scalar + ToF64>(world: &World<S>, title: &str, view: Option<[Point; 2]>) -> String {
     let bodies = world.bodies().zip(Outline::all(world));
     let picture = Picture {
         title,
@@ -216,4 +231,26 @@ fn caption<S: Scalar>(world: &World<S>) -> String {
     let bodies = world.body_count();
     let plural = if bodies == 1 { "body" } else { "bodies" };
     format!("{bodies} {plural}, {time} s in steps of {num}/{den} s, {}, {}", world.def().integrator.name(), S::NAME)
+}
+
+#[cfg(test)]
+mod tests {
+    use umbra_physics::{BodyDef, Shape, WorldDef};
+
+    use super::*;
+
+    #[test]
+    fn a_world_is_a_picture_in_one_call() {
+        let mut world = World::new(WorldDef::default()).expect("a world");
+        let empty = svg(&world);
+        assert!(
+            empty.starts_with("<svg ") && empty.ends_with("</svg>\n") && empty.contains(">Tick 0</text>"),
+            "{empty}"
+        );
+        assert!(!empty.contains("<polygon"), "{empty}");
+        world.add_body(BodyDef::dynamic().with_collider(Shape::rectangle(2, 1).expect("a plank"))).expect("room");
+        world.step();
+        let plank = svg(&world);
+        assert!(plank.contains(">Tick 1</text>") && plank.matches("<polygon").count() == 1, "{plank}");
+    }
 }

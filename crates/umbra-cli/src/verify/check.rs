@@ -16,11 +16,11 @@ use super::verdict::{Played, Verdict};
 use crate::failure::Failure;
 use crate::load::{self, Kind, Run};
 
-/// What a file has to keep to.
+/// The terms that a file has to keep to.
 #[derive(Clone)]
 pub(super) struct Terms {
     pub(super) limits: Limits,
-    /// The world that it has to begin with.
+    /// The world that a replay has to begin with.
     pub(super) start: Option<Arc<World>>,
 }
 
@@ -38,28 +38,28 @@ impl Terms {
 }
 
 /// The bytes of a file, if they are within the limit.
-pub(super) fn read(source: impl Read, limits: &Limits) -> Result<Vec<u8>, Verdict> {
+pub(super) fn read(source: impl Read, limits: &Limits) -> Result<Vec<u8>, Box<Verdict>> {
     let mut bytes = Vec::new();
     // A byte more than is allowed shows that there is more; a device may have no end.
     let read = source.take(limits.bytes().saturating_add(1)).read_to_end(&mut bytes);
-    read.map_err(|error| Verdict::unreadable(&error))?;
-    if bytes.len() as u64 > limits.bytes() { Err(Verdict::too_large(limits.bytes())) } else { Ok(bytes) }
+    read.map_err(|error| Box::new(Verdict::unreadable(&error)))?;
+    if bytes.len() as u64 > limits.bytes() { Err(Box::new(Verdict::too_large(limits.bytes()))) } else { Ok(bytes) }
 }
 
 /// The bytes of a regular file: to open a pipe would wait for whoever writes to it.
-pub(super) fn read_regular(file: &Path, limits: &Limits) -> Result<Vec<u8>, Verdict> {
+pub(super) fn read_regular(file: &Path, limits: &Limits) -> Result<Vec<u8>, Box<Verdict>> {
     let open = || {
         if !file.metadata()?.is_file() {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
         }
         File::open(file)
     };
-    read(open().map_err(|error| Verdict::unreadable(&error))?, limits)
+    read(open().map_err(|error| Box::new(Verdict::unreadable(&error)))?, limits)
 }
 
-/// Verifies what a source gives. Whatever happens there is a verdict.
+/// Verifies the bytes of a source. Whatever happens there is a verdict.
 pub(super) fn verdict(
-    source: impl FnOnce() -> Result<Vec<u8>, Verdict> + Send,
+    source: impl FnOnce() -> Result<Vec<u8>, Box<Verdict>> + Send,
     terms: &Terms,
     bar: &ProgressBar,
 ) -> Verdict {
@@ -67,7 +67,7 @@ pub(super) fn verdict(
         let began = thread_time();
         let checked = panic::catch_unwind(AssertUnwindSafe(|| match source() {
             Ok(bytes) => check(bytes, terms, began, bar),
-            Err(verdict) => verdict,
+            Err(verdict) => *verdict,
         }));
         let mut verdict = checked.unwrap_or_else(|_| Verdict::failed());
         verdict.cpu = thread_time() - began;

@@ -132,7 +132,7 @@ impl Limits {
     }
 }
 
-/// Where the value of a limit is.
+/// The place of the value of a limit.
 fn index(name: &str) -> Result<usize, String> {
     let row = ROWS.iter().find(|row| row.name == name).map(|row| row.limit as usize);
     row.ok_or_else(|| format!("no limit `{name}`; there are {}", ROWS.map(|row| row.name).join(", ")))

@@ -6,6 +6,7 @@ mod stream;
 mod verdict;
 
 use std::collections::BTreeMap;
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -124,7 +125,7 @@ fn verdict_on(file: &Path, terms: &Terms, bar: &ProgressBar) -> Verdict {
         if load::is_dash(file) {
             return check::read(io::stdin(), &terms.limits);
         }
-        let opened = std::fs::File::open(file).map_err(|error| Verdict::unreadable(&error))?;
+        let opened = File::open(file).map_err(|error| Box::new(Verdict::unreadable(&error)))?;
         check::read(opened, &terms.limits)
     };
     check::verdict(read, terms, bar)

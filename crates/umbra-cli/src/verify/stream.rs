@@ -40,7 +40,7 @@ struct Named<'a> {
     id: Option<&'a RawValue>,
 }
 
-/// What the threads share.
+/// The state that the threads share.
 struct Service {
     terms: Terms,
     input: Mutex<Input>,
@@ -198,9 +198,10 @@ fn no_job(error: &serde_json::Error) -> String {
 }
 
 /// The bytes of a replay that stand in a job.
-fn decoded(text: String, limits: &Limits) -> Result<Vec<u8>, Verdict> {
-    let bytes = STANDARD.decode(&text).map_err(|error| Verdict::bad_job(format!("bytes: no base64: {error}")))?;
-    if bytes.len() as u64 > limits.bytes() { Err(Verdict::too_large(limits.bytes())) } else { Ok(bytes) }
+fn decoded(text: String, limits: &Limits) -> Result<Vec<u8>, Box<Verdict>> {
+    let bad = |error| Box::new(Verdict::bad_job(format!("bytes: no base64: {error}")));
+    let bytes = STANDARD.decode(&text).map_err(bad)?;
+    if bytes.len() as u64 > limits.bytes() { Err(Box::new(Verdict::too_large(limits.bytes()))) } else { Ok(bytes) }
 }
 
 impl Input {

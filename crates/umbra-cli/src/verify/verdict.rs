@@ -1,4 +1,4 @@
-//! What a verification says of a file, as text and as JSON.
+//! Verdicts on files, as text and as JSON.
 
 use std::io;
 use std::path::Path;
@@ -86,7 +86,7 @@ pub(super) struct Verdict {
     reason: Option<String>,
     finding: Option<Difference>,
     played: Played,
-    /// All that the file took, its reading included.
+    /// CPU time that the file took, its reading included.
     pub(super) cpu: Duration,
 }
 
@@ -205,7 +205,7 @@ struct Report<'a> {
     hashes: u64,
     wall_seconds: f64,
     cpu_seconds: f64,
-    /// Of the last of these ticks, if the run is as recorded up to there.
+    /// The hash after the last of these ticks, if the run is as recorded up to there.
     end_hash: Option<String>,
     code: Option<String>,
     reason: Option<&'a str>,

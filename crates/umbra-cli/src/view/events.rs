@@ -79,7 +79,7 @@ pub(super) struct Event {
     pub(super) tick: u64,
     /// The last tick of those at which it was done over and over.
     pub(super) until: u64,
-    /// How often it was done.
+    /// The number of times it was done.
     pub(super) times: u64,
     pub(super) what: What,
     pub(super) text: String,
@@ -93,10 +93,10 @@ pub(super) struct Event {
 struct Ongoing {
     /// The index of its event.
     event: usize,
-    /// What it says now, and the tick from which on.
+    /// The text that it has now, and the tick from which on.
     text: String,
     since: u64,
-    /// What it says changed on the way.
+    /// True if the text changed on the way.
     varies: bool,
 }
 

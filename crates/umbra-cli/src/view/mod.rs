@@ -60,7 +60,7 @@ pub(crate) struct Options {
     open: bool,
 }
 
-/// What is made of a run, as far as it is wanted.
+/// The page, the table and the picture of a run, as far as they are wanted.
 struct Views<'a> {
     recording: Option<Recording>,
     sheets: Sheets<'a>,

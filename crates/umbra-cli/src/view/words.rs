@@ -13,7 +13,7 @@ pub(crate) struct Names<B, F, C> {
     pub(crate) collider: C,
 }
 
-/// What an input does in words, and what it is about: the same for all that differ in their values alone.
+/// An input in words, and its topic: the same for all inputs that differ in their values alone.
 pub(super) struct Words {
     pub(super) topic: String,
     pub(super) text: String,

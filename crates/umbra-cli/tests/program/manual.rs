@@ -1,4 +1,4 @@
-//! What comes with the program: scenes, completions, pages of the manual.
+//! Things that come with the program: scenes, completions, pages of the manual.
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,4 +1,4 @@
-//! What a file of a stranger may cost `umbra verify`, and what it has to begin with.
+//! Limits on the cost of a file of a stranger, and the start that it has to have.
 
 use super::*;
 use umbra_physics::{Explosion, Input, Inputs, Shape};
@@ -52,6 +52,7 @@ fn limits_come_from_the_arguments_then_from_a_file_and_else_are_the_stated_ones(
     assert_eq!(judged(&replay, &["--limits", &file, "--limit", "ticks=100,bodies=3"]).2, "E423");
     assert_eq!(judged(&replay, &["--limit", "ticks=1", "--limit", "ticks=100"]).0, 0, "the last one counts");
     let help = text(&umbra(&["verify", "--help"]).stdout);
+    let readme = fs::read_to_string(root().join("crates/umbra-cli/README.md")).expect("a document");
     for (name, value) in [
         ("bytes", "67108864"),
         ("cpu_seconds", "600"),
@@ -64,6 +65,9 @@ fn limits_come_from_the_arguments_then_from_a_file_and_else_are_the_stated_ones(
     ] {
         let is_row = |line: &str| line.split_whitespace().take(2).eq([name, value]);
         assert!(help.lines().any(is_row), "{name} in {help}");
+        // Of the digits in threes that a person reads.
+        let rows = readme.lines().filter(|line| line.contains(&format!("`{name}`")));
+        assert!(rows.map(|row| row.replace(',', "")).any(|row| row.contains(value)), "{name} in README.md");
     }
     for (content, said) in [
         (r#"{"tick": 50}"#, "no limit `tick`; there are bytes, cpu_seconds, ticks, bodies, fields, "),

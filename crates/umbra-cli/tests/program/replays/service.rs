@@ -46,7 +46,7 @@ impl Service {
         self.wait()
     }
 
-    /// As `end`, with an input that goes on.
+    /// The same with an input that goes on.
     fn wait(mut self) -> (Vec<Value>, String, Option<i32>) {
         let lines = (&mut self.answers).lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON"));
         let (lines, mut said) = (lines.collect(), String::new());
@@ -83,7 +83,7 @@ fn each_job_gets_one_answer_with_its_id_whatever_it_is() {
         format!("{:016x}", playback.world().state_hash())
     });
     let hash = hash.expect("it is whole");
-    let other = folder.record(&folder.write("other.json", busy("3").replace("[5, 0]", "[6, 0]")), &[]);
+    let elsewhere = folder.record(&folder.write("other.json", busy("3").replace("[5, 0]", "[6, 0]")), &[]);
     let strayed = strayed(RecordOptions::default());
     let file = |name: &str, bytes: &[u8]| json!({"id": name, "file": folder.write(name, bytes)}).to_string();
     let in_line = |id: Value, bytes: &[u8]| json!({"id": id, "bytes": base64(bytes)}).to_string();
@@ -95,7 +95,7 @@ fn each_job_gets_one_answer_with_its_id_whatever_it_is() {
         (in_line(json!(null), &bytes[..bytes.len() - 1]), "cut_off", "E404", "null"),
         (in_line(json!(3), &flipped(&bytes, bytes.len() / 2)), "tampered", "E405", "3"),
         (in_line(json!(""), b""), "malformed", "E401", "\"\""),
-        (json!({"id": 6, "file": other}).to_string(), "other_start", "E807", "6"),
+        (json!({"id": 6, "file": elsewhere}).to_string(), "other_start", "E807", "6"),
         (limited("a", json!({"ticks": 99})), "over_limits", "E422", "\"a\""),
         (limited("b", json!({"cpu_seconds": 0, "ticks": 100})), "over_limits", "E428", "\"b\""),
         (limited("c", json!({"bytes": 99})), "too_large", "E806", "\"c\""),
@@ -197,23 +197,23 @@ fn a_line_that_is_too_long_is_answered_and_passed_over() {
     };
     // 30,000 bytes are 40,000 in base64, and there are 64 KiB more.
     let longest = 40_000 + (64 << 10);
-    let (least, most) = (padded(longest), padded(longest + 1));
+    let (just_fits, too_long) = (padded(longest), padded(longest + 1));
     let [within, beyond] =
         [30_000, 30_001].map(|count| json!({"id": count, "bytes": base64(&vec![7; count])}).to_string());
     for (line, status) in [
-        (&least, "ok"),
-        (&most, "too_large"),
+        (&just_fits, "ok"),
+        (&too_long, "too_large"),
         (&within, "malformed"),
         (&beyond, "too_large"),
         (&"x".repeat(5_000_000), "too_large"),
-        (&least, "ok"),
+        (&just_fits, "ok"),
     ] {
         service.send(line);
         let answer = service.answer();
         assert_eq!(answer["status"].as_str(), Some(status), "{answer}");
     }
     // The last line, without an end.
-    service.jobs.as_mut().expect("it takes jobs").write_all(most.as_bytes()).expect("it reads");
+    service.jobs.as_mut().expect("it takes jobs").write_all(too_long.as_bytes()).expect("it reads");
     let (answers, said, status) = service.end();
     assert_eq!((answers.len(), answers[0]["line"].as_u64(), &said[..], status), (1, Some(7), "", Some(0)));
     assert_eq!((answers[0]["status"].as_str(), answers[0]["id"].is_null()), (Some("too_large"), true));
@@ -285,9 +285,8 @@ fn a_service_whose_answers_nobody_takes_ends() {
     let mut first = String::new();
     service.answers.read_line(&mut first).expect("an answer");
     // The reader goes, and jobs keep coming.
-    let mut other = Command::new("true");
-    service.answers =
-        BufReader::new(other.stdout(Stdio::piped()).spawn().expect("true").stdout.take().expect("a pipe"));
+    let mut idle = Command::new("true");
+    service.answers = BufReader::new(idle.stdout(Stdio::piped()).spawn().expect("true").stdout.take().expect("a pipe"));
     let began = Instant::now();
     while service.child.try_wait().expect("a child").is_none() {
         assert!(began.elapsed() < Duration::from_secs(60), "it goes on");
