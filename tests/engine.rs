@@ -21,6 +21,7 @@ mod energy;
 mod envelope;
 mod errors;
 mod exact_time;
+mod friction;
 mod fx;
 #[cfg(feature = "serde")]
 mod fx_serde;

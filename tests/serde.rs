@@ -117,6 +117,7 @@ fn quantities() -> Vec<Quantity> {
         Stiffness,
         Drag,
         RestLength,
+        Deceleration,
         SleepAfter,
         Total,
         Blob,
@@ -205,6 +206,7 @@ fn custom_forces() -> Vec<FieldKind> {
         FieldKind::Spring { near, far: End::World(vec2(1, 2)), spring },
         FieldKind::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(3, fx!(-0.1)) },
         FieldKind::Thrust { at, force: vec2(3, fx!(-0.1)) },
+        FieldKind::Friction { deceleration: fx!(0.1), angular_deceleration: fx!(2) },
         FieldKind::Zone { region, acceleration: vec2(3, fx!(-0.1)) },
         FieldKind::Custom { id: u64::MAX },
         FieldKind::Buoyancy {

@@ -10,7 +10,7 @@ use crate::number::{UmbraFactor, UmbraFx, UmbraVec2, factor};
 use crate::status::{Refusal, Result, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, field_id, field_word, look};
 
-/// A kind of force field: one of the six below.
+/// A kind of force field: one of the seven below.
 pub type UmbraFieldKind = u32;
 
 /// Acceleration mu·d / (d² + softening²)^(3/2) towards a point, the same for every mass. Reads `other`, `other_point`, `mu`,
@@ -29,6 +29,9 @@ pub const UMBRA_ZONE: UmbraFieldKind = 4;
 /// A fluid in a box, which lifts colliders by the area that they have in it and slows them down. Reads `min`, `max`, `density`,
 /// `linear_drag`, `angular_drag`, `flow`.
 pub const UMBRA_BUOYANCY: UmbraFieldKind = 5;
+/// Friction with a ground that is seen from above: speed and spin fall at constant rates to nothing. Reads `deceleration`,
+/// `angular_deceleration`.
+pub const UMBRA_FRICTION: UmbraFieldKind = 6;
 
 /// The region of a zone: one of the two below. Its edge belongs to it.
 pub type UmbraRegion = u32;
@@ -98,6 +101,10 @@ pub struct UmbraFieldDef {
     pub angular_drag: UmbraFx,
     /// The velocity of a fluid, m/s.
     pub flow: UmbraVec2,
+    /// The deceleration by a friction, 0 to 2^16 m/s².
+    pub deceleration: UmbraFx,
+    /// The deceleration of the spin by a friction, 0 to 2^16 rad/s².
+    pub angular_deceleration: UmbraFx,
 }
 
 const EMPTY: UmbraVec2 = UmbraVec2 { x: 0, y: 0 };
@@ -130,6 +137,8 @@ const BLANK: UmbraFieldDef = UmbraFieldDef {
     linear_drag: 0,
     angular_drag: 0,
     flow: EMPTY,
+    deceleration: 0,
+    angular_deceleration: 0,
 };
 
 impl UmbraFieldDef {
@@ -171,6 +180,10 @@ impl UmbraFieldDef {
                 linear: Fx::from_bits(self.linear),
                 quadratic: Fx::from_bits(self.quadratic),
                 wind: self.wind.into(),
+            },
+            UMBRA_FRICTION => FieldKind::Friction {
+                deceleration: Fx::from_bits(self.deceleration),
+                angular_deceleration: Fx::from_bits(self.angular_deceleration),
             },
             UMBRA_THRUST => FieldKind::Thrust { at: self.near(), force: self.force.into() },
             UMBRA_ZONE => FieldKind::Zone { region: self.zone()?, acceleration: self.acceleration.into() },
@@ -214,6 +227,10 @@ impl UmbraFieldDef {
                 def.kind = UMBRA_DRAG;
                 (def.linear, def.quadratic, def.wind) = (linear.to_bits(), quadratic.to_bits(), (*wind).into());
             }
+            FieldKind::Friction { deceleration, angular_deceleration } => {
+                (def.kind, def.deceleration) = (UMBRA_FRICTION, deceleration.to_bits());
+                def.angular_deceleration = angular_deceleration.to_bits();
+            }
             FieldKind::Thrust { at, force } => {
                 def.kind = UMBRA_THRUST;
                 def.set_near(at);
@@ -249,7 +266,7 @@ pub extern "C" fn umbra_field_def_default(
 ) -> UmbraStatus {
     guard(|| {
         let place = given(def)?;
-        if kind > UMBRA_BUOYANCY {
+        if kind > UMBRA_FRICTION {
             return Err(Refusal::bad("no kind of force has this number"));
         }
         place.write(UmbraFieldDef { kind, ..BLANK });

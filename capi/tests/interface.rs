@@ -147,6 +147,10 @@ fn fields() -> Vec<(UmbraFieldDef, ForceField)> {
             FieldKind::Drag { linear: fx!(1), quadratic: fx!(2), wind: vec2(1, 2) }.into(),
         ),
         (
+            UmbraFieldDef { deceleration: 3 * ONE, angular_deceleration: ONE, ..def(UMBRA_FRICTION) },
+            FieldKind::Friction { deceleration: fx!(3), angular_deceleration: fx!(1) }.into(),
+        ),
+        (
             UmbraFieldDef { body: BODY_WORD, point, force: UmbraVec2 { x: -ONE, y: 1 }, ..def(UMBRA_THRUST) },
             FieldKind::Thrust { at, force: vec2(-1, Fx::DELTA) }.into(),
         ),

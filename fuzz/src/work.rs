@@ -236,6 +236,7 @@ impl Busy {
             FieldKind::Attractor { .. } => "carried attractor".to_string(),
             FieldKind::Spring { spring, .. } => format!("spring, damped: {}", spring.damping != Fx::ZERO),
             FieldKind::Drag { .. } => "drag".to_string(),
+            FieldKind::Friction { .. } => "friction".to_string(),
             FieldKind::Thrust { .. } => "thrust".to_string(),
             FieldKind::Zone { .. } => "zone".to_string(),
             FieldKind::Buoyancy { .. } => "buoyancy".to_string(),

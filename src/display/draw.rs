@@ -427,7 +427,7 @@ impl<S: Scalar + ToF64> World<S> {
                     draw.arrow(middle, [middle[0] + along[0], middle[1] + along[1]], role);
                 }
             }
-            FieldKind::Drag { .. } | FieldKind::Custom { .. } => {}
+            FieldKind::Drag { .. } | FieldKind::Friction { .. } | FieldKind::Custom { .. } => {}
         }
     }
 }

@@ -59,6 +59,8 @@ pub enum Quantity {
     Drag,
     /// The rest length of a spring.
     RestLength,
+    /// A deceleration by [friction](crate::FieldKind::Friction).
+    Deceleration,
     /// The number of ticks after which bodies fall asleep.
     SleepAfter,
     /// A total of energy or momentum.
@@ -203,6 +205,7 @@ impl Quantity {
             Self::Stiffness => "a stiffness of at least zero",
             Self::Drag => "a coefficient of at least zero",
             Self::RestLength => "a rest length from 0 to 2^30 m",
+            Self::Deceleration => "a deceleration from 0 to 2^16 m/s² or rad/s²",
             Self::SleepAfter => "a number of ticks from 1",
             Self::Total => "a total that fits in 64 bits before and after the point",
             Self::Blob => "a blob of at most 2^24 bytes",
@@ -304,6 +307,7 @@ codes!(Quantity {
     DampingRatio = 213,
     Teeth = 215,
     Strands = 216,
+    Deceleration = 217,
 });
 
 impl core::error::Error for Quantity {}

@@ -143,6 +143,34 @@ pub enum FieldKind<S: Scalar = Fx> {
         /// The velocity of the medium, m/s, each component within ±2^20.
         wind: Vec2<S>,
     },
+    /// Friction with a ground that is seen from above: speed and spin fall at constant rates, whatever the mass, to nothing. For balls, pucks, cars.
+    ///
+    /// A body stops to the bit, in its direction, after the way v²/2a, and falls asleep. One at rest that other fields, gravity or applied forces
+    /// push by less stays where it is. Contacts and joints push it all the same: [`Motor::friction`](crate::Motor::friction) is weighed against their
+    /// forces, at the price of a joint for each body. Frictions that act on one body add up. With [`Yoshida4`](crate::Integrator::Yoshida4), which
+    /// steps backwards in between, it acts at the end of each step. There, and with [`PublishedVerlet`](crate::Integrator::PublishedVerlet), whose
+    /// drift takes in the acceleration, a body that an acceleration a below the friction pushes goes by ½·a·h² in a step.
+    /// *Error* of the way ⅛·a·h² in steps of h seconds: the step that stops the body is not on the parabola.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, FieldKind, World, WorldDef, fx, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// world.add_field(FieldKind::Friction { deceleration: fx!(2), angular_deceleration: fx!(3) })?;
+    /// let ball = BodyDef { velocity: vec2(3, 4), angular_velocity: fx!(-6), ..BodyDef::dynamic() };
+    /// let ball = world.add_body(ball)?;
+    /// (0..151).for_each(|_| _ = world.step()); // 5 m/s take 2.5 s
+    /// let ball = world.body(ball)?;
+    /// assert_eq!((ball.velocity(), ball.angular_velocity()), (vec2(0, 0), fx!(0)));
+    /// assert!((ball.position() - vec2(fx!(3.75), 5)).length() < fx!(0.0001)); // v²/2a = 6.25 m
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    Friction {
+        /// The deceleration, m/s², 0 to 2^16: μ·g for a coefficient μ.
+        deceleration: S,
+        /// The deceleration of the spin, rad/s², 0 to 2^16: 4/3·μ·g/R for a disc of the radius R that lies on the ground.
+        angular_deceleration: S,
+    },
     /// A force that turns with the body.
     Thrust {
         /// The point where the force acts.
@@ -256,6 +284,7 @@ codec_enum!(FieldKind<S>, "the number of a kind of field", {
     4 => Zone { region, acceleration },
     5 => Custom { id },
     6 => Buoyancy { min, max, density, linear_drag, angular_drag, flow },
+    7 => Friction { deceleration, angular_deceleration },
 });
 
 fn check(ok: bool, quantity: Quantity) -> Result<(), Error> {
@@ -277,6 +306,7 @@ impl<S: Scalar> FieldKind<S> {
             Self::Spring { .. } | Self::Thrust { .. } => false,
             Self::Attractor { .. }
             | Self::Drag { .. }
+            | Self::Friction { .. }
             | Self::Zone { .. }
             | Self::Buoyancy { .. }
             | Self::Custom { .. } => true,
@@ -327,6 +357,7 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Spring { near: at, .. } | FieldKind::Thrust { at, .. } => dynamic(at.body),
             FieldKind::Attractor { .. }
             | FieldKind::Drag { .. }
+            | FieldKind::Friction { .. }
             | FieldKind::Zone { .. }
             | FieldKind::Buoyancy { .. }
             | FieldKind::Custom { .. } => Ok(()),
@@ -367,6 +398,10 @@ impl<S: Scalar> ForceField<S> {
                 check(not_negative(*linear) && not_negative(*quadratic), Quantity::Drag)?;
                 check_velocity(*wind)
             }
+            FieldKind::Friction { deceleration, angular_deceleration } => {
+                let is_within = |rate: S| rate >= S::ZERO && rate <= S::from_fx(limits::GRAVITY);
+                check(is_within(*deceleration) && is_within(*angular_deceleration), Quantity::Deceleration)
+            }
             FieldKind::Thrust { at, force } => {
                 attachment(at)?;
                 check(force.is_finite(), Quantity::Force)
@@ -401,6 +436,7 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Spring { spring, .. } if spring.damping != S::ZERO => Dependence::Velocity,
             FieldKind::Custom { id } => custom_forces.get(id).map_or(Dependence::Nothing, |custom| custom.depends_on()),
             kind if kind.has_drag() => Dependence::Velocity,
+            FieldKind::Friction { .. } => Dependence::Velocity,
             FieldKind::Drag { .. }
             | FieldKind::Buoyancy { .. }
             | FieldKind::Zone { .. }
@@ -434,6 +470,7 @@ impl<S: Scalar> ForceField<S> {
             }
             FieldKind::Thrust { at, force } => FieldKind::Thrust { at: attachment(&at)?, force },
             kind @ (FieldKind::Drag { .. }
+            | FieldKind::Friction { .. }
             | FieldKind::Zone { .. }
             | FieldKind::Buoyancy { .. }
             | FieldKind::Custom { .. }) => kind,
@@ -447,9 +484,11 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Attractor { centre, .. } => [centre.body(), None],
             FieldKind::Spring { near, far, .. } => [Some(near.body), far.body()],
             FieldKind::Thrust { at, .. } => [Some(at.body), None],
-            FieldKind::Drag { .. } | FieldKind::Zone { .. } | FieldKind::Buoyancy { .. } | FieldKind::Custom { .. } => {
-                [None, None]
-            }
+            FieldKind::Drag { .. }
+            | FieldKind::Friction { .. }
+            | FieldKind::Zone { .. }
+            | FieldKind::Buoyancy { .. }
+            | FieldKind::Custom { .. } => [None, None],
         }
     }
 

@@ -296,7 +296,7 @@ impl<S: Scalar> Evaluation<'_, S> {
                     }
                 });
             }
-            FieldKind::Buoyancy { .. } | FieldKind::Drag { .. } => {}
+            FieldKind::Buoyancy { .. } | FieldKind::Drag { .. } | FieldKind::Friction { .. } => {}
         }
     }
 

@@ -11,6 +11,8 @@
 //! Detect, solve, push and clear follow with every integrator. Traces, documentation and timers walk the same lists as the step.
 //!
 //! - Damping and drag are solved exactly, in the order of the fields. The closing stage of a step runs them in reverse order.
+//! - Friction with a ground that is seen from above follows each kick, so that a body at rest that is pushed by less does not drift; that of a
+//!   Yoshida4 step, whose middle goes backwards, follows the step.
 //! - Forces that depend on position are evaluated once in a Verlet step: the accelerations after the drift serve the opening kick of the
 //!   next step too. They are a cache of a function of the state, and no state.
 //! - Forces that depend on velocity (spring dampers, custom forces that say so) are evaluated in each kick, and a second time in a closing

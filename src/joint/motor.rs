@@ -110,6 +110,8 @@ impl<S: Scalar> Motor<S> {
     }
 
     /// Friction against the first end, with the largest force, N, and torque, N·m: of a body that slides on a ground which is seen from above.
+    /// It is solved with contacts and other joints, so that it holds against them, and leaves up to 10^-6 m/s until the body falls asleep.
+    /// [`FieldKind::Friction`](crate::FieldKind::Friction) needs no joint and stops bodies to the bit.
     ///
     /// ```
     /// use umbra_physics::{Attachment, BodyDef, End, JointDef, JointKind, Mass, Motor, World, WorldDef, fx, vec2};

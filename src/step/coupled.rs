@@ -10,7 +10,7 @@ use super::bounds::check_bounds_and_rest;
 use super::sleep::{is_slow, radius};
 use super::{Constants, Forces, Probe, Workspace as StepWorkspace, damp, drift, fields, kick};
 use crate::body::{BLOCK, Block, Bodies, BodyKind, Motion};
-use crate::force::{Dependence, End, FieldKind, Scene, Targets, floats};
+use crate::force::{Dependence, End, FieldKind, Scene, Targets, floats, rub};
 use crate::integrate::{BlockFactors, Integrator, Stage, StageKind, cap};
 use crate::island::is_candidate;
 use crate::scalar::Scalar;
@@ -38,6 +38,7 @@ pub(super) struct FieldKinds {
     pub(super) position: bool,
     pub(super) velocity: bool,
     pub(super) drag: bool,
+    pub(super) friction: bool,
     pub(super) fluid: bool,
     /// Attractors that a movable body carries.
     pub(super) moving_attractors: bool,
@@ -50,6 +51,7 @@ impl FieldKinds {
             let depends_on = field.depends_on(forces.custom_forces);
             match &field.kind {
                 FieldKind::Drag { .. } => kinds.drag = true,
+                FieldKind::Friction { .. } => kinds.friction = true,
                 FieldKind::Buoyancy { .. } => {
                     (kinds.position, kinds.fluid) = (true, true);
                     kinds.drag |= field.kind.has_drag();
@@ -140,6 +142,14 @@ pub(super) fn run<S: Scalar>(
         // Drag around the whole step ends with the last damp.
         if workspace.report.drag_outside > 0 && rest.is_empty() {
             timed!(workspace, damp, damp::close_outside(&mut pass, workspace));
+        }
+        // So does friction, which has no inverse for the middle of this step.
+        if pass.kinds.friction && pass.integrator == Integrator::Yoshida4 && rest.is_empty() {
+            timed!(
+                workspace,
+                damp,
+                rub(pass.forces.fields, pass.bodies, pass.indices.clone(), pass.constants.plan.whole)
+            );
         }
         if let Some(probe) = &mut probe {
             probe(stage, pass.bodies, None);

@@ -1,4 +1,4 @@
-//! The kick stage: gravity, then the applied forces, then the fields, to velocities.
+//! The kick stage: gravity, then the applied forces, then the fields, to velocities; then friction.
 //!
 //! Reads: rows of factors, applied accelerations, accelerations by fields. Writes: velocities, last accelerations, faults.
 
@@ -9,7 +9,7 @@ use super::coupled::Coupled;
 use super::{Accelerations, Constants, Workspace as StepWorkspace, fields};
 use crate::body::{Acceleration, Block};
 use crate::error::Cause;
-use crate::force::Dependence;
+use crate::force::{Dependence, rub};
 use crate::integrate::{BlockFactors, Integrator, Stage, gravity_delta_v, kick_by, sum};
 use crate::scalar::Scalar;
 
@@ -40,6 +40,15 @@ pub(super) fn kick_block<S: Scalar>(
 }
 
 pub(super) fn run<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace: &mut StepWorkspace<S>) {
+    kick(pass, stage, workspace);
+    // Before a drift, so that a body at rest that is pushed by less than its friction does not move. Yoshida's kicks go backwards too.
+    if pass.kinds.friction && pass.integrator != Integrator::Yoshida4 {
+        let seconds = pass.constants.plan.timing[stage.span].seconds;
+        rub(pass.forces.fields, pass.bodies, pass.indices.clone(), seconds);
+    }
+}
+
+fn kick<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace: &mut StepWorkspace<S>) {
     if pass.integrator == Integrator::PublishedVerlet {
         return kick_by_mean(pass, workspace);
     }

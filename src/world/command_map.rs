@@ -307,6 +307,10 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
                 quadratic: self.scalar(quadratic)?,
                 wind: self.vector(wind)?,
             },
+            FieldKind::Friction { deceleration, angular_deceleration } => FieldKind::Friction {
+                deceleration: self.scalar(deceleration)?,
+                angular_deceleration: self.scalar(angular_deceleration)?,
+            },
             FieldKind::Thrust { at, force } => {
                 FieldKind::Thrust { at: self.attachment(at)?, force: self.local(force)? }
             }

@@ -213,6 +213,7 @@ impl<S: Scalar> World<S> {
                     self.add_attraction(sum, centre, *mu, *softening, groups, scene, &mut directions)?;
                 }
                 FieldKind::Drag { .. }
+                | FieldKind::Friction { .. }
                 | FieldKind::Thrust { .. }
                 | FieldKind::Zone { .. }
                 | FieldKind::Buoyancy { .. }

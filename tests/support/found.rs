@@ -169,6 +169,10 @@ pub(crate) fn field(value: &Value) -> ForceField {
             quadratic: number(&law["quadratic"]),
             wind: vector(&law["wind"]),
         },
+        "Friction" => FieldKind::Friction {
+            deceleration: number(&law["deceleration"]),
+            angular_deceleration: number(&law["angular_deceleration"]),
+        },
         "Thrust" => FieldKind::Thrust { at: attachment(&law["at"]), force: vector(&law["force"]) },
         "Zone" => FieldKind::Zone { region: region(&law["region"]), acceleration: vector(&law["acceleration"]) },
         "Custom" => FieldKind::Custom { id: law["id"].natural() },

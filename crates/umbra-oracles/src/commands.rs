@@ -421,6 +421,10 @@ impl<'a, C: Choices + ?Sized> Generator<'a, C> {
                 FieldKind::Zone { region, acceleration: self.vector(fx!(3), limits::GRAVITY) }
             }
             6 => FieldKind::Thrust { at: self.attachment(), force: self.vector(fx!(2), Fx::MAX) },
+            5 if !self.taste.reversible && !self.taste.smooth && self.choices.one_in(4) => FieldKind::Friction {
+                deceleration: self.number([fx!(0), fx!(3)], [fx!(0), limits::GRAVITY]),
+                angular_deceleration: self.number([fx!(0), fx!(3)], [fx!(0), limits::GRAVITY]),
+            },
             5 if !self.taste.reversible => FieldKind::Drag {
                 linear: self.not_negative(fx!(0.25), Fx::MAX),
                 quadratic: self.not_negative(fx!(0.25), Fx::MAX),

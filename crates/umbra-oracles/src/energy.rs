@@ -116,7 +116,11 @@ fn qualify(world: &World) -> Result<(), &'static str> {
     if u64::from(num) * u64::from(RATE) > u64::from(den) {
         return Err("its steps are longer than a thirtieth of a second");
     }
-    let takes_only = |kind: &FieldKind| matches!(kind, FieldKind::Drag { wind, .. } if *wind == Vec2::ZERO);
+    let takes_only = |kind: &FieldKind| match kind {
+        FieldKind::Drag { wind, .. } => *wind == Vec2::ZERO,
+        FieldKind::Friction { .. } => true,
+        _ => false,
+    };
     if !world.fields().all(|(_, field)| takes_only(&field.kind)) {
         return Err("its fields do work");
     }

@@ -11,7 +11,7 @@ use super::node::{Kind, Node, Result, quoted};
 use super::object::Object;
 use umbra_physics::{
     Attachment, BodyId, End, Error, FieldKind, ForceField, Fx, FxFactor, Quantity, Region, Scalar, SpringConstants,
-    Vec2, scalar::Factor,
+    Vec2, limits, scalar::Factor,
 };
 
 /// A force field of a scene.
@@ -87,7 +87,7 @@ pub(super) fn named(node: &Node<'_>, names: &Names, what: &str) -> Result<usize>
 }
 
 /// The kinds of force fields.
-const KINDS: [&str; 6] = ["attractor", "spring", "drag", "thrust", "zone", "buoyancy"];
+const KINDS: [&str; 7] = ["attractor", "spring", "drag", "friction", "thrust", "zone", "buoyancy"];
 
 /// Reads a force field.
 pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
@@ -98,6 +98,7 @@ pub(super) fn field(object: &Object<'_>, names: &Names) -> Result<SceneField> {
         "attractor" => attractor(&inner, names),
         "spring" => spring(&inner, names),
         "drag" => drag(&inner),
+        "friction" => friction(&inner),
         "thrust" => thrust(&inner, names),
         "zone" => zone(&inner),
         _ => buoyancy(&inner),
@@ -118,6 +119,7 @@ pub(super) fn blame(object: &Object<'_>, error: Error) -> Refused {
             Quantity::Softening => &["softening"],
             Quantity::Stiffness => &["stiffness"],
             Quantity::Drag => &["damping", "linear", "quadratic"],
+            Quantity::Deceleration => &["deceleration", "angular_deceleration"],
             Quantity::RestLength => &["rest"],
             Quantity::Force => &["force"],
             Quantity::FluidBox => &["box"],
@@ -181,6 +183,21 @@ fn drag(object: &Object<'_>) -> Result<FieldKind> {
     };
     object.finish()?;
     Ok(law)
+}
+
+fn friction(object: &Object<'_>) -> Result<FieldKind> {
+    let law = FieldKind::Friction {
+        deceleration: object.or("deceleration", Fx::ZERO, deceleration),
+        angular_deceleration: object.or("angular_deceleration", Fx::ZERO, deceleration),
+    };
+    object.finish()?;
+    Ok(law)
+}
+
+fn deceleration(node: &Node<'_>) -> Result<Fx> {
+    let quantity = Quantity::Deceleration;
+    let number = not_negative(node, quantity)?;
+    if number > limits::GRAVITY { Err(node.fault(Error::OutOfRange { quantity })) } else { Ok(number) }
 }
 
 fn thrust(object: &Object<'_>, names: &Names) -> Result<FieldKind> {

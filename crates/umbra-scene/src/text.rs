@@ -122,6 +122,11 @@ impl Scene {
                 law.unless(*wind == Vec2::ZERO, "wind", point(*wind));
                 "drag"
             }
+            FieldKind::Friction { deceleration, angular_deceleration } => {
+                law.unless(*deceleration == Fx::ZERO, "deceleration", deceleration);
+                law.unless(*angular_deceleration == Fx::ZERO, "angular_deceleration", angular_deceleration);
+                "friction"
+            }
             FieldKind::Thrust { at, force } => {
                 law.put("at", self.attachment(at));
                 law.put("force", point(*force));

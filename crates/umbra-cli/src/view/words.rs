@@ -209,6 +209,7 @@ fn field_words(field: &ForceField) -> &'static str {
         FieldKind::Attractor { .. } => "an attractor",
         FieldKind::Spring { .. } => "a spring",
         FieldKind::Drag { .. } => "a drag",
+        FieldKind::Friction { .. } => "a friction",
         FieldKind::Thrust { .. } => "a thrust",
         FieldKind::Zone { .. } => "a zone",
         FieldKind::Buoyancy { .. } => "a fluid",

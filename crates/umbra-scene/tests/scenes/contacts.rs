@@ -273,7 +273,7 @@ fn the_rails_of_the_billiard_table_give_slow_balls_back() {
     let table = include_str!("../../../../scenes/billiards.json");
     let cue = r#""position": [-12, 0], "velocity": [30, 0]"#;
     assert!(table.contains(cue));
-    for speed in [0.05, 0.3, 0.9, 1.0, 1.1, 5.0] {
+    for speed in [0.3, 0.9, 1.0, 1.1, 5.0] {
         // A tenth of a second away from the rail on the left, whose restitution is the lower one.
         let aimed = format!(r#""position": [{}, 0], "velocity": [-{speed}, 0.2]"#, -21.5 + speed / 10.0);
         let scene = Scene::parse(&table.replace(cue, &aimed)).expect("a scene");
@@ -288,9 +288,9 @@ fn the_rails_of_the_billiard_table_give_slow_balls_back() {
                 velocity => before = velocity,
             }
         };
-        // 0.95, less a tick of damping at most.
-        let share = -after / before;
-        assert!((share - 0.95).abs() < 0.01, "{speed} m/s: {after} after {before} m/s");
+        // The cloth takes 1 m/s in a second, over two ticks at most.
+        let lost = -0.95 * before - after;
+        assert!((0.0..=2.0 / 60.0 + 1e-6).contains(&lost), "{speed} m/s: {after} after {before} m/s");
     }
 }
 
