@@ -502,7 +502,7 @@ typedef struct UmbraContactHit {
     uint32_t parts[2];
 } UmbraContactHit;
 
-// A kind of force field: one of the six below.
+// A kind of force field: one of the seven below.
 typedef uint32_t UmbraFieldKind;
 
 // The region of a zone: one of the two below. Its edge belongs to it.
@@ -563,6 +563,10 @@ typedef struct UmbraFieldDef {
     UmbraFx angular_drag;
     // The velocity of a fluid, m/s.
     struct UmbraVec2 flow;
+    // The deceleration by a friction, 0 to 2^16 m/s².
+    UmbraFx deceleration;
+    // The deceleration of the spin by a friction, 0 to 2^16 rad/s².
+    UmbraFx angular_deceleration;
 } UmbraFieldDef;
 
 // Options of a force or impulse: 0, or any of the flags below.
@@ -815,6 +819,11 @@ typedef struct UmbraCharacterMove {
     struct UmbraVec2 translation;
     // The ground in the state of the last movement.
     struct UmbraGround ground;
+    // 1 for a movement before a step: kinematic bodies are seen where the step takes them, so that the character stands beside them after
+    // it. 0 to see them where they are. Refused otherwise.
+    uint32_t before_step;
+    // 0.
+    uint32_t reserved;
 } UmbraCharacterMove;
 
 // The result of a movement.
@@ -827,10 +836,13 @@ typedef struct UmbraMovementState {
     uint64_t ground_collider;
     // The unit normal of the ground, towards the character; zero in the air.
     struct UmbraVec2 ground_normal;
-    // The velocity of the ground at the centre of the character, m/s; zero in the air.
+    // The velocity of the surface of the ground at the centre of the character, m/s, with the speed of a belt; zero in the air.
     struct UmbraVec2 ground_velocity;
     // The translation that was asked for, m.
     struct UmbraVec2 desired;
+    // The part of it that was not gone, if it met a dynamic body, m; else zero. A movement by it after the step, with `before_step` 0, takes
+    // the character up to what it pushed: to draw it and to begin the next tick with.
+    struct UmbraVec2 held_back;
     // 1 if it overlaps a collider that it could not get out of, else 0.
     uint32_t is_overlapping;
     // 0.
@@ -923,7 +935,7 @@ typedef uint32_t UmbraBodyClass;
 typedef struct UmbraFigure {
     // The body, field, joint or collider that it shows, or `UMBRA_NO_HANDLE`.
     uint64_t handle;
-    // The second collider of a contact, or `UMBRA_NO_HANDLE`.
+    // The collider of an outline, the second collider of a contact, or `UMBRA_NO_HANDLE`.
     uint64_t other;
     // Its form.
     UmbraFigureForm form;
@@ -1246,6 +1258,10 @@ typedef struct UmbraFigure {
 // `linear_drag`, `angular_drag`, `flow`.
 #define UMBRA_BUOYANCY 5
 
+// Friction with a ground that is seen from above: speed and spin fall at constant rates to nothing. Reads `deceleration`,
+// `angular_deceleration`.
+#define UMBRA_FRICTION 6
+
 // Reads `centre` and `radius`.
 #define UMBRA_DISC 0
 
@@ -1302,7 +1318,7 @@ typedef struct UmbraFigure {
 // A role that this version of the interface has no number for.
 #define UMBRA_ROLE_OTHER 0
 
-// The outline of a body, or a point at its position if it has no collider: `handle` is the body.
+// The outline of a collider of a body, or a point at the position of a body without any: `handle` is the body, `other` the collider.
 #define UMBRA_ROLE_BODY 1
 
 // An arrow along the velocity of a body: `handle` is the body.
@@ -1969,6 +1985,15 @@ UmbraStatus umbra_world_apply_angular_impulse(struct UmbraWorld *world,
 
 // Takes back the forces and torques applied since the last step.
 UmbraStatus umbra_world_clear_forces(struct UmbraWorld *world);
+
+// The impulse of an explosion on a shape at a position, m, and an angle, rad: N·s, by the law for bodies. A game divides it by the mass of
+// a character and adds it to its velocity. The mask does not matter.
+UmbraStatus umbra_explosion_impulse_on(const struct UmbraExplosion *explosion,
+                                       const struct UmbraShape *shape,
+                                       UmbraFx x,
+                                       UmbraFx y,
+                                       UmbraFx angle,
+                                       struct UmbraVec2 *impulse);
 
 // Sets off an explosion, which wakes the bodies that it hits.
 UmbraStatus umbra_world_explode(struct UmbraWorld *world, const struct UmbraExplosion *explosion);

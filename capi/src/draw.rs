@@ -31,7 +31,7 @@ pub type UmbraFigureRole = u32;
 
 /// A role that this version of the interface has no number for.
 pub const UMBRA_ROLE_OTHER: UmbraFigureRole = 0;
-/// The outline of a body, or a point at its position if it has no collider: `handle` is the body.
+/// The outline of a collider of a body, or a point at the position of a body without any: `handle` is the body, `other` the collider.
 pub const UMBRA_ROLE_BODY: UmbraFigureRole = 1;
 /// An arrow along the velocity of a body: `handle` is the body.
 pub const UMBRA_ROLE_VELOCITY: UmbraFigureRole = 2;
@@ -109,7 +109,7 @@ pub struct UmbraDrawOptions {
 pub struct UmbraFigure {
     /// The body, field, joint or collider that it shows, or `UMBRA_NO_HANDLE`.
     pub handle: u64,
-    /// The second collider of a contact, or `UMBRA_NO_HANDLE`.
+    /// The collider of an outline, the second collider of a contact, or `UMBRA_NO_HANDLE`.
     pub other: u64,
     /// Its form.
     pub form: UmbraFigureForm,
@@ -143,7 +143,9 @@ impl Writer<'_> {
     fn add(&mut self, form: UmbraFigureForm, points: &[[f64; 2]], drawn: Role) {
         let (role, handle, other) = number(drawn);
         let class = match drawn {
-            Role::Body(_, class) => CLASSES.iter().position(|&known| known == class).unwrap_or_default() as u32,
+            Role::Body(_, class) | Role::Collider(_, _, class) => {
+                CLASSES.iter().position(|&known| known == class).unwrap_or_default() as u32
+            }
             _ => 0,
         };
         self.drawing.figures.push(UmbraFigure {
@@ -185,6 +187,7 @@ fn number(role: Role) -> (UmbraFigureRole, u64, u64) {
     let lone = |number, handle| (number, handle, UMBRA_NO_HANDLE);
     match role {
         Role::Body(body, _) => lone(UMBRA_ROLE_BODY, body_word(body)),
+        Role::Collider(body, collider, _) => (UMBRA_ROLE_BODY, body_word(body), collider_word(collider)),
         Role::Velocity(body) => lone(UMBRA_ROLE_VELOCITY, body_word(body)),
         Role::Spring(field) => lone(UMBRA_ROLE_SPRING, field_word(field)),
         Role::Attractor(field) => lone(UMBRA_ROLE_ATTRACTOR, field_word(field)),

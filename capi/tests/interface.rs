@@ -2124,7 +2124,10 @@ fn a_drawing_has_the_figures_of_the_library() {
         all.iter().filter(|(figure, _)| figure.role == role && figure.handle == body(name)).collect::<Vec<_>>()
     };
     let [(floor, corners)] = of("floor", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
-    assert_eq!((floor.form, floor.class, floor.other), (UMBRA_FIGURE_POLYGON, UMBRA_CLASS_STATIC, UMBRA_NO_HANDLE));
+    assert_eq!((floor.form, floor.class), (UMBRA_FIGURE_POLYGON, UMBRA_CLASS_STATIC));
+    // Its collider, and the one of no other body.
+    let outlined = out(|body| umbra_world_collider_body(Some(&world), floor.other, body));
+    assert_eq!(outlined, Ok(body("floor")));
     assert_eq!(corners[..], [[-4.0, -2.0], [4.0, -2.0], [4.0, 0.0], [-4.0, 0.0]]);
     // A disc of 48 corners, and the line to its rim.
     let [(disc, rim), (radius, ends)] = of("ball", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
@@ -2140,7 +2143,7 @@ fn a_drawing_has_the_figures_of_the_library() {
     let along = [0, 1].map(|i| f64::from(corners[1][i] - corners[0][i]));
     assert!((along[0] - 2.0 * angle.cos()).abs() < 1e-6 && (along[1] - 2.0 * angle.sin()).abs() < 1e-6);
     let [(dot, at)] = of("dot", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
-    assert_eq!((dot.form, at.len()), (UMBRA_FIGURE_POINT, 1));
+    assert_eq!((dot.form, dot.other, at.len()), (UMBRA_FIGURE_POINT, UMBRA_NO_HANDLE, 1));
     // 1.5 m to the right, as it falls with less than that.
     let [(arrow, ends)] = of("dot", UMBRA_ROLE_VELOCITY)[..] else { panic!("{all:?}") };
     assert_eq!((arrow.form, ends[0], ends[1][0] - ends[0][0]), (UMBRA_FIGURE_ARROW, at[0], 1.5));
