@@ -129,7 +129,7 @@ pub extern "C" fn umbra_explosion_impulse_on(
 ) -> UmbraStatus {
     guard(|| {
         let (explosion, shape, place) = (Explosion::from(given(explosion)?), &given(shape)?.shape, given(impulse)?);
-        place.write(explosion.impulse_on(shape, (vector(x, y), Fx::from_bits(angle)))?.into());
+        place.write(explosion.impulse_on(shape, vector(x, y), Fx::from_bits(angle))?.into());
         Ok(())
     })
 }

@@ -97,7 +97,7 @@ impl<S: Scalar> Explosion<S> {
         within(self.impulse, -IMPULSE, IMPULSE, Quantity::ExplosionImpulse)
     }
 
-    /// The impulse on a shape at a pose, a position and an angle, N·s: the sum over its parts, by the law for the colliders of bodies. It is for
+    /// The impulse on a shape at a position and an angle, N·s: the sum over its parts, by the law for the colliders of bodies. It is for
     /// a [`Character`](crate::Character), which has no velocity that the engine could change: divide it by its mass, and add the quotient
     /// to its velocity. The [mask](Self::mask) does not matter. Out of reach it is zero.
     ///
@@ -112,13 +112,12 @@ impl<S: Scalar> Explosion<S> {
     ///
     /// let blast = Explosion { radius: fx!(2), falloff: fx!(4), ..Explosion::new(vec2(0, 0), fx!(40)) };
     /// // A hero of 80 kg, 2 m tall: 3 m to the right of it, half of 40 N·s a metre.
-    /// let impulse = blast.impulse_on(&Shape::rectangle(fx!(1), fx!(2))?, (vec2(fx!(4.5), 0), fx!(0)))?;
+    /// let impulse = blast.impulse_on(&Shape::rectangle(fx!(1), fx!(2))?, vec2(fx!(4.5), 0), fx!(0))?;
     /// assert_eq!((impulse, impulse / 80), (vec2(40, 0), vec2(fx!(0.5), 0)));
     /// # Ok::<(), umbra_physics::Error>(())
     /// ```
-    pub fn impulse_on(&self, shape: &Shape<S>, pose: (Vec2<S>, S)) -> Result<Vec2<S>, Error> {
+    pub fn impulse_on(&self, shape: &Shape<S>, position: Vec2<S>, angle: S) -> Result<Vec2<S>, Error> {
         self.check()?;
-        let (position, angle) = pose;
         let (from, centre) = (checked_point(self.position)?, checked_point(position)?);
         let placement = Placement::<S>::new(position, S::Angle::from_radians(angle));
         // Positions are below 2^62 ulps, so that the difference fits.

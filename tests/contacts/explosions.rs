@@ -66,7 +66,7 @@ fn the_impulse_on_a_shape_is_the_impulse_on_a_body_that_has_it() {
         let (at, angle) = (Vec2::new(number(-6, 6), number(-6, 6)), number(-3, 3));
         let shape = &shapes[run % shapes.len()];
         let blast = Explosion { radius: fx!(1), falloff: fx!(5), ..Explosion::new(vec2(1, 0), number(-30, 30)) };
-        let impulse = blast.impulse_on(shape, (at, angle)).unwrap();
+        let impulse = blast.impulse_on(shape, at, angle).unwrap();
         let mut world = world();
         let def = BodyDef { position: at, angle, mass: Mass::Kilograms(fx!(2)), ..BodyDef::dynamic() };
         let body = world.add_body(def.with_collider(shape.clone())).unwrap();
@@ -78,12 +78,12 @@ fn the_impulse_on_a_shape_is_the_impulse_on_a_body_that_has_it() {
     assert!((100..300).contains(&hits), "{hits}");
     let far = Explosion { radius: fx!(5000), ..Explosion::new(vec2(0, 0), fx!(1)) };
     assert_eq!(
-        far.impulse_on(&shapes[0], (vec2(0, 0), fx!(0))),
+        far.impulse_on(&shapes[0], vec2(0, 0), fx!(0)),
         Err(Error::OutOfRange { quantity: Quantity::ExplosionRadius })
     );
     let blast = Explosion { radius: fx!(1), ..far };
     let beyond = Vec2::new(limits::POSITION + Fx::ONE, fx!(0));
-    assert_eq!(blast.impulse_on(&shapes[0], (beyond, fx!(0))), Err(Error::OutOfRange { quantity: Quantity::Position }));
+    assert_eq!(blast.impulse_on(&shapes[0], beyond, fx!(0)), Err(Error::OutOfRange { quantity: Quantity::Position }));
 }
 
 #[test]

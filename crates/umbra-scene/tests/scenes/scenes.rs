@@ -165,6 +165,7 @@ pub(crate) const RICH: &str = r#"{
     {"spring": {"from": {"body": "c", "point": [0, 1]}, "to": [0, 5], "rest": 1, "stiffness": 10, "damping": 0.5}},
     {"repeat": {"i": [0, 0]}, "spring": {"from": "r-{i}-0-2", "to": "r-{i+1}-0-3", "stiffness": 10}},
     {"drag": {"linear": 0.1, "quadratic": 0.2, "wind": [3, 0]}},
+    {"friction": {"deceleration": 0.1, "angular_deceleration": 0.3}},
     {"thrust": {"at": {"body": "c", "point": [1, 0]}, "force": [0, 1]}},
     {"zone": {"disc": {"centre": [0, 0], "radius": 2}, "acceleration": [1, 0]}},
     {"zone": {"box": {"min": [0, 0], "max": [2, 2]}, "acceleration": [1, 0]}},
@@ -255,7 +256,7 @@ fn the_rich_scene_is_one() {
     assert_eq!((scene.starting_bodies, scene.bodies.len()), (9, 11));
     let (run, _) = run::<Fx>(&scene, 20);
     assert_eq!(run.world().body_count(), 10, "two were added, one was removed");
-    assert_eq!(run.world().fields().count(), 9);
+    assert_eq!(run.world().fields().count(), 10);
     // Three that touch nothing, five and a fin on the one, six discs of which one was removed.
     assert_eq!(run.world().collider_count(), 14);
     let (world, labels) = (run.world(), run.labels());
