@@ -1256,7 +1256,7 @@ fn fields_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_fields(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added));
-    assert_eq!(out(|def| umbra_field_def_default(6, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
+    assert_eq!(out(|def| umbra_field_def_default(7, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     umbra_world_free(Some(world));
 }
 
@@ -2272,7 +2272,7 @@ fn the_numbers_of_errors_are_those_of_the_document() {
 fn structs_lie_as_they_are_known() {
     assert_eq!((size_of::<UmbraWorldDef>(), size_of::<UmbraPose>()), (48, 56));
     assert_eq!((size_of::<UmbraBodyDef>(), std::mem::offset_of!(UmbraBodyDef, is_bullet)), (144, 140));
-    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 272));
+    assert_eq!((size_of::<UmbraBodyState>(), size_of::<UmbraFieldDef>()), (264, 288));
     assert_eq!((size_of::<UmbraGoal>(), size_of::<UmbraContactPoint>(), size_of::<UmbraContact>()), (32, 32, 136));
     assert_eq!((size_of::<UmbraDrawOptions>(), size_of::<UmbraFigure>()), (56, 40));
     assert_eq!(std::mem::offset_of!(UmbraFieldDef, max), 216);
