@@ -902,7 +902,7 @@ typedef struct UmbraReplayLimits {
     uint32_t pairs;
 } UmbraReplayLimits;
 
-// What of a world is drawn, and where its points are measured from; `umbra_draw_options_default` fills it in.
+// The parts of a world that are drawn, and the place from which their points are measured; `umbra_draw_options_default` fills it in.
 typedef struct UmbraDrawOptions {
     // Points are measured from here, m: from the camera in a large world, as a float has 24 bits, a millimetre at 10 km. Default 0, 0.
     struct UmbraVec2 origin;

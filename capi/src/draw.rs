@@ -81,7 +81,7 @@ const CLASSES: [BodyClass; 6] = [
     BodyClass::Disabled,
 ];
 
-/// What of a world is drawn, and where its points are measured from; `umbra_draw_options_default` fills it in.
+/// The parts of a world that are drawn, and the place from which their points are measured; `umbra_draw_options_default` fills it in.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraDrawOptions {

@@ -1,4 +1,4 @@
-//! Where the time of a run went, as text or as JSON.
+//! The time of a run by parts of its steps, as text or as JSON.
 
 use std::fmt;
 use std::time::Duration;
@@ -11,7 +11,7 @@ use umbra_physics::{Scalar, Timers, World};
 struct Part {
     name: &'static str,
     us_per_step: f64,
-    /// Of the time of all parts, from 0 to 1.
+    /// The share of the time of all parts, from 0 to 1.
     share: f64,
 }
 

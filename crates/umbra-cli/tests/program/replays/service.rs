@@ -46,7 +46,7 @@ impl Service {
         self.wait()
     }
 
-    /// The same with an input that goes on.
+    /// Gives the rest of the answers, what was said, and the exit status, with an input that goes on.
     fn wait(mut self) -> (Vec<Value>, String, Option<i32>) {
         let lines = (&mut self.answers).lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON"));
         let (lines, mut said) = (lines.collect(), String::new());
