@@ -352,7 +352,12 @@ fn the_last_error_is_that_of_the_thread() {
     let done: Call = |world| umbra_world_state_hash(Some(world), Some(&mut MaybeUninit::uninit()));
     let calls = [
         (body, UMBRA_ERROR_NO_SUCH_BODY, 0, "no such body: body 5"),
-        (size, UMBRA_ERROR_OUT_OF_RANGE, 158, "out of range: expected a radius from 2^-7 to 2^12 m, not -1"),
+        (
+            size,
+            UMBRA_ERROR_OUT_OF_RANGE,
+            158,
+            "out of range: expected a radius from 2^-7 (0.0078125) to 2^12 m, not -1",
+        ),
         (null, UMBRA_ERROR_NULL_POINTER, 0, "a pointer is null"),
         (done, UMBRA_OK, 0, ""),
     ];
