@@ -1,13 +1,14 @@
 //! Limits on what a file of a stranger may cost. All are finite, whoever sets them.
 
 use std::collections::BTreeMap;
+use std::io;
 use std::path::Path;
 use std::time::Duration;
-use std::{fs, io};
 
 use umbra_physics::ReplayLimits;
 
 use crate::failure::Failure;
+use crate::load;
 
 #[derive(Clone, Copy)]
 enum Limit {
@@ -80,7 +81,7 @@ impl Limits {
         if let Some(file) = file {
             let failed = Failure::file(file, "read");
             let wrong = |what: String| failed(io::Error::new(io::ErrorKind::InvalidData, what));
-            let text = fs::read(file).map_err(&failed)?;
+            let text = load::bytes(file)?;
             let changes: Changes = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
             for (name, value) in changes {
                 limits.0[index(&name).map_err(&wrong)?] = value;

@@ -98,6 +98,9 @@ pub(crate) fn verify(options: &Options) -> Result<(), Failure> {
     Destinations::beside(files.iter().chain(&options.limits).chain(&options.start))?;
     let jobs = options.jobs.map(usize::from).or_else(|| thread::available_parallelism().ok().map(usize::from));
     let jobs = jobs.unwrap_or(1);
+    if options.stream && [&options.limits, &options.start].into_iter().flatten().any(|file| load::is_dash(file)) {
+        return Err(Failure::Usage { what: "--stream takes its jobs from the standard input: give a file".to_owned() });
+    }
     let limits = Limits::new(options.limits.as_deref(), &options.limit)?;
     let terms = Terms::new(limits, options.start.as_deref())?;
     if options.stream {

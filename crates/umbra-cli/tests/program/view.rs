@@ -365,6 +365,13 @@ fn the_picture_pans_zooms_and_follows() {
     browser.assert_clean();
 }
 
+/// Script: a copy of the canvas of the page whose pixels can be read.
+const CANVAS: &str = "const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [canvas.width, canvas.height];
+    const pen = copy.getContext('2d', { willReadFrequently: true });
+    pen.drawImage(canvas, 0, 0);";
+
 /// A crate of 1 m on a floor, seen at ten times its size.
 const CRATE: &str = r#"{"ticks": 90, "gravity": [0, -10], "sleep_after": null, "bodies": [
     {"name": "floor", "kind": "static", "colliders": [{"shape": {"rectangle": {"width": 8, "height": 1}}}]},
@@ -405,11 +412,7 @@ fn contacts_are_recorded_and_shown_on_request() {
     browser.hover("h1", [0.5, 0.5]);
     // The box around all that has the colour of contacts, in m.
     let red = "(() => {
-        const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
-        const copy = document.createElement('canvas');
-        [copy.width, copy.height] = [canvas.width, canvas.height];
-        const pen = copy.getContext('2d', { willReadFrequently: true });
-        pen.drawImage(canvas, 0, 0);
+        CANVAS
         const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
         const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
         let [left, bottom, right, top] = [Infinity, Infinity, -Infinity, -Infinity];
@@ -420,9 +423,10 @@ fn contacts_are_recorded_and_shown_on_request() {
             [left, bottom, right, top] = [Math.min(left, x), Math.min(bottom, y), Math.max(right, x), Math.max(top, y)];
         }
         return [left, bottom, right, top].map(value => Number.isFinite(value) ? Math.round(value * 100) / 100 : null);
-    })()";
+    })()"
+        .replace("CANVAS", CANVAS);
     let box_ = |browser: &mut Browser| -> [Option<f64>; 4] {
-        let value = browser.evaluate(red);
+        let value = browser.evaluate(&red);
         std::array::from_fn(|i| value[i].as_f64())
     };
     // Points alone at first: at both lower corners of the crate.
@@ -467,11 +471,7 @@ fn joints_are_drawn_until_they_break() {
     let is_dark = |browser: &mut Browser, [x, y]: [f64; 2]| {
         let script = format!(
             "(() => {{
-                const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
-                const copy = document.createElement('canvas');
-                [copy.width, copy.height] = [canvas.width, canvas.height];
-                const pen = copy.getContext('2d', {{ willReadFrequently: true }});
-                pen.drawImage(canvas, 0, 0);
+                {CANVAS}
                 const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
                 const [left, top] = [{x} * scale + canvas.clientWidth / 2, (1 - {y}) * scale + canvas.clientHeight / 2];
                 const {{ data }} = pen.getImageData((left - 3) * ratio, (top - 3) * ratio, 7 * ratio, 7 * ratio);
@@ -755,11 +755,7 @@ fn sensors_one_way_colliders_and_belts_are_told_apart() {
     let measure = |browser: &mut Browser, x: f64| {
         let script = format!(
             "(() => {{
-                const canvas = document.querySelector('#canvas'), ratio = canvas.width / canvas.clientWidth;
-                const copy = document.createElement('canvas');
-                [copy.width, copy.height] = [canvas.width, canvas.height];
-                const pen = copy.getContext('2d', {{ willReadFrequently: true }});
-                pen.drawImage(canvas, 0, 0);
+                {CANVAS}
                 const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 4);
                 const darkness = (x, y) => {{
                     const px = (canvas.clientWidth / 2 + x * scale) * ratio, py = (canvas.clientHeight / 2 - y * scale) * ratio;

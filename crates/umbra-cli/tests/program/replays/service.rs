@@ -154,7 +154,12 @@ fn each_job_gets_one_answer_with_its_id_whatever_it_is() {
     assert_eq!((answer["status"].as_str(), answer["code"].as_str()), (Some("diverged"), Some("E420")));
     assert_eq!((answer["finding"]["tick"].as_u64(), answer["end_hash"].is_null()), (Some(99), true));
     assert_eq!(service.end().2, Some(0));
-    for wrong in [&["--stream", &replay[..]][..], &["--stream", "--json"], &["--stream", "--exact"]] {
+    let from_jobs = [["--stream", "--start", "-"], ["--stream", "--limits", "-"]];
+    for wrong in from_jobs.iter().map(|wrong| &wrong[..]).chain([
+        &["--stream", &replay[..]][..],
+        &["--stream", "--json"],
+        &["--stream", "--exact"],
+    ]) {
         assert_eq!(umbra(&[&["verify"], wrong].concat()).status.code(), Some(2), "{wrong:?}");
     }
 }
