@@ -2,6 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -48,10 +49,20 @@ impl Service {
 
     /// Gives the rest of the answers, what was said, and the exit status, with an input that goes on.
     fn wait(mut self) -> (Vec<Value>, String, Option<i32>) {
+        // One that does not end is to fail, and not to be waited for.
+        let (id, (ended, has_ended)) = (self.child.id().to_string(), mpsc::channel::<()>());
+        let watch = thread::spawn(move || {
+            if has_ended.recv_timeout(Duration::from_secs(120)) == Err(RecvTimeoutError::Timeout) {
+                let _ = Command::new("kill").args(["-KILL", &id]).status();
+            }
+        });
         let lines = (&mut self.answers).lines().map(|line| serde_json::from_str(&line.expect("text")).expect("JSON"));
         let (lines, mut said) = (lines.collect(), String::new());
         self.child.stderr.take().expect("a pipe").read_to_string(&mut said).expect("text");
-        (lines, said, self.child.wait().expect("it ends").code())
+        let status = self.child.wait().expect("it ends").code();
+        drop(ended);
+        watch.join().expect("it watches");
+        (lines, said, status)
     }
 }
 
