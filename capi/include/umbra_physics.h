@@ -755,7 +755,8 @@ typedef struct UmbraCastHit {
     UmbraFx fraction;
     // The point where they meet, m.
     struct UmbraVec2 point;
-    // The outward unit normal of the collider there; zero if they overlap at the start.
+    // The outward unit normal of the surface there, that of all tiles together at a seam of tiles; zero if a ray starts in the collider, or a shape
+    // overlaps it at the start.
     struct UmbraVec2 normal;
     // Number of the part of a compound or of the segment of a chain; 0 of all others.
     uint32_t part;
@@ -2154,7 +2155,7 @@ UmbraStatus umbra_world_cast_ray_all(const struct UmbraWorld *world,
                                      size_t *count);
 
 // All colliders that a shape meets on its way over a translation, without turning, sorted as those on a ray; with 1 for `ties` only those
-// that tie for the first place. A list as `umbra_world_outcomes` gives it.
+// that tie for the first place. A shape that touches a collider meets it if its way leads into it, not if it slides along it or leaves it. A list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_cast_shape(const struct UmbraWorld *world,
                                    const struct UmbraShape *shape,
                                    UmbraFx x,

@@ -69,7 +69,8 @@ pub struct UmbraCastHit {
     pub fraction: UmbraFx,
     /// The point where they meet, m.
     pub point: UmbraVec2,
-    /// The outward unit normal of the collider there; zero if they overlap at the start.
+    /// The outward unit normal of the surface there, that of all tiles together at a seam of tiles; zero if a ray starts in the collider, or a shape
+    /// overlaps it at the start.
     pub normal: UmbraVec2,
     /// Number of the part of a compound or of the segment of a chain; 0 of all others.
     pub part: u32,
@@ -275,7 +276,7 @@ pub unsafe extern "C" fn umbra_world_cast_ray_all(
 }
 
 /// All colliders that a shape meets on its way over a translation, without turning, sorted as those on a ray; with 1 for `ties` only those
-/// that tie for the first place. A list as `umbra_world_outcomes` gives it.
+/// that tie for the first place. A shape that touches a collider meets it if its way leads into it, not if it slides along it or leaves it. A list as `umbra_world_outcomes` gives it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn umbra_world_cast_shape(
     world: Option<&UmbraWorld>,

@@ -3,9 +3,9 @@
 use super::cores::{Core, Product, across};
 use super::frame::Direction;
 use super::margin::Limit;
-use super::seam;
 use super::surface::{LEAN, Link, SLACK, Surface, Surfaces, is_reached};
 use crate::kernel::sqrt::direction;
+use crate::shape::union::REACH;
 
 /// The separations of a pair along its normals.
 pub(super) struct Axes<P, const N: usize> {
@@ -27,7 +27,7 @@ pub(super) fn reaches<P: Product, const N: usize>(
     let place = |p: [i64; 2]| P::dot(across(link.normal), p);
     let [low, high] = part.map(|end| place([0, 1].map(|i| owner.origin[i] + P::coordinate(end[i], k))));
     let places = || core.corners.iter().map(|&corner| place(corner));
-    let slop = P::length(seam::REACH + (4 << k), k);
+    let slop = P::length(REACH + (4 << k), k);
     let (first, last) =
         places().fold((place(core.corners[0]), P::LEAST), |(first, last), p| (first.min(p), last.max(p)));
     is_reached([first, last + slop], [low, high + slop], end)
@@ -52,7 +52,7 @@ fn along<P: Product, const N: usize>(
 ) -> Option<[P; N]> {
     // A core beyond an edge that is covered is at the neighbour's.
     if let Some(surface) = surface.filter(|surface| !surface.is_one_sided) {
-        let reach = P::length(seam::REACH + (4 << k), k);
+        let reach = P::length(REACH + (4 << k), k);
         let is_covered = |i: &usize| surface.links.iter().all(|link| link.corners[0] != *i);
         if (0..core.faces()).filter(is_covered).any(|i| core.separation(i, other_core) > reach) {
             return None;

@@ -11,7 +11,7 @@
 //! over a seam. Where the chain goes on straight, an edge that lies over the seam has no point there: it has points at its own ends, as
 //! on one long segment.
 //!
-//! The edges of static polygons, and of polygons of one body, that are on the [surface](super::seam) of their union follow the same rules,
+//! The edges of static polygons, and of polygons of one body, that are on the [surface](crate::shape::union) of their union follow the same rules,
 //! each as a segment whose neighbours are the edges by which the surface goes on. At a corner whose two edges are both on the surface a
 //! polygon pushes as one that stands alone.
 //!

@@ -29,7 +29,6 @@ mod margin;
 mod place;
 mod placed;
 mod points;
-pub(crate) mod seam;
 mod span;
 mod surface;
 pub(crate) mod sweep;

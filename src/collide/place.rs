@@ -1,7 +1,6 @@
 //! Outlines in world axes.
 
 use super::cores::across;
-use super::seam::Face;
 use crate::collider::BodyOutline;
 use crate::fx::Fx;
 pub(super) use crate::kernel::round::odd_shift;
@@ -9,6 +8,7 @@ use crate::kernel::simd::Line;
 use crate::kernel::trig::sin_cos_turn;
 use crate::math::Vec2;
 use crate::scalar::Turn;
+use crate::shape::union::Face;
 use crate::shape::{Aabb, Outline};
 
 /// The place of a body: the position of its centre of mass and the direction it is turned to. Made once for all outlines of a body.

@@ -9,12 +9,12 @@ use super::cores::across;
 use super::lanes::{CollidePairs, LANE_CORNERS, LaneKind, LaneManifolds, LanePairs, LaneShape, Polygons, Tables};
 use super::link::{collide_surfaces, swapped};
 use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
-use super::seam::Face;
 use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
 use crate::fx::Fx;
 use crate::kernel::simd::{self, Line};
 use crate::math::Vec2;
+use crate::shape::union::Face;
 use crate::shape::{Aabb, Outline};
 use crate::slots::NONE;
 

@@ -13,11 +13,11 @@ use alloc::vec::Vec;
 
 use super::tiles::{SurfaceList, is_crowd, is_polygon};
 use crate::collide::broad::{Proxy, Statics};
-use crate::collide::seam::{Face, Polygons, REACH};
 use crate::collider::{BodyOutline, ColliderSet, OutlineId};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::shape::Aabb;
+use crate::shape::union::{Face, Polygons, REACH};
 use crate::slots::NONE;
 
 /// The surfaces of polygons, by body.

@@ -19,13 +19,13 @@ use super::slot_table::SlotTable;
 use super::sweep::{Paths, form};
 use super::tiles::{SLANTED, Tiles, is_polygon};
 use super::{MARGIN, Scene};
-use crate::collide::seam::Face;
 use crate::collide::sweep::{Moment, Second, Sweep};
 use crate::collide::{Cores, LANE_CORNERS, Manifold, Margin, Pose};
 use crate::collider::OutlineId;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::shape::Aabb;
+use crate::shape::union::Face;
 use crate::slots::NONE;
 
 /// The memory of the narrow phase: outlines in world axes, each placed when it is first asked for, and surfaces of polygons.

@@ -17,9 +17,9 @@ use super::slot_table::SlotTable;
 use super::{ContactRecord, Scene};
 use crate::collide::Pose;
 use crate::collide::broad::{Proxy, Statics};
-use crate::collide::seam::{Face, Polygons};
 use crate::collider::{BodyOutline, Collider};
 use crate::fx::Fx;
+use crate::shape::union::{Face, Polygons};
 use crate::slots::NONE;
 
 /// The surfaces of static polygons.

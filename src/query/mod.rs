@@ -4,13 +4,15 @@
 //! around it, at the place of its body. Corners are turned and rounded to ulps once, oddly; all that follows is a function of
 //! integers, and that of a mirror image is the mirror image, to the bit.
 //!
-//! Shapes are closed sets: a graze counts. Every query is one of three on a core, seen from the origin:
+//! Shapes are closed sets: for rays and overlaps a graze counts. A shape that is cast meets only what its way leads into: it may touch others, and
+//! slide along them. Every query is one of three on a core, seen from the origin:
 //!
 //! - `near`: does it contain the origin, and which of its points is nearest to it;
-//! - `ray`: the first point of a ray from the origin that is in it.
+//! - `ray`: the first point of a ray from the origin that is in it, or from which on the ray leads into it.
 //!
 //! Two shapes overlap if the sum of one core with the mirror image of the other (`sum`), with the sum of the radii, contains the origin;
-//! a shape that is cast hits another one where the ray of its translation enters that sum.
+//! a shape that is cast hits another one where the ray of its translation enters that sum. Where a sharp corner is met, `seam` asks for the
+//! surface of the polygons that touch there.
 //!
 //! **Ranges.** Corners are less than 2^15 m from the centre of mass of their body, edges are shorter than 2^50 ulps, also those of a
 //! sum. A query looks at most [`limits::QUERY`](crate::limits::QUERY) = 2^20 m along each axis; a core of which nothing is in reach is
@@ -20,6 +22,7 @@ mod core;
 mod near;
 mod ray;
 mod shape;
+mod seam;
 mod sum;
 #[cfg(test)]
 mod tests;
@@ -32,6 +35,7 @@ pub(crate) use ray::{FULL, Feature, Line, RayEnd, at, beyond_seam, first_hit, no
 pub use shape::ShapeHit;
 pub(crate) use shape::{beside, checked_point, checked_translation, in_metres, in_parts, in_scalar};
 pub(crate) use sum::{Sum, cast_hit};
+pub(crate) use seam::{Seam, SeamPlace};
 
 /// A vector in ulps.
 pub(crate) type Point = [i64; 2];

@@ -1,5 +1,7 @@
 //! The point of a core that is nearest to the origin.
 
+use core::cmp::Ordering;
+
 use super::{Core, Point, cross, dot, edge, outward};
 use crate::kernel::sqrt::{over_root, root_fine};
 use crate::kernel::wide::{div_256, mul_128};
@@ -68,16 +70,25 @@ pub(crate) fn contains(core: &Core) -> bool {
     if is_beside(0) || is_beside(1) {
         return false;
     }
-    let square = u128::from(core.radius.unsigned_abs()).pow(2);
     match nearest(corners) {
         Near::Inside => true,
+        feature => order_of_distance(core, feature) != Ordering::Greater,
+    }
+}
+
+/// The distance of the origin, which is not in the core, from its nearest part, compared with the radius. Exact.
+pub(super) fn order_of_distance(core: &Core, feature: Near) -> Ordering {
+    let corners = core.corners();
+    let square = u128::from(core.radius.unsigned_abs()).pow(2);
+    match feature {
+        Near::Inside => Ordering::Less,
         // Below 2^109.
-        Near::Corner(i) => dot(corners[i], corners[i]) as u128 <= square,
+        Near::Corner(i) => (dot(corners[i], corners[i]) as u128).cmp(&square),
         Near::Edge(i) => {
             let e = edge(corners, i);
             // The distance times the length: below 2^105, so that its square has 256 bits. A radius is below 2^46.
             let away = cross(corners[i], e).unsigned_abs();
-            mul_128(away, away) <= mul_128(square, dot(e, e) as u128)
+            mul_128(away, away).cmp(&mul_128(square, dot(e, e) as u128))
         }
     }
 }

@@ -9,7 +9,10 @@
 //!
 //! How far along the ray is an integer in units of 2^-62, rounded down.
 
+use core::cmp::Ordering;
+
 use super::core::in_fx;
+use super::near::{Near, nearest, order_of_distance};
 use super::{Core, Point, contains, cross, dot, edge, from_to, odd_shift, outward};
 use crate::kernel::sqrt::{over_root, root_fine};
 use crate::kernel::wide::{div_256, mul_128};
@@ -87,6 +90,92 @@ pub(crate) fn first_hit(core: &Core, ray: Point) -> Option<RayEnd> {
         return Some(RayEnd { fraction: 0, feature: Feature::Inside });
     }
     if core.radius == 0 { sharp_hit(core.corners(), ray) } else { rounded_hit(core, ray) }
+}
+
+/// The first point of the ray from which on it leads into a shape: where [`first_hit`] has it, but for rays that only graze the shape. A ray from
+/// the surface that goes along it or away from it leads nowhere into a convex shape.
+///
+/// A line without a radius has no inside. A ray leads into it if it crosses the line between its ends, or comes along the line from beyond an end.
+pub(crate) fn first_entry(core: &Core, ray: Point) -> Option<RayEnd> {
+    match start(core) {
+        Start::Inside => Some(RayEnd { fraction: 0, feature: Feature::Inside }),
+        Start::On(feature) => leads_in(core, feature, ray),
+        Start::Outside => {
+            let end = if core.radius == 0 { sharp_hit(core.corners(), ray) } else { rounded_hit(core, ray) };
+            end.filter(|_| !grazes(core, ray))
+        }
+    }
+}
+
+/// The place of the start of a ray in a shape.
+enum Start {
+    Outside,
+    /// On the surface, at an edge or a corner.
+    On(Feature),
+    Inside,
+}
+
+/// The place of the origin in a shape. Exact.
+fn start(core: &Core) -> Start {
+    let corners = core.corners();
+    let feature = nearest(corners);
+    if core.radius > 0 || feature != Near::Inside {
+        return match (order_of_distance(core, feature), feature) {
+            (Ordering::Greater, _) => Start::Outside,
+            (Ordering::Equal, Near::Corner(i)) => Start::On(Feature::Disc(i)),
+            (Ordering::Equal, Near::Edge(i)) => Start::On(Feature::Edge(i)),
+            _ => Start::Inside,
+        };
+    }
+    if let Some(i) = corners.iter().position(|&corner| corner == [0; 2]) {
+        return Start::On(Feature::Corner(i));
+    }
+    let edges = if corners.len() > 1 { corners.len() } else { 0 };
+    match (0..edges).find(|&i| cross(corners[i], edge(corners, i)) == 0) {
+        Some(i) => Start::On(Feature::Edge(i)),
+        None => Start::Inside,
+    }
+}
+
+/// The start of a ray, which is on the surface of a shape, if it leads into the shape from there.
+fn leads_in(core: &Core, feature: Feature, ray: Point) -> Option<RayEnd> {
+    let corners = core.corners();
+    let count = corners.len();
+    let is_met = |i: usize| cross(ray, edge(corners, i)) < 0;
+    let feature = match feature {
+        // A line has an edge on each side.
+        Feature::Edge(i) if count == 2 && core.radius == 0 => {
+            [i, 1 - i].into_iter().find(|&i| is_met(i)).map(Feature::Edge)
+        }
+        Feature::Edge(i) => is_met(i).then_some(feature),
+        Feature::Disc(i) => (dot(ray, corners[i]) > 0).then_some(feature),
+        Feature::Corner(i) if count == 2 => {
+            let way = from_to(corners[i], corners[1 - i]);
+            (cross(ray, way) == 0 && dot(ray, way) > 0).then_some(feature)
+        }
+        Feature::Corner(i) => (count > 2 && is_met(i) && is_met(before(i, count))).then_some(feature),
+        Feature::Inside => None,
+    };
+    feature.map(|feature| RayEnd { fraction: 0, feature })
+}
+
+/// Returns true if the line of a ray has no point in the inside of a shape.
+fn grazes(core: &Core, ray: Point) -> bool {
+    // Below 2^107.
+    let sides = core.corners().iter().map(|&corner| cross(ray, corner));
+    let (min, max) = sides.fold((i128::MAX, i128::MIN), |(min, max), side| (min.min(side), max.max(side)));
+    let is_along = core.radius == 0 && min == 0 && max == 0;
+    if is_along || min < 0 && max > 0 {
+        return false;
+    }
+    // The distance of the nearest corner, times the length of the ray, is no less than the radius times that length: below 2^214 and 2^197.
+    let least = min.unsigned_abs().min(max.unsigned_abs());
+    mul_128(least, least) >= mul_128((core.radius as u128).pow(2), dot(ray, ray) as u128)
+}
+
+/// The number of the edge that ends at a corner.
+fn before(i: usize, count: usize) -> usize {
+    if i > 0 { i - 1 } else { count - 1 }
 }
 
 /// [`first_hit`], of a segment of a chain from the side alone on which it touches others.
@@ -283,13 +372,11 @@ pub(crate) fn normal(core: &Core, ray: Point, end: RayEnd) -> Vec2 {
         Feature::Disc(i) => in_fx(to_fine(ray, end.fraction, corners[i])).normalize().unwrap_or_default(),
         Feature::Corner(i) => {
             // The mean of the edges at the corner that the ray meets from outside.
-            let met = [if i > 0 { i - 1 } else { count - 1 }, i].map(|k| count > 1 && cross(ray, edge(corners, k)) < 0);
+            let met = [before(i, count), i].map(|k| count > 1 && cross(ray, edge(corners, k)) < 0);
             match met {
-                [true, true] if count > 2 => {
-                    (of_edge(if i > 0 { i - 1 } else { count - 1 }) + of_edge(i)).normalize().unwrap_or_default()
-                }
+                [true, true] if count > 2 => (of_edge(before(i, count)) + of_edge(i)).normalize().unwrap_or_default(),
                 [_, true] => of_edge(i),
-                [true, false] => of_edge(if i > 0 { i - 1 } else { count - 1 }),
+                [true, false] => of_edge(before(i, count)),
                 // Along a segment, or onto a point.
                 [false, false] => -in_fx(ray).normalize().unwrap_or_default(),
             }

@@ -1,7 +1,10 @@
 //! Queries on a shape alone.
 
 use super::core::{in_fx, ulps};
-use super::{Core, Placement, Point, at, beyond_seam, distance, nearest, normal_at_seam, odd_shift, point, ray_hit};
+use super::{
+    Core, Placement, Point, RayEnd, Seam, SeamPlace, at, beyond_seam, distance, nearest, normal_at_seam, odd_shift,
+    point, ray_hit,
+};
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::limits;
@@ -28,7 +31,8 @@ pub struct ShapeHit<S = Fx> {
     /// The point where it does, m. *Error* ½ ulp and 2^-9, and 2^-14 ulp more of a shape with a radius.
     pub point: Vec2<S>,
     /// The outward unit normal of the surface there; zero if the ray starts in the shape. At a sharp corner the mean of the normals of the
-    /// edges that the ray meets from outside. *Error* 1 ulp in each component.
+    /// edges that the ray meets from outside; at a [seam](crate::guide::queries) of parts the normal of the surface. *Error* 1 ulp in each
+    /// component; 4 ulps of a mean with an edge of another part.
     pub normal: Vec2<S>,
     /// The number of the part of a compound or of the segment of a chain; 0 of all others.
     pub part: u32,
@@ -129,6 +133,14 @@ impl<S: Scalar> Shape<S> {
         Ok(in_metres(self.nearest(ulps(point))?.0))
     }
 
+    /// The normal where a ray meets a corner at a seam of a part with others.
+    fn seam_normal(&self, from: Point, part: u32, core: &Core, ray: Point, end: RayEnd) -> Option<Vec2> {
+        let mut seam = Seam::new(core, SeamPlace::of(core, ray, end)?);
+        let others = self.cores(from).flatten().filter(|&(number, _)| number != part);
+        others.into_iter().all(|(_, other)| seam.add(&other));
+        seam.normal(ray)
+    }
+
     /// The first point of the shape on a ray from `origin`, relative to the centre of mass, to `origin + translation`, m. Where several
     /// parts are hit at the same point, the first one is reported. Shapes are closed: a graze counts, and a ray that starts in the shape
     /// hits at fraction 0 with a normal of zero. A segment of a chain is hit only from the side on which it [touches others](Self::chain).
@@ -144,10 +156,13 @@ impl<S: Scalar> Shape<S> {
         });
         let Some((end, part, core)) = hits.min_by_key(|&(end, part, _)| (end.fraction, part)) else { return Ok(None) };
         let beyond = beyond_seam(self, part, end).and_then(|number| self.cores(from).nth(number as usize)?);
+        let normal = self
+            .seam_normal(from, part, &core, ray, end)
+            .unwrap_or_else(|| normal_at_seam(&core, beyond.map(|(_, core)| core), ray, end));
         Ok(Some(ShapeHit {
             fraction: in_parts(end.fraction),
             point: if end.fraction == 0 { origin } else { in_scalar(beside(from, at(ray, end.fraction))) },
-            normal: normal_at_seam(&core, beyond.map(|(_, core)| core), ray, end).map(S::from_fx),
+            normal: normal.map(S::from_fx),
             part,
         }))
     }

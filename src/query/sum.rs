@@ -2,7 +2,7 @@
 
 use alloc::vec::Vec;
 
-use super::ray::{Feature, RayEnd, at, first_hit};
+use super::ray::{Feature, RayEnd, at, first_entry};
 use super::{Core, Point, cross, dot, edge, from_to, odd_shift};
 use crate::kernel::wide::div_256;
 use crate::math::Vec2;
@@ -93,8 +93,8 @@ impl Sum {
     }
 }
 
-/// The first point of the way of core A, cast along a ray, at which it touches core B. A segment of a chain is touched by what moves
-/// towards its outer side, and has the middle of its corners on that side or on its line at the start.
+/// The first point of the way of core A, cast along a ray, at which it touches core B and goes on into it, or overlaps it at the start. A segment
+/// of a chain is touched by what moves towards its outer side, and has the middle of its corners on that side or on its line at the start.
 pub(crate) fn cast_hit(a: &Core, b: &Core, is_link: bool, ray: Point) -> Option<RayEnd> {
     if let (true, &[from, to]) = (is_link, b.corners()) {
         let e = from_to(from, to);
@@ -104,7 +104,7 @@ pub(crate) fn cast_hit(a: &Core, b: &Core, is_link: bool, ray: Point) -> Option<
             return None;
         }
     }
-    first_hit(&Sum::new(a, b).core, ray)
+    first_entry(&Sum::new(a, b).core, ray)
 }
 
 /// The point of an edge in the middle between the ends of the part of it that is beside another edge, in the same direction, ulps.

@@ -14,6 +14,7 @@ mod serial;
 mod to_fx;
 
 pub use aabb::Aabb;
+pub(crate) mod union;
 pub use outline::Outline;
 pub(crate) use outline::{Neighbour, turned_unit};
 

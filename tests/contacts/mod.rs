@@ -25,9 +25,11 @@ mod queries;
 mod restored;
 mod rolling;
 mod scenes;
+mod seams;
 mod sensors;
 mod sleep;
 mod state;
 #[cfg(all(feature = "parallel", feature = "selftest"))]
 mod threads;
 mod tiles;
+mod touches;

@@ -8,7 +8,7 @@ use dashu_int::IBig;
 
 use super::cases::{case, cases};
 use crate::math::Random;
-use crate::query::ray::{FRACTION, FULL, first_hit};
+use crate::query::ray::{FRACTION, FULL, first_entry, first_hit};
 use crate::query::{Core, Point, RayEnd, Sum, at, contains, distance, nearest, point};
 
 type Vector = [IBig; 2];
@@ -171,6 +171,89 @@ fn rays_enter_sharp_cores_where_clipping_says_to_the_last_bit() {
             u32::from(actual.is_some_and(|end| matches!(end.feature, crate::query::ray::Feature::Corner(_))));
     }
     assert!(hits > cases() / 10 && ends > cases() / 200 && corners_hit > cases() / 20, "{hits}, {ends}, {corners_hit}");
+}
+
+/// The fraction from which on a ray from the origin is in the inside of a core of three corners or more, by clipping its line with open half planes.
+fn inner_entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
+    let (mut first, mut last): (Option<Ratio>, Option<Ratio>) = (None, None);
+    for (a, b) in edges(corners) {
+        let e = minus(b, a);
+        // t·ray × e < a × e.
+        let (along, limit) = (cross(ray, &e), cross(a, &e));
+        let bound = Ratio::new(limit.clone(), if along.is_zero() { IBig::ONE } else { along.clone() });
+        match along.cmp(&IBig::ZERO) {
+            Ordering::Equal if limit <= IBig::ZERO => return None,
+            Ordering::Equal => {}
+            Ordering::Less => first = Some(first.filter(|first| first.cmp(&bound).is_ge()).unwrap_or(bound)),
+            Ordering::Greater => last = Some(last.filter(|last| last.cmp(&bound).is_le()).unwrap_or(bound)),
+        }
+    }
+    let zero = Ratio(IBig::ZERO, IBig::ONE);
+    // Without a ray only what starts inside is there.
+    let Some((first, last)) = first.zip(last) else { return Some(zero) };
+    let first = if first.cmp(&zero).is_lt() { zero.clone() } else { first };
+    let is_met = first.cmp(&last).is_lt() && first.cmp(&Ratio(IBig::ONE, IBig::ONE)).is_le();
+    is_met.then_some(first)
+}
+
+#[test]
+fn ways_lead_into_sharp_cores_where_clipping_with_open_half_planes_says() {
+    let (mut random, mut hits, mut starts, mut grazes) = (Random::seeded(run_seed(7)), 0, 0, 0);
+    for i in 0..2 * cases() {
+        let mut case = case(&mut random);
+        case.core.radius = 0;
+        if i % 3 == 0 {
+            // From a corner, or from the middle of an edge.
+            let corners = case.core.corners();
+            let (from, to) = (corners[0], corners[corners.len() - 1]);
+            let place = if i % 2 == 0 { from } else { [0, 1].map(|k| from[k] + (to[k] - from[k]) / 2) };
+            case.core = case.core.seen_from(place, 0);
+        }
+        if case.core.corners().len() < 3 {
+            continue;
+        }
+        let corners = corners_of(&case.core);
+        let expected = inner_entry(&corners, &big(case.ray)).map(|t| (t.0 << FRACTION as usize) / t.1);
+        let actual = first_entry(&case.core, case.ray);
+        assert_eq!(actual.map(|end| end.fraction.into()), expected, "{i}: {case:?}");
+        let normal = actual.map(|end| crate::query::normal(&case.core, case.ray, end));
+        hits += u32::from(actual.is_some_and(|end| end.fraction > 0));
+        starts += u32::from(actual.is_some_and(|end| end.fraction == 0) && normal != Some(Default::default()));
+        grazes += u32::from(actual.is_none() && first_hit(&case.core, case.ray).is_some());
+    }
+    assert!(hits > cases() / 10 && starts > cases() / 20 && grazes > cases() / 20, "{hits}, {starts}, {grazes}");
+}
+
+/// Discs and capsules on a lattice of lengths of 5 and of multiples of it, where tangents are exact.
+#[test]
+fn ways_lead_into_rounded_shapes_from_their_surface_and_along_no_tangent() {
+    let mut random = Random::seeded(run_seed(8));
+    let (mut counts, mut tangents) = ([0; 3], 0);
+    for i in 0..cases() {
+        let unit = 1 << (random.bits() % 30);
+        let scaled = |v: [i64; 2]| v.map(|part| part * unit);
+        let [x, y] = [[3, 4], [4, 3], [5, 0], [0, 5], [-3, 4], [-5, 0]][(random.bits() % 6) as usize];
+        let disc = Core::of(&[scaled([-x, -y])], 5 * unit);
+        let ray = scaled([(random.bits() % 17) as i64 - 8, (random.bits() % 17) as i64 - 8]);
+        // The origin is on the disc, whose outward normal there is (x, y).
+        let towards = ray[0] * x / unit + ray[1] * y / unit;
+        let end = first_entry(&disc, ray);
+        assert_eq!(end.map(|end| end.fraction), (towards < 0).then_some(0), "{i}: {disc:?} {ray:?}");
+        counts[usize::from(towards < 0) + usize::from(towards <= 0)] += 1;
+        // A line that is as far from the middle as the radius, and one that is an ulp nearer.
+        for nearer in [0, 1] {
+            let far =
+                Core::of(&[scaled([20 * y - x, -20 * x - y]).map(|part| part - nearer * part.signum())], 5 * unit);
+            let tangent = scaled([40 * y, -40 * x]);
+            let distance = crate::query::cross(tangent, far.corners()[0]).unsigned_abs();
+            let is_inside = crate::kernel::wide::mul_128(distance, distance)
+                < crate::kernel::wide::mul_128(25 * (unit as u128).pow(2), crate::query::dot(tangent, tangent) as u128);
+            assert_eq!(first_entry(&far, tangent).is_some(), is_inside, "{i}: {far:?} {tangent:?}");
+            assert!(first_hit(&far, tangent).is_some() || !is_inside);
+            tangents += u32::from(!is_inside && first_hit(&far, tangent).is_some());
+        }
+    }
+    assert!(counts.iter().all(|count| *count > cases() / 50) && tangents > cases() / 10, "{counts:?} {tangents}");
 }
 
 /// The point at a fraction of a ray, and corners, in units of 2^-62 ulp.

@@ -3,17 +3,19 @@
 use alloc::vec::Vec;
 
 use super::{Found, Queries, QueryFilter, Rank, Target, sort_by_rank};
+use crate::body::BodyKind;
 use crate::collide::broad::Path;
 use crate::collider::OutlineId;
 use crate::error::{Error, Quantity};
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::query::{
-    Core, Line, Placement, Point, RayEnd, Sum, at, beside, beyond_seam, cast_hit, checked_point, checked_translation,
-    in_parts, in_scalar, normal, normal_at_seam, ray_hit,
+    Core, Line, Placement, Point, RayEnd, Seam, SeamPlace, Sum, at, beside, beyond_seam, cast_hit, checked_point,
+    checked_translation, in_parts, in_scalar, normal, normal_at_seam, ray_hit,
 };
 use crate::scalar::{Angle as _, Scalar};
-use crate::shape::Shape;
+use crate::shape::union::REACH;
+use crate::shape::{Geometry, Shape};
 use crate::slots::{BodyId, ColliderId};
 
 /// A collider that a ray or a shape met on its way.
@@ -46,8 +48,10 @@ pub struct CastHit<S = Fx> {
     /// If they overlap at the start, the point where the ray or the centre of mass of the shape starts. *Error* for a ray ½ ulp and 2^-9,
     /// for a shape 3 ulps and 2^-31 of its radius; 2^-14 ulp more with a radius.
     pub point: Vec2<S>,
-    /// The outward unit normal of the collider there; zero if they overlap at the start. At a sharp corner the mean of the normals of the
-    /// edges that are met from outside, also where a ray meets the seam of a chain. *Error* 1 ulp in each component.
+    /// The outward unit normal of the surface there; zero if a ray starts in the collider, or a shape overlaps it at the start. At a sharp corner
+    /// the mean of the normals of the edges that are met from outside, also where a ray meets the seam of a chain; at a seam of polygons
+    /// that are [one surface](crate::guide::queries) the normal of the surface, not of a corner. *Error* 1 ulp in each component; 4 ulps of a
+    /// mean with an edge of another collider or part.
     pub normal: Vec2<S>,
     /// The number of the part of a compound or of the segment of a chain; 0 for all other shapes.
     pub part: u32,
@@ -97,22 +101,33 @@ impl Cast {
             }
         }
     }
+}
 
+impl<S: Scalar> Queries<'_, S> {
     /// The result for a collider that is met.
-    fn hit<S: Scalar>(&self, outline: &Found<'_, S>, own_part: u32, end: RayEnd) -> Option<CastHit<S>> {
+    fn hit(&self, cast: &Cast, filter: &QueryFilter<'_, S>, outline: &Found<'_, S>, met: Met) -> Option<CastHit<S>> {
+        let (own_part, end) = met;
         let Target { collider, id, part } = outline.target()?;
-        let (ray, (target, _)) = (self.translation, outline.core(self.from)?);
-        let (offset, normal) = match &self.shape {
-            None => {
+        let (ray, (target, is_link)) = (cast.translation, outline.core(cast.from)?);
+        let seam_normal = |core: &Core| {
+            if !has_surface(&target, is_link) {
+                return None;
+            }
+            let place = SeamPlace::of(core, ray, end)?;
+            self.seam_normal(cast, filter, outline, own_part, core, place)
+        };
+        let (offset, normal) = match &cast.shape {
+            None if is_link => {
                 let beyond = beyond_seam(&collider.def.shape, part, end);
-                let core = |part| outline.core_of(OutlineId { slot: id.slot, part }, self.from);
+                let core = |part| outline.core_of(OutlineId { slot: id.slot, part }, cast.from);
                 let beyond = beyond.and_then(core).map(|(core, _)| core);
                 (at(ray, end.fraction), normal_at_seam(&target, beyond, ray, end))
             }
+            None => (at(ray, end.fraction), seam_normal(&target).unwrap_or_else(|| normal(&target, ray, end))),
             Some(parts) => {
                 let moving = &parts[own_part as usize];
                 let sum = Sum::new(moving, &target);
-                let normal = normal(&sum.core, ray, end);
+                let normal = seam_normal(&sum.core).unwrap_or_else(|| normal(&sum.core, ray, end));
                 (sum.touch_point([moving, &target], ray, end, normal), normal)
             }
         };
@@ -120,10 +135,63 @@ impl Cast {
             collider: id,
             body: collider.body,
             fraction: in_parts(end.fraction),
-            point: in_scalar(beside(self.from, offset)),
+            point: in_scalar(beside(cast.from, offset)),
             normal: normal.map(S::from_fx),
             part,
         })
+    }
+
+    /// The normal where a cast meets a corner at a seam of an outline with others, for the part of the shape that meets it, and the sum of the
+    /// two.
+    fn seam_normal(
+        &self,
+        cast: &Cast,
+        filter: &QueryFilter<'_, S>,
+        outline: &Found<'_, S>,
+        own_part: u32,
+        core: &Core,
+        place: SeamPlace,
+    ) -> Option<Vec2> {
+        let target = outline.target()?;
+        let mut seam = Seam::new(core, place);
+        let point = [Core::around(&[[0; 2]])];
+        for (number, part) in (0..).zip(cast.shape.as_deref().unwrap_or(&point)) {
+            let corners = part.bounds().map(|corner| beside(beside(cast.from, place.point), corner));
+            let bounds = [corners[0].map(|part| part - REACH), corners[1].map(|part| part + REACH)];
+            self.in_box(bounds, filter, |neighbour| {
+                let are_one = if neighbour.outline == outline.outline {
+                    number != own_part
+                } else {
+                    neighbour.target().is_some_and(|found| self.are_joined(&target, &found))
+                };
+                if !are_one {
+                    return true;
+                }
+                let Some((core, is_link)) = neighbour.core(cast.from) else { return true };
+                !has_surface(&core, is_link) || seam.add(&Sum::new(part, &core).core)
+            });
+        }
+        seam.normal(cast.translation)
+    }
+
+    /// Returns true if two outlines have one surface, as they have it for contacts.
+    fn are_joined(&self, a: &Target<'_, S>, b: &Target<'_, S>) -> bool {
+        let [def, neighbour] = [&a.collider.def, &b.collider.def];
+        if def.shape.is_chain() || neighbour.shape.is_chain() {
+            let count = a.collider.outline_count();
+            let [low, high] = [a.part.min(b.part), a.part.max(b.part)];
+            let is_closed = matches!(def.shape.geometry(), Geometry::Chain { closed: true, .. });
+            return a.id == b.id && (high - low == 1 || is_closed && high - low == count - 1);
+        }
+        if def.filter != neighbour.filter {
+            return false;
+        }
+        match self.kind(a.collider.body) {
+            Some(BodyKind::Static) => {
+                self.kind(b.collider.body) == Some(BodyKind::Static) && def.one_way == neighbour.one_way
+            }
+            _ => a.collider.body == b.collider.body && a.collider.side == b.collider.side,
+        }
     }
 }
 
@@ -158,8 +226,8 @@ impl<S: Scalar> Queries<'_, S> {
             }
             true
         });
-        let (outline, (own_part, end)) = least?;
-        cast.hit(&outline, own_part, end)
+        let (outline, met) = least?;
+        self.hit(cast, filter, &outline, met)
     }
 
     /// The first so many hits in their order.
@@ -191,9 +259,8 @@ impl<S: Scalar> Queries<'_, S> {
             hits.retain(|((fraction, ..), _)| *fraction == u128::from(least));
         }
         sort_by_rank(&mut hits);
-        let hit = |(rank, (outline, (own_part, end))): (Rank, (Found<'_, S>, Met))| {
-            Some((rank, cast.hit(&outline, own_part, end)?))
-        };
+        let hit =
+            |(rank, (outline, met)): (Rank, (Found<'_, S>, Met))| Some((rank, self.hit(cast, filter, &outline, met)?));
         hits.into_iter().filter_map(hit).collect()
     }
 
@@ -300,8 +367,9 @@ impl<S: Scalar> Queries<'_, S> {
     /// The first collider that a shape meets on its way from a pose (the position of its centre of mass in m, and the angle in rad) over a
     /// translation in m, without turning. Where several are at the same fraction, the one with the least key, then handle.
     ///
-    /// A shape that overlaps a collider at the start, or touches it, meets it at fraction 0 with a normal of zero. A segment of a chain is
-    /// met by shapes that come from its outer side: those that move towards it and do not have the middle of their corners behind it at
+    /// A shape that overlaps a collider at the start meets it at fraction 0 with a normal of zero. One that touches it exactly, at the start or on its
+    /// way, meets it there if its way leads into the collider, and passes if it slides along it, grazes it or leaves it: a crate on a floor
+    /// can be moved along it. A segment of a chain is met by shapes that come from its outer side: those that move towards it and do not have the middle of their corners behind it at
     /// the start. *Cost* in proportion to the parts of the shape as well.
     ///
     /// # Errors
@@ -359,6 +427,11 @@ impl<S: Scalar> Queries<'_, S> {
     ) -> Result<Vec<CastHit<S>>, Error> {
         Ok(self.ties(&Self::shape_cast(shape, pose, translation)?, filter))
     }
+}
+
+/// Returns true for an outline that has a surface with others: a sharp polygon, or a segment of a chain.
+fn has_surface(core: &Core, is_link: bool) -> bool {
+    is_link || core.corners().len() > 2 && core.radius == 0
 }
 
 /// The position of a shape in ulps, and the cores of its outlines as seen from there.

@@ -4,7 +4,7 @@
 //! rest of it. At a corner of an edge that is on the surface, the directions in
 //! which the polygon pushes go from the edge's normal to the normal of the edge by which the surface goes on there, of the polygon itself
 //! or of a neighbour; where the surface goes on straight or turns inwards, there are none beside the normal. Segments of chains have the
-//! same rules ([`Link`](super::surface::Link)).
+//! same rules (`collide/surface.rs`).
 //!
 //! **Slop.** Neighbours need not fit to the ulp: gaps of up to 3·2^-14 m (0.18 mm) are closed, and differences of height of up to
 //! 2^-13 m (0.12 mm) are none.
@@ -14,17 +14,16 @@
 
 use alloc::vec::Vec;
 
-use super::cores::{Product, across};
-use super::place::odd_shift;
+use super::Neighbour;
+use crate::kernel::round::odd_shift;
 use crate::kernel::sqrt::direction;
-use crate::shape::Neighbour;
 
 /// 2^-14 m, ulps.
 const SLOP: i64 = 1 << 18;
 /// Polygons whose boxes are farther apart than this do not touch, ulps.
 pub(crate) const REACH: i64 = 3 * SLOP;
 /// Edges whose directions differ by a sine below this are parallel, in units of 2^-60: 2^-20.
-const PARALLEL: i128 = 1 << 40;
+pub(crate) const PARALLEL: i128 = 1 << 40;
 
 /// An edge of a polygon that is on the surface of the union.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,7 +136,7 @@ fn minus(a: [i64; 2], b: [i64; 2]) -> [i64; 2] {
 
 /// n·p in units of 2^-30 ulp: below 2^83 for points below 2^52.
 fn dot(n: [i32; 2], p: [i64; 2]) -> i128 {
-    <i128 as Product>::dot(n, p)
+    i128::from(n[0]) * i128::from(p[0]) + i128::from(n[1]) * i128::from(p[1])
 }
 
 /// a × b of vectors below 2^52.
@@ -166,7 +165,8 @@ impl Edge {
 
     /// The outward normal: the direction turned by a quarter clockwise.
     fn normal(&self) -> [i32; 2] {
-        across(self.along).map(|part| -part)
+        let [x, y] = self.along;
+        [y, -x]
     }
 
     /// The point at a place.
