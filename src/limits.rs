@@ -36,6 +36,7 @@
 //! assert_eq!((limits::GRAVITY, limits::GRAVITY_SCALE, limits::MU_MAX_LOG2), (power(16), power(4), 64));
 //! assert_eq!((limits::RATE_MIN, limits::RATE_MAX), (1, 10_000));
 //! assert_eq!((limits::CORNERS, limits::PARTS, limits::CHAIN), (64, 256, 1 << 16));
+//! assert_eq!(limits::CONCAVE_CORNERS, 1 << 10);
 //! assert_eq!((limits::BODIES, limits::FIELDS, limits::BLOB), (1 << 24, 1 << 24, 1 << 24));
 //! assert_eq!((limits::COLLIDERS, limits::FRICTION, limits::SURFACE_SPEED), (1 << 24, power(5), power(10)));
 //! assert_eq!((limits::EXCLUDED_PAIRS, limits::MATERIAL_PAIRS, limits::TICK), (1 << 16, 1 << 12, 1 << 63));
@@ -96,6 +97,8 @@ pub const RATE_MAX: u32 = 10_000;
 pub const CORNERS: usize = 64;
 /// The most parts a compound has.
 pub const PARTS: usize = 256;
+/// The most corners a concave polygon has, which is cut into convex parts: 1,024.
+pub const CONCAVE_CORNERS: usize = 1 << 10;
 /// The most points a chain has.
 pub const CHAIN: usize = 1 << 16;
 /// The most bodies a world has, slots whose handles are used up included: handles are 32-bit.

@@ -1,5 +1,5 @@
-//! The tests of bodies that collide or are joined, a folder a subject, as one program: the narrow phase, contacts, impacts, joints, and collision
-//! on the way.
+//! The tests of bodies that collide or are joined, a folder a subject, as one program: shapes, the narrow phase, contacts, impacts, joints, and
+//! collision on the way.
 #![allow(clippy::duplicate_mod, reason = "each folder takes in what it needs of `support` by itself")]
 
 #[path = "support/seeds.rs"]
@@ -12,3 +12,4 @@ mod contacts;
 mod continuous;
 mod impacts;
 mod joints;
+mod shapes;

@@ -10,9 +10,9 @@ use cases::cases;
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use umbra_physics::limits::{
-    ANGULAR_SPEED, BODIES, CHAIN, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE, JOINT_ANGLE,
-    JOINT_LENGTH, MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX, RATE_MIN,
-    SIZE_MAX, SIZE_MIN, SPEED, STRANDS, SURFACE_SPEED, TEETH,
+    ANGULAR_SPEED, BODIES, CHAIN, CONCAVE_CORNERS, CORNERS, EXCLUDED_PAIRS, FIELDS, FRICTION, GRAVITY, GRAVITY_SCALE,
+    JOINT_ANGLE, JOINT_LENGTH, MASS_MAX, MASS_MIN, MATERIAL_PAIRS, MU_MAX_LOG2, PARTS, POSITION, QUERY, RATE_MAX,
+    RATE_MIN, SIZE_MAX, SIZE_MIN, SPEED, STRANDS, SURFACE_SPEED, TEETH,
 };
 use umbra_physics::{
     Activity, AppliedForce, ApplyOptions, Attachment, BodyDef, BodyId, BodyKind, BodyState, Cause, ColliderDef,
@@ -502,6 +502,23 @@ fn sizes_of_shapes_have_their_bounds() {
     let line = |count: usize| (0..count).map(|x| vec2(Fx::from_ratio(x as i64, 16), 0)).collect::<Vec<_>>();
     assert_eq!(size(Shape::chain(&line(CHAIN), false)), Ok(()));
     assert_eq!(size(Shape::chain(&line(CHAIN + 1), false)), out_of(Quantity::Count));
+    // The edge of a saw, every other corner of which turns inwards.
+    let saw = |count: usize| -> Vec<Vec2> {
+        let tooth = |x: usize| vec2(Fx::from_ratio(x as i64, 16), fx!(1) + Fx::from((x % 2) as i32) / 4);
+        (0..count - 2).rev().map(tooth).chain([vec2(0, 0), vec2(64, 0)]).collect()
+    };
+    assert_eq!(saw(CONCAVE_CORNERS).len(), CONCAVE_CORNERS);
+    // Within the limit it has too many parts; a smooth arch has not.
+    assert_eq!(size(Shape::concave_polygon(&saw(CONCAVE_CORNERS))), out_of(Quantity::Count));
+    let arch = |count: usize| -> Vec<Vec2> {
+        let point = |x: usize| {
+            let x = Fx::from_ratio(x as i64, 16);
+            Vec2::new(x, fx!(8) - (x - fx!(32)) * (x - fx!(32)) / 256)
+        };
+        (0..count).rev().map(point).collect()
+    };
+    assert_eq!(size(Shape::concave_polygon(&arch(CONCAVE_CORNERS))), Ok(()));
+    assert_eq!(size(Shape::concave_polygon(&arch(CONCAVE_CORNERS + 1))), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS])), Ok(()));
     assert_eq!(size(Shape::compound(&vec![part.clone(); PARTS + 1])), out_of(Quantity::Count));
     assert_eq!(size(Shape::compound(&[])), out_of(Quantity::Count));

@@ -1021,7 +1021,7 @@ typedef struct UmbraFigure {
 // A chain cannot be on a dynamic body.
 #define UMBRA_ERROR_DYNAMIC_CHAIN 129
 
-// Two segments of the chain cross or touch.
+// Two segments of the chain or the concave polygon cross or touch.
 #define UMBRA_ERROR_CHAIN_CROSSES 130
 
 // The handle names no joint.
@@ -1508,6 +1508,18 @@ UmbraStatus umbra_shape_segment(const struct UmbraVec2 *a, const struct UmbraVec
 
 // A convex polygon of 3 to 64 corners, in either order, m. It is re-centred at its centre of mass.
 UmbraStatus umbra_shape_polygon(const struct UmbraVec2 *corners, size_t count, struct UmbraShape **shape);
+
+// The convex hull of up to 65,536 points, a polygon of 3 to 64 corners, m: points in it and within its sides are no corners. It is re-centred at
+// its centre of mass.
+UmbraStatus umbra_shape_hull(const struct UmbraVec2 *points,
+                             size_t count,
+                             struct UmbraShape **shape);
+
+// A polygon of 3 to 1,024 corners that may be concave, in either order, m: a compound of up to 256 convex polygons, or one polygon if it is
+// convex. A polygon that crosses or touches itself is refused with `UMBRA_ERROR_CHAIN_CROSSES`. It is re-centred at its centre of mass.
+UmbraStatus umbra_shape_concave_polygon(const struct UmbraVec2 *corners,
+                                        size_t count,
+                                        struct UmbraShape **shape);
 
 // A convex polygon of 3 to 64 corners, in either order, and all points within the radius of it, m. It is re-centred at its centre of
 // mass.

@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use umbra_physics::{Fx, Part, Shape, Vec2};
+use umbra_physics::{Error, Fx, Part, Shape, Vec2};
 
 use crate::memory::{given, slice};
 use crate::number::{UmbraFx, UmbraVec2};
@@ -41,6 +41,30 @@ fn make(place: Place<'_>, shape: impl FnOnce() -> Result<Shape>) -> UmbraStatus 
         place.write(UmbraShape::boxed(shape()?));
         Ok(())
     })
+}
+
+/// Copies vectors.
+///
+/// # Safety
+/// As [`slice`].
+unsafe fn vectors(list: *const UmbraVec2, count: usize) -> Result<Vec<Vec2>> {
+    // SAFETY: as the caller promises.
+    let list = unsafe { slice(list, count) }?;
+    Ok(list.iter().map(|&vector| vector.into()).collect())
+}
+
+/// Makes a shape of a list of points.
+///
+/// # Safety
+/// As [`slice`].
+unsafe fn make_of_points(
+    points: *const UmbraVec2,
+    count: usize,
+    place: Place<'_>,
+    shape: fn(&[Vec2]) -> std::result::Result<Shape, Error>,
+) -> UmbraStatus {
+    // SAFETY: as the caller promises.
+    make(place, || Ok(shape(&unsafe { vectors(points, count) }?)?))
 }
 
 /// A disc of a radius of 2^-7 to 2^12 m.
@@ -89,12 +113,32 @@ pub unsafe extern "C" fn umbra_shape_polygon(
     count: usize,
     shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
 ) -> UmbraStatus {
-    make(shape, || {
-        // SAFETY: as the caller promises.
-        let corners = unsafe { slice(corners, count) }?;
-        let corners: Vec<Vec2> = corners.iter().map(|&corner| corner.into()).collect();
-        Ok(Shape::polygon(&corners)?)
-    })
+    // SAFETY: as the caller promises.
+    unsafe { make_of_points(corners, count, shape, Shape::polygon) }
+}
+
+/// The convex hull of up to 65,536 points, a polygon of 3 to 64 corners, m: points in it and within its sides are no corners. It is re-centred at
+/// its centre of mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_hull(
+    points: *const UmbraVec2,
+    count: usize,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    // SAFETY: as the caller promises.
+    unsafe { make_of_points(points, count, shape, Shape::hull) }
+}
+
+/// A polygon of 3 to 1,024 corners that may be concave, in either order, m: a compound of up to 256 convex polygons, or one polygon if it is
+/// convex. A polygon that crosses or touches itself is refused with `UMBRA_ERROR_CHAIN_CROSSES`. It is re-centred at its centre of mass.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_shape_concave_polygon(
+    corners: *const UmbraVec2,
+    count: usize,
+    shape: Option<&mut MaybeUninit<Option<Box<UmbraShape>>>>,
+) -> UmbraStatus {
+    // SAFETY: as the caller promises.
+    unsafe { make_of_points(corners, count, shape, Shape::concave_polygon) }
 }
 
 /// A convex polygon of 3 to 64 corners, in either order, and all points within the radius of it, m. It is re-centred at its centre of
@@ -108,8 +152,7 @@ pub unsafe extern "C" fn umbra_shape_rounded_polygon(
 ) -> UmbraStatus {
     make(shape, || {
         // SAFETY: as the caller promises.
-        let corners = unsafe { slice(corners, count) }?;
-        let corners: Vec<Vec2> = corners.iter().map(|&corner| corner.into()).collect();
+        let corners = unsafe { vectors(corners, count) }?;
         Ok(Shape::rounded_polygon(&corners, Fx::from_bits(radius))?)
     })
 }
@@ -145,8 +188,7 @@ pub unsafe extern "C" fn umbra_shape_chain(
 ) -> UmbraStatus {
     make(shape, || {
         // SAFETY: as the caller promises.
-        let points = unsafe { slice(points, count) }?;
-        let points: Vec<Vec2> = points.iter().map(|&point| point.into()).collect();
+        let points = unsafe { vectors(points, count) }?;
         Ok(Shape::chain(&points, closed != 0)?)
     })
 }

@@ -64,7 +64,7 @@ pub const UMBRA_ERROR_NOT_KINEMATIC: UmbraStatus = 124;
 pub const UMBRA_ERROR_NO_SUCH_COLLIDER: UmbraStatus = 128;
 /// A chain cannot be on a dynamic body.
 pub const UMBRA_ERROR_DYNAMIC_CHAIN: UmbraStatus = 129;
-/// Two segments of the chain cross or touch.
+/// Two segments of the chain or the concave polygon cross or touch.
 pub const UMBRA_ERROR_CHAIN_CROSSES: UmbraStatus = 130;
 /// The handle names no joint.
 pub const UMBRA_ERROR_NO_SUCH_JOINT: UmbraStatus = 147;

@@ -1497,6 +1497,7 @@ fn shapes_are_those_of_the_library() {
     let like = Shape::circle(fx!(1)).expect("a shape");
     let like_part =
         |x: i32, density| umbra_physics::Part { shape: like.clone(), position: vec2(x, 0), angle: fx!(0.5), density };
+    let dart = [[0, 0], [4, 0], [1, 1], [0, 4]].map(|[x, y]| UmbraVec2 { x: x * ONE, y: y * ONE });
     // SAFETY: corners and parts are there, and so is their shape.
     let rows = unsafe {
         [
@@ -1529,6 +1530,14 @@ fn shapes_are_those_of_the_library() {
         let shape = shape.expect("a shape");
         let def = UmbraColliderDef { shape: &raw const *shape, ..plain };
         // SAFETY: its shape is alive.
+            (
+                own(|shape| umbra_shape_hull(corners.as_ptr(), 3, shape)),
+                Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
+            ),
+            (
+                own(|shape| umbra_shape_concave_polygon(dart.as_ptr(), 4, shape)),
+                Shape::concave_polygon(&[vec2(0, 0), vec2(4, 0), vec2(1, 1), vec2(0, 4)]),
+            ),
         out(|id| unsafe { umbra_world_add_collider(Some(&mut draft), BODY_WORD, Some(&def), id) }).expect("a collider");
         let command = Command::AddCollider { body: BODY, def: expected.expect("a shape").into() };
         assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));

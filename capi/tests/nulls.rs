@@ -128,6 +128,10 @@ fn null_is_refused_everywhere() {
         umbra_shape_rounded_polygon(null(), 3, 1 << 31, Some(&mut place));
         umbra_shape_rounded_polygon(&raw const point, 1, 1 << 31, None);
         umbra_shape_chain(null(), 3, 0, Some(&mut place));
+        umbra_shape_hull(null(), 3, Some(&mut place));
+        umbra_shape_hull(&raw const point, 1, None);
+        umbra_shape_concave_polygon(null(), 3, Some(&mut place));
+        umbra_shape_concave_polygon(&raw const point, 1, None);
         umbra_shape_chain(&raw const point, 1, 0, None);
         umbra_shape_compound(null(), 1, Some(&mut place));
         umbra_shape_compound(&raw const part, 1, Some(&mut place));

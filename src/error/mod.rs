@@ -149,9 +149,9 @@ pub enum Error {
     },
     /// A chain is a surface of static and kinematic bodies. The body is dynamic, or would become so.
     DynamicChain,
-    /// Two segments of a chain cross or touch each other.
+    /// Two segments of a chain, or two sides of a concave polygon, cross or touch each other.
     ChainCrosses {
-        /// The segments, each by the number of the point that it begins at.
+        /// The segments or sides, each by the number of the point that it begins at.
         segments: [usize; 2],
     },
     /// The handle names no joint: it or one of its bodies was removed, or it was never in this world.
@@ -337,7 +337,7 @@ impl fmt::Display for Error {
                 f.write_str("a chain cannot be on a dynamic body: make the body static or kinematic, or give it another shape")
             },
             Self::ChainCrosses { segments: [a, b] } => {
-                write!(f, "segments {a} and {b} of the chain cross or touch: a chain may not meet itself")
+                write!(f, "segments {a} and {b} of the chain or the concave polygon cross or touch: it may not meet itself")
             },
             Self::NoSuchJoint { joint } => write!(f, "no such joint: {joint}"),
             Self::NothingToMove => {

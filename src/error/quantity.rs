@@ -192,7 +192,7 @@ impl Quantity {
             Self::Density => "a density above zero",
             Self::Size { dimension, .. } => dimension.range(),
             Self::Count => {
-                "3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
+                "3 to 64 corners, also of a hull, up to 1,024 of a concave polygon, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
             }
             Self::Force => "a force within ±2^31 N a component",
             Self::Torque => "a torque within ±2^63 N·m",

@@ -25,7 +25,7 @@ fn check_size<S: Scalar>(size: S, dimension: Dimension) -> Result<(), Error> {
 }
 
 /// Refuses the first of some points that is farther out than any shape reaches.
-fn check_points<S: Scalar>(points: impl IntoIterator<Item = Vec2<S>>) -> Result<(), Error> {
+pub(super) fn check_points<S: Scalar>(points: impl IntoIterator<Item = Vec2<S>>) -> Result<(), Error> {
     let limit = S::from_fx(SIZE_MAX);
     for (number, point) in points.into_iter().enumerate() {
         if !point.is_within(limit) {

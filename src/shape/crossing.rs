@@ -23,7 +23,7 @@ struct Span<S> {
 }
 
 /// The order of the sweep.
-fn order<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> Ordering {
+pub(super) fn order<S: Scalar>(a: Vec2<S>, b: Vec2<S>) -> Ordering {
     let compare = |a: S, b: S| a.partial_cmp(&b).unwrap_or(Ordering::Equal);
     compare(a.x, b.x).then(compare(a.y, b.y))
 }

@@ -6,15 +6,17 @@
 mod aabb;
 mod build;
 mod bytes;
+mod convex_parts;
 mod crossing;
+mod hull;
 mod mass;
 mod outline;
 #[cfg(feature = "serde")]
 mod serial;
 mod to_fx;
+pub(crate) mod union;
 
 pub use aabb::Aabb;
-pub(crate) mod union;
 pub use outline::Outline;
 pub(crate) use outline::{Neighbour, turned_unit};
 

@@ -7,7 +7,7 @@ use super::node::{Kind, Node, Result};
 use super::object::Object;
 use umbra_physics::{
     Dimension, Error, Fx, Geometry, Part, Quantity, Scalar, Shape, Vec2,
-    limits::{CHAIN, CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
+    limits::{CHAIN, CONCAVE_CORNERS, CORNERS, PARTS, SIZE_MAX, SIZE_MIN},
 };
 
 /// A shape in the coordinates of the file, to be made for any scalar. Sizes in m.
@@ -149,9 +149,23 @@ pub(super) fn shape(node: &Node<'_>) -> Result<ShapeDef> {
 
 fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     let object = node.object()?;
-    let names = ["circle", "rectangle", "capsule", "polygon", "rounded_polygon", "segment", "compound", "chain"];
+    let names = [
+        "circle",
+        "rectangle",
+        "capsule",
+        "polygon",
+        "hull",
+        "concave_polygon",
+        "rounded_polygon",
+        "segment",
+        "compound",
+        "chain",
+    ];
     let (name, inner) = object.one_of(&names)?;
     object.finish()?;
+    if part_of_one && name == "concave_polygon" {
+        return Err(inner.fault("a part cannot be a concave polygon, which has parts itself"));
+    }
     if part_of_one && name == "compound" {
         // Refused before it is looked into: the depth of a file is no depth of calls.
         return Err(inner.fault("a part cannot be a compound itself"));
@@ -161,6 +175,14 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
     }
     let def = match name {
         "polygon" => ShapeDef::Polygon { corners: corners(inner)? },
+        "hull" => {
+            let shape = Shape::hull(&points(inner, CHAIN)?).map_err(|error| inner.fault(error))?;
+            ShapeDef::from(&shape)
+        }
+        "concave_polygon" => {
+            let shape = Shape::concave_polygon(&points(inner, CONCAVE_CORNERS)?).map_err(|error| inner.fault(error))?;
+            ShapeDef::from(&shape)
+        }
         "rounded_polygon" => {
             let object = inner.object()?;
             let (corners, radius) = (object.need("corners", corners), object.need("radius", rounding));
@@ -178,7 +200,8 @@ fn read(node: &Node<'_>, part_of_one: bool) -> Result<ShapeDef> {
         }
         "chain" => {
             let object = inner.object()?;
-            let (points, closed) = (object.need("points", points), object.or("closed", false, Node::boolean));
+            let (points, closed) =
+                (object.need("points", |node| points(node, CHAIN)), object.or("closed", false, Node::boolean));
             object.finish()?;
             ShapeDef::Chain { points: points?, closed }
         }
@@ -221,9 +244,9 @@ fn corners(node: &Node<'_>) -> Result<Vec<Vec2>> {
     }
 }
 
-/// The points of a chain.
-fn points(node: &Node<'_>) -> Result<Vec<Vec2>> {
-    let nodes = node.list(CHAIN, Error::OutOfRange { quantity: Quantity::Count })?;
+/// The points of a chain or a hull, or the corners of a concave polygon.
+fn points(node: &Node<'_>, max_count: usize) -> Result<Vec<Vec2>> {
+    let nodes = node.list(max_count, Error::OutOfRange { quantity: Quantity::Count })?;
     nodes.iter().map(Node::point).collect()
 }
 

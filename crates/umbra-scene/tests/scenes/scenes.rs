@@ -57,6 +57,34 @@ pub(crate) fn short(scene: &Scene) -> u64 {
 }
 
 #[test]
+fn hulls_and_concave_polygons_are_read_as_the_shapes_that_they_make() {
+    let text = |shape: &str| {
+        format!(r#"{{"bodies": [{{"name": "a", "kind": "static", "colliders": [{{"shape": {shape}}}]}}]}}"#)
+    };
+    let read = |shape: &str| Scene::parse(&text(shape)).map(|scene| scene.bodies[0].colliders[0].def.shape.clone());
+    let hull = read(r#"{"hull": [[0, 0], [2, 0], [1, 0.5], [0, 1], [0, 0]]}"#).expect("a hull");
+    assert_eq!(Ok(hull), Shape::polygon(&[vec2(0, 0), vec2(2, 0), vec2(0, 1)]));
+    let corners = [vec2(0, 0), vec2(2, 0), vec2(2, 1), vec2(1, 1), vec2(1, 2), vec2(0, 2)];
+    let l = "[[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]";
+    let shape = read(&format!(r#"{{"concave_polygon": {l}}}"#)).expect("an L");
+    assert_eq!(Ok(shape), Shape::concave_polygon(&corners));
+    // Written, they are what they are made of.
+    for shape in [format!(r#"{{"concave_polygon": {l}}}"#), r#"{"hull": [[0, 0], [2, 0], [0, 1]]}"#.into()] {
+        let scene = Scene::parse(&text(&shape)).expect("a scene");
+        let again = Scene::parse(&scene.to_json()).expect("its own text");
+        assert_eq!(again.bodies[0].colliders[0].def, scene.bodies[0].colliders[0].def);
+    }
+    let refused = |shape: &str| read(shape).expect_err("no shape").to_string();
+    for (shape, word) in [
+        (r#"{"concave_polygon": [[0, 0], [2, 2], [2, 0], [0, 2]]}"#, "segments 0 and 2"),
+        (r#"{"hull": [[0, 0], [1, 1], [2, 2]]}"#, "3 to 64 corners"),
+        (r#"{"compound": [{"shape": {"concave_polygon": [[0, 0], [2, 0], [0, 2]]}}]}"#, "a part cannot be"),
+    ] {
+        assert!(refused(shape).contains(word), "{shape}: {}", refused(shape));
+    }
+}
+
+#[test]
 fn each_scene_has_a_title_and_says_what_to_see() {
     let scenes = scenes();
     assert!(scenes.len() >= 30, "{}", scenes.len());

@@ -1,0 +1,5 @@
+//! Shapes by themselves: hulls and concave polygons, against exact integers.
+
+mod concave;
+mod exact;
+mod hulls;
