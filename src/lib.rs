@@ -132,6 +132,7 @@ mod world;
 pub use body::{Activity, BodyDef, BodyKind, Damping, Locks, Mass};
 pub use character::{Character, CharacterHit, Ground, Movement};
 pub use codec::Malformed;
+pub use collide::impact::{ShapeImpact, Sweep};
 pub use collider::{ColliderDef, ContactSettings, Filter, Material, MaterialPair, MixRule, OneWay};
 pub use contact::{ColliderPair, Contact, ContactHit, ContactPoint, Exclusion};
 #[cfg(feature = "draw")]
@@ -149,7 +150,7 @@ pub use joint::{
     Prismatic, Pulley, Revolute, Weld, Wheel,
 };
 pub use math::{Elapsed, Random, Rot, TimeStep, Vec2, vec2};
-pub use query::ShapeHit;
+pub use query::{ShapeDistance, ShapeHit};
 pub use replay::{
     Difference, Divergence, Dump, HashTree, Labels, Owner, PHYSICS_VERSION, Playback, RecordOptions, Recorder, Replay,
     ReplayError, ReplayLimits, Snapshot, SnapshotError, TickPhase, VerifyError,

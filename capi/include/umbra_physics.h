@@ -780,6 +780,46 @@ typedef struct UmbraClosestPoint {
     uint32_t is_found;
 } UmbraClosestPoint;
 
+// The distance of two shapes, or the depth in which they overlap.
+typedef struct UmbraShapeDistance {
+    // The distance of the surfaces, m; negative where they overlap: the length of the shortest translation that separates them.
+    UmbraFx separation;
+    // The unit vector from the first shape to the second one along which they are that far apart.
+    struct UmbraVec2 normal;
+    // The point of the first shape that is nearest to the second one, or deepest in it, m.
+    struct UmbraVec2 point;
+    // The point of the second shape, m.
+    struct UmbraVec2 second_point;
+    // Number of the part of the first shape: of a compound, or of the segment of a chain; 0 of all others.
+    uint32_t part;
+    // Number of the part of the second shape.
+    uint32_t second_part;
+} UmbraShapeDistance;
+
+// The motion of a shape over some time: at constant velocity, and turning at a constant rate around its centre of mass.
+typedef struct UmbraSweep {
+    // The position of the centre of mass at the start, m.
+    struct UmbraVec2 position;
+    // The translation over all of the time, m; each component within ±2^20.
+    struct UmbraVec2 translation;
+    // The angle at the start, rad.
+    UmbraFx angle;
+    // The rotation over all of the time, rad, whole turns included; within ±2^17.
+    UmbraFx rotation;
+} UmbraSweep;
+
+// The moment at which two moving shapes meet, and their distance then.
+typedef struct UmbraShapeImpact {
+    // The fraction of the time, from 0 to 1, rounded down.
+    UmbraFx fraction;
+    // The distance of the two parts that meet, at that moment.
+    struct UmbraShapeDistance distance;
+    // 1; 0 if they do not meet, and then all else is 0 as well.
+    uint32_t is_hit;
+    // 0.
+    uint32_t reserved;
+} UmbraShapeImpact;
+
 // A character; `umbra_character_def_default` fills it in, but for the shape. Values out of range are refused with the causes 190 to 194.
 typedef struct UmbraCharacterDef {
     // The shape, upright: it is never turned. Not a chain. Default null.
@@ -2235,6 +2275,26 @@ UmbraStatus umbra_shape_closest_point(const struct UmbraShape *shape,
 
 // The first point of a shape on a ray, relative to its centre of mass; without a collider and a body.
 UmbraStatus umbra_shape_cast_ray(const struct UmbraShape *shape, const struct UmbraRay *ray, struct UmbraCastHit *hit);
+
+// The distance of two shapes, each at a position of its centre of mass, m, and an angle, rad, or the depth in which they overlap. Of shapes with
+// several parts it is the pair that are nearest to each other, or that overlap deepest.
+UmbraStatus umbra_shape_distance_to(const struct UmbraShape *shape,
+                                    UmbraFx x,
+                                    UmbraFx y,
+                                    UmbraFx angle,
+                                    const struct UmbraShape *second,
+                                    UmbraFx second_x,
+                                    UmbraFx second_y,
+                                    UmbraFx second_angle,
+                                    struct UmbraShapeDistance *distance);
+
+// The moment at which two shapes meet on their ways. It is conservative: they are still apart then, by at most 2^-26 m and 2^-26 of their sizes.
+// Shapes that touch at the start meet where they come to overlap by 2^-20 m, so that they may leave, slide and roll.
+UmbraStatus umbra_shape_time_of_impact(const struct UmbraShape *shape,
+                                       const struct UmbraSweep *sweep,
+                                       const struct UmbraShape *second,
+                                       const struct UmbraSweep *second_sweep,
+                                       struct UmbraShapeImpact *impact);
 
 // Fills in a character without a shape.
 UmbraStatus umbra_character_def_default(struct UmbraCharacterDef *def);

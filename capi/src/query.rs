@@ -7,7 +7,8 @@ use std::ffi::c_void;
 use std::mem::MaybeUninit;
 
 use umbra_physics::{
-    Aabb, BodyId, CastHit, ClosestPoint, ColliderDef, ColliderId, Filter, Fx, Queries, QueryFilter, ShapeHit,
+    Aabb, BodyId, CastHit, ClosestPoint, ColliderDef, ColliderId, Filter, Fx, Queries, QueryFilter, ShapeDistance,
+    ShapeHit, ShapeImpact, Sweep,
 };
 
 use crate::collider::{UMBRA_ALL_CATEGORIES, collider_id, collider_word};
@@ -94,6 +95,83 @@ pub struct UmbraClosestPoint {
     pub part: u32,
     /// 1; 0 if nothing is that near, and then all else is 0 as well.
     pub is_found: u32,
+}
+
+/// The distance of two shapes, or the depth in which they overlap.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraShapeDistance {
+    /// The distance of the surfaces, m; negative where they overlap: the length of the shortest translation that separates them.
+    pub separation: UmbraFx,
+    /// The unit vector from the first shape to the second one along which they are that far apart.
+    pub normal: UmbraVec2,
+    /// The point of the first shape that is nearest to the second one, or deepest in it, m.
+    pub point: UmbraVec2,
+    /// The point of the second shape, m.
+    pub second_point: UmbraVec2,
+    /// Number of the part of the first shape: of a compound, or of the segment of a chain; 0 of all others.
+    pub part: u32,
+    /// Number of the part of the second shape.
+    pub second_part: u32,
+}
+
+/// The motion of a shape over some time: at constant velocity, and turning at a constant rate around its centre of mass.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraSweep {
+    /// The position of the centre of mass at the start, m.
+    pub position: UmbraVec2,
+    /// The translation over all of the time, m; each component within ±2^20.
+    pub translation: UmbraVec2,
+    /// The angle at the start, rad.
+    pub angle: UmbraFx,
+    /// The rotation over all of the time, rad, whole turns included; within ±2^17.
+    pub rotation: UmbraFx,
+}
+
+/// The moment at which two moving shapes meet, and their distance then.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraShapeImpact {
+    /// The fraction of the time, from 0 to 1, rounded down.
+    pub fraction: UmbraFx,
+    /// The distance of the two parts that meet, at that moment.
+    pub distance: UmbraShapeDistance,
+    /// 1; 0 if they do not meet, and then all else is 0 as well.
+    pub is_hit: u32,
+    /// 0.
+    pub reserved: u32,
+}
+
+impl From<ShapeDistance> for UmbraShapeDistance {
+    fn from(distance: ShapeDistance) -> Self {
+        let ([point, second_point], [part, second_part]) = (distance.points, distance.parts);
+        Self {
+            separation: distance.separation.to_bits(),
+            normal: distance.normal.into(),
+            point: point.into(),
+            second_point: second_point.into(),
+            part,
+            second_part,
+        }
+    }
+}
+
+impl From<&UmbraSweep> for Sweep {
+    fn from(sweep: &UmbraSweep) -> Self {
+        Self {
+            position: sweep.position.into(),
+            angle: Fx::from_bits(sweep.angle),
+            translation: sweep.translation.into(),
+            rotation: Fx::from_bits(sweep.rotation),
+        }
+    }
+}
+
+impl From<ShapeImpact> for UmbraShapeImpact {
+    fn from(impact: ShapeImpact) -> Self {
+        Self { fraction: impact.fraction.to_bits(), distance: impact.distance.into(), is_hit: 1, reserved: 0 }
+    }
 }
 
 impl From<CastHit> for UmbraCastHit {
@@ -442,6 +520,48 @@ pub extern "C" fn umbra_shape_cast_ray(
         let (shape, ray, place) = (given(shape)?, given(ray)?, given(hit)?);
         let hit = shape.shape.cast_ray(ray.origin.into(), ray.translation.into())?;
         place.write(hit.map(UmbraCastHit::from).unwrap_or_default());
+        Ok(())
+    })
+}
+
+/// The distance of two shapes, each at a position of its centre of mass, m, and an angle, rad, or the depth in which they overlap. Of shapes with
+/// several parts it is the pair that are nearest to each other, or that overlap deepest.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_distance_to(
+    shape: Option<&UmbraShape>,
+    x: UmbraFx,
+    y: UmbraFx,
+    angle: UmbraFx,
+    second: Option<&UmbraShape>,
+    second_x: UmbraFx,
+    second_y: UmbraFx,
+    second_angle: UmbraFx,
+    distance: Option<&mut MaybeUninit<UmbraShapeDistance>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (shape, second, place) = (&given(shape)?.shape, &given(second)?.shape, given(distance)?);
+        let pose = (vector(x, y), Fx::from_bits(angle));
+        let second_pose = (vector(second_x, second_y), Fx::from_bits(second_angle));
+        place.write(shape.distance_to(pose, second, second_pose)?.into());
+        Ok(())
+    })
+}
+
+/// The moment at which two shapes meet on their ways. It is conservative: they are still apart then, by at most 2^-26 m and 2^-26 of their sizes.
+/// Shapes that touch at the start meet where they come to overlap by 2^-20 m, so that they may leave, slide and roll.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_shape_time_of_impact(
+    shape: Option<&UmbraShape>,
+    sweep: Option<&UmbraSweep>,
+    second: Option<&UmbraShape>,
+    second_sweep: Option<&UmbraSweep>,
+    impact: Option<&mut MaybeUninit<UmbraShapeImpact>>,
+) -> UmbraStatus {
+    guard(|| {
+        let (shape, second, place) = (&given(shape)?.shape, &given(second)?.shape, given(impact)?);
+        let (sweep, second_sweep) = (given(sweep)?.into(), given(second_sweep)?.into());
+        let impact = shape.time_of_impact(&sweep, second, &second_sweep)?;
+        place.write(impact.map(UmbraShapeImpact::from).unwrap_or_default());
         Ok(())
     })
 }

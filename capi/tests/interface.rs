@@ -635,6 +635,24 @@ fn queries_are_those_of_the_library() {
     let back = UmbraRay { origin: point(4), translation: point(-4) };
     let hit = out(|hit| umbra_shape_cast_ray(Some(&disc), Some(&back), hit)).expect("a hit");
     assert_eq!((hit.fraction, hit.point, hit.normal, hit.is_hit), (UMBRA_ONE / 4 * 3, point(1), point(1), 1));
+    // Two shapes: 3 m apart, overlapping by ½ m, and on their way.
+    let between =
+        |x: i64| out(|distance| umbra_shape_distance_to(Some(&disc), 0, 0, 0, Some(&disc), x, 0, 0, distance));
+    let distance = between(5 * UMBRA_ONE).expect("a distance");
+    assert_eq!((distance.separation, distance.normal, distance.part), (3 * UMBRA_ONE, point(1), 0));
+    assert_eq!((distance.point, distance.second_point, distance.second_part), (point(1), point(4), 0));
+    assert_eq!(between(UMBRA_ONE / 2 * 3).map(|distance| distance.separation), Ok(-UMBRA_ONE / 2));
+    assert_eq!(between(UMBRA_ONE << 30), Err(UMBRA_ERROR_OUT_OF_RANGE));
+    let still = UmbraSweep { position: point(5), ..UmbraSweep::default() };
+    let way = |metres: i64| UmbraSweep { translation: point(metres), rotation: UMBRA_ONE, ..UmbraSweep::default() };
+    let impact = |sweep: UmbraSweep| {
+        out(|impact| umbra_shape_time_of_impact(Some(&disc), Some(&sweep), Some(&disc), Some(&still), impact))
+    };
+    let hit = impact(way(12)).expect("in range");
+    assert_eq!((hit.is_hit, hit.distance.normal), (1, point(1)));
+    assert!((UMBRA_ONE / 4 - hit.fraction).unsigned_abs() < 64, "{hit:?}");
+    assert_eq!(impact(way(2)), Ok(UmbraShapeImpact::default()));
+    assert_eq!(impact(way(1 << 21)), Err(UMBRA_ERROR_OUT_OF_RANGE));
     umbra_shape_free(Some(disc));
     umbra_world_free(Some(world));
 }
@@ -1512,6 +1530,14 @@ fn shapes_are_those_of_the_library() {
                 Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
             ),
             (
+                own(|shape| umbra_shape_hull(corners.as_ptr(), 3, shape)),
+                Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
+            ),
+            (
+                own(|shape| umbra_shape_concave_polygon(dart.as_ptr(), 4, shape)),
+                Shape::concave_polygon(&[vec2(0, 0), vec2(4, 0), vec2(1, 1), vec2(0, 4)]),
+            ),
+            (
                 own(|shape| umbra_shape_rounded_polygon(corners.as_ptr(), 3, 1 << 31, shape)),
                 Shape::rounded_polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)], fx!(0.5)),
             ),
@@ -1530,14 +1556,6 @@ fn shapes_are_those_of_the_library() {
         let shape = shape.expect("a shape");
         let def = UmbraColliderDef { shape: &raw const *shape, ..plain };
         // SAFETY: its shape is alive.
-            (
-                own(|shape| umbra_shape_hull(corners.as_ptr(), 3, shape)),
-                Shape::polygon(&[vec2(0, 0), vec2(3, 0), vec2(0, 3)]),
-            ),
-            (
-                own(|shape| umbra_shape_concave_polygon(dart.as_ptr(), 4, shape)),
-                Shape::concave_polygon(&[vec2(0, 0), vec2(4, 0), vec2(1, 1), vec2(0, 4)]),
-            ),
         out(|id| unsafe { umbra_world_add_collider(Some(&mut draft), BODY_WORD, Some(&def), id) }).expect("a collider");
         let command = Command::AddCollider { body: BODY, def: expected.expect("a shape").into() };
         assert_eq!(Command::from_bytes(&drafted(&draft)), Ok(command));

@@ -78,7 +78,7 @@ fn null_is_refused_everywhere() {
     let settings = made(|settings| umbra_contact_settings_default(settings));
     let (mut first, mut second, mut number) = (MaybeUninit::uninit(), MaybeUninit::uninit(), MaybeUninit::uninit());
     let (point, wide) = (UmbraVec2::default(), UmbraInt128::default());
-    let (clear, ray) = ([27u8], UmbraRay::default());
+    let (clear, ray, sweep) = ([27u8], UmbraRay::default(), UmbraSweep::default());
     let text = c"1".as_ptr();
     let part = UmbraPart { position: point, angle: 0, density: UMBRA_ONE, shape: null() };
     let mut place = MaybeUninit::uninit();
@@ -312,6 +312,14 @@ fn null_is_refused_everywhere() {
         umbra_shape_closest_point(Some(&disc), 0, 0, None);
         umbra_shape_cast_ray(None, Some(&ray), Some(&mut MaybeUninit::uninit()));
         umbra_shape_cast_ray(Some(&disc), Some(&ray), None);
+        umbra_shape_distance_to(None, 0, 0, 0, Some(&disc), 0, 0, 0, Some(&mut MaybeUninit::uninit()));
+        umbra_shape_distance_to(Some(&disc), 0, 0, 0, None, 0, 0, 0, Some(&mut MaybeUninit::uninit()));
+        umbra_shape_distance_to(Some(&disc), 0, 0, 0, Some(&disc), 0, 0, 0, None);
+        umbra_shape_time_of_impact(None, Some(&sweep), Some(&disc), Some(&sweep), Some(&mut MaybeUninit::uninit()));
+        umbra_shape_time_of_impact(Some(&disc), None, Some(&disc), Some(&sweep), Some(&mut MaybeUninit::uninit()));
+        umbra_shape_time_of_impact(Some(&disc), Some(&sweep), None, Some(&sweep), Some(&mut MaybeUninit::uninit()));
+        umbra_shape_time_of_impact(Some(&disc), Some(&sweep), Some(&disc), None, Some(&mut MaybeUninit::uninit()));
+        umbra_shape_time_of_impact(Some(&disc), Some(&sweep), Some(&disc), Some(&sweep), None);
         umbra_world_contacts_ended(None, null_mut(), 0, None);
         umbra_world_contacts_ended(Some(w), null_mut(), 1, None);
         umbra_world_contacts_began(None, null_mut(), 0, None);

@@ -23,6 +23,7 @@ mod boxes;
 pub mod broad;
 mod cores;
 mod frame;
+pub(crate) mod impact;
 mod lanes;
 mod link;
 mod margin;

@@ -95,7 +95,7 @@ pub enum Quantity {
     RollingResistance,
     /// The number of a material.
     MaterialId,
-    /// The translation or the distance of a query, or a side of a box.
+    /// The translation, the rotation or the distance of a query, or a side of a box.
     Query,
     /// The skin of a character.
     CharacterSkin,
@@ -224,7 +224,7 @@ impl Quantity {
             Self::RollingResistance => "a coefficient of rolling resistance from 0 to 1",
             Self::MaterialId => "a number of a material from 1: 0 is no material",
             Self::Query => {
-                "a translation of a query within ±2^20 m a component, or a distance or a side of a box from 0 to 2^20 m (min not beyond max)"
+                "a translation of a query within ±2^20 m a component, a rotation within ±2^17 rad, or a distance or a side of a box from 0 to 2^20 m (min not beyond max)"
             }
             Self::CharacterSkin => "a skin of a character from 2^-12 to 1 m",
             Self::CharacterUp => "an up direction within ±2^10 a component, the longer one at least 2^-10",

@@ -20,9 +20,10 @@
 
 mod core;
 mod near;
+mod pair;
 mod ray;
-mod shape;
 mod seam;
+mod shape;
 mod sum;
 #[cfg(test)]
 mod tests;
@@ -31,11 +32,13 @@ pub(crate) use crate::kernel::round::odd_shift;
 
 pub(crate) use self::core::{Core, Placement, in_fx, place_digest};
 pub(crate) use near::{Near, contains, distance, nearest, point};
+pub(crate) use pair::CoreDistance;
+pub use pair::ShapeDistance;
 pub(crate) use ray::{FULL, Feature, Line, RayEnd, at, beyond_seam, first_hit, normal, normal_at_seam, ray_hit};
+pub(crate) use seam::{Seam, SeamPlace};
 pub use shape::ShapeHit;
 pub(crate) use shape::{beside, checked_point, checked_translation, in_metres, in_parts, in_scalar};
 pub(crate) use sum::{Sum, cast_hit};
-pub(crate) use seam::{Seam, SeamPlace};
 
 /// A vector in ulps.
 pub(crate) type Point = [i64; 2];

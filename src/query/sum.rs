@@ -111,9 +111,9 @@ pub(crate) fn cast_hit(a: &Core, b: &Core, is_link: bool, ray: Point) -> Option<
 ///
 /// Measured from the middle of the edge and rounded to nearest, halves away from zero, so that an edge from the other end has the same
 /// point.
-fn middle_of_overlap([from, to]: [Point; 2], [low, high]: [Point; 2]) -> Point {
+pub(super) fn middle_of_overlap([from, to]: [Point; 2], [low, high]: [Point; 2]) -> Point {
     let e = from_to(from, to);
-    // Twice as far as the middle of the edge, and its length; below 2^107.
+    // Twice as far as the middle of the edge, and its length; below 2^116 for points below 2^63.
     let along = |p: Point| 2 * dot(p, e) - dot(from, e) - dot(to, e);
     let whole = dot(e, e);
     let middle = along(low).max(-whole) + along(high).min(whole);
@@ -121,6 +121,6 @@ fn middle_of_overlap([from, to]: [Point; 2], [low, high]: [Point; 2]) -> Point {
     let size = middle.unsigned_abs().min(2 * whole.unsigned_abs());
     let (quotient, rest) = div_256(size >> 68, size << 60, whole.unsigned_abs());
     let share = (quotient + u128::from(rest >= whole.unsigned_abs() - rest)) as i128 * middle.signum();
-    // Below 2^56·2^61 and 2^50·2^61.
+    // Below 2^64·2^61 and 2^50·2^61.
     [0, 1].map(|k| odd_shift(((i128::from(from[k]) + i128::from(to[k])) << 61) + i128::from(e[k]) * share, 62) as i64)
 }

@@ -35,6 +35,9 @@ pub(crate) use path::{END, Leg, Path, ends, passes_beyond};
 /// The most steps along a path.
 pub(crate) const STEPS: u32 = 96;
 
+/// The most steps to a time of impact that is asked for.
+pub(crate) const FINE_STEPS: u32 = 1 << 14;
+
 /// Outlines that overlap by this touch, ulps: a micrometre.
 const TOUCH: i64 = 1 << 12;
 
@@ -135,10 +138,15 @@ impl Sweep<'_> {
     /// The first moment from a start on at which they may come to overlap by a depth; `None` if they stay less deep to the end. `moment` is
     /// the start, and then that moment.
     fn reach(&self, depth: i64, from: u64, moment: &mut Moment) -> Option<u64> {
+        self.reach_within(STEPS, depth, from, moment)
+    }
+
+    /// [`reach`](Self::reach) by at most so many steps.
+    fn reach_within(&self, steps: u32, depth: i64, from: u64, moment: &mut Moment) -> Option<u64> {
         let mut at = from;
         let mut guess = END;
         let mut tolerance = None;
-        for _ in 0..STEPS {
+        for _ in 0..steps {
             let room = moment.until - at;
             let mut longest = moment.longest_across(depth, room, guess);
             // Most outlines pass each other, or go together.
@@ -175,6 +183,26 @@ impl Sweep<'_> {
     pub(crate) fn first_touch(&self, memory: &mut Moment) -> Option<u64> {
         self.set(memory, 0);
         if self.is_behind(memory) { None } else { self.reach(TOUCH, 0, memory) }
+    }
+
+    /// The moment at which the outlines meet; `None` if they do not come to overlap by a micrometre, or if one of them is behind a segment of a
+    /// chain at the start.
+    ///
+    /// Outlines that are more than a micrometre apart at the start are still apart then, up to rounding, and others overlap by a micrometre at most.
+    /// Both moments are early if they take more than [`FINE_STEPS`] steps.
+    pub(crate) fn time_of_impact(&self, memory: &mut Moment) -> Option<u64> {
+        self.set(memory, 0);
+        memory.measure();
+        let start = memory.distance();
+        if self.is_behind(memory) {
+            return None;
+        }
+        let overlap = self.reach_within(FINE_STEPS, TOUCH, 0, memory)?;
+        if start <= i128::from(TOUCH) {
+            return Some(overlap);
+        }
+        self.set(memory, 0);
+        self.reach_within(FINE_STEPS, 0, 0, memory).or(Some(overlap))
     }
 
     /// The moment, not before `from`, at which the paths must end so that neither outline crosses the other; `None` if they need not end.

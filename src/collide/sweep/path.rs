@@ -85,7 +85,11 @@ impl Leg {
     }
 
     pub(crate) fn moves(&self) -> bool {
-        self.way != [0; 2] || self.spin != 0
+        self.way != [0; 2] || self.turns()
+    }
+
+    pub(crate) fn turns(&self) -> bool {
+        self.spin != 0
     }
 
     /// A bound of the way of a point within `reach` of the centre, ulps.
