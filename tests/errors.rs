@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 3] = [(106, "Error::NoShape"), (149, "Error::FloatJoint"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 174] = [
+const GIVEN: [(u16, &str); 175] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -189,6 +189,7 @@ const GIVEN: [(u16, &str); 174] = [
     (903, "UMBRA_ERROR_BUFFER_TOO_SMALL"),
     (904, "UMBRA_ERROR_PANIC"),
     (905, "UMBRA_ERROR_BUSY"),
+    (906, "UMBRA_ERROR_END"),
 ];
 
 fn read(path: &str) -> String {

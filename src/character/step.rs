@@ -129,15 +129,15 @@ impl<S: Scalar> Ride<S> {
     fn new(queries: &Queries<'_, S>, ground: &Ground<S>) -> Option<Self> {
         let body = queries.world().body(ground.body).ok()?;
         let takes_part = matches!(body.activity(), Activity::Awake | Activity::Asleep);
-        let seen = queries.stance(ground.body).filter(|_| takes_part)?;
+        let current = queries.stance(ground.body).filter(|_| takes_part)?;
         let is_ahead = queries.moment() == Moment::AfterStep && body.kind() == BodyKind::Dynamic;
-        let stance = if is_ahead { body.stance_after_step() } else { seen };
-        let places = [ground.point, seen.world_point(ground.local)?, stance.world_point(ground.local)?].map(in_ulps);
+        let stance = if is_ahead { body.stance_after_step() } else { current };
+        let places = [ground.point, current.world_point(ground.local)?, stance.world_point(ground.local)?].map(in_ulps);
         // All are points of the world, so that the differences fit.
         let [way, ahead] = [from_to(places[0], places[1]), from_to(places[1], places[2])];
         let is_short = |way: Point| way.iter().all(|part| part.abs() <= MAX_TRANSLATION.to_bits());
         let ahead = if is_short(ahead) { ahead } else { [0; 2] };
-        let stance = if is_short(ahead) { stance } else { seen };
+        let stance = if is_short(ahead) { stance } else { current };
         is_short(way).then_some(Self { body: ground.body, way, ahead, stance })
     }
 }

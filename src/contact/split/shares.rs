@@ -64,7 +64,7 @@ impl Shares {
         // The number of threads is asked for last: it wakes the pool.
         match usize::try_from(work / self.least.0).unwrap_or(usize::MAX) {
             0 | 1 => 1,
-            most => most.min(rayon::current_num_threads()),
+            shares => shares.min(rayon::current_num_threads()),
         }
     }
 

@@ -162,7 +162,7 @@ impl<S: Scalar> Queries<'_, S> {
                 let are_one = if neighbour.outline == outline.outline {
                     number != own_part
                 } else {
-                    neighbour.target().is_some_and(|found| self.are_joined(&target, &found))
+                    neighbour.target().is_some_and(|other_target| self.are_joined(&target, &other_target))
                 };
                 if !are_one {
                     return true;
