@@ -47,7 +47,10 @@ fn belongs(package: &str, file: &str) -> bool {
         _ => ["CHANGELOG.md", "CONTRIBUTING.md", "PERFORMANCE.md", "SECURITY.md"].contains(&file),
     };
     let is_of_program = file == "build.rs" || (folder == "scenes" && kind == "json");
-    is_common || is_source || (package == "umbra-physics" && is_of_library) || (package == "umbra-cli" && is_of_program)
+    is_common
+        || is_source
+        || (package == "umbra-physics" && is_of_library)
+        || (package == "umbra-physics-cli" && is_of_program)
 }
 
 #[test]

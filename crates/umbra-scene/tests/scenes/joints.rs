@@ -257,7 +257,9 @@ fn every_mistake_in_the_ends_of_a_joint_is_told_at_its_field() {
 pub(crate) const SLIDING: &str = r#"{"gravity": [0, -10], "bodies": [
         {"name": "car", "position": [0, 1], "angle": 0.5, "mass": 10, "inertia": 4},
         {"name": "wheel", "position": [1, 0], "mass": 1, "inertia": 1},
-        {"name": "cabin", "position": [5, 0], "mass": 2, "inertia": 1}, {"name": "load", "position": [7, 3]}],
+        {"name": "cabin", "position": [5, 0], "mass": 2, "inertia": 1}, {"name": "load", "position": [7, 3]},
+        {"name": "yard", "kind": "static", "position": [30, 0], "colliders": [{"shape": {"concave_polygon": [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]}},
+          {"shape": {"hull": [[4, 0], [6, 0], [5, 0.5], [4, 1]]}}]}],
       "joints": [
         {"name": "axle", "bodies": ["car", "wheel"], "point": [1, 0], "axis": [0, 1],
           "wheel": {"limits": [-0.2, 0.3], "spring": {"hertz": 4, "damping_ratio": 0.7}, "motor": {"speed": -5, "max_force": 9}, "friction": 0.1}},
@@ -278,7 +280,7 @@ fn sliders_wheels_ropes_and_motors_are_read() {
     let scene = Scene::parse(SLIDING).expect("it is one");
     assert_eq!(Scene::parse(&scene.to_json()).expect("its own text").joints.len(), 8);
     let world: World = scene.build().expect("it starts");
-    let [car, wheel, _, load] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
+    let [car, wheel, _, load, _] = world.bodies().map(|body| body.id()).collect::<Vec<_>>()[..] else { unreachable!() };
     let joints: Vec<JointDef> = world.joints().map(|joint| *joint.def()).collect();
     let axle = JointDef::along(&world, car, wheel, vec2(1, 0), vec2(0, 1)).expect("near them");
     assert_eq!((joints[0].ends, joints[0].angles), (axle.ends, axle.angles));
