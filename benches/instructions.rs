@@ -107,6 +107,8 @@ fn steps<S: Scalar>(mut scene: Scene<S>) -> Scene<S> {
 #[bench::thrusters_1k_beside_platform(scenes::thrusters_beside_platform(1_000))]
 #[bench::thrusters_one_on_each_of_1k(scenes::thrusters_on_some(1_000, 1_000, 1))]
 #[bench::thrusters_two_on_500_of_1k(scenes::thrusters_on_some(1_000, 500, 2))]
+#[bench::net_1k(scenes::net(40, 25))]
+#[bench::net_1k_on_ground(scenes::net_on_ground(40, 25))]
 fn fx(scene: Scene<Fx>) -> Scene<Fx> {
     steps(scene)
 }

@@ -193,6 +193,17 @@ fn forces_not_applied_cost_nothing() {
     assert!(control >= share, "{control} for forces on all, {share} for their products alone");
 }
 
+/// Friction is looked up once a step, and not for each body among all fields: a net of 1,000 bodies has 1,935 springs.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
+fn friction_costs_the_bodies_that_it_acts_on() {
+    let Some(counts) = counts() else { return };
+    let (without, with) = (counts.instructions("fx/net_1k"), counts.instructions("fx/net_1k_on_ground"));
+    let each = (with - without) / STEPS / 1_000;
+    // A root, a quotient and three products in each of two kicks.
+    assert!((100..2_000).contains(&each), "{each} instructions a body and step");
+}
+
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: in release builds")]
 fn angles_of_bodies_that_do_not_turn_cost_nothing() {

@@ -187,11 +187,11 @@ fn stones_that_strike_each_other_stop_where_their_speeds_take_them() {
 #[test]
 fn decelerations_out_of_range_are_refused_and_its_steps_are_not_undone() {
     let mut world = world(Integrator::VelocityVerlet);
-    let most = fx!(65536);
-    assert!(world.add_field(friction(most, most)).is_ok());
+    let largest = fx!(65536);
+    assert!(world.add_field(friction(largest, largest)).is_ok());
     let out = Err(Error::OutOfRange { quantity: Quantity::Deceleration });
     for [linear, angular] in
-        [[most + Fx::DELTA, fx!(0)], [-Fx::DELTA, fx!(0)], [fx!(0), -Fx::DELTA], [fx!(0), most + Fx::DELTA]]
+        [[largest + Fx::DELTA, fx!(0)], [-Fx::DELTA, fx!(0)], [fx!(0), -Fx::DELTA], [fx!(0), largest + Fx::DELTA]]
     {
         assert_eq!(world.add_field(friction(linear, angular)), out);
     }

@@ -391,6 +391,14 @@ pub(crate) fn net<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
     })
 }
 
+/// Like `net`, on a ground that is seen from above.
+pub(crate) fn net_on_ground<S: Scalar>(columns: usize, rows: usize) -> Scene<S> {
+    with_fields(net(columns, rows), |_| {
+        let (deceleration, angular_deceleration) = (S::from_fx(fx!(0.5)), S::from_fx(fx!(0.25)));
+        vec![FieldKind::Friction { deceleration, angular_deceleration }]
+    })
+}
+
 /// A law of the caller's own: the same force on each body.
 struct Steady;
 

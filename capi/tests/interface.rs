@@ -2147,32 +2147,32 @@ fn a_drawing_has_the_figures_of_the_library() {
         // SAFETY: the text is there.
         out(|body| unsafe { umbra_world_find_body(Some(&world), name.as_ptr().cast(), name.len(), body) }).expect(name)
     };
-    let of = |name: &str, role| {
+    let figures_of = |name: &str, role| {
         all.iter().filter(|(figure, _)| figure.role == role && figure.handle == body(name)).collect::<Vec<_>>()
     };
-    let [(floor, corners)] = of("floor", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    let [(floor, corners)] = figures_of("floor", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
     assert_eq!((floor.form, floor.class), (UMBRA_FIGURE_POLYGON, UMBRA_CLASS_STATIC));
     // Its collider, and the one of no other body.
     let outlined = out(|body| umbra_world_collider_body(Some(&world), floor.other, body));
     assert_eq!(outlined, Ok(body("floor")));
     assert_eq!(corners[..], [[-4.0, -2.0], [4.0, -2.0], [4.0, 0.0], [-4.0, 0.0]]);
     // A disc of 48 corners, and the line to its rim.
-    let [(disc, rim), (radius, ends)] = of("ball", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    let [(disc, rim), (radius, ends)] = figures_of("ball", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
     assert_eq!((disc.point_count, disc.class, radius.form), (48, UMBRA_CLASS_DYNAMIC, UMBRA_FIGURE_SEGMENT));
     let centre = ends[0];
     assert!(rim.iter().all(|point| ((point[0] - centre[0]).hypot(point[1] - centre[1]) - 0.5).abs() < 1e-6));
     // The box is where its body is: its middle, and the way from its first corner to the second.
     let state = out(|state| umbra_world_body(Some(&world), body("box"), state)).expect("a body");
     let (position, angle) = (Vec2::from(state.position).to_f64(), Fx::from_bits(state.angle).to_f64());
-    let [(_, corners)] = of("box", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    let [(_, corners)] = figures_of("box", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
     let middle = [0, 1].map(|i| corners.iter().map(|corner| f64::from(corner[i])).sum::<f64>() / 4.0);
     assert!((middle[0] + 1000.0 - position[0]).abs() < 1e-6 && (middle[1] + 1.0 - position[1]).abs() < 1e-6);
     let along = [0, 1].map(|i| f64::from(corners[1][i] - corners[0][i]));
     assert!((along[0] - 2.0 * angle.cos()).abs() < 1e-6 && (along[1] - 2.0 * angle.sin()).abs() < 1e-6);
-    let [(dot, at)] = of("dot", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
+    let [(dot, at)] = figures_of("dot", UMBRA_ROLE_BODY)[..] else { panic!("{all:?}") };
     assert_eq!((dot.form, dot.other, at.len()), (UMBRA_FIGURE_POINT, UMBRA_NO_HANDLE, 1));
     // 1.5 m to the right, as it falls with less than that.
-    let [(arrow, ends)] = of("dot", UMBRA_ROLE_VELOCITY)[..] else { panic!("{all:?}") };
+    let [(arrow, ends)] = figures_of("dot", UMBRA_ROLE_VELOCITY)[..] else { panic!("{all:?}") };
     assert_eq!((arrow.form, ends[0], ends[1][0] - ends[0][0]), (UMBRA_FIGURE_ARROW, at[0], 1.5));
     let contacts: Vec<_> = all.iter().filter(|(figure, _)| figure.role == UMBRA_ROLE_CONTACT).collect();
     let [(contact, point)] = contacts[..] else { panic!("{all:?}") };

@@ -149,7 +149,8 @@ pub enum FieldKind<S: Scalar = Fx> {
     /// push by less stays where it is. Contacts and joints push it all the same: [`Motor::friction`](crate::Motor::friction) is weighed against their
     /// forces, at the price of a joint for each body. Frictions that act on one body add up. With [`Yoshida4`](crate::Integrator::Yoshida4), which
     /// steps backwards in between, it acts at the end of each step. There, and with [`PublishedVerlet`](crate::Integrator::PublishedVerlet), whose
-    /// drift takes in the acceleration, a body that an acceleration a below the friction pushes goes by ½·a·h² in a step.
+    /// drift takes in the acceleration, a body that an acceleration a below the friction pushes goes by ½·a·h² in a step. Over a step with an impact
+    /// it acts as on the way without the impact: a bounce is off by a·h at most.
     /// *Error* of the way ⅛·a·h² in steps of h seconds: the step that stops the body is not on the parabola.
     ///
     /// ```

@@ -16,7 +16,7 @@ pub(crate) use buoyancy::{Fluids, Parts, floats};
 pub use custom::{BodyState, CustomForce, CustomForceError, ForceTorque};
 pub(crate) use drag::{outer_drag, resist};
 pub use field::{Attachment, Dependence, End, FieldKind, ForceField, Region};
-pub(crate) use friction::rub;
+pub(crate) use friction::{Friction, rub};
 pub(crate) use load::{Directions, Load, Loads, Scene, Targets, accumulate, velocity_at};
 pub(crate) use set::FieldSet;
 

@@ -169,8 +169,8 @@ fn grazes(core: &Core, ray: Point) -> bool {
         return false;
     }
     // The distance of the nearest corner, times the length of the ray, is no less than the radius times that length: below 2^214 and 2^197.
-    let least = min.unsigned_abs().min(max.unsigned_abs());
-    mul_128(least, least) >= mul_128((core.radius as u128).pow(2), dot(ray, ray) as u128)
+    let side = min.unsigned_abs().min(max.unsigned_abs());
+    mul_128(side, side) >= mul_128((core.radius as u128).pow(2), dot(ray, ray) as u128)
 }
 
 /// The number of the edge that ends at a corner.

@@ -136,8 +136,11 @@ impl<S: Scalar> Shape<S> {
     /// The normal where a ray meets a corner at a seam of a part with others.
     fn seam_normal(&self, from: Point, part: u32, core: &Core, ray: Point, end: RayEnd) -> Option<Vec2> {
         let mut seam = Seam::new(core, SeamPlace::of(core, ray, end)?);
-        let others = self.cores(from).flatten().filter(|&(number, _)| number != part);
-        others.into_iter().all(|(_, other)| seam.add(&other));
+        for (_, core) in self.cores(from).flatten().filter(|&(number, _)| number != part) {
+            if !seam.add(&core) {
+                break;
+            }
+        }
         seam.normal(ray)
     }
 

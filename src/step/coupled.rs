@@ -148,7 +148,7 @@ pub(super) fn run<S: Scalar>(
             timed!(
                 workspace,
                 damp,
-                rub(pass.forces.fields, pass.bodies, pass.indices.clone(), pass.constants.plan.whole)
+                rub(&workspace.fields.frictions, pass.bodies, pass.indices.clone(), pass.constants.plan.whole)
             );
         }
         if let Some(probe) = &mut probe {
@@ -165,9 +165,9 @@ pub(super) fn run<S: Scalar>(
 /// Keeps a backup, and finds the bodies whose applied forces do not fit.
 fn begin<S: Scalar>(pass: &mut Coupled<'_, S>, workspace: &mut StepWorkspace<S>) {
     let constants = pass.constants;
+    workspace.fields.begin(pass.forces.fields, pass.kinds.friction);
     let coupled = pass.all();
     workspace.coupled.backup.keep(&coupled);
-    workspace.fields.begin();
     constants.report_overloaded(&coupled, &mut workspace.findings.faults);
 }
 

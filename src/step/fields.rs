@@ -12,7 +12,7 @@ use super::coupled::Coupled;
 use super::{Accelerations, Forces, Workspace as StepWorkspace};
 use crate::body::{Bodies, Change};
 use crate::error::Cause;
-use crate::force::{Dependence, Directions, FieldKind, FieldSet, Fluids, Loads, Parts, Targets, accumulate};
+use crate::force::{Dependence, Directions, FieldKind, FieldSet, Fluids, Friction, Loads, Parts, Targets, accumulate};
 use crate::math::Vec2;
 use crate::scalar::Scalar;
 
@@ -33,6 +33,8 @@ pub(super) struct Workspace<S: Scalar> {
     outdated: Vec<usize>,
     /// The accelerations by fields of velocity, as evaluated for the kick before.
     pub(super) velocity: Accelerations<S>,
+    /// The frictions of the step.
+    pub(super) frictions: Vec<Friction<S>>,
 }
 
 impl<S: Scalar> Workspace<S> {
@@ -44,9 +46,13 @@ impl<S: Scalar> Workspace<S> {
         self.parts.clear();
     }
 
-    /// Begins a step. Bodies, colliders and fluids may have changed since the one before.
-    pub(super) fn begin(&mut self) {
+    /// Begins a step. Bodies, colliders and fields may have changed since the one before.
+    pub(super) fn begin(&mut self, fields: &FieldSet<S>, has_friction: bool) {
         self.parts.clear();
+        self.frictions.clear();
+        if has_friction {
+            Friction::list(fields, &mut self.frictions);
+        }
     }
 
     /// The fluids, and the cached parts of the bodies in them.

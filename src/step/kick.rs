@@ -44,7 +44,7 @@ pub(super) fn run<S: Scalar>(pass: &mut Coupled<'_, S>, stage: &Stage, workspace
     // Before a drift, so that a body at rest that is pushed by less than its friction does not move. Yoshida's kicks go backwards too.
     if pass.kinds.friction && pass.integrator != Integrator::Yoshida4 {
         let seconds = pass.constants.plan.timing[stage.span].seconds;
-        rub(pass.forces.fields, pass.bodies, pass.indices.clone(), seconds);
+        rub(&workspace.fields.frictions, pass.bodies, pass.indices.clone(), seconds);
     }
 }
 

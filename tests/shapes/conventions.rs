@@ -1,4 +1,4 @@
-//! What another engine's tests expect of shapes, in this engine's conventions.
+//! Values that the tests of another engine expect of shapes, in the conventions of this one.
 //!
 //! The scenes and values are those of Box2D's [`test_shape.c`](https://github.com/erincatto/box2d/blob/main/test/test_shape.c) and
 //! [`test_distance.c`](https://github.com/erincatto/box2d/blob/main/test/test_distance.c), to the last bit here in place of its tolerances. What differs:

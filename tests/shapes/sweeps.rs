@@ -3,7 +3,7 @@
 use crate::seeds::{run_seed, times};
 use umbra_physics::{Error, Fx, Quantity, Random, Shape, ShapeDistance, ShapeImpact, Sweep, Vec2, fx, limits, vec2};
 
-/// What touches may overlap by, 2^-20 m.
+/// The largest overlap of shapes that touch, 2^-20 m.
 const TOUCH: Fx = Fx::from_bits(1 << 12);
 
 /// The bound of the distance at an impact: 2^-26 m and 2^-26 of a size.

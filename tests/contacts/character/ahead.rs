@@ -118,12 +118,12 @@ fn a_wall_that_comes_is_never_in_a_character_after_the_step() {
     let wall =
         add(&mut world, BodyDef { velocity: vec2(4, 0), ..BodyDef::kinematic() }, vec2(-2, 1), bar(fx!(1), fx!(2)));
     let mut play = Play::new(world, hero(), vec2(0, 1));
-    let mut least = Fx::MAX;
+    let mut narrowest_gap = Fx::MAX;
     for _ in 0..128 {
         assert!(!play.tick(fx!(0)).is_overlapping);
-        least = least.min(play.position().x - play.world.body(wall).unwrap().position().x - fx!(0.75));
+        narrowest_gap = narrowest_gap.min(play.position().x - play.world.body(wall).unwrap().position().x - fx!(0.75));
     }
-    assert!((least - SKIN).abs() <= NEAR, "{least}");
+    assert!((narrowest_gap - SKIN).abs() <= NEAR, "{narrowest_gap}");
 }
 
 #[test]
