@@ -160,6 +160,26 @@ fn a_stop_at_the_end_of_a_step_is_over_in_the_next_step() {
     assert!(count > 0, "no stop at the end of a step");
 }
 
+/// A carriage that meets the end of its rail at 150 m/s stays there: in the step after the stop its impulse of the last sub-step sends it back
+/// at first, beyond what the unit of velocity of a world at rest has room for.
+#[test]
+fn a_fast_carriage_that_was_stopped_stays() {
+    for k in 0..64 {
+        let mut world = still();
+        let carriage = ghost(1, vec2(0, 0), fx!(0.4), fx!(0.4));
+        let carriage = world.add_body(BodyDef { velocity: vec2(150, 0), ..carriage }).expect("a carriage");
+        let limits = Some(JointLimits { lower: fx!(-1), upper: fx!(3) + fx!(0.04) * k });
+        let kind = JointKind::Prismatic(Prismatic { limits, ..Prismatic::default() });
+        let rail = JointDef::along(&world, None, carriage, vec2(0, 0), vec2(1, 0)).expect("a joint");
+        world.add_joint(JointDef { kind, ..rail }).expect("a rail");
+        for tick in 0..6 {
+            world.step();
+            let speed = world.body(carriage).expect("a body").velocity().x;
+            assert!(tick < 3 || speed.abs() < fx!(0.1), "way {k}, tick {tick}: {speed} m/s");
+        }
+    }
+}
+
 /// A rope between bodies of 1 and 100 kg that gets taut at 3 m/s leaves the momentum of both.
 #[test]
 fn a_rope_that_gets_taut_leaves_the_momentum() {
