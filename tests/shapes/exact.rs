@@ -5,29 +5,11 @@ use core::cmp::Ordering;
 use dashu_int::IBig;
 use umbra_physics::{Outline, Random, Vec2};
 
-pub(super) type Point = [IBig; 2];
+#[path = "../support/rational.rs"]
+mod rational;
 
-/// num / den, den > 0.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Ratio(pub(super) IBig, pub(super) IBig);
-
-impl Ratio {
-    pub(super) fn cmp(&self, other: &Self) -> Ordering {
-        (&self.0 * &other.1).cmp(&(&other.0 * &self.1))
-    }
-}
-
-pub(super) fn minus(a: &Point, b: &Point) -> Point {
-    [&a[0] - &b[0], &a[1] - &b[1]]
-}
-
-pub(super) fn cross(a: &Point, b: &Point) -> IBig {
-    &a[0] * &b[1] - &a[1] * &b[0]
-}
-
-pub(super) fn dot(a: &Point, b: &Point) -> IBig {
-    &a[0] * &b[0] + &a[1] * &b[1]
-}
+use rational::square_from_segment;
+pub(super) use rational::{Ratio, Vector as Point, cross, dot, minus};
 
 /// A point in ulps.
 pub(super) fn point(v: Vec2) -> Point {
@@ -50,20 +32,6 @@ pub(super) fn edges(corners: &[Point]) -> Vec<(&Point, &Point)> {
 /// Twice the area within some corners, counter-clockwise.
 pub(super) fn twice_area(corners: &[Point]) -> IBig {
     edges(corners).iter().map(|(a, b)| cross(a, b)).sum()
-}
-
-fn square_from_segment(p: &Point, a: &Point, b: &Point) -> Ratio {
-    let (e, w) = (minus(b, a), minus(p, a));
-    let (way, whole) = (dot(&w, &e), dot(&e, &e));
-    if way <= IBig::ZERO {
-        Ratio(dot(&w, &w), IBig::ONE)
-    } else if way >= whole {
-        let w = minus(p, b);
-        Ratio(dot(&w, &w), IBig::ONE)
-    } else {
-        let c = cross(&w, &e);
-        Ratio(&c * &c, whole)
-    }
 }
 
 /// The square of the distance of a point from the edges of a core.

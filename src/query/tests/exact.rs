@@ -11,20 +11,14 @@ use crate::math::Random;
 use crate::query::ray::{FRACTION, FULL, first_entry, first_hit};
 use crate::query::{Core, Point, RayEnd, Sum, at, contains, distance, nearest, point};
 
-type Vector = [IBig; 2];
+#[path = "../../../tests/support/rational.rs"]
+mod rational;
 
-/// num / den, den > 0.
-#[derive(Clone, Debug)]
-struct Ratio(IBig, IBig);
+use rational::{Ratio, Vector, cross, dot, minus, square_from_segment};
 
-impl Ratio {
-    fn new(num: IBig, den: IBig) -> Self {
-        if den < IBig::ZERO { Self(-num, -den) } else { Self(num, den) }
-    }
-
-    fn cmp(&self, other: &Self) -> Ordering {
-        (&self.0 * &other.1).cmp(&(&other.0 * &self.1))
-    }
+/// num / den.
+fn ratio(num: IBig, den: IBig) -> Ratio {
+    if den < IBig::ZERO { Ratio(-num, -den) } else { Ratio(num, den) }
 }
 
 fn int(x: impl Into<IBig>) -> IBig {
@@ -38,32 +32,6 @@ fn squared(x: impl Into<IBig>) -> IBig {
 
 fn big(v: Point) -> Vector {
     v.map(IBig::from)
-}
-
-fn minus(a: &Vector, b: &Vector) -> Vector {
-    [&a[0] - &b[0], &a[1] - &b[1]]
-}
-
-fn cross(a: &Vector, b: &Vector) -> IBig {
-    &a[0] * &b[1] - &a[1] * &b[0]
-}
-
-fn dot(a: &Vector, b: &Vector) -> IBig {
-    &a[0] * &b[0] + &a[1] * &b[1]
-}
-
-/// The square of the distance of a point from a segment.
-fn square_from_segment(p: &Vector, a: &Vector, b: &Vector) -> Ratio {
-    let (e, w) = (minus(b, a), minus(p, a));
-    let (way, whole) = (dot(&w, &e), dot(&e, &e));
-    if way <= IBig::ZERO {
-        Ratio(dot(&w, &w), IBig::ONE)
-    } else if way >= whole {
-        let w = minus(p, b);
-        Ratio(dot(&w, &w), IBig::ONE)
-    } else {
-        Ratio(squared(cross(&w, &e)), whole)
-    }
 }
 
 fn edges(corners: &[Vector]) -> impl Iterator<Item = (&Vector, &Vector)> {
@@ -100,7 +68,7 @@ fn entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
         }
     }
     for (along, limit) in planes {
-        let bound = || Ratio::new(limit.clone(), along.clone());
+        let bound = || ratio(limit.clone(), along.clone());
         match along.cmp(&IBig::ZERO) {
             Ordering::Equal if limit < IBig::ZERO => return None,
             Ordering::Equal => {}
@@ -180,7 +148,7 @@ fn inner_entry(corners: &[Vector], ray: &Vector) -> Option<Ratio> {
         let e = minus(b, a);
         // t·ray × e < a × e.
         let (along, limit) = (cross(ray, &e), cross(a, &e));
-        let bound = Ratio::new(limit.clone(), if along.is_zero() { IBig::ONE } else { along.clone() });
+        let bound = ratio(limit.clone(), if along.is_zero() { IBig::ONE } else { along.clone() });
         match along.cmp(&IBig::ZERO) {
             Ordering::Equal if limit <= IBig::ZERO => return None,
             Ordering::Equal => {}

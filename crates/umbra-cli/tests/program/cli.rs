@@ -270,7 +270,7 @@ fn a_polygon_that_is_not_convex_is_refused_at_its_corner() {
     let two = refused("two-corners.json", with_body("\"colliders\": [{\"shape\": {\"polygon\": [[0, 0], [1, 0]]}}]"));
     assert_eq!(
         two,
-        ":3: bodies[0].colliders[0].shape.polygon: out of range: expected 3 to 64 corners, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
+        ":3: bodies[0].colliders[0].shape.polygon: out of range: expected 3 to 64 corners, also of a hull, up to 1,024 of a concave polygon, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
     );
 }
 
