@@ -50,17 +50,25 @@ impl<T: Row> Sparse<T> {
     }
 
     /// The row of a key. If it has none, `make` makes it.
+    #[inline]
     pub(crate) fn get_or_insert(&mut self, key: usize, make: impl FnOnce() -> T) -> &mut T {
+        let index = match self.at.get(key) {
+            Some(&index) if index != NONE => index as usize,
+            _ => self.insert(key, make()),
+        };
+        &mut self.rows[index]
+    }
+
+    /// Adds the row of a key that has none, and returns its index.
+    fn insert(&mut self, key: usize, row: T) -> usize {
+        debug_assert_eq!(row.key(), key);
         if self.at.len() <= key {
             self.at.resize(key + 1, NONE);
         }
-        if self.at[key] == NONE {
-            self.at[key] = self.rows.len() as u32;
-            let row = make();
-            debug_assert_eq!(row.key(), key);
-            self.rows.push(row);
-        }
-        &mut self.rows[self.at[key] as usize]
+        let index = self.rows.len();
+        self.at[key] = index as u32;
+        self.rows.push(row);
+        index
     }
 
     /// Removes the row of a key, if it has one.

@@ -112,6 +112,16 @@ impl<S: Scalar> Anchor<S> {
         ))
     }
 
+    /// The way from a point of the world to here.
+    #[inline]
+    fn offset_from(&self, point: Vec2<S>) -> Option<Offset<S>> {
+        let way = Vec2::new(self.position.x.offset(point.x), self.position.y.offset(point.y));
+        if self.arm == Offset::<S>::default() {
+            return Some(way);
+        }
+        Some(Vec2::new(way.x.plus(self.arm.x)?, way.y.plus(self.arm.y)?))
+    }
+
     fn point_velocity(&self) -> Option<Offset<S>> {
         velocity_at(self.velocity, self.angular_velocity, self.arm)
     }
@@ -255,12 +265,13 @@ impl<S: Scalar> Evaluation<'_, S> {
             FieldKind::Attractor { centre, mu, softening } => {
                 let Some(centre) = scene.end(centre, self.directions) else { return };
                 let carrier = field.bodies().next().and_then(|body| scene.bodies.find(body).ok());
+                let (mu, softening) = (*mu, *softening);
                 self.each_in(field.force_groups, |evaluation, i| {
                     if carrier == Some(i) {
                         return;
                     }
-                    let offset = Anchor::at(scene.position(i)).offset_to(&centre);
-                    match offset.and_then(|offset| S::attraction(*mu, offset, *softening)) {
+                    let offset = centre.offset_from(scene.position(i));
+                    match offset.and_then(|offset| S::attraction(mu, offset, softening)) {
                         Some(acceleration) => evaluation.loads.of(i).accelerate(acceleration),
                         None => evaluation.faults.push((i, Cause::Field { field: id })),
                     }

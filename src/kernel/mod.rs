@@ -7,6 +7,7 @@ pub(crate) mod div;
 #[cfg(test)]
 mod edges;
 pub(crate) mod exp_log;
+pub(crate) mod inverse_cube;
 pub(crate) mod round;
 pub(crate) mod simd;
 pub(crate) mod sqrt;

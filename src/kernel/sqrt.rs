@@ -12,7 +12,7 @@ use super::{mul_high, mul_high_signed};
 
 /// 1/√v in Q3.61 with a relative error below 2^-28, for v = `m`·2^-64 in [¼, 1); 0 for 0.
 #[inline]
-const fn reciprocal_root(m: u64) -> i64 {
+pub(crate) const fn reciprocal_root(m: u64) -> i64 {
     let (left, fall) = RSQRT_Q30[(m >> 57) as usize];
     let along = (m >> 41) & 0xffff;
     // fall <= 2^25 + 2^18, so the product has less than 42 bits; left <= 2^31.

@@ -118,24 +118,6 @@ const fn shifted(sign: i128, high: u128, low: u128, shift: i32) -> Option<i128> 
     if rounded > i128::MAX as u128 { None } else { Some(with_sign(rounded as i128, sign)) }
 }
 
-/// [`mul_shift`] where it is the same for `a` − 1, `a` and `a` + 1; `None` where it may not be, and from 2^126 on.
-#[inline]
-pub(crate) const fn mul_shift_near(a: u128, b: u64, shift: i32) -> Option<i128> {
-    if shift < 2 || shift > 127 {
-        return None;
-    }
-    let (high, low) = mul_192(a, b);
-    let (high, low) = (high >> 64, high << 64 | low as u128);
-    let s = shift as u32;
-    if high >> (s - 2) != 0 {
-        return None;
-    }
-    let floor = (high << (128 - s)) | (low >> s);
-    let (rest, half) = (low & ((1 << s) - 1), 1 << (s - 1));
-    // The three products are `b` apart, and what they round to changes at half a unit alone.
-    if rest.abs_diff(half) > b as u128 { Some((floor + (rest > half) as u128) as i128) } else { None }
-}
-
 /// |a|, without a branch.
 #[inline]
 pub(crate) const fn magnitude(a: i128) -> u128 {
@@ -178,7 +160,6 @@ mod tests {
     use crate::cases::cases;
     use core::cmp::Ordering;
     use dashu_int::UBig;
-    use dashu_int::ops::BitTest;
     use proptest::prelude::*;
 
     proptest! {
@@ -221,26 +202,6 @@ mod tests {
             let fits = i128::try_from(&exact).ok().map(|exact| if a < 0 { -exact } else { exact });
             prop_assert_eq!(mul_shift(a, b, shift), fits);
             prop_assert_eq!(mul_shift_64(a, b as u64, shift), mul_shift(a, (b as u64).into(), shift));
-        }
-
-        #[test]
-        fn products_that_are_sure_are_those_of_the_neighbours(a in 1..i128::MAX, b: u64, cut in (0u32..127, 0u32..64), shift: i8) {
-            let (a, b, shift) = ((a >> cut.0).max(1), b >> cut.1, i32::from(shift));
-            if let Some(sure) = mul_shift_near(a as u128, b, shift) {
-                for a in [a - 1, a, a + 1] {
-                    prop_assert_eq!(mul_shift(a, b.into(), shift), Some(sure));
-                }
-            }
-        }
-
-        #[test]
-        fn products_away_from_a_tie_are_sure(a in 1u128..1 << 127, b: u64, cut in (0u32..127, 0u32..64), shift in 2usize..128) {
-            let (a, b) = ((a >> cut.0).max(1), b >> cut.1);
-            let (product, half) = (UBig::from(a) * UBig::from(b), UBig::ONE << (shift - 1));
-            prop_assume!(product.bit_len() <= shift + 126);
-            let rest = &product % (UBig::ONE << shift);
-            let away = if rest > half { rest - half } else { half - rest };
-            prop_assert_eq!(mul_shift_near(a, b, shift as i32).is_some(), away > UBig::from(b));
         }
 
         #[test]

@@ -7,9 +7,10 @@ use super::number::Scalar;
 use super::wide::FxWide;
 use crate::fx::Fx;
 use crate::kernel::div::{div_round_by, reciprocal};
+use crate::kernel::inverse_cube::{OVER_CUBE_ERROR, over_cube};
 use crate::kernel::round::{shr_round, shr_round_short};
-use crate::kernel::sqrt::{root_and_reciprocal, root_fine};
-use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift_64, mul_shift_near, with_sign};
+use crate::kernel::sqrt::root_fine;
+use crate::kernel::wide::{div_256, magnitude, mul_128, mul_192, mul_shift_64, with_sign};
 
 /// The constants of a spring.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,28 +98,70 @@ fn root(sum: u128, shift: i32) -> FxFactor {
     FxFactor::new(root_fine(sum << even), shift + (even / 2) as i32)
 }
 
-/// ⌊mantissa · 2^160 / cube⌋, from which mu / d³ is made, with 95 bits or more. *Domain* cube >= 2^125.
+/// The attraction as it is defined, by a division: for what [`sure_attraction`] is not sure of.
 #[cold]
-pub(super) fn share(mantissa: u64, cube: u128) -> u128 {
-    // mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
-    div_256(u128::from(mantissa) << 32, 0, cube).0
+#[inline(never)]
+fn defined_attraction(mu: FxFactor, to_centre: Offset<Fx>, softening: Fx) -> Option<Offset<Fx>> {
+    let (x, y, sum) = squares(to_centre, softening)?;
+    let (mantissa, mu_shift) = mu.parts();
+    if (x == 0 && y == 0) || mantissa == 0 {
+        return Some(Offset::<Fx>::default());
+    }
+    // s = sum · 2^even in [2^126, 2^128), and its root in [2^95, 2^96).
+    let even = sum.leading_zeros() & !1;
+    let s = sum << even;
+    // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative. The root of the largest s rounds up to 2^96,
+    // which is one too many: 2^-96 relative.
+    let (cube, _) = mul_128(s, root_fine(s).min((1 << 96) - 1) << 32);
+    // ⌊mantissa · 2^160 / cube⌋, with 95 bits or more. mantissa · 2^160 < 2^224: its high half is below 2^96, which is below the cube.
+    let (share, _) = div_256(u128::from(mantissa) << 32, 0, cube);
+    let shift = 96 + mu_shift - 3 * (even as i32) / 2;
+    let component = |c: i128| {
+        let part = mul_shift_64(share as i128, magnitude(c) as u64, shift)?;
+        Some(FxWide::from_bits(with_sign(part, c)))
+    };
+    Some(Offset::<Fx>::new(component(x)?, component(y)?))
 }
 
-/// The [`share`], or one more or less, without a division.
+/// The [`defined_attraction`] by an estimate, where it is sure to round alike; `None` where it may not, and outside of 2^-37 to 2^17 m/s².
 ///
-/// *Domain* cube = v^(3/2) · 2^128 within 2^-94 relative, and inverse = 2^61 / √v within 2^-55, for a v in [¼, 1).
-#[inline]
-pub(super) fn near_share(mantissa: u64, cube: u128, inverse: u64) -> u128 {
-    let high = |a: u64, b: u64| ((u128::from(a) * u128::from(b)) >> 64) as u64;
-    // 1/v^(3/2) <= 2^3 within 3 · 2^-55 + 2^-58 + 2^-60 < 2^-53.3.
-    let power_q60 = ((u128::from(high(inverse, inverse)) * u128::from(inverse)) >> 59) as u64;
-    // In units of 2^36, with 59 to 63 bits: rounded down within 2^-53.2.
-    let first = high(mantissa, power_q60);
-    // The remainder of mantissa · 2^160 after that, in units of 2^100 and less than one too much: below 2^(124 − 53.2) = 2^70.8.
-    let rest = (i128::from(mantissa) << 60) - mul_192(cube, first).0 as i128;
-    // rest · 2^100 / cube, below 2^45.8. The power is 2^-7.5 of it off, the bits cut off make 2^-16, and rounding down one.
-    let second = ((rest >> 8) * i128::from(power_q60)) >> 80;
-    ((u128::from(first) << 36) as i128 + second) as u128
+/// # Ranges
+/// The share of the definition is mu / d³ within 2^-95.9 relative: less than a unit of the power, which is 64 units of the share. The power
+/// is less than 168 away from it, [`over_cube`] says why. A component moved up by `half_even` has at most 64 bits, as its square is at most
+/// the sum; so its product with the power, in units of 2^64, is below 2^93.2 and, rounded down, less than 170 away: [`OVER_CUBE_ERROR`] is more.
+#[inline(always)]
+pub(super) fn sure_attraction(mu: FxFactor, to_centre: Offset<Fx>, softening: Fx) -> Option<Offset<Fx>> {
+    let (x, y) = (to_centre.x.ulps_of_a_word()?, to_centre.y.ulps_of_a_word()?);
+    let third = softening.to_bits().unsigned_abs();
+    let (mantissa, mu_shift) = mu.parts();
+    let (along, across) = (x.unsigned_abs(), y.unsigned_abs());
+    // At most 2^126 + 2^126 + 2^124.
+    let square = |c: u64| u128::from(c) * u128::from(c);
+    if third > 1 << 62 {
+        return None;
+    }
+    let sum = square(along) + square(across) + square(third);
+    let half_even = sum.leading_zeros() / 2;
+    // The bits of a product, in units of 2^64, below those of the result: mu / d³ is the power · 2^(3·half_even − 90 − mu_shift) and a
+    // component has been moved up by `half_even`.
+    let cut = 26 + mu_shift - 2 * half_even as i32;
+    // The error is at most a quarter of a unit of the result.
+    if sum == 0 || !(10..=64).contains(&cut) {
+        return None;
+    }
+    let up = 64 - cut.unsigned_abs();
+    let power = over_cube(mantissa, sum << (2 * half_even));
+    let error = OVER_CUBE_ERROR << up;
+    let part = |c: u64, sign: i64| {
+        let c = c << half_even;
+        let product = (power >> 64) * u128::from(c) + ((u128::from(power as u64) * u128::from(c)) >> 64);
+        let rest = (product as u64) << up;
+        let is_sure = rest.wrapping_sub(1 << 63).wrapping_add(error) > 2 * error;
+        let floor = (product >> 1) >> (63 - up);
+        (with_sign((floor + u128::from(rest >> 63)) as i128, sign.into()), is_sure)
+    };
+    let ((x, x_is_sure), (y, y_is_sure)) = (part(along, x), part(across, y));
+    (x_is_sure & y_is_sure).then_some(Offset::<Fx>::new(FxWide::from_bits(x), FxWide::from_bits(y)))
 }
 
 /// The direction of an offset: takes the parts of a vector along it, and of a magnitude along the axes.
@@ -160,30 +203,12 @@ impl Direction {
 
 impl Forces<Fx> for Fx {
     /// *Error* within 2^-64 + 2^-90 relative of the exact value for these inputs, then rounded to 2^-64 m/s².
+    #[inline]
     fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
-        let (x, y, sum) = squares(to_centre, softening)?;
-        let (mantissa, mu_shift) = mu.parts();
-        if (x == 0 && y == 0) || mantissa == 0 {
-            return Some(Offset::<Self>::default());
+        match sure_attraction(mu, to_centre, softening) {
+            Some(acceleration) => Some(acceleration),
+            None => defined_attraction(mu, to_centre, softening),
         }
-        // s = sum · 2^even in [2^126, 2^128), and its root in [2^95, 2^96).
-        let even = sum.leading_zeros() & !1;
-        let s = sum << even;
-        // d³ / 2^(64 − 3·even/2) in [2^125, 2^128), cut below 2^-125 relative. The root of the largest s rounds up to 2^96,
-        // which is one too many: 2^-96 relative.
-        let (root, inverse) = root_and_reciprocal(s);
-        let (cube, _) = mul_128(s, root.min((1 << 96) - 1) << 32);
-        let approximate = near_share(mantissa, cube, inverse);
-        let shift = 96 + mu_shift - 3 * (even as i32) / 2;
-        let component = |c: i128| {
-            let size = magnitude(c) as u64;
-            let part = match mul_shift_near(approximate, size, shift) {
-                Some(part) => part,
-                None => mul_shift_64(share(mantissa, cube) as i128, size, shift)?,
-            };
-            Some(FxWide::from_bits(with_sign(part, c)))
-        };
-        Some(Offset::<Self>::new(component(x)?, component(y)?))
     }
 
     /// *Error* the tension is that of a spring 0.501 · 2^-64 m longer or shorter (from 2^23 m on 0.751), rounded to 2^-64 N;

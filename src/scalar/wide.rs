@@ -44,6 +44,19 @@ impl FxWide {
     pub(crate) const fn ulps(self) -> i128 {
         shr_round(self.0, 32)
     }
+
+    /// [`ulps`](Self::ulps) as a word; `None` next to 2^63 and beyond.
+    #[inline(always)]
+    pub(super) const fn ulps_of_a_word(self) -> Option<i64> {
+        let (upper, lower) = ((self.0 >> 64) as i64, self.0 as u64);
+        // One less either way than the upper half of a word may be: so the floor has another number above it, and no sign turns.
+        if upper < i32::MIN as i64 + 1 || upper > i32::MAX as i64 - 1 {
+            return None;
+        }
+        let floor = upper << 32 | (lower >> 32) as i64;
+        // The rest is above half, or half and the floor odd.
+        Some(floor + ((lower as u32 as u64 + (floor as u64 & 1)) > 1 << 31) as i64)
+    }
 }
 
 /// The exact decimal, all digits of it; with a precision, that many, rounded to nearest, ties to even.
@@ -218,6 +231,24 @@ mod tests {
     use alloc::format;
 
     use super::FxWide;
+
+    #[test]
+    fn ulps_of_a_word_are_those_of_all() {
+        let halves = [0i128, 1, (1 << 31) - 1, 1 << 31, (1 << 31) + 1, (1 << 32) - 1];
+        for power in 0..=63 {
+            for near in [-2, -1, 0, 1, 2] {
+                for rest in halves {
+                    let wide = FxWide::from_bits((((1i128 << power) + near) << 32) + rest);
+                    for wide in [wide, FxWide::from_bits(-wide.to_bits())] {
+                        let short = wide.ulps_of_a_word().map(i128::from);
+                        let fits = wide.ulps().unsigned_abs() < (1 << 63) - (1 << 32);
+                        assert_eq!(short, fits.then_some(wide.ulps()), "{wide:?}");
+                    }
+                }
+            }
+        }
+        assert_eq!([i128::MAX, i128::MIN].map(|bits| FxWide::from_bits(bits).ulps_of_a_word()), [None; 2]);
+    }
 
     #[test]
     fn decimals_are_exact_and_shorter_ones_rounded_once() {
