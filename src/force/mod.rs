@@ -17,7 +17,7 @@ pub use custom::{BodyState, CustomForce, CustomForceError, ForceTorque};
 pub(crate) use drag::{outer_drag, resist};
 pub use field::{Attachment, Dependence, End, FieldKind, ForceField, Region};
 pub(crate) use friction::{Friction, rub};
-pub(crate) use load::{Directions, Load, Loads, Scene, Targets, accumulate, velocity_at};
+pub(crate) use load::{Directions, Loads, Scene, Targets, accumulate, velocity_at};
 pub(crate) use set::FieldSet;
 
 use alloc::collections::BTreeMap;

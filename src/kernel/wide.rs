@@ -69,31 +69,42 @@ pub(crate) const fn mul_shift(a: i128, b: u128, shift: i32) -> Option<i128> {
 /// Always inlined: as a call it costs forces a few percent.
 #[inline(always)]
 pub(crate) const fn mul_shift_64(a: i128, b: u64, shift: i32) -> Option<i128> {
-    // high·2^64 + low, high < 2^127 as |a| <= 2^127.
-    let (high, low) = mul_192(magnitude(a), b);
-    let (floor, up) = match shift {
-        1..64 => {
-            let left = 64 - shift as u32;
-            // The floor leaves 127 bits: the upper word tells.
-            if (high >> 64) as u64 >> (63 - left) != 0 {
-                return None;
-            }
-            let floor = high << left | (low >> shift) as u128;
-            // The rest is in units of 2^-64, half is 2^63.
-            (floor, low << left > (1 << 63) - (floor as u64 & 1))
+    let s = shift as u32;
+    let (floor, rest) = match shift {
+        // Moved up so that the point is between two words of the product. What leaves the upper word repeats its sign.
+        1..=64 if ((a >> 64) as i64 >> (s - 1)).wrapping_add(1) as u64 <= 1 => {
+            mul_192_signed(a << (s.wrapping_neg() & 63), b)
         }
-        64..128 => {
-            let right = shift as u32 - 64;
-            let floor = high >> right;
-            // In units of 2^-128: the bits of `high` that are shifted out, and `low`.
-            let rest = (((high as u64 as u128) << 64 | low as u128) << (63 - right)) << 1;
-            (floor, rest > (1 << 127) - (floor & 1))
+        65..128 => {
+            let (high, low) = mul_192_signed(a, b);
+            let s = s & 63;
+            // What is cut off is gathered in the last bit of the rest, which a half does not have.
+            let cut_off = low & ((1 << s) - 1) != 0;
+            (high >> s, (((high as u64 as u128) << 64 | low as u128) >> s) as u64 | cut_off as u64)
         }
-        _ => return shifted(a, high >> 64, high << 64 | low as u128, shift),
+        _ => return mul_shift_apart(a, b, shift),
     };
-    // The floor is below 2^127, so that the sum cannot wrap.
-    let rounded = floor + up as u128;
-    if rounded > i128::MAX as u128 { None } else { Some(with_sign(rounded as i128, a)) }
+    // Up if the rest is above half, or half and the floor odd: ties to even need no magnitude. In units of 2^-64 half is 2^63. The floor
+    // is below 2^127 − 1, as the product is at most 2^127 − 2^63 units.
+    let (_, up) = rest.overflowing_add((1 << 63) - 1 + (floor as u64 & 1));
+    Some(floor + up as i128)
+}
+
+/// a·b as high·2^64 + low, rounded down: |high| <= 2^127 − 2^63.
+#[inline(always)]
+const fn mul_192_signed(a: i128, b: u64) -> (i128, u64) {
+    let (low, upper) = (a as u64 as u128 * b as u128, (a >> 64) as u64);
+    // A negative upper word was taken for 2^64 more. What wraps does so on the way to the sum, which fits.
+    let more = ((a >> 127) as u64 & b) as u128;
+    let high = (upper as u128 * b as u128).wrapping_sub(more << 64).wrapping_add(low >> 64);
+    (high as i128, low as u64)
+}
+
+/// [`mul_shift_64`] for a large product, or a shift out of the usual.
+#[cold]
+#[inline(never)]
+const fn mul_shift_apart(a: i128, b: u64, shift: i32) -> Option<i128> {
+    mul_shift(a, b as u128, shift)
 }
 
 /// (high·2^128 + low) / 2^shift to nearest, ties to even, with the sign of `sign`; `None` if it leaves i128.

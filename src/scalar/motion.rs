@@ -160,6 +160,8 @@ impl Motion<Fx> for Fx {
         const MOST: u128 = 1 << (96 + KICK_LOG2);
         let (mantissa, shift) = seconds.parts();
         let gained = mul_shift_64(acceleration.to_bits(), mantissa, shift - 32)?;
-        (gained.unsigned_abs() < MOST).then_some(FxAccumulator::from_bits(gained))
+        // The upper word tells, but where it is the least one that may be within.
+        let is_within = ((gained >> 64) as i64).unsigned_abs() < (MOST >> 64) as u64 || gained.unsigned_abs() < MOST;
+        is_within.then_some(FxAccumulator::from_bits(gained))
     }
 }

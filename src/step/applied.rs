@@ -6,33 +6,41 @@ use alloc::vec::Vec;
 
 use super::AppliedAcceleration;
 use crate::body::{Acceleration, Block, Bodies, MassProperties};
-use crate::force::{Applied, Load};
+use crate::force::Applied;
 use crate::math::Vec2;
 use crate::scalar::{Factor, Scalar, Sum, Wide};
 
 /// a = Σ accelerations + Σ F / m, α = Σ τ / I, none along a locked axis; `None` if a sum does not fit. *Domain* the body is
 /// dynamic.
-#[inline]
-pub(super) fn acceleration<S: Scalar>(load: &Load<S>, mass: &MassProperties<S>) -> Option<Acceleration<S>> {
-    let component = |acceleration: S::Sum, force: S::Sum, inverse_mass: S::Factor| {
-        // A sum along a locked axis has no effect and may be of any size.
-        if inverse_mass.is_zero() {
-            return Some(S::Wide::default());
-        }
-        let acceleration = acceleration.total()?;
-        let force = force.total()?;
-        if force == S::Wide::default() { Some(acceleration) } else { acceleration.plus(force.times(inverse_mass)?) }
-    };
+// Inlined, as are its parts, so that the sums are read where they lie and the result is written where it goes: a CPU waits for words that
+// were just written and are copied by two at a time.
+#[inline(always)]
+pub(super) fn acceleration<S: Scalar>(
+    acceleration: &Vec2<S::Sum>,
+    force: &Vec2<S::Sum>,
+    torque: &S::Sum,
+    mass: &MassProperties<S>,
+) -> Option<Acceleration<S>> {
     // A torque on a body of infinite inertia has to fit.
-    let torque = if mass.locks.rotation { S::Wide::default() } else { load.torque.total()? };
+    let torque = if mass.locks.rotation { S::Wide::default() } else { torque.total()? };
     let turns = torque != S::Wide::default();
     Some(Acceleration {
         linear: Vec2::new(
-            component(load.acceleration.x, load.force.x, mass.axis_inverse_mass.x)?,
-            component(load.acceleration.y, load.force.y, mass.axis_inverse_mass.y)?,
+            component::<S>(&acceleration.x, &force.x, mass.axis_inverse_mass.x)?,
+            component::<S>(&acceleration.y, &force.y, mass.axis_inverse_mass.y)?,
         ),
         angular: if turns { torque.times(mass.inverse_inertia)? } else { torque },
     })
+}
+
+#[inline(always)]
+fn component<S: Scalar>(acceleration: &S::Sum, force: &S::Sum, inverse_mass: S::Factor) -> Option<S::Wide> {
+    // A sum along a locked axis has no effect and may be of any size.
+    if inverse_mass.is_zero() {
+        return Some(S::Wide::default());
+    }
+    let (acceleration, force) = (acceleration.total()?, force.total()?);
+    if force == S::Wide::default() { Some(acceleration) } else { acceleration.plus(force.times(inverse_mass)?) }
 }
 
 /// Lists the accelerations in the order of the columns, whatever the order of the calls.
@@ -42,10 +50,10 @@ pub(super) fn convert<S: Scalar>(
     accelerations: &mut Vec<AppliedAcceleration<S>>,
 ) {
     accelerations.clear();
+    let none = Vec2::default();
     for row in applied.rows() {
         let Ok(i) = bodies.find(row.body) else { continue };
-        let load = Load { acceleration: Vec2::default(), force: row.force, torque: row.torque };
-        accelerations.push((i, acceleration(&load, bodies.mass(i))));
+        accelerations.push((i, acceleration(&none, &row.force, &row.torque, bodies.mass(i))));
     }
     accelerations.sort_unstable_by_key(|(i, _)| *i);
 }

@@ -188,7 +188,7 @@ pub(super) fn evaluate<S: Scalar>(
     accumulate(pass.scene(), dependence, targets, directions, parts, loads, faults);
     // A spring may push a body that goes through the step by itself: its load there is not of this pass.
     for (i, load) in loads.rows().iter().filter(|(i, _)| pass.indices.contains(i)) {
-        match acceleration(load, pass.bodies.mass(*i)) {
+        match acceleration(&load.acceleration, &load.force, &load.torque, pass.bodies.mass(*i)) {
             Some(acceleration) => accelerations.push((*i, acceleration)),
             None => faults.push((*i, Cause::Force)),
         }

@@ -12,7 +12,7 @@
 
 use alloc::vec::Vec;
 
-use super::applied::part_in;
+use super::applied::{accelerations, part_in};
 use super::bounds::{SafeSteps, check_bounds_and_rest};
 use super::{Constants, Findings, kick};
 use crate::body::{BLOCK, Block, Bodies, Change, Motion};
@@ -160,7 +160,8 @@ impl<S: Scalar> FreePass<'_, S> {
     ) {
         let Constants { rows, applied, sleep_after, restores, any_capped, plan, .. } = self.constants;
         let factors = BlockFactors::of(block, rows);
-        let is_pushed = !part_in(block, applied).is_empty();
+        let pushed = part_in(block, applied);
+        let is_pushed = !pushed.is_empty();
         let may_rest = sleep_after.is_some() && (0..block.len()).any(|i| block.is_still(i));
         let is_guarded = is_pushed || !factors.are_bounded(block) || !safe_steps.pass(block) || may_rest;
         if is_guarded {
@@ -173,7 +174,8 @@ impl<S: Scalar> FreePass<'_, S> {
         if is_pushed {
             self.constants.report_overloaded(block, &mut findings.faults);
         }
-        let mut turns = block.any_turns();
+        // Bodies that neither turn nor are turned keep their angular velocities of zero.
+        let turns = block.any_turns() || accelerations(pushed).any(|(_, pushed)| pushed.angular != S::Wide::default());
         let fuses = !is_pushed && factors.decay(block);
         for stage in self.stages {
             match *stage {
@@ -189,12 +191,10 @@ impl<S: Scalar> FreePass<'_, S> {
                 FreeStage::FusedKickDriftKick { half, whole } => {
                     for stage in split_fused(half, whole) {
                         self.run_stage(&stage, block, factors, turns, &mut findings.faults);
-                        turns = turns || (is_pushed && block.any_turns());
                     }
                 }
                 FreeStage::Single(stage) => {
                     self.run_stage(&stage, block, factors, turns, &mut findings.faults);
-                    turns = turns || (is_pushed && block.any_turns());
                 }
             }
         }
