@@ -36,11 +36,12 @@ const fn product(a: u64, b: u64) -> Words {
 
 /// v·kept for a factor in [½, 1): its mantissa.
 #[inline(always)]
-fn scaled(v: FxAccumulator, mantissa: u64) -> FxAccumulator {
+pub(super) fn scaled(v: FxAccumulator, mantissa: u64) -> FxAccumulator {
     let low = u128::from(v.low) * u128::from(mantissa);
-    let rest = low as u64;
     let floor = add_word(product(v.high as u64, mantissa), (low >> 64) as u64);
-    let rounded = add_word(floor, u64::from(rest > TIE - (floor.0 & 1)));
+    // Up if the rest is above half, or half and the floor odd.
+    let (_, up) = (low as u64).overflowing_add(TIE - 1 + (floor.0 & 1));
+    let rounded = add_word(floor, u64::from(up));
     // Within an ulp of zero its public value may be zero.
     if rounded.1.wrapping_add(1) <= 1 {
         return settled(rounded.0, rounded.1);
@@ -73,7 +74,7 @@ fn settled(low: u64, high: u64) -> FxAccumulator {
 
 /// v·mantissa / 2^shift, to nearest, ties to even. *Domain* 1 <= shift <= 63.
 #[inline(always)]
-fn passed(v: i64, mantissa: u64, shift: u32) -> i128 {
+pub(super) fn passed(v: i64, mantissa: u64, shift: u32) -> i128 {
     let shift = shift & 63;
     let product = product(v as u64, mantissa);
     let odd = product.0 >> shift & 1;
