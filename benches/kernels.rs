@@ -336,7 +336,7 @@ mod custom_forces {
     /// Drag at up to 16 m/s, with coefficients of ¼ a second and a metre, over 1/120 s.
     fn drag(bencher: Bencher, linear: FxFactor, quadratic: FxFactor) {
         let seconds = FxFactor::from_ratio(1, 120);
-        one(bencher, factors(1, 1 << 31), |speed| Fx::drag(speed, linear, quadratic, seconds, false));
+        one(bencher, factors(1, 1 << 31), |speed| Fx::drag(&mut None, speed, linear, quadratic, seconds, false));
     }
 
     #[divan::bench]

@@ -64,6 +64,7 @@ pub(crate) fn resist<S: Scalar>(
     faults: &mut Vec<(usize, Cause)>,
 ) {
     let fields = fluids.fields;
+    let mut memo = S::DragMemo::default();
     let mut add_drag = |id: FieldId, field: &ForceField<S>| {
         if !field.kind.has_drag() {
             return;
@@ -73,7 +74,7 @@ pub(crate) fn resist<S: Scalar>(
                 continue;
             }
             let Some(resistance) = resistance(id, &field.kind, &mut fluids, bodies, i) else { continue };
-            if resistance.and_then(|resistance| slow_down(bodies, i, &resistance, span)).is_none() {
+            if resistance.and_then(|resistance| slow_down(bodies, i, &resistance, span, &mut memo)).is_none() {
                 faults.push((i, Cause::Field { field: id }));
             }
         }
@@ -91,6 +92,7 @@ fn slow_down<S: Scalar>(
     i: usize,
     resistance: &Resistance<S>,
     span: (S::Factor, bool),
+    memo: &mut S::DragMemo,
 ) -> Option<()> {
     let Resistance { linear, quadratic, angular, medium } = *resistance;
     let mass = bodies.mass(i);
@@ -99,7 +101,7 @@ fn slow_down<S: Scalar>(
     let velocity = motion.velocity.get(i);
     // A square root for the quadratic part alone.
     let speed = if quadratic.is_zero() { S::Factor::ZERO } else { S::length(relative(velocity, medium), S::ZERO) };
-    let left = S::drag(speed, linear.times(inverse_mass), quadratic.times(inverse_mass), span.0, span.1)?;
+    let left = S::drag(memo, speed, linear.times(inverse_mass), quadratic.times(inverse_mass), span.0, span.1)?;
     if left != S::Factor::ONE {
         let component = |v: S::Accumulator, w: S, inverse_mass: S::Factor| {
             if inverse_mass.is_zero() {
@@ -112,7 +114,7 @@ fn slow_down<S: Scalar>(
         motion.velocity.set(i, slowed);
     }
     if !angular.is_zero() {
-        let left = S::drag(S::Factor::ZERO, angular.times(inverse_inertia), S::Factor::ZERO, span.0, span.1)?;
+        let left = S::drag(memo, S::Factor::ZERO, angular.times(inverse_inertia), S::Factor::ZERO, span.0, span.1)?;
         motion.angular_velocity[i] = motion.angular_velocity[i].scaled(left)?;
     }
     Some(())

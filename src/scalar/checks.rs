@@ -306,13 +306,30 @@ proptest! {
     ) {
         let [u, a, b] = [speed, alpha, beta].map(|bits| FxFactor::new(u128::from(bits), 32));
         let h = FxFactor::from_ratio(u64::from(num), 60);
-        let left = Fx::drag(u, a, b, h, false).expect("forwards it always is");
+        let left = Fx::drag(&mut None, u, a, b, h, false).expect("forwards it always is");
         let (u, a, b, h) = (exact(u), exact(a), exact(b), exact(h));
         let z = a.clone() * &h;
         let decayed = z.clone().neg().exp();
         let mean = if z == real(0, 0) { real(1, 0) } else { (real(1, 0) - decayed.clone()) / z };
         let reference = decayed / (real(1, 0) + b * u * h * mean);
         prop_assert!(error_log2(left, &reference) < -45.0, "{}", error_log2(left, &reference));
+    }
+}
+
+/// Bodies of a few masses in turn, over either span, forwards and backwards: each as if it were alone.
+#[test]
+fn a_memo_of_drag_changes_no_result() {
+    let alphas =
+        [FxFactor::ZERO, FxFactor::from_ratio(1, 3), FxFactor::from_ratio(1, 3_000_000), FxFactor::new(1 << 9, 0)];
+    let spans = [FxFactor::from_ratio(1, 60), FxFactor::ONE];
+    let (mut memo, mut random) = (None, 1u32);
+    for _ in 0..10_000 {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let (alpha, span) = (alphas[(random >> 30) as usize], spans[(random >> 29 & 1) as usize]);
+        let (speed, beta, negative) =
+            (FxFactor::new((random >> 8).into(), 16), FxFactor::from_ratio(1, 7), random >> 28 & 1 == 1);
+        let alone = Fx::drag(&mut None, speed, alpha, beta, span, negative);
+        assert_eq!(Fx::drag(&mut memo, speed, alpha, beta, span, negative), alone, "{alpha:?} {span:?} {negative}");
     }
 }
 
@@ -323,8 +340,8 @@ fn drag_without_measure_stops_and_has_no_way_back() {
     for beta in [FxFactor::ZERO, FxFactor::ONE] {
         for log2 in [8, 9, 31, 47] {
             let alpha = FxFactor::new(1 << log2, 0);
-            assert_eq!(Fx::drag(speed, alpha, beta, second, false), Some(FxFactor::ZERO));
-            assert_eq!(Fx::drag(speed, alpha, beta, second, true), None);
+            assert_eq!(Fx::drag(&mut None, speed, alpha, beta, second, false), Some(FxFactor::ZERO));
+            assert_eq!(Fx::drag(&mut None, speed, alpha, beta, second, true), None);
         }
     }
 }

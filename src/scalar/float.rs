@@ -278,6 +278,9 @@ macro_rules! float_scalar {
         }
 
         impl Forces<$float> for $float {
+            // A float's exponential is cheap.
+            type DragMemo = ();
+
             fn attraction(mu: Self, Vec2 { x, y }: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
                 let square = x * x + y * y + softening * softening;
                 if square == 0.0 {
@@ -306,7 +309,7 @@ macro_rules! float_scalar {
             fn reaches(self, Vec2 { x, y }: Offset<Self>) -> bool {
                 self >= 0.0 && x * x + y * y <= self * self
             }
-            fn drag(speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
+            fn drag((): &mut (), speed: Self, alpha: Self, beta: Self, seconds: Self, negative: bool) -> Option<Self> {
                 let h = if negative { -seconds } else { seconds };
                 let z = alpha * h;
                 let mean = if z == 0.0 { 1.0 } else { -libm::$expm1(-z) / z };

@@ -27,6 +27,9 @@ pub struct SpringConstants<S> {
 /// Force formulas.
 #[doc(hidden)]
 pub trait Forces<S: Scalar>: Sized {
+    /// The exponentials of the drag before, which bodies of the same mass in one field share. It has no effect on results.
+    type DragMemo: Default;
+
     /// The acceleration towards an attractor: mu·d / (d² + softening²)^(3/2); zero at its centre.
     fn attraction(mu: S::Factor, to_centre: Offset<S>, softening: S) -> Option<Offset<S>>;
     /// The force of a spring on its near end, whose far end is at `offset` and moves at `velocity` relative to it:
@@ -40,6 +43,7 @@ pub trait Forces<S: Scalar>: Sized {
     /// α = linear·inverse_mass and β = quadratic·inverse_mass. Backwards the quadratic
     /// part is cut off short of its pole, where a speed grows fourfold. `None` if the linear part grows beyond 2^255.
     fn drag(
+        memo: &mut Self::DragMemo,
         speed: S::Factor,
         alpha: S::Factor,
         beta: S::Factor,
@@ -71,6 +75,32 @@ pub(super) fn mean_exponential(z: FxFactor, exponential: FxFactor, growth: bool)
     }
     let change = if growth { exponential.minus(FxFactor::ONE) } else { FxFactor::ONE.minus(exponential) };
     change.over_nonzero(z)
+}
+
+/// The exponentials of a linear drag over a span.
+#[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
+pub struct FxDecay {
+    /// The inverse time constant, the span, and whether time runs backwards.
+    made_for: (FxFactor, FxFactor, bool),
+    /// e^-αh.
+    left: FxFactor,
+    /// (1 − e^-αh) / αh.
+    mean: FxFactor,
+}
+
+impl FxDecay {
+    /// `None` if they grow beyond 2^255.
+    fn new(alpha: FxFactor, seconds: FxFactor, negative: bool) -> Option<Self> {
+        let (left, mean) = if alpha.is_zero() {
+            (FxFactor::ONE, FxFactor::ONE)
+        } else {
+            let z = alpha.times(seconds);
+            let left = exponential(z, negative)?;
+            (left, mean_exponential(z, left, negative))
+        };
+        Some(Self { made_for: (alpha, seconds, negative), left, mean })
+    }
 }
 
 /// An offset in ulps, the sum of the squares of its components, and of a third.
@@ -202,6 +232,8 @@ impl Direction {
 }
 
 impl Forces<Fx> for Fx {
+    type DragMemo = Option<FxDecay>;
+
     /// *Error* within 2^-64 + 2^-90 relative of the exact value for these inputs, then rounded to 2^-64 m/s².
     #[inline]
     fn attraction(mu: FxFactor, to_centre: Offset<Self>, softening: Self) -> Option<Offset<Self>> {
@@ -258,15 +290,20 @@ impl Forces<Fx> for Fx {
         self >= Self::ZERO && squares(offset, Self::ZERO).is_some_and(|(_, _, sum)| sum <= square)
     }
 
-    fn drag(speed: FxFactor, alpha: FxFactor, beta: FxFactor, seconds: FxFactor, negative: bool) -> Option<FxFactor> {
+    fn drag(
+        memo: &mut Option<FxDecay>,
+        speed: FxFactor,
+        alpha: FxFactor,
+        beta: FxFactor,
+        seconds: FxFactor,
+        negative: bool,
+    ) -> Option<FxFactor> {
         // 1/u obeys dw/dt = α·w + β, so u(h) = u·e^-αh / (1 + β·u·(1 − e^-αh)/α); backwards both signs turn.
-        let (left, mean) = if alpha.is_zero() {
-            (FxFactor::ONE, FxFactor::ONE)
-        } else {
-            let z = alpha.times(seconds);
-            let left = exponential(z, negative)?;
-            (left, mean_exponential(z, left, negative))
+        let decay = match *memo {
+            Some(decay) if decay.made_for == (alpha, seconds, negative) => decay,
+            _ => *memo.insert(FxDecay::new(alpha, seconds, negative)?),
         };
+        let FxDecay { left, mean, .. } = decay;
         let slowed = beta.times(speed).times(seconds).times(mean);
         if negative {
             // The flow backwards has a pole at 1; short of it a body's speed grows fourfold at most.

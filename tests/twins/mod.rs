@@ -334,6 +334,8 @@ impl Compiled<Twin> for Twin {
 }
 
 impl Forces<Twin> for Twin {
+    type DragMemo = <Fx as Forces<Fx>>::DragMemo;
+
     fn attraction(mu: FxFactor, to_centre: Offset, softening: Self) -> Option<Offset> {
         Fx::attraction(mu, to_centre, softening.0)
     }
@@ -347,8 +349,15 @@ impl Forces<Twin> for Twin {
     fn reaches(self, offset: Offset) -> bool {
         self.0.reaches(offset)
     }
-    fn drag(a: FxFactor, b: FxFactor, c: FxFactor, d: FxFactor, negative: bool) -> Option<FxFactor> {
-        Fx::drag(a, b, c, d, negative)
+    fn drag(
+        memo: &mut Self::DragMemo,
+        a: FxFactor,
+        b: FxFactor,
+        c: FxFactor,
+        d: FxFactor,
+        negative: bool,
+    ) -> Option<FxFactor> {
+        Fx::drag(memo, a, b, c, d, negative)
     }
 }
 
