@@ -8,7 +8,7 @@ use std::hint::black_box;
 
 use gungraun::{Callgrind, EntryPoint, LibraryBenchmarkConfig, library_benchmark, library_benchmark_group, main};
 use umbra_physics::scalar::Angle;
-use umbra_physics::scalar::internals::{Bulk as _, Motion as _, Span, Weight};
+use umbra_physics::scalar::internals::{Bulk as _, Decay, Motion as _, Span, Weight};
 use umbra_physics::{BodyId, Fx, FxAccumulator, FxFactor, FxWide, Scalar, Turn, World, fx};
 
 #[allow(dead_code, reason = "the benches of time have scenes of their own")]
@@ -251,7 +251,7 @@ fn angle_drift(values: Vec<(Turn, Fx)>, factor: FxFactor) -> i128 {
 }
 
 #[library_benchmark(config = whole())]
-#[bench::values(velocities(), Fx::decay_over(Fx::decay_rate(fx!(0.9)), HALF_STEP))]
+#[bench::values(velocities(), Fx::decay_over(Fx::decay_rate(Decay::KeptPerSecond(fx!(0.9))), HALF_STEP))]
 fn damping(mut values: Vec<FxAccumulator>, factor: FxFactor) -> Vec<FxAccumulator> {
     Fx::damp_all(&mut values, factor);
     values

@@ -597,7 +597,7 @@ fn a_command_does_what_the_method_of_its_name_does() {
         Command::SetBodyDamping {
             body,
             linear: Some(Damping::kept_per_second(fx!(0.5))),
-            angular: Some(Damping::kept_per_second(fx!(0.25))),
+            angular: Some(Damping::rate(fx!(30))),
         },
         Command::SetDominance { body, dominance: 3 },
         Command::SetBullet { body, bullet: true },

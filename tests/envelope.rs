@@ -190,6 +190,28 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
         linear: None,
         angular: Some(Damping::kept_per_second(kept)),
     });
+    // Minus a rate is no share, however it gets there; and no rate is too strong.
+    for share in [-ULP, fx!(-1), fx!(-4), fx!(-5), fx!(-30), Fx::MIN] {
+        let linear = Damping::kept_per_second(share);
+        let command = Command::SetDamping { linear, angular: Damping::NONE };
+        let again = Command::from_bytes(&command.to_bytes()).expect("what was written");
+        let (mut world, ..) = stage();
+        for command in [command, again] {
+            expect(&mut world, &command, Err(Error::OutOfRange { quantity: Quantity::Damping }));
+        }
+    }
+    for rate in [Fx::ZERO, ULP, fx!(4), fx!(4) + ULP, fx!(30), Fx::MAX] {
+        let (mut world, [first, ..], _) = stage();
+        let (linear, angular) = (Damping::rate(rate), Damping::rate(rate));
+        expect(&mut world, &Command::SetDamping { linear, angular }, Ok(()));
+        let (linear, angular) = (Some(linear), Some(angular));
+        expect(&mut world, &Command::SetBodyDamping { body: first, linear, angular }, Ok(()));
+        assert!(world.step().faults.is_empty());
+    }
+    let (mut world, ..) = stage();
+    let linear = Damping::rate(-ULP);
+    let refused = Err(Error::OutOfRange { quantity: Quantity::Damping });
+    expect(&mut world, &Command::SetDamping { linear, angular: Damping::NONE }, refused);
     let limits = [Fx::ZERO, SPEED];
     try_scalar(limits, Quantity::MaxSpeed, |max, body, _| Command::SetMaxSpeeds {
         body,
@@ -365,6 +387,13 @@ fn yoshida4_and_a_damping_of_zero_refuse_each_other_either_way() {
         refused,
     );
     expect(&mut world, &body(|def| def.linear_damping = Some(Damping::kept_per_second(Fx::ZERO))), refused);
+    // The strongest rate of which something is left after a second, 33·ln 2, and the next.
+    let last = Fx::from_bits(98_242_467_570);
+    for (rate, answer) in [(last, Ok(())), (last + ULP, refused), (Fx::MAX, refused)] {
+        let damping = Damping::rate(rate);
+        expect(&mut world, &Command::SetBodyDamping { body: first, linear: Some(damping), angular: None }, answer);
+        expect(&mut world, &Command::SetDamping { linear: Damping::NONE, angular: damping }, answer);
+    }
 }
 
 #[test]
@@ -876,7 +905,12 @@ fn mass() -> impl Strategy<Value = Mass> {
 
 fn damping() -> impl Strategy<Value = Option<Damping>> {
     let kept = prop_oneof![Just(ULP), Just(Fx::ZERO), Just(Fx::ONE), positive(Fx::ONE)];
-    prop_oneof![1 => Just(None), 4 => kept.prop_map(Damping::kept_per_second).prop_map(Some)]
+    let rate = prop_oneof![Just(fx!(4) + ULP), Just(fx!(60)), Just(Fx::MAX), positive(Fx::MAX)];
+    prop_oneof![
+        1 => Just(None),
+        4 => kept.prop_map(Damping::kept_per_second).prop_map(Some),
+        2 => rate.prop_map(Damping::rate).prop_map(Some),
+    ]
 }
 
 fn most() -> impl Strategy<Value = Option<Fx>> {

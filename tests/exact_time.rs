@@ -189,19 +189,85 @@ fn a_hundred_and_fifty_steps_a_second_damp_alike() {
     }
 }
 
+/// What a step leaves of a velocity of 10^6 m/s, linear and angular, in units of 2^-96 m/s: in damping of the body's own, or the world's.
+fn left_by_a_step(damping: Damping, step: TimeStep, integrator: Integrator, is_own: bool) -> [i128; 2] {
+    let own = is_own.then_some(damping);
+    let world_damping = if is_own { Damping::NONE } else { damping };
+    let def = WorldDef { time_step: step, integrator, sleep_after: None, ..WorldDef::default() };
+    let body = BodyDef { velocity: vec2(0, 1_000_000), angular_velocity: fx!(1_000_000), ..BodyDef::dynamic() };
+    let (mut world, body) = one_body(
+        WorldDef { linear_damping: world_damping, angular_damping: world_damping, ..def },
+        BodyDef { linear_damping: own, angular_damping: own, ..body },
+    );
+    assert!(world.step().faults.is_empty());
+    let body = world.body(body).expect("it is there");
+    [body.velocity_exact().y.to_bits(), body.angular_velocity_exact().to_bits()]
+}
+
+#[test]
+fn a_step_leaves_what_its_rate_of_damping_says_however_strong() {
+    let rates =
+        ["0.001", "0.1", "1", "3.999", "4", "4.001", "10", "15", "22.8", "22.9", "60", "1000", "12345.678", "1000000"];
+    let rates = rates.map(|text| text.parse::<Fx>().expect("a number")).into_iter().chain([Fx::DELTA, Fx::MAX]);
+    let steps = [1000, 240, 144, 60, 30].map(TimeStep::hz).into_iter().chain([TimeStep::ratio(1001, 60_000)]);
+    for (rate, step) in rates.flat_map(|rate| steps.clone().map(move |step| (rate, step))) {
+        // The documented bound: of the share of a second up to 4/s, of the rate above.
+        let bound = if rate <= fx!(4) { seconds(step, 1) >> 27 } else { real(1) >> 60 };
+        let left = real(1_000_000) * (-(exact(rate) * seconds(step, 1))).exp();
+        // What is below half an ulp is cleared.
+        let allowed = &left * bound + (real(1) >> 33);
+        for integrator in Integrator::ALL {
+            // It steps back in time, where nothing comes back.
+            if integrator == Integrator::Yoshida4 && rate > fx!(22.87) {
+                continue;
+            }
+            for (is_own, velocity) in [true, false].into_iter().flat_map(|is_own| {
+                left_by_a_step(Damping::rate(rate), step, integrator, is_own).map(move |velocity| (is_own, velocity))
+            }) {
+                let off = units(velocity, 96) - &left;
+                let off = if off < real(0) { -off } else { off };
+                let relative = to_f64(&off) / to_f64(&left);
+                assert!(off <= allowed, "{rate}/s at {step:?}, {}, own: {is_own}: {relative:e} off", integrator.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn nothing_jumps_where_a_damping_begins_to_hold_its_rate() {
+    let border = fx!(4);
+    let [below, above] = [border - Fx::DELTA, border + Fx::DELTA].map(Damping::rate);
+    assert_eq!((below.strong_rate(), above.strong_rate()), (None, Some(border + Fx::DELTA)));
+    for step in [1, 30, 60, 1000].map(TimeStep::hz) {
+        for integrator in Integrator::ALL {
+            for (less, more) in left_by_a_step(below, step, integrator, true)
+                .into_iter()
+                .zip(left_by_a_step(above, step, integrator, true))
+            {
+                let seconds = to_f64(&seconds(step, 1));
+                let share = (less - more) as f64 / less as f64;
+                // Two ulps of the rate between them, and half an ulp of a share of e^-4, 2^-27.2, either way.
+                assert!(share.abs() <= seconds * 7.5e-9, "{} at {step:?}: {share:e}", integrator.name());
+            }
+        }
+    }
+}
+
 #[test]
 fn damping_never_increases_speed() {
-    for kept in [fx!(0.999999), fx!(0.5), fx!(0.0001), Fx::from_bits(1), fx!(0)] {
+    let shares = [fx!(0.999999), fx!(0.5), fx!(0.0001), Fx::from_bits(1), fx!(0)].map(Damping::kept_per_second);
+    let rates = [Fx::DELTA, fx!(5), fx!(23), fx!(1000), Fx::MAX].map(Damping::rate);
+    for damping in shares.into_iter().chain(rates) {
         let (mut world, body) = one_body(
-            WorldDef { linear_damping: Damping::kept_per_second(kept), sleep_after: None, ..WorldDef::default() },
+            WorldDef { linear_damping: damping, sleep_after: None, ..WorldDef::default() },
             BodyDef { velocity: vec2(fx!(1000), fx!(-0.001)), ..BodyDef::dynamic() },
         );
         let mut before = world.body(body).expect("it is there").velocity_exact();
         for _ in 0..10_000 {
             world.step();
             let after = world.body(body).expect("it is there").velocity_exact();
-            assert!(after.x <= before.x && after.y >= before.y, "{kept} a second");
-            assert!(after.x >= Default::default() && after.y <= Default::default(), "{kept} a second");
+            assert!(after.x <= before.x && after.y >= before.y, "{damping:?}");
+            assert!(after.x >= Default::default() && after.y <= Default::default(), "{damping:?}");
             before = after;
         }
     }

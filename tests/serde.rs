@@ -243,7 +243,7 @@ fn bodies() -> Vec<BodyDef> {
         colliders: collider.into_iter().collect(),
         angle: fx!(-0.1),
         linear_damping: Some(Damping::kept_per_second(fx!(0.1))),
-        angular_damping: None,
+        angular_damping: Some(Damping::rate(fx!(4.1))),
         dominance: i32::MIN,
         force_groups: u32::MAX,
         key: u64::MAX,
@@ -475,6 +475,16 @@ fn numbers_are_exact_decimals_where_people_read() {
     assert_eq!(json(&FxAccumulator::from_bits(i128::MIN)), r#""-2147483648""#);
     assert_eq!(json(&Turn::QUARTER), r#""0.25""#);
     assert_eq!(json(&Elapsed { num: 60_001, den: 60_000 }), r#"{"num":"60001","den":"60000"}"#);
+    assert_eq!(json(&Damping::kept_per_second(fx!(0.25))), r#"{"kept_per_second":"0.25"}"#);
+    assert_eq!(json(&Damping::rate(fx!(30))), r#"{"rate":"30"}"#);
+    // Any rate is read, and is what a program makes of it; beside it there is nothing.
+    for rate in [fx!(0), fx!(0.5), fx!(4), fx!(4.5), fx!(-1)] {
+        let text = format!(r#"{{"rate":"{rate}"}}"#);
+        assert_eq!(serde_json::from_str::<Damping>(&text).expect("a damping"), Damping::rate(rate), "{text}");
+    }
+    for text in [r#"{"rate":"1","kept_per_second":"1"}"#, r#"{"kept":"1"}"#, "{}", r#""1""#] {
+        assert!(serde_json::from_str::<Damping>(text).is_err(), "{text}");
+    }
     assert_eq!(json(&TimeStep::hz(60)), r#"{"num":1,"den":60}"#);
     let least = FxAccumulator::from_bits(1);
     // 2^-96 has 96 digits behind the point, and 5^96 is what they end with.

@@ -127,7 +127,7 @@ typedef struct UmbraWorldDef {
     // Gravity, m/s²: none.
     struct UmbraVec2 gravity;
     // Damping of bodies without their own: the share of a velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE`
-    // (none). This is not the damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_ONE`.
+    // (none). This is not the damping of Box2D, which is a rate: `umbra_kept_at_rate` makes one from it. Default `UMBRA_ONE`.
     UmbraFx linear_kept_per_second;
     // Damping of bodies without their own: the share of an angular velocity that is left after a second; default `UMBRA_ONE`.
     UmbraFx angular_kept_per_second;
@@ -226,7 +226,7 @@ typedef struct UmbraBodyDef {
     // Factor on the world's gravity, within ±16; default 1.
     UmbraFx gravity_scale;
     // Damping: the share of the velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE` (none). This is not the
-    // damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_AS_WORLD`.
+    // damping of Box2D, which is a rate: `umbra_kept_at_rate` makes one from it. Default `UMBRA_AS_WORLD`.
     UmbraFx linear_kept_per_second;
     // Damping: the share of the angular velocity that is left after a second; default `UMBRA_AS_WORLD`.
     UmbraFx angular_kept_per_second;
@@ -283,9 +283,10 @@ typedef struct UmbraBodyState {
     struct UmbraFactor inertia;
     // Factor on the world's gravity.
     UmbraFx gravity_scale;
-    // The share of the velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    // The share of the velocity that its damping leaves after a second, or minus a rate above 4/s (see `umbra_kept_at_rate`), or
+    // `UMBRA_AS_WORLD`.
     UmbraFx linear_kept_per_second;
-    // The share of the angular velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    // As `linear_kept_per_second`, of the angular velocity.
     UmbraFx angular_kept_per_second;
     // The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     UmbraFx max_speed;
@@ -1025,7 +1026,7 @@ typedef struct UmbraFigure {
 // The body is not quarantined, and cannot be released.
 #define UMBRA_ERROR_NOT_QUARANTINED 110
 
-// Yoshida4 needs damping that keeps more than 0 of a velocity a second.
+// Yoshida4 needs damping that keeps more than 2^-33 of a velocity a second: a rate below 22.87.
 #define UMBRA_ERROR_DAMPING_HAS_NO_INVERSE 111
 
 // One body is named twice, where two different ones are needed.
@@ -1830,8 +1831,8 @@ UmbraStatus umbra_world_set_kind(struct UmbraWorld *world, uint64_t body, UmbraB
 // Changes how much of the world's gravity a body feels, within ±16.
 UmbraStatus umbra_world_set_gravity_scale(struct UmbraWorld *world, uint64_t body, UmbraFx scale);
 
-// Gives a body dampings of its own, as the share of each velocity that is left after a second, 0 to 1: see `umbra_kept_at_rate`.
-// `UMBRA_AS_WORLD` takes one from it.
+// Gives a body dampings of its own: the share of each velocity that is left after a second, 0 to 1, or what `umbra_kept_at_rate`
+// returns. `UMBRA_AS_WORLD` takes one from it.
 UmbraStatus umbra_world_set_body_kept_per_second(struct UmbraWorld *world,
                                                  uint64_t body,
                                                  UmbraFx linear,
@@ -2355,15 +2356,15 @@ UmbraStatus umbra_world_set_gravity(struct UmbraWorld *world, UmbraFx x, UmbraFx
 // Changes the integrator; wakes all bodies.
 UmbraStatus umbra_world_set_integrator(struct UmbraWorld *world, UmbraIntegrator integrator);
 
-// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1. Wakes all
-// bodies. See `umbra_kept_at_rate`.
+// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1, or what
+// `umbra_kept_at_rate` returns. Wakes all bodies.
 UmbraStatus umbra_world_set_kept_per_second(struct UmbraWorld *world,
                                             UmbraFx linear,
                                             UmbraFx angular);
 
-// Returns the share of a velocity that is left after a second at a damping rate c, in 1/s: e^-c, within 0.5001 · 2^-32. The rate
-// is what Box2D calls damping; 0 is none, and from 22.8739 on nothing is left. A negative rate gives a share above 1, which is
-// refused by what it is given to.
+// Returns the damping with a rate c, in 1/s, for the fields and calls named `kept_per_second`. Up to 4/s that is the share of a
+// velocity that is left after a second, e^-c, within 0.5001 · 2^-32. Above 4/s, where such a share has few digits left, it is -c. The
+// rate is what Box2D calls damping; 0 is none. A negative rate gives a share above 1, which is refused by what it is given to.
 UmbraFx umbra_kept_at_rate(UmbraFx rate);
 
 // Changes after how many ticks at rest a body falls asleep, or `UMBRA_NEVER`; wakes all bodies.

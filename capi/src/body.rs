@@ -81,7 +81,7 @@ pub struct UmbraBodyDef {
     /// Factor on the world's gravity, within ±16; default 1.
     pub gravity_scale: UmbraFx,
     /// Damping: the share of the velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE` (none). This is not the
-    /// damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_AS_WORLD`.
+    /// damping of Box2D, which is a rate: `umbra_kept_at_rate` makes one from it. Default `UMBRA_AS_WORLD`.
     pub linear_kept_per_second: UmbraFx,
     /// Damping: the share of the angular velocity that is left after a second; default `UMBRA_AS_WORLD`.
     pub angular_kept_per_second: UmbraFx,
@@ -137,9 +137,10 @@ pub struct UmbraBodyState {
     pub inertia: UmbraFactor,
     /// Factor on the world's gravity.
     pub gravity_scale: UmbraFx,
-    /// The share of the velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    /// The share of the velocity that its damping leaves after a second, or minus a rate above 4/s (see `umbra_kept_at_rate`), or
+    /// `UMBRA_AS_WORLD`.
     pub linear_kept_per_second: UmbraFx,
-    /// The share of the angular velocity that its damping leaves after a second, or `UMBRA_AS_WORLD`.
+    /// As `linear_kept_per_second`, of the angular velocity.
     pub angular_kept_per_second: UmbraFx,
     /// The largest speed it has after a step, or `UMBRA_NO_LIMIT`.
     pub max_speed: UmbraFx,
@@ -236,7 +237,7 @@ fn mass_of(kind: UmbraMassKind, mass: UmbraFx, inertia: UmbraFx) -> Result<Mass>
 }
 
 fn damping_of(kept: UmbraFx) -> Option<Damping> {
-    (kept != UMBRA_AS_WORLD).then(|| Damping::kept_per_second(Fx::from_bits(kept)))
+    (kept != UMBRA_AS_WORLD).then(|| Damping::from_number(Fx::from_bits(kept)))
 }
 
 fn limit_of(limit: UmbraFx) -> Option<Fx> {
@@ -263,7 +264,7 @@ fn exact(value: FxAccumulator) -> UmbraInt128 {
 
 fn state_of(body: BodyRef<'_>) -> UmbraBodyState {
     let (place, velocity, rotation) = (body.position_exact(), body.velocity_exact(), body.rotation());
-    let kept = |damping: Option<Damping>| damping.map_or(UMBRA_AS_WORLD, |damping| damping.kept().to_bits());
+    let kept = |damping: Option<Damping>| damping.map_or(UMBRA_AS_WORLD, |damping| damping.number().to_bits());
     let limit = |limit: Option<Fx>| limit.map_or(UMBRA_NO_LIMIT, Fx::to_bits);
     UmbraBodyState {
         position: body.position().into(),
@@ -645,8 +646,8 @@ pub extern "C" fn umbra_world_set_gravity_scale(
     change(world, Command::SetGravityScale { body: body_id(body), scale: Fx::from_bits(scale) })
 }
 
-/// Gives a body dampings of its own, as the share of each velocity that is left after a second, 0 to 1: see `umbra_kept_at_rate`.
-/// `UMBRA_AS_WORLD` takes one from it.
+/// Gives a body dampings of its own: the share of each velocity that is left after a second, 0 to 1, or what `umbra_kept_at_rate`
+/// returns. `UMBRA_AS_WORLD` takes one from it.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_body_kept_per_second(
     world: Option<&mut UmbraWorld>,

@@ -30,24 +30,24 @@ pub extern "C" fn umbra_world_set_integrator(
     change_by(world, || Ok(Command::SetIntegrator(self::integrator(integrator)?)))
 }
 
-/// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1. Wakes all
-/// bodies. See `umbra_kept_at_rate`.
+/// Changes the damping of bodies without their own: the share of each velocity that is left after a second, 0 to 1, or what
+/// `umbra_kept_at_rate` returns. Wakes all bodies.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_set_kept_per_second(
     world: Option<&mut UmbraWorld>,
     linear: UmbraFx,
     angular: UmbraFx,
 ) -> UmbraStatus {
-    let [linear, angular] = [linear, angular].map(|kept| Damping::kept_per_second(Fx::from_bits(kept)));
+    let [linear, angular] = [linear, angular].map(|kept| Damping::from_number(Fx::from_bits(kept)));
     change(world, Command::SetDamping { linear, angular })
 }
 
-/// Returns the share of a velocity that is left after a second at a damping rate c, in 1/s: e^-c, within 0.5001 · 2^-32. The rate
-/// is what Box2D calls damping; 0 is none, and from 22.8739 on nothing is left. A negative rate gives a share above 1, which is
-/// refused by what it is given to.
+/// Returns the damping with a rate c, in 1/s, for the fields and calls named `kept_per_second`. Up to 4/s that is the share of a
+/// velocity that is left after a second, e^-c, within 0.5001 · 2^-32. Above 4/s, where such a share has few digits left, it is -c. The
+/// rate is what Box2D calls damping; 0 is none. A negative rate gives a share above 1, which is refused by what it is given to.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_kept_at_rate(rate: UmbraFx) -> UmbraFx {
-    Damping::rate(Fx::from_bits(rate)).kept().to_bits()
+    Damping::rate(Fx::from_bits(rate)).number().to_bits()
 }
 
 /// Changes after how many ticks at rest a body falls asleep, or `UMBRA_NEVER`; wakes all bodies.

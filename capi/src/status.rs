@@ -40,7 +40,7 @@ pub const UMBRA_ERROR_NOT_MOVABLE: UmbraStatus = 108;
 pub const UMBRA_ERROR_QUARANTINED: UmbraStatus = 109;
 /// The body is not quarantined, and cannot be released.
 pub const UMBRA_ERROR_NOT_QUARANTINED: UmbraStatus = 110;
-/// Yoshida4 needs damping that keeps more than 0 of a velocity a second.
+/// Yoshida4 needs damping that keeps more than 2^-33 of a velocity a second: a rate below 22.87.
 pub const UMBRA_ERROR_DAMPING_HAS_NO_INVERSE: UmbraStatus = 111;
 /// One body is named twice, where two different ones are needed.
 pub const UMBRA_ERROR_SAME_BODY: UmbraStatus = 112;
@@ -325,7 +325,7 @@ mod tests {
         assert_eq!(meaning(302).as_deref(), Some("the snapshot has another format: see old files"));
         assert_eq!(
             meaning(111).as_deref(),
-            Some("Yoshida4 needs damping that keeps more than 0 of a velocity a second")
+            Some("Yoshida4 needs damping that keeps more than 2^-33 of a velocity a second: a rate below 22.87")
         );
         assert_eq!(meaning(0).as_deref(), Some("done"));
         assert_eq!((meaning(1), meaning(-101), meaning(UmbraStatus::MAX)), (None, None, None));

@@ -57,7 +57,7 @@ pub struct UmbraWorldDef {
     /// Gravity, m/s²: none.
     pub gravity: UmbraVec2,
     /// Damping of bodies without their own: the share of a velocity that is left after a second, from 0 (stops at once) to `UMBRA_ONE`
-    /// (none). This is not the damping of Box2D, which is a rate: see `umbra_kept_at_rate`. Default `UMBRA_ONE`.
+    /// (none). This is not the damping of Box2D, which is a rate: `umbra_kept_at_rate` makes one from it. Default `UMBRA_ONE`.
     pub linear_kept_per_second: UmbraFx,
     /// Damping of bodies without their own: the share of an angular velocity that is left after a second; default `UMBRA_ONE`.
     pub angular_kept_per_second: UmbraFx,
@@ -437,8 +437,8 @@ fn as_def(def: &WorldDef) -> UmbraWorldDef {
         integrator: number.map_or(u32::MAX, |number| number as u32),
         sleep_after: def.sleep_after.unwrap_or(UMBRA_NEVER),
         gravity: def.gravity.into(),
-        linear_kept_per_second: def.linear_damping.kept().to_bits(),
-        angular_kept_per_second: def.angular_damping.kept().to_bits(),
+        linear_kept_per_second: def.linear_damping.number().to_bits(),
+        angular_kept_per_second: def.angular_damping.number().to_bits(),
     }
 }
 
@@ -455,8 +455,8 @@ pub extern "C" fn umbra_world_new(
             time_step: TimeStep::ratio(def.step_num, def.step_den),
             gravity: def.gravity.into(),
             integrator: integrator(def.integrator)?,
-            linear_damping: Damping::kept_per_second(Fx::from_bits(def.linear_kept_per_second)),
-            angular_damping: Damping::kept_per_second(Fx::from_bits(def.angular_kept_per_second)),
+            linear_damping: Damping::from_number(Fx::from_bits(def.linear_kept_per_second)),
+            angular_damping: Damping::from_number(Fx::from_bits(def.angular_kept_per_second)),
             sleep_after: sleep_after(def.sleep_after),
             ..WorldDef::default()
         };

@@ -1591,9 +1591,11 @@ fn a_definition_is_read_as_it_was_given_and_changed() {
 #[test]
 fn a_rate_of_damping_becomes_the_share_that_is_kept() {
     for rate in [0, 1, ONE / 10, ONE / 2, ONE, 20 * ONE, 23 * ONE, i64::MAX] {
-        assert_eq!(umbra_kept_at_rate(rate), Damping::rate(Fx::from_bits(rate)).kept().to_bits(), "{rate}");
+        assert_eq!(umbra_kept_at_rate(rate), Damping::rate(Fx::from_bits(rate)).number().to_bits(), "{rate}");
     }
-    assert_eq!((umbra_kept_at_rate(0), umbra_kept_at_rate(23 * ONE)), (ONE, 0));
+    // e^-0.5, and above 4/s minus the rate.
+    assert_eq!((umbra_kept_at_rate(0), umbra_kept_at_rate(ONE / 2)), (ONE, 2_605_029_347));
+    assert_eq!((umbra_kept_at_rate(4 * ONE) > 0, umbra_kept_at_rate(23 * ONE)), (true, -23 * ONE));
     for negative in [-1, -ONE, i64::MIN] {
         let kept = umbra_kept_at_rate(negative);
         let standard = out(|def| umbra_world_def_default(def)).expect("a definition");

@@ -106,8 +106,8 @@ fn play(data: &[u8]) -> Result<()> {
 
 fn in_floats(def: WorldDef) -> WorldDef<f64> {
     let WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, .. } = def;
-    let [linear_damping, angular_damping] =
-        [linear_damping, angular_damping].map(|damping| Damping::kept_per_second(f64::from_fx(damping.kept())));
+    let [linear_damping, angular_damping] = [linear_damping, angular_damping]
+        .map(|damping| InFloats.damping(damping).unwrap_or_else(|never| match never {}));
     let gravity = gravity.map(f64::from_fx);
     let contacts = ContactSettings::default();
     WorldDef { time_step, gravity, integrator, linear_damping, angular_damping, sleep_after, contacts }

@@ -30,7 +30,7 @@ impl<'a, S: Scalar> WorldFactors<'a, S> {
         let mut seconds = unit;
         spans.iter().zip(&mut seconds).for_each(|(&span, seconds)| *seconds = S::seconds(span));
         let world_factors = Self { gravity, spans, seconds, damps, linear: unit, angular: unit };
-        let [linear, angular] = damping.map(|damping| world_factors.decays(S::decay_rate(damping.kept())));
+        let [linear, angular] = damping.map(|damping| world_factors.decays(S::decay_rate(damping.decay())));
         Self { linear, angular, ..world_factors }
     }
 
@@ -88,7 +88,7 @@ impl<S: Scalar> PartialEq for Key<S> {
 
 impl<S: Scalar> Key<S> {
     fn bits(&self) -> [u64; 6] {
-        let [linear, angular] = [self.linear, self.angular].map(|damping| damping.map(Damping::kept));
+        let [linear, angular] = [self.linear, self.angular].map(|damping| damping.map(Damping::number));
         let options = [linear, angular, self.most[0], self.most[1]];
         let flags =
             [self.dynamic, self.still[0], self.still[1]].into_iter().chain(options.map(|option| option.is_some()));
@@ -149,7 +149,7 @@ impl<S: Scalar> StepFactors<S> {
     fn make(&mut self, world_factors: &WorldFactors<'_, S>) {
         let key = self.key;
         let rates = *self.rates.get_or_insert_with(|| {
-            [key.linear, key.angular].map(|damping| damping.map(|damping| S::decay_rate(damping.kept())))
+            [key.linear, key.angular].map(|damping| damping.map(|damping| S::decay_rate(damping.decay())))
         });
         *self = Self { version: self.version, rates: self.rates, ..Self::neutral(key) };
         if !key.dynamic {

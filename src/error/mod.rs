@@ -300,7 +300,7 @@ impl fmt::Display for Error {
             Self::NotMovable { body } => write!(f, "{body} is static and has no velocity"),
             Self::Quarantined { body } => write!(f, "{body} is quarantined: release it first"),
             Self::NotQuarantined { body } => write!(f, "{body} is not quarantined"),
-            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs damping that keeps more than 0 of a velocity a second"),
+            Self::DampingHasNoInverse => f.write_str("Yoshida4 needs damping that keeps more than 2^-33 of a velocity a second: a rate below 22.87"),
             Self::SameBody { body } => write!(f, "{body} is named twice: two different bodies are needed"),
             Self::CustomForce { id } => write!(f, "custom force {id:#x} is not registered, or is registered already"),
             Self::Full => {

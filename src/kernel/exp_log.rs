@@ -153,6 +153,13 @@ pub(crate) const fn exp(raw: i64) -> Option<u64> {
     }
 }
 
+/// raw·log2 e in units of 2^-94, less by at most two of them, `raw` in I32F32 and below 2^63: below 2^126.
+pub(crate) const fn times_log2_e(raw: u64) -> u128 {
+    let q94 = (raw as u128) << 62;
+    // 2^125 and 1.45 times that. The product is rounded down, and the constant lacks at most 2^-127, which makes a quarter of a unit.
+    q94 + mul_high_wide(q94, LOG2_E_LESS_ONE_Q127 << 1)
+}
+
 /// base^exponent in I32F32 for `base` > 0, within 0.5001 ulp, ties to even; `None` if it does not fit.
 pub(crate) const fn pow(base: u64, exponent: i64) -> Option<u64> {
     let log_q120 = log2_fine(base);

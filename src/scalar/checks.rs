@@ -205,9 +205,29 @@ proptest! {
         for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
             for half in [false, true] {
                 let span = Span { ratio: (num, den), weight, half };
-                let f = Fx::decay_over(Fx::decay_rate(Fx::from_bits(kept)), span);
+                let f = Fx::decay_over(Fx::decay_rate(Decay::KeptPerSecond(Fx::from_bits(kept))), span);
                 let log = real(kept, -32).ln() * seconds(span);
                 let log = if span.is_negative() { log.neg() } else { log };
+                prop_assert!(error_log2(f, &log.exp()) < -63.99, "{}", error_log2(f, &log.exp()));
+            }
+        }
+    }
+
+    #[test]
+    fn factors_of_a_rate_are_good_to_2_to_the_minus_64(rate in 1i64.., size in 0u32..63, num in 1u32..=60, den in 60u32..=600_000) {
+        let rate = rate >> size;
+        let decay_rate = Fx::decay_rate(Decay::Rate(Fx::from_bits(rate)));
+        for weight in [Weight::Whole, Weight::YoshidaOuter, Weight::YoshidaInner] {
+            for half in [false, true] {
+                let span = Span { ratio: (num, den), weight, half };
+                let f = Fx::decay_over(decay_rate, span);
+                let log = real(rate, -32) * seconds(span);
+                let log = if span.is_negative() { log } else { log.neg() };
+                // 2^±2^14 is the largest factor and the smallest.
+                if log.clone() > real(11_000, 0) || log < real(-11_000, 0) {
+                    prop_assert!(f.is_zero() || f > FxFactor::new(1, -15_000) || f < FxFactor::new(1, 15_000));
+                    continue;
+                }
                 prop_assert!(error_log2(f, &log.exp()) < -63.99, "{}", error_log2(f, &log.exp()));
             }
         }

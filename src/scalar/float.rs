@@ -11,7 +11,7 @@ use super::bulk::Bulk;
 use super::factor::FxFactor;
 use super::float_angle::FloatAngle as _;
 use super::forces::{Forces, SpringConstants};
-use super::motion::{KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
+use super::motion::{Decay, KICK_LOG2, Motion, Span, TRANSIENT_SPEED_LOG2, Weight};
 use super::number::{Accumulator, Angle, Arithmetic, Factor, Number, Scalar, Sum, Wide};
 use super::polygon::{AreaMoments, Polygons};
 use super::to_f64::ToF64;
@@ -232,7 +232,7 @@ macro_rules! float_scalar {
         }
 
         impl Motion<$float> for $float {
-            type DecayRate = Self;
+            type DecayRate = Decay<Self>;
 
             fn seconds(span: Span) -> Self {
                 let weight = match span.weight {
@@ -247,12 +247,19 @@ macro_rules! float_scalar {
                 let seconds = num as $float / den as $float;
                 0.5 * seconds * seconds
             }
-            fn decay_rate(kept: Self) -> Self {
-                kept
+            fn decay_rate(decay: Decay<Self>) -> Decay<Self> {
+                decay
             }
-            fn decay_over(kept: Self, span: Span) -> Self {
+            fn decay_over(decay: Decay<Self>, span: Span) -> Self {
                 let seconds = <Self as Motion<Self>>::seconds(span);
-                libm::$pow(kept, if span.is_negative() { -seconds } else { seconds })
+                let seconds = if span.is_negative() { -seconds } else { seconds };
+                match decay {
+                    Decay::KeptPerSecond(kept) => libm::$pow(kept, seconds),
+                    Decay::Rate(rate) => libm::$exp(-rate * seconds),
+                }
+            }
+            fn kept_at(rate: Self) -> Self {
+                libm::$exp(-rate)
             }
             fn drift(self, seconds: Self) -> Self {
                 self * seconds

@@ -2,7 +2,7 @@
 
 pub use super::bulk::{Bulk, DampedTurn, KickDriftKick};
 pub use super::forces::Forces;
-pub use super::motion::{Motion, Span, Weight};
+pub use super::motion::{Decay, FxDecayRate, Motion, Span, Weight};
 // Without it nothing outside implements a scalar.
 #[cfg(feature = "selftest")]
 pub use super::number::Number;

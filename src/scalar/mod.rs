@@ -69,7 +69,7 @@ pub use turn::Turn;
 pub use wide::{FxSum, FxWide};
 
 pub(crate) use bulk::{DampedTurn, KickDriftKick};
-pub(crate) use motion::{KICK_LOG2, Span, TRANSIENT_SPEED_LOG2, Weight};
+pub(crate) use motion::{Decay, KICK_LOG2, Span, TRANSIENT_SPEED_LOG2, Weight};
 pub(crate) use number::{Number, Sum};
 
 /// A vector of wide components: the offset between two points in m, a force in N.

@@ -7,7 +7,7 @@ use super::factor::FxFactor;
 use super::number::Scalar;
 use super::wide::FxWide;
 use crate::fx::Fx;
-use crate::kernel::exp_log::{exp2_for_64_bits, log2_fine};
+use crate::kernel::exp_log::{exp, exp2_for_64_bits, log2_fine, times_log2_e};
 use crate::kernel::round::shr_round;
 use crate::kernel::wide::{div_256, mul_128, mul_ratio, mul_shift_64, shr_round_256};
 
@@ -49,6 +49,17 @@ impl Span {
     }
 }
 
+/// The law by which a velocity decays, in one of two forms: a share that is small has few digits, a rate has them all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[doc(hidden)]
+pub enum Decay<S> {
+    /// The share of a velocity that is left after a second, 0 to 1.
+    KeptPerSecond(S),
+    /// The coefficient c of dv/dt = −c·v, 1/s, from 0.
+    Rate(S),
+}
+
 /// Durations, and the rates and lengths that go with them.
 #[doc(hidden)]
 pub trait Motion<S: Scalar>: Sized {
@@ -62,20 +73,32 @@ pub trait Motion<S: Scalar>: Sized {
     fn seconds(span: Span) -> S::Factor;
     /// ½·dt² of a whole step of num/den s, in s².
     fn half_square_seconds(num: u32, den: u32) -> S::Factor;
-    /// The rate of a velocity of which the share `kept` is left after a second. [`decay_over`](Self::decay_over) takes it, so that the
-    /// logarithm is computed once for all spans. *Domain* 0 ≤ kept ≤ 1.
-    fn decay_rate(kept: S) -> Self::DecayRate;
-    /// The share of a velocity that is left after a span at a rate, kept^span: the exact solution of dv/dt = v·ln kept. *Domain* kept > 0
-    /// where the span is negative.
+    /// The rate of a decay. [`decay_over`](Self::decay_over) takes it, so that the logarithm is computed once for all spans.
+    /// *Domain* 0 ≤ share ≤ 1, 0 ≤ rate.
+    fn decay_rate(decay: Decay<S>) -> Self::DecayRate;
+    /// The share of a velocity that is left after a span at a rate: share^span or e^(−rate·span), the exact solution of
+    /// dv/dt = v·ln share or dv/dt = −rate·v. *Domain* where the span is negative, share > 0 and a rate of which e^−rate is not 0 in `S`.
     fn decay_over(rate: Self::DecayRate, span: Span) -> S::Factor;
+    /// The share of a velocity that is left after a second at a rate c, e^−c. For a negative rate that is too large for `S`, a share
+    /// above 1.
+    fn kept_at(rate: S) -> S;
     /// The distance covered at this velocity in `seconds`, m. *Domain* |v| < 2^26 m/s, seconds < 2.
     fn drift(self, seconds: S::Factor) -> S::Accumulator;
     /// The velocity gained at this acceleration in `seconds`, m/s; `None` from 2^21 on.
     fn kick(acceleration: S::Wide, seconds: S::Factor) -> Option<S::Accumulator>;
 }
 
-/// The rate of a velocity that stops at once.
-const NOTHING_LEFT: u128 = u128::MAX;
+/// The rate at which a velocity decays: the opposite of the binary logarithm of what is left after a second.
+#[derive(Clone, Copy, Debug)]
+#[doc(hidden)]
+pub enum FxDecayRate {
+    /// Nothing is left, over any span.
+    Stops,
+    /// In units of 2^-120: from 0 to 32, as a share has it.
+    Share(u128),
+    /// In units of 2^-94: below 2^32, as a rate has it.
+    Rate(u128),
+}
 
 impl Weight {
     /// The magnitude in units of 2^-126.
@@ -100,7 +123,11 @@ pub(super) const fn span_factor(constant: u128, shift: i32, span: Span) -> FxFac
 
 /// 2^±exponent, the exponent in units of 2^-120.
 pub(super) fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
-    let (whole, fraction) = ((exponent >> 120) as i32, exponent << 8);
+    power_of_two_parts((exponent >> 120) as i32, exponent << 8, negative)
+}
+
+/// 2^±(whole + fraction), the fraction in units of 2^-128. *Domain* 0 ≤ whole < 2^19.
+fn power_of_two_parts(whole: i32, fraction: u128, negative: bool) -> FxFactor {
     match (negative, fraction) {
         (true, 0) => FxFactor::new(1, whole),
         // 2^-(n + f) = 2^-(n + 1) · 2^(1 − f).
@@ -110,8 +137,7 @@ pub(super) fn power_of_two(exponent: u128, negative: bool) -> FxFactor {
 }
 
 impl Motion<Fx> for Fx {
-    /// −log2 of what is left after a second, in units of 2^-120, or `u128::MAX` if nothing is left.
-    type DecayRate = u128;
+    type DecayRate = FxDecayRate;
     const IS_REVERSIBLE: bool = true;
 
     fn seconds(span: Span) -> FxFactor {
@@ -123,23 +149,37 @@ impl Motion<Fx> for Fx {
         FxFactor::from_ratio(square(num), square(den)).times(FxFactor::new(1, 1))
     }
 
-    fn decay_rate(kept: Self) -> u128 {
-        match kept.to_bits().unsigned_abs() {
-            0 => NOTHING_LEFT,
-            bits => log2_fine(bits).unsigned_abs(),
+    fn decay_rate(decay: Decay<Self>) -> FxDecayRate {
+        match decay {
+            Decay::KeptPerSecond(kept) => match kept.to_bits().unsigned_abs() {
+                0 => FxDecayRate::Stops,
+                bits => FxDecayRate::Share(log2_fine(bits).unsigned_abs()),
+            },
+            Decay::Rate(rate) => FxDecayRate::Rate(times_log2_e(rate.to_bits().unsigned_abs())),
         }
     }
 
-    fn decay_over(rate: u128, span: Span) -> FxFactor {
-        if rate == NOTHING_LEFT {
-            return FxFactor::ZERO;
-        }
-        // −log2 kept is in [0, 32]; in units of 2^-120 it is below 2^126, times a weight below 2 it is below 2^127.
+    fn decay_over(rate: FxDecayRate, span: Span) -> FxFactor {
+        /// No factor is as small, or as large.
+        const FAR: u128 = 1 << 15;
+
+        let (rate, units) = match rate {
+            FxDecayRate::Stops => return FxFactor::ZERO,
+            FxDecayRate::Share(rate) => (rate, 120),
+            FxDecayRate::Rate(rate) => (rate, 94),
+        };
+        // −log2 of a share is in [0, 32], of a rate below 2^32: in its units either is below 2^126, times a weight below 2 it is
+        // below 2^127.
         let (high, low) = mul_128(rate, span.weight.magnitude());
         let Some(whole) = shr_round_256(high, low, 126) else { return FxFactor::ZERO };
         // num <= den, so it is at most `whole`.
         let exponent = mul_ratio(whole, span.ratio.0, span.ratio.1);
-        power_of_two(if span.half { exponent >> 1 } else { exponent }, !span.is_negative())
+        let exponent = if span.half { exponent >> 1 } else { exponent };
+        power_of_two_parts((exponent >> units).min(FAR) as i32, exponent << (128 - units), !span.is_negative())
+    }
+
+    fn kept_at(rate: Self) -> Self {
+        exp(rate.to_bits().saturating_neg()).map_or(Self::MAX, |kept| Self::from_bits(kept as i64))
     }
 
     #[inline]

@@ -159,6 +159,7 @@ scenes! {
     time_steps: motion::time_steps, "1/60, 1001/60000 and 1/100 s by turns: time and fall stay exact";
     integrators_in_turn: motion::integrators_in_turn, "all five on one flight: each its own sum of a constant force";
     damping: motion::damping, "of the world and of bodies: what is left after each second is a power of it";
+    strong_damping: motion::strong_damping, "of the world and of bodies, by rates to 600/s: what is left is e^-c·t";
     gravity_scales: motion::gravity_scales, "from −16 to 16, gravity and scale changed on the way, exact to the ulp";
     many_turns: motion::many_turns, "angles that wrap millions of times, either way, end where ω·t does";
     orbit_explicit_euler: |t| motion::orbit(t, Integrator::ExplicitEuler), "Kepler, of order 1, gains energy";

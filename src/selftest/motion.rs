@@ -127,6 +127,33 @@ pub(super) fn damping(trial: &mut Trial) -> Played {
     same("place of one that is stopped at once", &world.body(ids[4])?.position(), &vec2(0, 0))
 }
 
+pub(super) fn strong_damping(trial: &mut Trial) -> Played {
+    let [linear_damping, angular_damping] = [fx!(60), fx!(30)].map(Damping::rate);
+    let mut world = World::new(WorldDef { linear_damping, angular_damping, ..WorldDef::default() })?;
+    // Rates of bodies, and what such a rate loses in a step: the negative logarithm of what it leaves.
+    let dampings = [(None, None), (Some(fx!(120)), Some(fx!(15))), (Some(fx!(1)), Some(fx!(600)))];
+    let losses = [(fx!(1), fx!(0.5)), (fx!(2), fx!(0.25)), (fx!(1 / 60), fx!(10))];
+    let bodies = dampings.map(|(linear, angular)| BodyDef {
+        velocity: vec2(1, -1),
+        angular_velocity: fx!(1),
+        linear_damping: linear.map(Damping::rate),
+        angular_damping: angular.map(Damping::rate),
+        ..BodyDef::dynamic()
+    });
+    let ids = add_all(&mut world, bodies)?;
+    for tick in 1..=90 {
+        trial.step(&mut world);
+        for (id, loss) in ids.iter().zip(losses) {
+            // The exponential, rounded; a 60th and what a velocity keeps of an ulp make another one.
+            let left = |loss: Fx| Damping::rate(loss * Fx::from_int(tick)).kept();
+            let body = world.body(*id)?;
+            near_vec("what a strong damping leaves", body.velocity(), Vec2::new(left(loss.0), -left(loss.0)), 50)?;
+            near_fx("what a strong damping leaves of spin", body.angular_velocity(), left(loss.1), 50)?;
+        }
+    }
+    Ok(())
+}
+
 pub(super) fn gravity_scales(trial: &mut Trial) -> Played {
     let mut world = World::new(WorldDef { gravity: vec2(0, -8), ..exact() })?;
     let scales = [fx!(-16), fx!(-1), fx!(0), fx!(0.5), fx!(1), fx!(16)];

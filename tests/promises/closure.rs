@@ -106,8 +106,9 @@ fn in_groups(command: Command, force_groups: impl Fn(u32) -> u32) -> (Command, b
 
 /// A bystander that stops at once would keep `Yoshida4` out of the world for all.
 fn goes_on(command: Command) -> Command {
-    let some =
-        |damping: Option<Damping>| damping.map(|damping| Damping::kept_per_second(damping.kept().max(Fx::DELTA)));
+    let some = |damping: Option<Damping>| {
+        damping.map(|damping| if damping.kept() == Fx::ZERO { Damping::kept_per_second(Fx::DELTA) } else { damping })
+    };
     match command {
         Command::AddBody(def) => Command::AddBody(BodyDef {
             linear_damping: some(def.linear_damping),

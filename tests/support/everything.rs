@@ -117,6 +117,11 @@ fn fields() -> Vec<ForceField> {
     kinds.map(|kind| ForceField { kind, force_groups: 5 }).into()
 }
 
+/// Friction that a command adds late: what it stops to the bit would hide a forged velocity of the start.
+fn friction() -> ForceField {
+    FieldKind::Friction { deceleration: fx!(0.5), angular_deceleration: fx!(0.25) }.into()
+}
+
 /// The slot of the collider of the box on the ground.
 const ON_THE_GROUND: u32 = 7;
 
@@ -318,6 +323,9 @@ pub(crate) fn commands() -> Vec<Command> {
         Command::SetJointBreakTorque { joint, torque: Some(fx!(7)) },
         Command::SetJointBreakTorque { joint, torque: None },
         Command::EnableJoint { joint, enabled: false },
+        Command::AddField(friction()),
+        Command::SetBodyDamping { body, linear: Some(Damping::rate(fx!(30))), angular: Some(Damping::rate(Fx::MAX)) },
+        Command::SetDamping { linear: Damping::rate(fx!(4.5)), angular: Damping::rate(fx!(20)) },
         Command::RemoveCollider(collider),
         Command::RemoveField(FieldId::from_parts(0, 0)),
         Command::RemoveJoint(joint),
@@ -343,6 +351,7 @@ pub(crate) fn world() -> World {
             .add_body(BodyDef {
                 angular_velocity: fx!(1),
                 linear_damping: Some(Damping::kept_per_second(fx!(0.9))),
+                angular_damping: Some(Damping::rate(fx!(7))),
                 ..def
             })
             .expect("a body");

@@ -15,7 +15,7 @@ pub(crate) fn number(value: &Value) -> Fx {
 }
 
 pub(crate) fn damping(value: &Value) -> Damping {
-    Damping::kept_per_second(number(value))
+    Damping::from_number(number(value))
 }
 
 pub(crate) fn vector(value: &Value) -> Vec2 {

@@ -6,7 +6,7 @@ use core::fmt;
 use core::ops::{Add, Neg, Sub};
 
 use umbra_physics::scalar::internals::{
-    AreaMoments, Arithmetic, Bulk, Compiled, Forces, Motion, Number, Polygons, Span, Sum,
+    AreaMoments, Arithmetic, Bulk, Compiled, Decay, Forces, Motion, Number, Polygons, Span, Sum,
 };
 use umbra_physics::scalar::{Accumulator, Angle, Factor, FxSum, Scalar, Wide};
 use umbra_physics::solve::Solver;
@@ -310,8 +310,14 @@ impl Motion<Twin> for Twin {
     fn half_square_seconds(num: u32, den: u32) -> FxFactor {
         Fx::half_square_seconds(num, den)
     }
-    fn decay_rate(kept: Self) -> Self::DecayRate {
-        Fx::decay_rate(kept.0)
+    fn decay_rate(decay: Decay<Self>) -> Self::DecayRate {
+        Fx::decay_rate(match decay {
+            Decay::KeptPerSecond(kept) => Decay::KeptPerSecond(kept.0),
+            Decay::Rate(rate) => Decay::Rate(rate.0),
+        })
+    }
+    fn kept_at(rate: Self) -> Self {
+        Self(Fx::kept_at(rate.0))
     }
     fn decay_over(rate: Self::DecayRate, span: Span) -> FxFactor {
         Fx::decay_over(rate, span)

@@ -5,8 +5,8 @@ use alloc::vec::Vec;
 use super::field::convert_factor;
 use super::shape::{ShapeDef, vector};
 use umbra_physics::{
-    BodyDef, BodyId, ColliderDef, ColliderId, Command, CommandMap, ContactSettings, Error, FieldId, ForceField, Fx,
-    FxFactor, JointDef, JointId, Scalar, Shape, Vec2,
+    BodyDef, BodyId, ColliderDef, ColliderId, Command, CommandMap, ContactSettings, Damping, Error, FieldId,
+    ForceField, Fx, FxFactor, JointDef, JointId, Scalar, Shape, Vec2,
 };
 
 /// Converts a command.
@@ -46,6 +46,11 @@ pub(super) fn convert_body<S: Scalar>(def: &BodyDef) -> Result<BodyDef<S>, Error
 pub(super) fn convert_collider<S: Scalar>(def: &ColliderDef) -> Result<ColliderDef<S>, Error> {
     Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider, joints: &no_joint }
         .collider_def(def.clone())
+}
+
+/// Converts a damping of the world.
+pub(super) fn convert_damping<S: Scalar>(damping: Damping) -> Result<Damping<S>, Error> {
+    Convert { bodies: &no_body, fields: &no_field, colliders: &no_collider, joints: &no_joint }.damping(damping)
 }
 
 /// Converts the settings of contacts.

@@ -5,7 +5,7 @@ use alloc::format;
 use alloc::string::{String, ToString};
 use alloc::vec::Vec;
 
-use super::convert::{convert_command, convert_contacts, convert_field, convert_joint};
+use super::convert::{convert_command, convert_contacts, convert_damping, convert_field, convert_joint};
 use super::error::{Coded, Flaw, Found, Place, SceneError, SceneErrors};
 use super::field::symbol;
 use super::input::{Input, SceneAction};
@@ -13,8 +13,8 @@ use super::node::quoted;
 use super::shape::vector;
 use super::{Scene, SceneMaterialPair};
 use umbra_physics::{
-    ApplyOptions, BodyId, ColliderId, Command, Created, Damping, Error, FieldId, ForceOrImpulse, Fx, JointId, Labels,
-    Quantity, Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
+    ApplyOptions, BodyId, ColliderId, Command, Created, Error, FieldId, ForceOrImpulse, Fx, JointId, Labels, Quantity,
+    Scalar, StepReport, Stepper, TimeStep, World, WorldDef, scalar::Wide,
 };
 
 /// A running scene: its world, and the inputs still to come.
@@ -40,13 +40,13 @@ pub struct SceneRun<'a, S: Scalar = Fx> {
 impl<'a, S: Scalar> SceneRun<'a, S> {
     pub(super) fn new(scene: &'a Scene, steps: u32) -> Result<Self, SceneError> {
         let def = &scene.world;
-        let damping = |damping: Damping| Damping::kept_per_second(S::from_fx(damping.kept()));
+        let damping = |damping| convert_damping(damping).map_err(|error| scene.place.fault(error));
         let world = World::with_scalar(WorldDef {
             time_step: divided(def.time_step, steps),
             gravity: vector(def.gravity),
             integrator: def.integrator,
-            linear_damping: damping(def.linear_damping),
-            angular_damping: damping(def.angular_damping),
+            linear_damping: damping(def.linear_damping)?,
+            angular_damping: damping(def.angular_damping)?,
             sleep_after: def.sleep_after.map(|ticks| ticks.saturating_mul(steps)),
             contacts: convert_contacts(&def.contacts).map_err(|error| scene.place.fault(error))?,
         });

@@ -100,6 +100,9 @@ impl Number {
 /// Two values of a field as `left and right unit (differ by …)`, with all digits or as many as show the difference. Values that are no
 /// numbers with a unit, such as a hash, are written as they are.
 pub(super) fn write(f: &mut fmt::Formatter<'_>, field: &str, left: &str, right: &str, exact: bool) -> fmt::Result {
+    if field.ends_with("_damping") && (left.starts_with('-') || right.starts_with('-')) {
+        return write!(f, "{} and {}", damping(left), damping(right));
+    }
     let numbers = unit(field).zip(Number::parse(left).zip(Number::parse(right)));
     let Some((unit, (a, b))) = numbers.filter(|(_, (a, b))| a != b) else {
         return write!(f, "{left} and {right}");
@@ -116,6 +119,11 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, field: &str, left: &str, right: 
         write!(f, "{} ulp, ", ulps.short())?;
     }
     write!(f, "{}{unit})", distance.short())
+}
+
+/// A damping as text: below 0 its number is minus a rate.
+fn damping(number: &str) -> String {
+    number.strip_prefix('-').map_or_else(|| number.into(), |rate| format!("{rate}/s"))
 }
 
 const TURNS: &str = " turns";
@@ -180,6 +188,9 @@ mod tests {
             ("angular_velocity", "-0.5", "0.5", "-0.5 and 0.5 rad/s (differ by 1 rad/s)"),
             ("mass", "3", "1000000", "3 and 1000000 kg (differ by 999997 kg)"),
             ("gravity_scale", "1", "1.0009765625", "1 and 1.00098 (differ by 9.8e-4)"),
+            ("linear_damping", "0.5", "0.75", "0.5 and 0.75 (differ by 0.25)"),
+            ("linear_damping", "0.5", "-30.5", "0.5 and 30.5/s"),
+            ("angular_damping", "-30", "nothing", "30/s and nothing"),
             ("angle", "0.25", "0.2500000000000000000542101086242752217003726400434970855712890625", {
                 "0.25 and 0.250000000000000000054 turns (differ by 5.4e-20 turns)"
             }),

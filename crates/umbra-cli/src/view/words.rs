@@ -231,7 +231,11 @@ fn vector(v: Vec2) -> String {
 }
 
 fn damped(damping: Damping) -> String {
-    if damping == Damping::NONE { "none".to_owned() } else { format!("keeps {} a second", short(damping.kept())) }
+    match damping.strong_rate() {
+        Some(rate) => format!("{}/s", short(rate)),
+        None if damping == Damping::NONE => "none".to_owned(),
+        None => format!("keeps {} a second", short(damping.kept())),
+    }
 }
 
 /// The exact text if it is short, or if six digits after the point would be zeros; else these.

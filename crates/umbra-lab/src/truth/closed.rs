@@ -31,7 +31,9 @@ pub(crate) fn closed(formula: Closed, world: &World, seconds: u32, bits: usize) 
     let law = world.fields().next().map(|(_, field)| field.kind);
     Some(match (formula, law) {
         (Closed::DampedFall, None) => {
-            let rate = -wide(world.def().linear_damping.kept().exact()).ln();
+            let damping = world.def().linear_damping;
+            let rate =
+                damping.strong_rate().map_or_else(|| -wide(damping.kept().exact()).ln(), |rate| wide(rate.exact()));
             let g = [world.def().gravity.x, world.def().gravity.y].map(Exact::exact);
             (0..2).map(|i| fallen(&x[i], &v[i], &g[i], &rate, &time)).collect()
         }

@@ -81,7 +81,10 @@ impl Equations {
         Some(Self {
             mass: bodies.iter().map(|body| body.mass().map(Fx::exact)).collect::<Option<_>>()?,
             gravity: [def.gravity.x.exact(), def.gravity.y.exact()],
-            damping: def.linear_damping.kept().exact().ln(),
+            damping: match def.linear_damping.strong_rate() {
+                Some(rate) => -rate.exact(),
+                None => def.linear_damping.kept().exact().ln(),
+            },
             forces: world.fields().map(|(_, field)| force(&field.kind)).collect::<Option<_>>()?,
         })
     }

@@ -458,11 +458,14 @@ impl<C: Choices + ?Sized> CommandSource for Generator<'_, C> {
         if self.taste.reversible {
             return Damping::NONE;
         }
-        Damping::kept_per_second(match self.choices.choose(8) {
+        let kept = match self.choices.choose(8) {
             0..5 => Fx::ONE,
             5 if !self.taste.smooth && self.choices.one_in(2) => Fx::ZERO,
-            _ => self.number([fx!(0.5), fx!(1)], [Fx::ZERO, Fx::ONE]),
-        })
+            7 if !self.taste.smooth => return Damping::rate(self.number([fx!(1), fx!(100)], [Fx::ZERO, Fx::MAX])),
+            // Below −4 a share is written as −4: refused as well, but another command.
+            _ => self.number([fx!(0.5), fx!(1)], [Fx::ZERO, Fx::ONE]).max(fx!(-4)),
+        };
+        Damping::kept_per_second(kept)
     }
 
     fn sleep_after(&mut self) -> Option<u32> {

@@ -106,8 +106,10 @@ pub(super) fn ticks(after: Option<u32>) -> String {
 }
 
 pub(super) fn dampings(linear: Option<Damping>, angular: Option<Damping>) -> String {
-    let text = |damping: Damping| {
-        if damping == Damping::NONE { text("none") } else { Fields::of("kept_per_second", damping.kept()) }
+    let text = |damping: Damping| match damping.strong_rate() {
+        Some(rate) => Fields::of("rate", rate),
+        None if damping == Damping::NONE => text("none"),
+        None => Fields::of("kept_per_second", damping.kept()),
     };
     linear_angular(linear.map(text), angular.map(text))
 }
