@@ -2173,6 +2173,16 @@ UmbraStatus umbra_world_joint_state(const struct UmbraWorld *world, uint64_t joi
 // The handles of all joints, sorted by their keys, then by themselves; a list as `umbra_world_outcomes` gives it.
 UmbraStatus umbra_world_joints(const struct UmbraWorld *world, uint64_t *joints, size_t capacity, size_t *count);
 
+// The first joint by handle that has a key; `UMBRA_ERROR_NO_SUCH_JOINT` if none has. It looks through all of them.
+UmbraStatus umbra_world_joint_with_key(const struct UmbraWorld *world, uint64_t key, uint64_t *joint);
+
+// All joints that have a key, sorted by their handles; a list as `umbra_world_outcomes` gives it.
+UmbraStatus umbra_world_joints_with_key(const struct UmbraWorld *world,
+                                        uint64_t key,
+                                        uint64_t *joints,
+                                        size_t capacity,
+                                        size_t *count);
+
 // The joints with `events` that broke in the last step, sorted by their keys, then by their handles; a list as `umbra_world_outcomes`
 // gives it.
 UmbraStatus umbra_world_joints_broke(const struct UmbraWorld *world,

@@ -11,7 +11,7 @@ use crate::UMBRA_NO_HANDLE;
 use crate::body::UMBRA_NO_LIMIT;
 use crate::memory::{fill, given};
 use crate::number::{UmbraFx, UmbraVec2};
-use crate::status::{Refusal, Result, UmbraStatus, guard};
+use crate::status::{Refusal, Result, UMBRA_ERROR_NO_SUCH_JOINT, UmbraStatus, guard};
 use crate::world::{UmbraWorld, body_id, body_word, change, change_by, created, look, word};
 
 /// A kind of joint: one of those below.
@@ -723,6 +723,35 @@ pub unsafe extern "C" fn umbra_world_joints(
 ) -> UmbraStatus {
     guard(|| {
         let all: Vec<u64> = given(world)?.world().joints().map(|joint| joint_word(joint.id())).collect();
+        // SAFETY: as the caller promises.
+        unsafe { fill(all.into_iter(), joints, capacity, count) }
+    })
+}
+
+/// The first joint by handle that has a key; `UMBRA_ERROR_NO_SUCH_JOINT` if none has. It looks through all of them.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_joint_with_key(
+    world: Option<&UmbraWorld>,
+    key: u64,
+    joint: Option<&mut MaybeUninit<u64>>,
+) -> UmbraStatus {
+    look(world, joint, |world| match world.joint_with_key(key) {
+        Some(joint) => Ok(joint_word(joint.id())),
+        None => Err(Refusal::own(UMBRA_ERROR_NO_SUCH_JOINT, "no joint has this key")),
+    })
+}
+
+/// All joints that have a key, sorted by their handles; a list as `umbra_world_outcomes` gives it.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_joints_with_key(
+    world: Option<&UmbraWorld>,
+    key: u64,
+    joints: *mut u64,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let all: Vec<u64> = given(world)?.world().joints_with_key(key).map(|joint| joint_word(joint.id())).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), joints, capacity, count) }
     })

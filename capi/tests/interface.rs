@@ -1051,6 +1051,13 @@ fn joints_are_read_as_they_were_made() {
     // SAFETY: the buffers are those of `list`.
     let listed = list(|buffer, capacity, count| unsafe { umbra_world_joints(Some(&world), buffer, capacity, count) });
     assert_eq!(listed, Ok(added.iter().map(|(_, id)| *id).collect()));
+    let (key, last) = added[added.len() - 1];
+    // SAFETY: likewise.
+    let with_key =
+        |key| list(|to, size, count| unsafe { umbra_world_joints_with_key(Some(&world), key, to, size, count) });
+    assert_eq!((with_key(key), with_key(key + 1)), (Ok(vec![last]), Ok(vec![])));
+    assert_eq!(out(|joint| umbra_world_joint_with_key(Some(&world), key, joint)), Ok(last));
+    assert_eq!(out(|joint| umbra_world_joint_with_key(Some(&world), key + 1, joint)), Err(UMBRA_ERROR_NO_SUCH_JOINT));
     assert_eq!(out(|def| umbra_joint_def_default(8, def)), Err(UMBRA_ERROR_BAD_ARGUMENT));
     let weld = added
         .iter()

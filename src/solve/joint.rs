@@ -87,7 +87,7 @@ use crate::slots::NONE;
 pub use self::axis::{Axis, AxisSpring};
 #[cfg(feature = "float")]
 pub(super) use self::forest::Forest;
-pub(super) use self::impact::Response;
+pub(super) use self::impact::{Response, StopSpeeds};
 pub use self::kind::JointKind;
 #[cfg(feature = "float")]
 pub(super) use self::loads::Loads;

@@ -234,6 +234,31 @@ impl<S: Scalar> World<S> {
         self.sorted_joints(self.joints.indices().collect())
     }
 
+    /// The first joint by handle with this [key](JointRef::key). The call looks through all joints: keep the handle if you need it often.
+    ///
+    /// ```
+    /// use umbra_physics::{BodyDef, JointDef, World, WorldDef, vec2};
+    ///
+    /// let mut world = World::new(WorldDef::default())?;
+    /// let door = world.add_body(BodyDef::dynamic())?;
+    /// let [upper, lower] = [1, -1].map(|y| JointDef::at(&world, None, door, vec2(0, y)));
+    /// let upper = world.add_joint(JointDef { key: 7, ..upper? })?;
+    /// let lower = world.add_joint(JointDef { key: 7, ..lower? })?;
+    /// assert_eq!(world.joint_with_key(7).map(|joint| joint.id()), Some(upper));
+    /// assert!(world.joints_with_key(7).map(|joint| joint.id()).eq([upper, lower]));
+    /// assert!(world.joint_with_key(8).is_none());
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[must_use]
+    pub fn joint_with_key(&self, key: u64) -> Option<JointRef<'_, S>> {
+        self.joints_with_key(key).next()
+    }
+
+    /// The joints with this [key](JointRef::key), sorted by their handles. The call looks through all joints.
+    pub fn joints_with_key(&self, key: u64) -> impl Iterator<Item = JointRef<'_, S>> {
+        self.joints().filter(move |joint| joint.key() == key)
+    }
+
     /// The joints of a body, sorted by their keys, then by their handles.
     ///
     /// # Errors

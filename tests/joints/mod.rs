@@ -3,6 +3,7 @@
 mod scenes;
 
 mod axes;
+mod bounces;
 mod breaking;
 mod calls;
 mod complaints;

@@ -11,10 +11,10 @@
 
 use super::super::bodies::BodyRows;
 use super::super::groups::ContactGroups;
-use super::super::joint::Joints;
+use super::super::joint::{Joints, StopSpeeds};
 use super::super::number::{lowered, product, shifted, shifted_word};
 use super::shock::{Beside, Shock, WORD, beside};
-use super::{FRACTION, Impacts, Struck, SubStep};
+use super::{FINE, FRACTION, Impacts, STILL, Struck, SubStep};
 
 /// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
 /// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
@@ -63,6 +63,14 @@ impl Shock {
             // Below 2^60 · 2^62 for velocities that saturate; elements are below 2^46 for one body.
             None => limited(lowered(product(self.matrix[element], impulse), DOWN)),
         }
+    }
+
+    /// Its impulses with the changes of the normal ones that it would have in the next iteration from them.
+    pub(super) fn next_impulses(&mut self, struck: &[Struck], coarse: i32) -> [i64; 3] {
+        self.from = self.impulses;
+        let [first, second] = self.normal_change(self.normal_velocities(struck, coarse));
+        let [first_impulse, second_impulse, tangent] = self.impulses;
+        [first_impulse + first, second_impulse + second, tangent]
     }
 
     /// The changes of the normal impulses that bring these velocities to zero, or leave them positive without an impulse.
@@ -366,8 +374,12 @@ fn join_closing(
 
 /// Finds the matrices of the shocks for the shares of their bodies.
 fn set_shares(impacts: &mut Impacts, joints: &mut Joints) {
-    let Impacts { shocks, struck, struck_of, assemblies, .. } = impacts;
+    let Impacts { shocks, struck, struck_of, assemblies, coarse, fastest, tolerance, .. } = impacts;
     assemblies.give_shares(struck, struck_of);
+    // Velocities of bodies have more bits, or fewer if they are coarse.
+    let [still, tolerance] = [*fastest >> STILL, *tolerance].map(|speed| speed << (FINE - FRACTION));
+    let speeds = StopSpeeds::new(still, tolerance >> *coarse, *coarse);
+    assemblies.stop_rows(shocks, struck, struck_of, &speeds, joints);
     assemblies.find_responses(shocks, struck, joints);
     assemblies.list_members(struck, struck_of);
     for shock in shocks {

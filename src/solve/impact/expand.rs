@@ -17,6 +17,9 @@ use crate::kernel::simd::Lanes;
 /// The rounding of a velocity of a body by all iterations, in its units.
 const ROUNDING: u64 = 1 << 16;
 
+/// The attempts at a set without limits that pull: then rows are free, whatever limits they are at.
+const ATTEMPTS: u32 = 4;
+
 /// Bits of a share of impulses.
 const SHARE: u32 = 20;
 
@@ -82,7 +85,7 @@ pub(super) fn solve_shocks(
     groups: &ContactGroups,
     joints: &mut Joints,
 ) {
-    solve_set(impacts, substep, bodies, groups, joints);
+    solve_pushing(impacts, substep, bodies, groups, joints);
     if is_cut_off(impacts, joints) {
         impacts.coarse = COARSER;
         for &body in &impacts.set {
@@ -90,10 +93,27 @@ pub(super) fn solve_shocks(
             struck.start = coarsened(struck.start, COARSER);
         }
         take_all_back(impacts, joints);
-        solve_set(impacts, substep, bodies, groups, joints);
+        solve_pushing(impacts, substep, bodies, groups, joints);
         if is_cut_off(impacts, joints) {
             take_all_back(impacts, joints);
         }
+    }
+}
+
+/// [`solve_set`] until no limit of a joint pulls.
+fn solve_pushing(
+    impacts: &mut Impacts,
+    substep: SubStep<'_>,
+    bodies: &BodyRows,
+    groups: &ContactGroups,
+    joints: &mut Joints,
+) {
+    for attempt in 1.. {
+        solve_set(impacts, substep, bodies, groups, joints);
+        if impacts.is_cut || !impacts.assemblies.bar_stops(joints, attempt == ATTEMPTS) {
+            return;
+        }
+        take_all_back(impacts, joints);
     }
 }
 
@@ -212,7 +232,7 @@ fn is_cut_off(impacts: &mut Impacts, joints: &Joints) -> bool {
 
 /// Takes all impulses of the shocks back.
 fn take_all_back(impacts: &mut Impacts, joints: &mut Joints) {
-    impacts.assemblies.set.iter().for_each(|&assembly| joints.begin_impact(assembly as usize));
+    impacts.assemblies.begin_again(joints);
     for shock in &mut impacts.shocks {
         (shock.impulses, shock.lower_bounds, shock.workless) = ([0; 3], [0; 2], [0; 3]);
     }

@@ -32,6 +32,8 @@ impl Impacts {
                     self.join_body(row, substep, rows);
                 }
             }
+            let velocities = &mut self.velocities;
+            _ = joints.set_velocities(assembly as usize, |row| velocities.at(rows, row, substep));
         }
         self.assemblies.count_shock(assembly);
     }

@@ -35,17 +35,19 @@
 //!   −(d·w + e·v + s·c) for the velocity w at the end of the pass, v at the beginning of the sub-step and the error c at the beginning.
 //! - *Relax pass*: limits do not push back, a limit that the row is still on the way to does not act, and the impulse of the spring stays.
 
+mod impact;
 mod pair;
 mod spring;
 mod steps;
 
+use self::impact::Stop;
 use self::spring::SpringFactors;
 use super::tree::FRACTION;
 use super::{FAR, IMPULSE};
 use crate::fx::Fx;
 use crate::kernel::wide::mul_shift_64;
 use crate::scalar::FxFactor;
-use crate::solve::number::{lowered, shifted};
+use crate::solve::number::shifted;
 use crate::solve::unit::{Clock, multiple};
 
 /// The free row of a joint, with all that acts along it: for an angle in rad, rad/s and N·m, for a distance in m, m/s and N.
@@ -82,6 +84,8 @@ pub struct AxisSpring {
 const FASTEST: i128 = 1 << 61;
 /// A level beyond all impulses.
 pub(super) const ENDLESS: i64 = 1 << 60;
+/// The distance from a limit at which a row is at it, as contacts touch: 2^-10 m in 2^-32 m.
+const TOUCH: i128 = 1 << 22;
 /// The largest number of steps.
 const STEPS: usize = 4;
 /// A row is as stiff as 2^STIFFEST times its effective mass.
@@ -130,6 +134,9 @@ pub(super) struct AxisRow {
     /// The way since the start, and the velocity at the beginning of the sub-step, in 2^-30.
     way: i64,
     start: i64,
+    /// The way up to a limit within which the row is at it.
+    touch: i64,
+    stop: Stop,
     motor_speed: i64,
     /// The largest impulses in a sub-step.
     motor: i64,
@@ -220,6 +227,8 @@ impl AxisRow {
             rest: axis.spring.map_or(0, |spring| from_start(spring.rest)),
             way: 0,
             start: 0,
+            touch: clock.length_of_bits(TOUCH, unit).clamp(0, FAR) as i64,
+            stop: Stop::Open,
             motor_speed: speed as i64,
             motor: limit(axis.motor_force),
             friction: limit(axis.friction),
@@ -270,17 +279,6 @@ impl AxisRow {
             Place::Step(_) | Place::Level(_) if self.count == self.last_count && !self.is_paired() => self.last_place,
             _ => self.find_place(velocity, impulse, self.by_mass),
         };
-    }
-
-    /// Begins an impact with a change of the velocity, in 2^-60, at an impulse of the row: a row with one position takes it back, all others are free.
-    pub(super) fn begin_impact(&mut self, change: i128, impulse: i64) {
-        self.is_biased = false;
-        self.place = Place::Given(impulse);
-        if self.is_locked() {
-            self.velocity = lowered(change, 30).clamp(-FASTEST, FASTEST) as i64;
-            (self.count, self.velocities[0], self.place) = (1, 0, Place::Step(0));
-            (self.levels[0], self.levels[1]) = (-ENDLESS, ENDLESS);
-        }
     }
 
     /// Returns true if the limits leave one position.

@@ -138,6 +138,29 @@ impl Block {
         Sums { linear, turns }
     }
 
+    /// The sums along x and y of the second body by impulses of the rows, of which these are along x and y of the first one.
+    pub(super) fn linear_of_second(&self, linear: [i128; 2], impulses: [i64; 3]) -> [i128; 2] {
+        if self.is_pulley() { self.axes[1].map(|part| product(impulses[0], part)) } else { linear }
+    }
+
+    /// Adds the impulses of an impact.
+    pub(super) fn strike(&mut self, impulses: [i64; 3]) {
+        let sums = self.sums(impulses);
+        self.around += impulses[2];
+        self.applied.add(&sums);
+        let linear = self.linear_of_second(sums.linear, impulses);
+        (0..2).for_each(|axis| self.rope_sums.applied[axis] += linear[axis]);
+    }
+
+    /// Takes the way by the impulses of an impact back that the bodies would have gone before it.
+    pub(super) fn take_back(&mut self, impulses: [i64; 3]) {
+        let impulses = impulses.map(|impulse| -impulse);
+        let sums = self.sums(impulses);
+        self.weighted.add(&sums);
+        let linear = self.linear_of_second(sums.linear, impulses);
+        (0..2).for_each(|axis| self.rope_sums.weighted[axis] += linear[axis]);
+    }
+
     /// The bits from products of masses and lowered impulses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
     #[inline(always)]
     fn gain_bits(&self) -> i32 {

@@ -31,7 +31,7 @@ pub enum JointKind {
         teeth: [i16; 2],
     },
     /// A rope from the first anchor over two points to the second one: the law of its slide holds the sum of both distances, each times its
-    /// strands over the larger number of strands. *Domain* limits leave more than one position: a rope takes no part in impacts.
+    /// strands over the larger number of strands.
     Pulley {
         /// m
         grounds: [Vec2; 2],

@@ -7,7 +7,7 @@ use super::{FINER_STILL, FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
-use crate::solve::joint::impact::{JointImpact, add_gain};
+use crate::solve::joint::impact::{JointImpact, STOP_ROUNDS, StopSpeeds, add_gain};
 use crate::solve::number::{lowered, lowered_word, within};
 use crate::solve::unit::SoftRow;
 
@@ -20,22 +20,29 @@ impl LoopJoint {
         self.bodies.map(|body| changes.get((body as usize).wrapping_sub(first_body)).copied().unwrap_or_default())
     }
 
-    /// Sets the residual for changes of the velocities of both ends. Rows with laws are free, but for limits that leave one position.
-    fn begin_impact(&mut self, ends: [[i64; 3]; 2], block: &Block, laws: &[AxisRow], soft: &SoftRow) {
+    /// Sets the residual for changes of the velocities of both ends, with these velocities of rows before. Rows with laws are free, but for limits that stop them.
+    fn begin_impact(
+        &mut self,
+        ends: [[i64; 3]; 2],
+        velocities: [i64; 3],
+        block: &Block,
+        laws: &[AxisRow],
+        soft: &SoftRow,
+    ) {
         (self.residual, self.given, self.solution) = ([0; 3], [0; 3], [0; 3]);
         for row in 0..3 {
             let law = laws.get(block.laws[row] as usize);
             if law.is_some() {
                 (self.mass[row], self.compliance[row]) = (0, 0);
             }
-            let is_locked = law.is_some_and(AxisRow::is_locked);
-            if is_locked {
+            let is_held = law.is_some_and(AxisRow::is_held);
+            if is_held {
                 let mass = block.element(0, row, row) + block.element(1, row, row);
                 self.compliance[row] = lowered(mass * i128::from(soft.compliance), 30) as i64;
                 self.mass[row] = mass as i64 + self.compliance[row];
             }
-            if is_locked || law.is_none() && row < 2 && block.held[row] {
-                let residual = lowered(block.change_along(row, ends), 30 + GAIN_BITS - FRACTION);
+            if is_held || law.is_none() && row < 2 && block.held[row] {
+                let residual = lowered(block.velocity_after(row, ends, velocities), 30 + GAIN_BITS - FRACTION);
                 self.residual[row] = -within(residual, RESIDUAL);
             }
         }
@@ -71,15 +78,58 @@ impl Loops {
     }
 
     /// Finds the impulses by which the joints of a loop answer changes of the velocities of its bodies. `blocks` are the blocks of the loop.
-    fn solve_impact(&mut self, index: usize, changes: &[[i64; 3]], blocks: &[Block], laws: &[AxisRow], soft: &SoftRow) {
+    fn solve_impact(
+        &mut self,
+        index: usize,
+        changes: &[[i64; 3]],
+        blocks: &[Block],
+        laws: &[AxisRow],
+        soft: &SoftRow,
+        impacts: Option<&[JointImpact]>,
+    ) {
         let Self { joints, moved, loops, .. } = self;
         let Loop { joints: range, bodies, .. } = &loops[index];
         let joints = &mut joints[range.clone()];
-        for (joint, block) in joints.iter_mut().zip(blocks) {
+        for (number, (joint, block)) in joints.iter_mut().zip(blocks).enumerate() {
             let ends = joint.ends(bodies.start, changes);
-            joint.begin_impact(ends, block, laws, soft);
+            let velocities = impacts.map_or([0; 3], |impacts| impacts[number].bias);
+            joint.begin_impact(ends, velocities, block, laws, soft);
         }
         iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+    }
+
+    /// Stops rows of a loop as [`Joints::stop_rows`](crate::solve::joint::Joints::stop_rows) has it.
+    pub(in crate::solve::joint) fn stop_rows(
+        &mut self,
+        index: usize,
+        changes: &[[i64; 3]],
+        speeds: &StopSpeeds,
+        blocks: &[Block],
+        laws: &mut [AxisRow],
+        soft: &SoftRow,
+        impacts: &[JointImpact],
+    ) -> bool {
+        for round in 0..STOP_ROUNDS {
+            self.solve_impact(index, changes, blocks, laws, soft, None);
+            let Loop { joints, bodies, .. } = &self.loops[index];
+            let joints = &self.joints[joints.clone()];
+            let moved = &mut self.moved[bodies.clone()];
+            moved.copy_from_slice(changes);
+            for (joint, block) in joints.iter().zip(blocks) {
+                let gains = JointImpact::default().add(joint.answered().map(i128::from), block, 0);
+                joint.add_gains(bodies.start, moved, gains);
+            }
+            let mut are_new = false;
+            for ((joint, block), impact) in joints.iter().zip(blocks).zip(impacts) {
+                let ends = joint.ends(bodies.start, moved);
+                let velocities = impact.coarse_velocities(speeds.coarse);
+                are_new |= block.revise_stops(ends, velocities, joint.answered(), speeds, laws);
+            }
+            if !are_new {
+                return round > 0;
+            }
+        }
+        true
     }
 
     /// Adds the impulses by which the joints of a loop answer changes of the velocities of its bodies, and the changes by them to these.
@@ -93,7 +143,7 @@ impl Loops {
         soft: &SoftRow,
         impacts: &mut [JointImpact],
     ) {
-        self.solve_impact(index, changes, blocks, laws, soft);
+        self.solve_impact(index, changes, blocks, laws, soft, Some(&*impacts));
         let Loop { joints, bodies, .. } = &self.loops[index];
         for ((joint, block), impact) in self.joints[joints.clone()].iter().zip(blocks).zip(impacts) {
             let impulses = joint.answered().map(|impulse| i128::from(impulse) << coarse);
@@ -119,7 +169,7 @@ impl Loops {
         laws: &[AxisRow],
         soft: &SoftRow,
     ) {
-        self.solve_impact(index, changes, blocks, laws, soft);
+        self.solve_impact(index, changes, blocks, laws, soft, None);
         let Loop { joints, bodies, .. } = &self.loops[index];
         for (joint, block) in self.joints[joints.clone()].iter().zip(blocks) {
             let gains = JointImpact::default().add(joint.answered().map(i128::from), block, 0);
