@@ -999,7 +999,7 @@ typedef struct UmbraFigure {
 // The call was carried out.
 #define UMBRA_OK 0
 
-// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 213.
+// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, from 151 on.
 #define UMBRA_ERROR_OUT_OF_RANGE 101
 
 // The handle names no body: it was removed, or never there.

@@ -22,7 +22,7 @@ pub type UmbraStatus = i32;
 
 /// The call was carried out.
 pub const UMBRA_OK: UmbraStatus = 0;
-/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, 151 to 213.
+/// A value is outside of the range of its kind; `umbra_last_cause` has the number of the kind, from 151 on.
 pub const UMBRA_ERROR_OUT_OF_RANGE: UmbraStatus = 101;
 /// The handle names no body: it was removed, or never there.
 pub const UMBRA_ERROR_NO_SUCH_BODY: UmbraStatus = 102;

@@ -84,7 +84,7 @@ pub struct Movement<S = Fx> {
     pub ground_velocity: Vec2<S>,
     /// The colliders that it moved against, in the order in which it met them; at the same time, by key, then by handle.
     pub hits: Vec<CharacterHit<S>>,
-    /// True if it overlaps a collider that it could not get out of: it is being crushed, or was put there.
+    /// True if it overlaps a collider that it could not get out of: it is being crushed, or was put there, or a body was put into it.
     pub is_overlapping: bool,
     /// The translation that was asked for, m.
     pub desired: Vec2<S>,

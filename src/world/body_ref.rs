@@ -232,6 +232,7 @@ impl<'a, S: Scalar> BodyRef<'a, S> {
     }
 
     /// The activity: awake, asleep, quarantined or disabled.
+    #[doc(alias("is_awake", "is_sleeping", "IsAwake"))]
     #[must_use]
     pub fn activity(&self) -> Activity {
         self.world.bodies.activity(self.dense)

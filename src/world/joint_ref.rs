@@ -98,8 +98,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
         })
     }
 
-    /// The distance of the two ends, m: of a revolute joint the gap; of a pulley the length of its rope in use. *Error* 2 ulp, of a pulley
-    /// each strand.
+    /// The distance of the two ends, m: of a revolute joint the gap (of a prismatic joint and a wheel [`offset`](Self::offset) has it across the axis); of
+    /// a pulley the length of its rope in use. *Error* 2 ulp, of a pulley each strand.
     #[must_use]
     pub fn length(&self) -> S {
         if let JointKind::Pulley(pulley) = self.def().kind {

@@ -48,7 +48,7 @@ pub(in crate::replay) const HEAD: Tag = Tag(*b"HEAD");
 pub(in crate::replay) const SNAPSHOT: Tag = Tag(*b"SNAP");
 /// Some ticks in a row.
 pub(in crate::replay) const TICKS: Tag = Tag(*b"TICK");
-/// The names of bodies and force fields, if there are any: before the end.
+/// The names of bodies, force fields and joints, if there are any: before the end.
 pub(in crate::replay) const NAMES: Tag = Tag(*b"NAME");
 /// The end: without this chunk the file was cut off.
 pub(in crate::replay) const DONE: Tag = Tag(*b"DONE");

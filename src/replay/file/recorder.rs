@@ -195,7 +195,7 @@ impl Recorder {
         &self.outcomes
     }
 
-    /// The names of bodies and force fields, to be changed at any time before the end. They are written at the end: a file that is cut
+    /// The names of bodies, force fields and joints, to be changed at any time before the end. They are written at the end: a file that is cut
     /// off has none.
     #[must_use]
     pub const fn labels_mut(&mut self) -> &mut Labels {

@@ -243,7 +243,7 @@ impl Replay {
         &self.start
     }
 
-    /// The names of bodies and force fields that the recorder was given.
+    /// The names of bodies, force fields and joints that the recorder was given.
     #[must_use]
     pub const fn labels(&self) -> &Labels {
         &self.labels
