@@ -189,15 +189,15 @@ fn a_hundred_and_fifty_steps_a_second_damp_alike() {
     }
 }
 
-/// What a step leaves of a velocity of 10^6 m/s, linear and angular, in units of 2^-96 m/s: in damping of the body's own, or the world's.
+/// Returns the rest of a velocity of 10^6 m/s after a step, linear and angular, in units of 2^-96 m/s: by a damping of the body, or of the world.
 fn left_by_a_step(damping: Damping, step: TimeStep, integrator: Integrator, is_own: bool) -> [i128; 2] {
-    let own = is_own.then_some(damping);
+    let body_damping = is_own.then_some(damping);
     let world_damping = if is_own { Damping::NONE } else { damping };
     let def = WorldDef { time_step: step, integrator, sleep_after: None, ..WorldDef::default() };
     let body = BodyDef { velocity: vec2(0, 1_000_000), angular_velocity: fx!(1_000_000), ..BodyDef::dynamic() };
     let (mut world, body) = one_body(
         WorldDef { linear_damping: world_damping, angular_damping: world_damping, ..def },
-        BodyDef { linear_damping: own, angular_damping: own, ..body },
+        BodyDef { linear_damping: body_damping, angular_damping: body_damping, ..body },
     );
     assert!(world.step().faults.is_empty());
     let body = world.body(body).expect("it is there");

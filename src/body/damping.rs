@@ -98,9 +98,9 @@ impl<S: Scalar> Damping<S> {
     /// A share below −4, which is refused as any below 0, becomes −4.
     #[must_use]
     pub fn number(self) -> S {
-        let least = -strong_rate::<S>();
+        let lowest = -strong_rate::<S>();
         match self.decay {
-            Decay::KeptPerSecond(kept) if kept < least => least,
+            Decay::KeptPerSecond(kept) if kept < lowest => lowest,
             Decay::KeptPerSecond(kept) => kept,
             Decay::Rate(rate) => -rate,
         }

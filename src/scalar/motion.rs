@@ -60,6 +60,16 @@ pub enum Decay<S> {
     Rate(S),
 }
 
+impl<S> Decay<S> {
+    /// The law in the same form by another number.
+    pub(crate) fn try_map<T, E>(self, map: impl FnOnce(S) -> Result<T, E>) -> Result<Decay<T>, E> {
+        match self {
+            Self::KeptPerSecond(kept) => map(kept).map(Decay::KeptPerSecond),
+            Self::Rate(rate) => map(rate).map(Decay::Rate),
+        }
+    }
+}
+
 /// Durations, and the rates and lengths that go with them.
 #[doc(hidden)]
 pub trait Motion<S: Scalar>: Sized {

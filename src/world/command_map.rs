@@ -12,7 +12,7 @@ use crate::joint::{
     Prismatic, Pulley, Revolute, Weld, Wheel,
 };
 use crate::math::Vec2;
-use crate::scalar::{Decay, Scalar, SpringConstants};
+use crate::scalar::{Scalar, SpringConstants};
 use crate::shape::Shape;
 use crate::slots::{BodyId, ColliderId, FieldId, JointId};
 
@@ -129,10 +129,7 @@ pub trait CommandMap<S: Scalar, T: Scalar = S> {
 
     /// A damping of the world.
     fn damping(&mut self, damping: Damping<S>) -> Result<Damping<T>, Self::Error> {
-        match damping.decay() {
-            Decay::KeptPerSecond(kept) => self.scalar(kept).map(Damping::kept_per_second),
-            Decay::Rate(rate) => self.scalar(rate).map(|rate| Damping::new(Decay::Rate(rate))),
-        }
+        damping.decay().try_map(|value| self.scalar(value)).map(Damping::new)
     }
 
     /// A damping of a body's own, which may be absent.

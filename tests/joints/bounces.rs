@@ -102,6 +102,16 @@ fn plank(world: &mut World, stop: Stop, restitution: Fx) -> BodyId {
     plank
 }
 
+/// Steps until the velocity of a ball has changed.
+fn step_until_struck(world: &mut World, ball: BodyId) {
+    let velocity = |world: &World| world.body(ball).expect("a ball").velocity();
+    let before = velocity(world);
+    while velocity(world) == before {
+        world.step();
+        assert!(world.tick() < 10, "nothing is struck");
+    }
+}
+
 /// A ball of this mass strikes a plank at x with 4 m/s, from above or from below. Returns its velocity and the velocity of the plank at x after it,
 /// upwards.
 fn strike(stop: Stop, x: Fx, mass: Fx, restitution: Fx, is_above: bool) -> [f64; 2] {
@@ -111,10 +121,7 @@ fn strike(stop: Stop, x: Fx, mass: Fx, restitution: Fx, is_above: bool) -> [f64;
     let shape = Shape::circle(fx!(0.1)).expect("a ball");
     let ball = smooth(mass, shape, Vec2::new(x, sign * fx!(0.317)), restitution);
     let ball = world.add_body(BodyDef { velocity: Vec2::new(fx!(0), sign * fx!(-4)), ..ball }).expect("a ball");
-    while world.body(ball).expect("a ball").velocity().y == sign * fx!(-4) {
-        world.step();
-        assert!(world.tick() < 10, "{stop:?}: nothing is struck");
-    }
+    step_until_struck(&mut world, ball);
     let plank = world.body(plank).expect("a plank");
     let end = plank.velocity().y + plank.angular_velocity() * (x - plank.position().x);
     [world.body(ball).expect("a ball").velocity().y, end].map(ToF64::to_f64)
@@ -166,9 +173,7 @@ fn a_rope_goes_slack_where_the_plank_turns() {
     }
     let ball = smooth(fx!(0.5), Shape::circle(fx!(0.1)).expect("a ball"), Vec2::new(fx!(0.9), fx!(0.317)), fx!(1));
     let ball = world.add_body(BodyDef { velocity: vec2(0, -4), ..ball }).expect("a ball");
-    while world.body(ball).expect("a ball").velocity().y == fx!(-4) {
-        world.step();
-    }
+    step_until_struck(&mut world, ball);
     // The ball at 0.4 m from the end of the rope, the centre of the plank at 0.5 m.
     let inverse = 0.4 * 0.4 / (4.0 * (4.0 + 0.04) / 12.0 + 4.0 * 0.25);
     let expected = -4.0 + 8.0 / (1.0 / 0.5 + inverse) / 0.5;
@@ -195,9 +200,7 @@ fn a_rope_over_a_pulley_passes_a_blow_on() {
         let shape = Shape::circle(fx!(0.1)).expect("a ball");
         let ball = smooth(fx!(1), shape, Vec2::new(fx!(0), sign * fx!(0.317)), fx!(0.5));
         let ball = world.add_body(BodyDef { velocity: Vec2::new(fx!(0), sign * fx!(-4)), ..ball }).expect("a ball");
-        while world.body(ball).expect("a ball").velocity().y == sign * fx!(-4) {
-            world.step();
-        }
+        step_until_struck(&mut world, ball);
         let velocity = |body| world.body(body).expect("a body").velocity().y.to_f64() * sign.to_f64();
         let impulse = 4.0 * 1.5 / (1.0 + 1.0 / mass);
         let opposite = if is_above { impulse / mass } else { 0.0 };

@@ -4,11 +4,13 @@
 //!
 //! Reads: joints. Writes: velocities of struck bodies.
 
+mod stops;
+
 use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::super::bodies::STILL;
-use super::super::joint::{Joints, Response, StopSpeeds};
+use super::super::joint::{Joints, Response};
 use super::super::number::{lowered, product, shifted, within};
 use super::shock::Shock;
 use super::{FINE, FRACTION, NONE, Struck};
@@ -39,8 +41,6 @@ pub(super) struct Assemblies {
     members: Vec<Member>,
     /// The changes of the velocities of the nodes of an assembly.
     changes: Vec<[i64; 3]>,
-    /// By node: the change of its velocity by contacts alone, where limits may stop rows.
-    pushes: Vec<[i64; 3]>,
 }
 
 /// An assembly in the impacts of a step.
@@ -48,14 +48,13 @@ pub(super) struct Assemblies {
 struct Assembly {
     nodes: Range<usize>,
     is_in_set: bool,
-    /// True if its joints have been looked at in the sub-step.
+    /// True if a joint has limits; and if its joints have been [settled](Assemblies::settle) in the sub-step, or have none.
+    has_limits: bool,
     is_settled: bool,
     /// The number of shocks that share its bodies; contacts between two of them count twice.
     share: i64,
     /// The share for which rows were stopped by limits; zero while none has been looked at.
     stopped_share: i64,
-    /// True if limits may stop rows for another share.
-    may_stop: bool,
     /// The number of bodies with shocks.
     response_count: usize,
     /// The work of an answer, in shocks of an iteration.
@@ -112,10 +111,10 @@ impl Assemblies {
             all.push(Assembly {
                 nodes,
                 is_in_set: false,
+                has_limits: joints.has_limits(assembly),
                 is_settled: false,
                 share: 0,
                 stopped_share: 0,
-                may_stop: false,
                 response_count: 0,
                 work,
             });
@@ -159,55 +158,6 @@ impl Assemblies {
         true
     }
 
-    /// Begins the impact of all assemblies of the set once more.
-    pub(super) fn begin_again(&mut self, joints: &mut Joints) {
-        for &assembly in &self.set {
-            self.all[assembly as usize].stopped_share = 0;
-            joints.begin_impact_again(assembly as usize);
-        }
-    }
-
-    /// Bars rows from being stopped whose limits pull; all that are stopped if `is_last`. Returns true if there is one.
-    pub(super) fn bar_stops(&self, joints: &mut Joints, is_last: bool) -> bool {
-        let mut is_any_barred = false;
-        for &assembly in &self.set {
-            is_any_barred |= joints.bar_stops(assembly as usize, is_last);
-        }
-        is_any_barred
-    }
-
-    /// Begins a sub-step.
-    pub(super) fn begin_substep(&mut self) {
-        self.all.iter_mut().for_each(|assembly| assembly.is_settled = false);
-    }
-
-    /// Takes the velocities away that joints of an assembly with limits hold, if one is faster than `still`, once a sub-step; `velocity` is the
-    /// velocity of a row before. Returns true if there are [changes](Self::settled).
-    pub(super) fn settle(
-        &mut self,
-        assembly: u32,
-        still: i64,
-        joints: &mut Joints,
-        velocity: impl FnMut(u32) -> [i64; 3],
-    ) -> bool {
-        let Assembly { nodes, is_settled, .. } = &mut self.all[assembly as usize];
-        if core::mem::replace(is_settled, true) {
-            return false;
-        }
-        joints.begin_impact(assembly as usize);
-        self.changes.clear();
-        self.changes.resize(nodes.len(), [0; 3]);
-        joints.has_limits(assembly as usize)
-            && joints.set_velocities(assembly as usize, velocity) > still
-            && joints.settle(assembly as usize, &mut self.changes)
-    }
-
-    /// The rows of the bodies of the assembly that was settled, and the changes of their velocities.
-    pub(super) fn settled(&self, assembly: u32) -> impl Iterator<Item = (u32, [i64; 3])> + '_ {
-        let rows = self.rows[self.all[assembly as usize].nodes.clone()].iter().copied();
-        rows.zip(self.changes.iter().copied()).filter(|&(row, _)| row != STILL)
-    }
-
     /// Counts a shock at an assembly.
     pub(super) fn count_shock(&mut self, assembly: u32) {
         self.all[assembly as usize].share += 1;
@@ -228,76 +178,6 @@ impl Assemblies {
             return self.members.len();
         }
         self.set.iter().map(|&assembly| self.all[assembly as usize].work).sum()
-    }
-
-    /// Stops the rows of joints that the shocks press against their limits: for the impulses that shocks have, and that each of them would have
-    /// next. The responses of an assembly are found anew where other rows are stopped than before.
-    pub(super) fn stop_rows(
-        &mut self,
-        shocks: &mut [Shock],
-        struck: &mut [Struck],
-        struck_of: &[u32],
-        speeds: &StopSpeeds,
-        joints: &mut Joints,
-    ) {
-        let mut may_any_stop = false;
-        for &assembly in &self.set {
-            let Assembly { share, stopped_share, may_stop, .. } = &mut self.all[assembly as usize];
-            *may_stop = *share != *stopped_share && joints.may_stop(assembly as usize);
-            *stopped_share = *share;
-            may_any_stop |= *may_stop;
-        }
-        if !may_any_stop {
-            return;
-        }
-        self.push_nodes(shocks, struck, speeds.coarse);
-        for index in 0..self.set.len() {
-            let assembly = self.set[index];
-            let Assembly { nodes, may_stop, .. } = self.all[assembly as usize].clone();
-            if !may_stop {
-                continue;
-            }
-            if joints.stop_rows(assembly as usize, &self.pushes[nodes], speeds) {
-                self.forget_responses(assembly, shocks, struck, struck_of);
-            }
-        }
-    }
-
-    /// Finds the changes of the velocities of nodes by contacts alone, of assemblies whose rows limits may stop.
-    fn push_nodes(&mut self, shocks: &mut [Shock], struck: &[Struck], coarse: i32) {
-        self.pushes.clear();
-        self.pushes.resize(self.rows.len(), [0; 3]);
-        for shock in shocks {
-            let nodes = shock.rows.map(|row| {
-                let assembly = &self.all[self.assembly_of(row)? as usize];
-                assembly.may_stop.then(|| assembly.nodes.start + self.node_of[row as usize] as usize)
-            });
-            if nodes == [None; 2] {
-                continue;
-            }
-            shock.set_shares(shock.bodies.map(|body| struck[body as usize].share));
-            let impulses = shock.next_impulses(struck, coarse);
-            for (side, node) in nodes.into_iter().enumerate() {
-                let Some(node) = node else { continue };
-                let share = struck[shock.bodies[side] as usize].share;
-                let gain = shock.jacobian.gain(side, impulses, share, coarse);
-                let push = &mut self.pushes[node];
-                (0..3).for_each(|axis| push[axis] = (push[axis] + gain[axis]).clamp(-LARGEST, LARGEST));
-            }
-        }
-    }
-
-    /// Forgets the responses of an assembly.
-    fn forget_responses(&mut self, assembly: u32, shocks: &mut [Shock], struck: &mut [Struck], struck_of: &[u32]) {
-        self.all[assembly as usize].response_count = 0;
-        for row in self.rows(assembly) {
-            struck[struck_of[row as usize] as usize].response = NONE;
-        }
-        for shock in shocks {
-            for side in 0..2 {
-                shock.has_response[side] &= self.assembly_of(shock.rows[side]) != Some(assembly);
-            }
-        }
     }
 
     /// Finds the responses of struck bodies of assemblies, and the elements of their shocks. Where an assembly with all its struck bodies is too large

@@ -14,7 +14,7 @@ use super::super::groups::ContactGroups;
 use super::super::joint::{Joints, StopSpeeds};
 use super::super::number::{lowered, product, shifted, shifted_word};
 use super::shock::{Beside, Shock, WORD, beside};
-use super::{FINE, FRACTION, Impacts, STILL, Struck, SubStep};
+use super::{FINE, FRACTION, Impacts, STILL_SPEED, Struck, SubStep};
 
 /// The most iterations, and the fewest of a large set, and of one without a solution: a set of which the largest residual is still above the
 /// slowest closing speed that counts has a body that is clamped between others that do not give way, and its impulses would grow with each
@@ -377,7 +377,7 @@ fn set_shares(impacts: &mut Impacts, joints: &mut Joints) {
     let Impacts { shocks, struck, struck_of, assemblies, coarse, fastest, tolerance, .. } = impacts;
     assemblies.give_shares(struck, struck_of);
     // Velocities of bodies have more bits, or fewer if they are coarse.
-    let [still, tolerance] = [*fastest >> STILL, *tolerance].map(|speed| speed << (FINE - FRACTION));
+    let [still, tolerance] = [*fastest >> STILL_SPEED, *tolerance].map(|speed| speed << (FINE - FRACTION));
     let speeds = StopSpeeds::new(still, tolerance >> *coarse, *coarse);
     assemblies.stop_rows(shocks, struck, struck_of, &speeds, joints);
     assemblies.find_responses(shocks, struck, joints);

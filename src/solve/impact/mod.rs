@@ -82,10 +82,10 @@ const AT_ONCE: i64 = ONE / 8;
 /// The latest moment of an impact that is one with an impact of the sub-step.
 const LATEST: i64 = ONE + AT_ONCE;
 /// The part of the speed of the fastest impact up to which rows of joints stand still, as minus log2.
-const STILL: i32 = 6;
+const STILL_SPEED: i32 = 6;
 /// The part of that speed from which on velocities that joints hold are taken away before the impact, as minus log2. Joints give way to loads, and from
 /// an eighth on ragdolls in a pile are pushed beyond their limits by it.
-const LOOSE: i32 = 1;
+const LOOSE_SPEED: i32 = 1;
 /// Points up to this distance apart touch, m.
 const TOUCH: Fx = fx!(0.001);
 /// See [`AT_ONCE`].
@@ -363,7 +363,7 @@ impl Impacts {
     ) -> bool {
         let Self { assemblies, velocities, index, pending, .. } = self;
         let fastest = shocks.clone().flat_map(|shock| shock.speeds).max().unwrap_or(0);
-        let still = (fastest >> LOOSE) << (FINE - FRACTION);
+        let still = (fastest >> LOOSE_SPEED) << (FINE - FRACTION);
         let mut are_settled = false;
         for row in shocks.flat_map(|shock| shock.rows) {
             let Some(assembly) = assemblies.assembly_of(row) else { continue };

@@ -32,8 +32,10 @@ impl Impacts {
                     self.join_body(row, substep, rows);
                 }
             }
-            let velocities = &mut self.velocities;
-            _ = joints.set_velocities(assembly as usize, |row| velocities.at(rows, row, substep));
+            if self.assemblies.has_limits(assembly) {
+                let velocities = &mut self.velocities;
+                _ = joints.set_velocities(assembly as usize, |row| velocities.at(rows, row, substep));
+            }
         }
         self.assemblies.count_shock(assembly);
     }
