@@ -23,6 +23,8 @@ enum Stop {
     Ropes,
     /// Two ropes to a beam that is welded to the world: a loop.
     LoopOfRopes,
+    /// A hinge a twentieth of a radian above its lowest angle.
+    Above,
     /// A hinge that turns freely.
     None,
 }
@@ -50,6 +52,11 @@ fn plank(world: &mut World, stop: Stop, restitution: Fx) -> BodyId {
     match stop {
         Stop::Lowest => {
             let kind = JointKind::Revolute(Revolute { limits: limits(fx!(0), fx!(1)), ..Revolute::default() });
+            let def = JointDef::at(world, None, plank, hinge);
+            add(world, kind, def);
+        }
+        Stop::Above => {
+            let kind = JointKind::Revolute(Revolute { limits: limits(fx!(-0.05), fx!(1)), ..Revolute::default() });
             let def = JointDef::at(world, None, plank, hinge);
             add(world, kind, def);
         }
@@ -145,12 +152,15 @@ fn what_is_at_its_stop_throws_a_ball_back_as_a_wall_does() {
     }
 }
 
-/// From the other side a stop does not pull: the plank goes as a free one, a hinged plank with the inverse mass r²/(m·l²/3) at the ball.
+/// From the other side a stop does not pull, and one that is not reached holds nothing: the plank goes as a free one, a hinged plank with the inverse
+/// mass r²/(m·l²/3) at the ball.
 #[test]
 fn a_stop_does_not_hold_back_what_leaves_it() {
-    for stop in [Stop::Lowest, Stop::Highest, Stop::Tooth, Stop::None] {
+    let from_below = [Stop::Lowest, Stop::Highest, Stop::Tooth, Stop::None].map(|stop| (stop, false));
+    for (stop, is_above) in from_below.into_iter().chain([(Stop::Above, true)]) {
         for (mass, restitution) in [(fx!(0.05), fx!(1)), (fx!(0.5), fx!(0.8)), (fx!(5), fx!(0))] {
-            let [ball, end] = strike(stop, fx!(0.8), mass, restitution, false);
+            let sign = if is_above { -1.0 } else { 1.0 };
+            let [ball, end] = strike(stop, fx!(0.8), mass, restitution, is_above).map(|speed| sign * speed);
             let inverse = 1.8 * 1.8 / (4.0 * (4.0 + 0.04) / 12.0 + 4.0);
             let impulse = 4.0 * (1.0 + restitution.to_f64()) / (1.0 / mass.to_f64() + inverse);
             let expected = [4.0 - impulse / mass.to_f64(), impulse * inverse];
@@ -195,7 +205,7 @@ fn a_rope_over_a_pulley_passes_a_blow_on() {
         });
         let ends = [vec2(0, 0), vec2(3, 0)];
         let rope = JointDef::pulley(&world, loads, ends, [vec2(0, 8), vec2(3, 8)], [1, 1]);
-        world.add_joint(rope.expect("a rope")).expect("a rope");
+        let rope = world.add_joint(rope.expect("a rope")).expect("a rope");
         let sign = if is_above { fx!(1) } else { fx!(-1) };
         let shape = Shape::circle(fx!(0.1)).expect("a ball");
         let ball = smooth(fx!(1), shape, Vec2::new(fx!(0), sign * fx!(0.317)), fx!(0.5));
@@ -206,7 +216,10 @@ fn a_rope_over_a_pulley_passes_a_blow_on() {
         let opposite = if is_above { impulse / mass } else { 0.0 };
         let (expected, found) =
             ([-4.0 + impulse, -impulse / mass, opposite], [velocity(ball), velocity(loads[0]), velocity(loads[1])]);
-        println!("from above {is_above}: {found:?}, expected {expected:?}");
+        // The rope keeps its length, to the way of the blow within the step.
+        let stretch = world.joint(rope).expect("a rope").length() - fx!(16);
+        println!("from above {is_above}: {found:?}, expected {expected:?}, stretch {stretch}");
+        assert!(is_above == (stretch.abs() < fx!(0.0001)), "{stretch}");
         assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.02), "{found:?}");
     }
 }
@@ -240,9 +253,9 @@ fn a_row_of_stops_is_a_beam() {
     assert!((stopped - welded).abs() < 0.01 && (welded - 2.0).abs() < 0.05, "{stopped}, {welded}");
 }
 
-/// A body of 100 to 400 kg with a foot of 25 kg on a joint with limits, which falls 5 m on a floor at a tilt, with a restitution of 0.6. The most of its
+/// A body of 100 to 400 kg with a foot of 25 kg on a joint with limits of ±`limit`, which falls 5 m on a floor at a tilt, with a restitution of 0.6. The most of its
 /// energy that a step adds.
-fn gain_of_landing(kind: usize, mass: i32, tilt: i32) -> f64 {
+fn gain_of_landing(kind: usize, limit: Fx, mass: i32, tilt: i32) -> f64 {
     let mut world = falling();
     let floor = Shape::rectangle(400, 2).expect("a floor");
     world.add_body(BodyDef { position: vec2(0, -1), ..BodyDef::fixed().with_collider(floor) }).expect("a floor");
@@ -257,7 +270,7 @@ fn gain_of_landing(kind: usize, mass: i32, tilt: i32) -> f64 {
     let hull = part(mass, vec2(0, 5), Shape::rectangle(3, fx!(0.6)).expect("a hull"));
     let place = at(fx!(1), fx!(-0.45));
     let foot = part(25, place, Shape::circle(fx!(0.45)).expect("a foot"));
-    let limits = Some(JointLimits { lower: fx!(-0.25), upper: fx!(0.25) });
+    let limits = Some(JointLimits { lower: -limit, upper: limit });
     let along = JointDef::along(&world, hull, foot, place, rotation * vec2(0, 1));
     match kind {
         0 => add(&mut world, JointKind::Wheel(Wheel { limits, ..Wheel::default() }), along),
@@ -279,18 +292,20 @@ fn gain_of_landing(kind: usize, mass: i32, tilt: i32) -> f64 {
 }
 
 /// Contacts and joints that are solved in turn leave velocities that joints hold, and an impact beside them threw such bodies about: a step gave up to
-/// 33 % of the energy of the fall.
+/// 50 % of the energy of the fall, and 33 % with the longer limits.
 #[test]
 fn uneven_landings_add_no_energy() {
-    for kind in 0..3 {
-        let mut largest = 0.0_f64;
-        for mass in [100, 200, 400] {
-            for tilt in (-88..=88).step_by(4) {
-                largest = largest.max(gain_of_landing(kind, mass, tilt));
+    // The rest is what limits of a heavy body on a light foot give back in the passes.
+    for (limit, share) in [(fx!(0.002), 0.035), (fx!(0.25), 0.015)] {
+        for kind in 0..3 {
+            let mut largest = 0.0_f64;
+            for mass in [100, 200, 400] {
+                for tilt in (-88..=88).step_by(4) {
+                    largest = largest.max(gain_of_landing(kind, limit, mass, tilt));
+                }
             }
+            println!("kind {kind}, limits of {limit}: {:.3} %", largest * 100.0);
+            assert!(largest < share, "kind {kind}, limits of {limit}: {largest}");
         }
-        println!("kind {kind}: {:.3} %", largest * 100.0);
-        // What limits of a heavy body on a light foot give back in the passes.
-        assert!(largest < 0.015, "kind {kind}: {largest}");
     }
 }

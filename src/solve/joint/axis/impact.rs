@@ -91,3 +91,48 @@ impl AxisRow {
         [self.way - self.lower <= self.touch, self.upper - self.way <= self.touch]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fx;
+    use crate::math::TimeStep;
+    use crate::scalar::FxFactor;
+    use crate::solve::joint::Axis;
+    use crate::solve::unit::Clock;
+
+    /// A row of 1 kg with limits at ±1 m, this far inside of the lower one or, in a mirror, of the upper one, in thousandths of the touch.
+    fn row_at(inside: i64, sign: i64) -> AxisRow {
+        let axis = Axis { limits: Some([fx!(-1), fx!(1)]), ..Axis::default() };
+        let mut row = AxisRow::new(&axis, FxFactor::ONE, 0, &Clock::new(TimeStep::hz(60), 5), -22, 0);
+        let bound = if sign > 0 { row.lower } else { row.upper };
+        row.set_way(bound + sign * row.touch * inside / 1_000);
+        row
+    }
+
+    /// The states of a row in an impact, with values that lead to the lower limit, and their mirror images at the upper one.
+    #[test]
+    fn a_limit_stops_what_goes_beyond_it_and_pulls_nothing() {
+        for sign in [1, -1] {
+            assert!([-500, 0, 999].map(|inside| row_at(inside, sign).may_stop()) == [true; 3]);
+            assert!(!row_at(1_001, sign).may_stop());
+            let mut row = row_at(0, sign);
+            let stopped_by = |row: &mut AxisRow, velocity: i64, impulse: i64| {
+                row.revise_stop(i128::from(sign * velocity), sign * impulse, 100)
+            };
+            assert!(!stopped_by(&mut row, 1_000, 0) && !stopped_by(&mut row, -100, 0) && !row.is_held());
+            assert!(stopped_by(&mut row, -101, 0) && row.is_held());
+            // The velocity of a stopped row says nothing.
+            assert!(!stopped_by(&mut row, 0, 7) && row.is_held());
+            assert!(stopped_by(&mut row, 0, -1) && !row.is_held() && row.may_stop());
+            assert!(stopped_by(&mut row, -101, 0));
+            assert!(!row.bar(-sign * PULL, false) && row.is_held());
+            assert!(row.bar(-sign * (PULL + 1), false) && !row.is_held() && !row.may_stop());
+            row.release(false);
+            assert!(!row.may_stop());
+            row.release(true);
+            assert!(row.may_stop() && stopped_by(&mut row, -101, 0));
+            assert!(row.bar(sign * 1_000_000, true) && !row.may_stop());
+        }
+    }
+}
