@@ -150,6 +150,9 @@ compiled! {
     fn wake_joined(world: &mut World<S>, body: BodyId) {
         world.wake_joined_inner(body);
     }
+    fn sleep(world: &mut World<S>, body: BodyId) -> Result<(), Error> {
+        world.sleep_inner(body)
+    }
     fn set_factors(bodies: &mut Bodies<S>, dense: usize, table: &mut Arc<FactorTable<S>>, key: Key<S>) {
         bodies.set_factors(dense, Arc::make_mut(table), key);
     }

@@ -129,7 +129,7 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
     let body = bodies[below(random, bodies.len())];
     let vector = vector(random, 34);
     let one_of = below(random, 3);
-    _ = match below(random, if *is_reversible { 28 } else { 35 }) {
+    _ = match below(random, if *is_reversible { 28 } else { 36 }) {
         0 => world.set_position(body, vector),
         1 => world.set_angle(body, vector.x),
         2 => world.set_velocity(body, vector),
@@ -182,6 +182,7 @@ fn change(world: &mut World, random: &mut Random, scene: &mut Scene) {
         ),
         33 => world.set_time_step(TimeStep::hz([50, 60, 100][one_of])),
         34 => world.set_integrator(Integrator::ALL[below(random, Integrator::ALL.len())]),
+        35 => world.sleep(body),
         _ => Ok(()),
     };
 }

@@ -117,7 +117,7 @@ fn checking_a_command_says_what_carrying_it_out_would_and_what_is_refused_change
     accepted.retain(|name| !["SetRandom", "SetBlob", "ClearForces"].contains(&&name[..]));
     assert_eq!(refused, accepted);
     let all = "DynamicChain NoSuchCollider DampingHasNoInverse Disabled ElapsedTime CustomForce Locked NoMotor NoSuchBody NoSuchField NoSuchJoint \
-               NotDisabled NotDynamic NotKinematic NotMovable NotQuarantined NothingToMove OutOfRange Quarantined SameBody TimeStep";
+               NotDisabled NotDynamic NotKinematic NotMovable NotQuarantined NothingToMove OutOfRange Quarantined SameBody SleepIsOff TimeStep";
     assert_eq!(errors, all.split_whitespace().map(str::to_owned).collect());
 }
 
@@ -162,7 +162,7 @@ fn permutations(count: usize, visit: &mut impl FnMut(&[usize])) {
 fn the_order_in_which_inputs_arrive_never_matters() {
     let mut author = Author { random: SplitMix::seeded(2), unfair: 40 };
     let (mut made_a_difference, mut refused) = (0, 0);
-    let runs = crate::seeds::times(4);
+    let runs = crate::seeds::times(8);
     for run in 0..runs {
         let world = world(&mut author, Integrator::ALL[run % Integrator::ALL.len()]);
         let written = inputs_of_a_tick(&mut author, &world);

@@ -1057,6 +1057,7 @@ fn command() -> impl Strategy<Value = Command> {
         1 => (handle(), 0u64..3).prop_map(|(body, key)| Command::SetKey { body, key }),
         1 => (handle(), any::<u64>()).prop_map(|(body, user_data)| Command::SetUserData { body, user_data }),
         1 => handle().prop_map(Command::Wake),
+        1 => handle().prop_map(Command::Sleep),
         1 => (handle(), locks()).prop_map(|(body, locks)| Command::SetLocks { body, locks }),
         1 => (handle(), most(), most())
             .prop_map(|(body, linear, angular)| Command::SetMaxSpeeds { body, linear, angular }),

@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 3] = [(106, "Error::NoShape"), (149, "Error::FloatJoint"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 175] = [
+const GIVEN: [(u16, &str); 177] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -128,6 +128,8 @@ const GIVEN: [(u16, &str); 175] = [
     (215, "Quantity::Teeth"),
     (216, "Quantity::Strands"),
     (217, "Quantity::Deceleration"),
+    (218, "Error::SleepIsOff"),
+    (219, "Error::KeptAwake"),
     (301, "SnapshotError::Foreign"),
     (302, "SnapshotError::Format"),
     (303, "SnapshotError::PhysicsVersion"),

@@ -183,6 +183,8 @@ fn errors() -> Vec<Error> {
         Error::Locked { quantity: Quantity::Velocity },
         Error::Disabled { body },
         Error::NotDisabled { body },
+        Error::SleepIsOff,
+        Error::KeptAwake { kinematic: body },
         Error::NotKinematic { body },
         Error::NoSuchPlayer { player: 3 },
         Error::ChangedBetweenTicks { tick: 4 },

@@ -160,7 +160,7 @@ fn meddle(world: &mut World, seed: u64, tick: u32) {
                 _ = world.release(body);
             }
             (13, Some(_)) => _ = world.set_time_step(TimeStep::ratio(1, 50 + (dice.next() % 3) as u32 * 10)),
-            (14, Some(body)) => _ = world.wake(body),
+            (14, Some(body)) => _ = [World::wake, World::sleep][dice.next() as usize % 2](world, body),
             (_, Some(_)) => {
                 let drawn = world.random_mut().bits().to_le_bytes();
                 world.set_blob(&drawn[..(dice.next() % 8) as usize]).expect("small");

@@ -1074,6 +1074,12 @@ typedef struct UmbraFigure {
 // The joint is of a kind that has no motor.
 #define UMBRA_ERROR_NO_MOTOR 214
 
+// Sleeping is off in the world.
+#define UMBRA_ERROR_SLEEP_IS_OFF 218
+
+// A kinematic body that moves touches the bodies that were to sleep, or is joined to them.
+#define UMBRA_ERROR_KEPT_AWAKE 219
+
 // The bytes are not a snapshot.
 #define UMBRA_ERROR_SNAPSHOT_FOREIGN 301
 
@@ -1870,6 +1876,9 @@ UmbraStatus umbra_world_move_to(struct UmbraWorld *world, uint64_t body, UmbraFx
 
 // Wakes a body and what springs join it to.
 UmbraStatus umbra_world_wake(struct UmbraWorld *world, uint64_t body);
+
+// Puts a body to sleep, with the bodies that springs, joints and the contacts of the last step join it to. They stop.
+UmbraStatus umbra_world_sleep(struct UmbraWorld *world, uint64_t body);
 
 // Lets a quarantined body take part again.
 UmbraStatus umbra_world_release(struct UmbraWorld *world, uint64_t body);

@@ -742,6 +742,12 @@ pub extern "C" fn umbra_world_wake(world: Option<&mut UmbraWorld>, body: u64) ->
     change(world, Command::Wake(body_id(body)))
 }
 
+/// Puts a body to sleep, with the bodies that springs, joints and the contacts of the last step join it to. They stop.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_world_sleep(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {
+    change(world, Command::Sleep(body_id(body)))
+}
+
 /// Lets a quarantined body take part again.
 #[unsafe(no_mangle)]
 pub extern "C" fn umbra_world_release(world: Option<&mut UmbraWorld>, body: u64) -> UmbraStatus {

@@ -72,6 +72,10 @@ pub const UMBRA_ERROR_NO_SUCH_JOINT: UmbraStatus = 147;
 pub const UMBRA_ERROR_NOTHING_TO_MOVE: UmbraStatus = 148;
 /// The joint is of a kind that has no motor.
 pub const UMBRA_ERROR_NO_MOTOR: UmbraStatus = 214;
+/// Sleeping is off in the world.
+pub const UMBRA_ERROR_SLEEP_IS_OFF: UmbraStatus = 218;
+/// A kinematic body that moves touches the bodies that were to sleep, or is joined to them.
+pub const UMBRA_ERROR_KEPT_AWAKE: UmbraStatus = 219;
 /// The bytes are not a snapshot.
 pub const UMBRA_ERROR_SNAPSHOT_FOREIGN: UmbraStatus = 301;
 /// The bytes have another layout.

@@ -247,6 +247,7 @@ fn null_is_refused_everywhere() {
         umbra_world_enable(None, b);
         umbra_world_move_to(None, b, 0, 0, 0);
         umbra_world_wake(None, b);
+        umbra_world_sleep(None, b);
         umbra_world_release(None, b);
 
         umbra_field_def_default(UMBRA_DRAG, None);

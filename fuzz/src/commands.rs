@@ -69,7 +69,10 @@ fn play(promise: u8, length: &Length, mut author: Author<'_>, fall: Option<usize
             break;
         }
         let command = author.command();
-        second.execute(&mut world, &mut author, &command);
+        // Where no body ever sleeps, none is put to sleep.
+        if !matches!((promise, &command), (Promise::Sleepless, Command::Sleep(_))) {
+            second.execute(&mut world, &mut author, &command);
+        }
         for _ in 0..author.any::<u8>()? % 4 {
             if steps == length.most_steps {
                 break 'commands;

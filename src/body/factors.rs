@@ -254,6 +254,16 @@ impl<S: Scalar> FactorTable<S> {
         self.is_stale || (any_come && indices.iter().any(is_old))
     }
 
+    /// Returns true if the factors of a row are up to date, or will be made before the next step.
+    pub(crate) fn is_made(&self, index: u32) -> bool {
+        self.is_stale || self.rows()[index as usize].version == self.version
+    }
+
+    /// Has the factors of all rows made before the next step that are not up to date.
+    pub(crate) fn set_stale(&mut self) {
+        self.is_stale = true;
+    }
+
     /// Makes the factors of those of these rows that are not up to date.
     pub(crate) fn update(&mut self, world_factors: &WorldFactors<'_, S>, indices: &[u32]) {
         self.is_stale = false;

@@ -102,6 +102,20 @@ impl<S: Scalar> Motion<S> {
         }
     }
 
+    /// Stops a body, unless it is [still](Accumulator::is_still): it may be slow when it falls asleep.
+    pub(crate) fn stop(&mut self, i: usize) {
+        if !self.is_still(i) {
+            self.velocity.set(i, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
+            self.angular_velocity[i] = S::Accumulator::default();
+        }
+    }
+
+    /// Returns true if the public velocities of a body are zero.
+    pub(crate) fn is_still(&self, i: usize) -> bool {
+        let [x, y] = [self.velocity.x[i], self.velocity.y[i]];
+        [x, y, self.angular_velocity[i]].iter().all(|velocity| velocity.is_still())
+    }
+
     /// Makes room to [`keep`](Self::keep) so many bodies.
     pub(crate) fn make_room(&mut self, count: usize) {
         fn reserve<T>(column: &mut Vec<T>, count: usize) {

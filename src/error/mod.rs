@@ -166,6 +166,13 @@ pub enum Error {
     },
     /// Neither end of the joint is on a dynamic body.
     NothingToMove,
+    /// Sleeping is off in the world: set `sleep_after` first.
+    SleepIsOff,
+    /// A kinematic body that moves touches the body's island, or is joined to it, and would wake it.
+    KeptAwake {
+        /// The kinematic body.
+        kinematic: BodyId,
+    },
 }
 
 /// Reason why a step cannot be undone.
@@ -343,6 +350,10 @@ impl fmt::Display for Error {
             Self::NothingToMove => {
                 f.write_str("neither end of the joint is on a dynamic body: a joint needs a body that it can move")
             }
+            Self::SleepIsOff => f.write_str("sleeping is off in the world: set sleep_after"),
+            Self::KeptAwake { kinematic } => {
+                write!(f, "{kinematic} moves, and touches the bodies that were to sleep or is joined to them: stop it first")
+            }
             Self::NoMotor { joint } => write!(f, "a joint without a motor of this kind: {joint}"),
             Self::Locked { quantity: Quantity::AngularVelocity } => f.write_str("the rotation of the body is locked"),
             Self::Locked { .. } => f.write_str("the body is locked along an axis of the velocity"),
@@ -383,6 +394,8 @@ codes!(Error {
     NoSuchJoint = 147,
     NothingToMove = 148,
     NoMotor = 214,
+    SleepIsOff = 218,
+    KeptAwake = 219,
 });
 
 impl core::error::Error for Error {

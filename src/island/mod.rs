@@ -2,8 +2,9 @@
 //!
 //! Static bodies and bodies that take no part join nothing; a kinematic body joins nothing by contacts and joints. No step keeps islands: each query
 //! searches from the bodies that it is asked for, breadth first, and looks at nothing else. A step asks for bodies that have rested for long
-//! enough, a call for bodies that it wakes.
+//! enough, a call for bodies that it wakes or puts to sleep.
 
+use alloc::collections::BTreeSet;
 use alloc::vec::Vec;
 
 use crate::body::{Activity, Bodies, BodyKind, Sparse};
@@ -179,6 +180,40 @@ impl<'a, S: Scalar> Joins<'a, S> {
     fn by_contacts(self, body: BodyId) -> impl Iterator<Item = BodyId> + use<'a, S> {
         self.touching(body).filter(|(_, is_slack)| !is_slack).map(|(body, _)| body)
     }
+}
+
+/// The island of a moving body, by indices in the columns, as far as springs, joints and the contacts of the last step join it; with the kinematic
+/// bodies that it touches or is joined to.
+pub(crate) fn awake_island<S: Scalar>(bodies: &Bodies<S>, joins: Joins<'_, S>, body: usize) -> Vec<usize> {
+    let Joins { fields, colliders, contacts, joints } = joins;
+    let mut touching = Touching::default();
+    // Records without an impulse are there for events alone.
+    for record in contacts.records.iter().filter(|record| !record.is_slack()) {
+        let slots = record.pair().map(|outline| colliders.at(outline.slot).map(|collider| collider.body.slot));
+        if let [Some(first), Some(second)] = slots {
+            touching.push(first, second);
+            touching.push(second, first);
+        }
+    }
+    touching.sort();
+    let mut members = Vec::from([body]);
+    let mut visited = BTreeSet::from([body]);
+    let mut next = 0;
+    while let Some(&member) = members.get(next) {
+        next += 1;
+        let member_id = bodies.id(member);
+        let spring_partners = joined_by_springs(fields, member_id).filter_map(|joined| bodies.find(joined).ok());
+        // A kinematic body joins nothing by contacts and joints.
+        let is_kinematic = bodies.info(member).kind == BodyKind::Kinematic;
+        let slots = touching.touched_by(member_id.slot).chain(joints.partners(member_id.slot));
+        let neighbours = slots.filter(|_| !is_kinematic).filter_map(|slot| bodies.index_in(slot));
+        for i in spring_partners.chain(neighbours).filter(|&i| i < bodies.moving()) {
+            if visited.insert(i) {
+                members.push(i);
+            }
+        }
+    }
+    members
 }
 
 /// Wakes these bodies and the islands that they are in. Adds the bodies that slept to `woken`, in the order in which they are found.

@@ -15,9 +15,7 @@ use crate::collider::ColliderSet;
 use crate::contact::Start;
 use crate::force::{End, FieldKind, FieldSet};
 use crate::island::{self, SleepJoins};
-use crate::math::Vec2;
 use crate::scalar::{Accumulator as _, Angle as _, Scalar, Wide};
-use crate::slots::BodyId;
 
 /// Reports the bodies that fall asleep, in the order of the handles.
 pub(super) fn find<S: Scalar>(
@@ -43,18 +41,9 @@ pub(super) fn find<S: Scalar>(
     let joins = SleepJoins { fields, joints: contacts.joined(), touching };
     island::find_sleepers(bodies, joins, ticks, &findings.candidates, islands, fell_asleep);
     for &body in &*fell_asleep {
-        stop(bodies, body);
-    }
-}
-
-/// Stops a body that falls asleep while it is slow.
-fn stop<S: Scalar>(bodies: &mut Bodies<S>, body: BodyId) {
-    let Ok(i) = bodies.find(body) else { return };
-    let motion = &mut bodies.columns.motion;
-    let [x, y] = [motion.velocity.x[i], motion.velocity.y[i]];
-    if ![x, y, motion.angular_velocity[i]].iter().all(|velocity| velocity.is_still()) {
-        motion.velocity.set(i, Vec2::new(S::Accumulator::default(), S::Accumulator::default()));
-        motion.angular_velocity[i] = S::Accumulator::default();
+        if let Ok(i) = bodies.find(body) {
+            bodies.columns.motion.stop(i);
+        }
     }
 }
 

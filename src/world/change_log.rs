@@ -8,19 +8,21 @@ use core::mem;
 #[cfg(doc)]
 use super::StepReport;
 use super::{BodyRef, World};
-use crate::body::{Bodies, Sparse};
+use crate::body::{Activity, Bodies, Sparse};
 use crate::error::Fault;
 use crate::limits;
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, JointId};
 
-/// Changes by calls, in the order of the calls. The lists `added` and `placed` may name bodies that were removed since.
+/// Changes by calls, in the order of the calls. The lists may name bodies that were removed since.
 #[derive(Debug, Default)]
 pub(crate) struct BodyChanges {
     pub(crate) removed: Vec<BodyId>,
     pub(crate) added: Vec<BodyId>,
     pub(crate) placed: Vec<BodyId>,
     pub(crate) woken: Vec<BodyId>,
+    /// Bodies that calls put to sleep; in a report then the bodies that fell asleep in the step.
+    pub(crate) fell_asleep: Vec<BodyId>,
     /// Joints that were removed with a body of `removed`.
     pub(crate) removed_joints: Vec<JointId>,
 }
@@ -28,18 +30,19 @@ pub(crate) struct BodyChanges {
 impl BodyChanges {
     /// Joints are removed with a body that is listed.
     fn is_empty(&self) -> bool {
-        self.removed.is_empty() && self.added.is_empty() && self.placed.is_empty() && self.woken.is_empty()
+        let Self { removed, added, placed, woken, fell_asleep, .. } = self;
+        [removed, added, placed, woken, fell_asleep].into_iter().all(Vec::is_empty)
     }
 
     fn clear(&mut self) {
-        let Self { removed, added, placed, woken, removed_joints } = self;
-        [removed, added, placed, woken].into_iter().for_each(Vec::clear);
+        let Self { removed, added, placed, woken, fell_asleep, removed_joints } = self;
+        [removed, added, placed, woken, fell_asleep].into_iter().for_each(Vec::clear);
         removed_joints.clear();
     }
 
     /// Drops the entries of bodies that were removed.
     fn tidy<S: Scalar>(&mut self, bodies: &Bodies<S>) {
-        for list in [&mut self.added, &mut self.placed] {
+        for list in [&mut self.added, &mut self.placed, &mut self.woken, &mut self.fell_asleep] {
             list.retain(|&body| bodies.find(body).is_ok());
         }
     }
@@ -49,14 +52,21 @@ impl BodyChanges {
         self.added.clone_from(&source.added);
         self.placed.clone_from(&source.placed);
         self.woken.clone_from(&source.woken);
+        self.fell_asleep.clone_from(&source.fell_asleep);
         self.removed_joints.clone_from(&source.removed_joints);
     }
 }
 
-/// Marks of a body that is listed as added, as placed, or as woken. A listed body without a mark was removed, or disabled.
+/// Marks of a body that is listed as added or as placed. A listed body without a mark was removed.
 const ADDED: u8 = 1;
 const PLACED: u8 = 2;
+/// Marks of a body that calls woke or put to sleep, as it is now. A listed body without a mark was removed or disabled, or a later call took
+/// the change back.
 const WOKEN: u8 = 4;
+const SLEPT: u8 = 8;
+/// Marks of a body that is in the list of woken bodies, or in the list of bodies that fell asleep.
+const IN_WOKEN: u8 = 16;
+const IN_SLEPT: u8 = 32;
 
 #[derive(Debug, Default)]
 pub(crate) struct ChangeLog {
@@ -111,11 +121,10 @@ impl ChangeLog {
         self.stamps.clone_from(&source.stamps);
         self.tick = source.tick;
         self.mark();
-        // Listed bodies are marked, except woken bodies without a mark in the source.
-        for body in &source.pending.woken {
-            if !source.is_marked(*body, WOKEN) {
-                *at(&mut self.marks, body.slot) &= !WOKEN;
-            }
+        // Listed bodies are marked, except bodies without a mark in the source.
+        for body in source.pending.woken.iter().chain(&source.pending.fell_asleep) {
+            let marks = at(&mut self.marks, body.slot);
+            *marks &= source.marks.get(body.slot as usize).copied().unwrap_or_default();
         }
     }
 
@@ -135,8 +144,9 @@ impl ChangeLog {
     }
 
     fn mark(&mut self) {
-        let BodyChanges { added, placed, woken, .. } = &self.pending;
-        for (list, mark) in [(added, ADDED), (placed, PLACED), (woken, WOKEN)] {
+        let BodyChanges { added, placed, woken, fell_asleep, .. } = &self.pending;
+        let (woken, fell_asleep) = ((woken, WOKEN | IN_WOKEN), (fell_asleep, SLEPT | IN_SLEPT));
+        for (list, mark) in [(added, ADDED), (placed, PLACED), woken, fell_asleep] {
             for body in list {
                 *at(&mut self.marks, body.slot) |= mark;
             }
@@ -144,8 +154,8 @@ impl ChangeLog {
     }
 
     fn unmark(&mut self) {
-        let BodyChanges { added, placed, woken, .. } = &self.pending;
-        for body in [added, placed, woken].into_iter().flatten() {
+        let BodyChanges { added, placed, woken, fell_asleep, .. } = &self.pending;
+        for body in [added, placed, woken, fell_asleep].into_iter().flatten() {
             *at(&mut self.marks, body.slot) = 0;
         }
     }
@@ -184,24 +194,68 @@ impl ChangeLog {
 
     /// Logs bodies that a call woke.
     pub(super) fn woke(&mut self, bodies: &[BodyId]) {
-        for body in bodies {
-            *at(&mut self.marks, body.slot) |= WOKEN;
+        self.pending.woken.reserve(bodies.len());
+        for &body in bodies {
+            let marks = at(&mut self.marks, body.slot);
+            if *marks & SLEPT != 0 {
+                *marks &= !SLEPT;
+                continue;
+            }
+            if *marks & IN_WOKEN == 0 {
+                self.pending.woken.push(body);
+            }
+            *marks |= WOKEN | IN_WOKEN;
         }
-        self.pending.woken.extend_from_slice(bodies);
-        // The step that reports them must not allocate.
-        let room = self.pending.woken.len().saturating_sub(self.reported.woken.len());
-        self.reported.woken.reserve(room);
         self.has_entries |= !bodies.is_empty();
+        self.reserve();
     }
 
-    /// Logs a body that a call disabled: it does not count as woken.
+    /// Logs bodies that a call put to sleep.
+    pub(super) fn put_to_sleep<S: Scalar>(&mut self, sleepers: &[BodyId], bodies: &Bodies<S>) {
+        // Bodies that are added, put to sleep and removed repeatedly without a step must not accumulate.
+        let list = &mut self.pending.fell_asleep;
+        if list.len() + sleepers.len() > list.capacity() {
+            list.retain(|&body| bodies.find(body).is_ok());
+            list.reserve(list.len() + sleepers.len());
+        }
+        for &body in sleepers {
+            let marks = at(&mut self.marks, body.slot);
+            if *marks & WOKEN != 0 {
+                *marks &= !WOKEN;
+                continue;
+            }
+            if *marks & IN_SLEPT == 0 {
+                list.push(body);
+            }
+            *marks |= SLEPT | IN_SLEPT;
+        }
+        self.has_entries |= !sleepers.is_empty();
+        // Somebody sleeps again.
+        self.awake_around.clear();
+        self.reserve();
+    }
+
+    /// Takes memory for the report: the step that reports the calls must not allocate.
+    fn reserve(&mut self) {
+        let Self { pending, reported, .. } = self;
+        for (list, report) in [(&pending.woken, &mut reported.woken), (&pending.fell_asleep, &mut reported.fell_asleep)]
+        {
+            report.reserve(list.len().saturating_sub(report.len()));
+        }
+    }
+
+    /// Logs a body that a call disabled: it does not count as woken or put to sleep.
     pub(super) fn taken_out(&mut self, body: BodyId) {
-        *at(&mut self.marks, body.slot) &= !WOKEN;
+        *at(&mut self.marks, body.slot) &= !(WOKEN | SLEPT);
     }
 
-    /// The bodies that calls woke since the last step and that are still simulated.
-    pub(crate) fn woken(&self) -> Vec<BodyId> {
-        self.pending.woken.iter().copied().filter(|&body| self.is_marked(body, WOKEN)).collect()
+    /// The bodies that calls woke since the last step, then the bodies that calls put to sleep, as they are now.
+    pub(crate) fn sleep_changes<S: Scalar>(&self, bodies: &Bodies<S>) -> Vec<BodyId> {
+        let BodyChanges { woken, fell_asleep, .. } = &self.pending;
+        let woken = woken.iter().filter(|&&body| self.is_marked(body, WOKEN));
+        let changed = woken.chain(fell_asleep.iter().filter(|&&body| self.is_marked(body, SLEPT))).copied();
+        // A slot may have another body since.
+        changed.filter(|&body| bodies.find(body).is_ok()).collect()
     }
 
     /// The number of bodies that calls woke since the last step, with those that were taken out of the simulation after it.
@@ -214,12 +268,17 @@ impl ChangeLog {
         self.pending.woken.get(count..).unwrap_or_default()
     }
 
-    /// Sets [`woken`](Self::woken) from a saved world.
-    pub(crate) fn set_woken(&mut self, woken: Vec<BodyId>) {
-        self.woke(&woken);
+    /// Sets [`sleep_changes`](Self::sleep_changes) from a saved world. Returns false if a sleeping body is in front of one that is awake.
+    #[must_use]
+    pub(crate) fn set_sleep_changes<S: Scalar>(&mut self, changed: &[BodyId], bodies: &Bodies<S>) -> bool {
+        let sleeps = |body: &BodyId| bodies.find(*body).is_ok_and(|i| bodies.activity(i) == Activity::Asleep);
+        let (woken, sleepers) = changed.split_at(changed.iter().take_while(|body| !sleeps(body)).count());
+        self.woke(woken);
+        self.put_to_sleep(sleepers, bodies);
+        sleepers.iter().all(sleeps)
     }
 
-    /// True if a neighbour of the body may sleep. The caller wakes the neighbours: none falls asleep until the next step.
+    /// True if a neighbour of the body may sleep. The caller wakes the neighbours: none sleeps until a step or a call puts it to sleep.
     pub(super) fn looks_around(&mut self, body: BodyId) -> bool {
         let slot = body.slot as usize;
         let looks = self.awake_around.get(slot).is_none();
@@ -244,30 +303,61 @@ impl ChangeLog {
 
     #[cold]
     fn report<S: Scalar>(&mut self, bodies: &Bodies<S>) {
-        self.drop_unmarked_woken();
+        self.drop_unmarked();
         self.unmark();
         // Both lists keep their memory, so that a restored world allocates nothing.
         self.reported.clone_from(&self.pending);
         self.pending.clear();
         self.reported.tidy(bodies);
+        for body in &self.reported.fell_asleep {
+            *at(&mut self.marks, body.slot) |= SLEPT;
+        }
         self.has_entries = !self.reported.is_empty();
     }
 
-    fn drop_unmarked_woken(&mut self) {
-        let Self { pending, marks, .. } = self;
-        pending.woken.retain(|body| marks[body.slot as usize] & WOKEN != 0);
+    /// Drops the bodies that are not as calls left them, with all marks of their lists.
+    fn drop_unmarked(&mut self) {
+        let Self { pending: BodyChanges { woken, fell_asleep, .. }, marks, .. } = self;
+        for (list, mark, listed) in [(woken, WOKEN, IN_WOKEN), (fell_asleep, SLEPT, IN_SLEPT)] {
+            list.retain(|body| {
+                let marks = &mut marks[body.slot as usize];
+                let is_marked = *marks & mark != 0;
+                if !is_marked {
+                    *marks &= !listed;
+                }
+                is_marked
+            });
+        }
     }
 
-    /// Logs bodies that stopped moving in a step.
+    /// Logs bodies that stopped moving or woke in a step.
     #[inline]
     pub(super) fn end(&mut self, faults: &[Fault], fell_asleep: &[BodyId], woke: &[BodyId]) {
-        if !woke.is_empty() {
+        if !self.reported.fell_asleep.is_empty() {
+            self.wake_sleepers(woke);
+        } else if !woke.is_empty() {
             self.reported.woken.extend_from_slice(woke);
             self.has_entries = true;
         }
+        self.reported.fell_asleep.extend_from_slice(fell_asleep);
+        self.has_entries |= !fell_asleep.is_empty();
         if !(faults.is_empty() && fell_asleep.is_empty()) {
             self.stop(faults, fell_asleep);
         }
+    }
+
+    /// Logs the bodies that woke in a step after calls had put bodies to sleep: no list has a body that calls put to sleep and the step woke.
+    #[cold]
+    fn wake_sleepers(&mut self, woke: &[BodyId]) {
+        let Self { reported: BodyChanges { woken, fell_asleep, .. }, marks, .. } = self;
+        for &body in woke {
+            let marks = at(marks, body.slot);
+            if *marks & SLEPT == 0 {
+                woken.push(body);
+            }
+            *marks = 0;
+        }
+        fell_asleep.retain(|body| core::mem::take(at(marks, body.slot)) & SLEPT != 0);
     }
 
     #[cold]
@@ -282,7 +372,7 @@ impl ChangeLog {
         self.rewind();
         self.tick = tick;
         self.awake_around.clear();
-        self.drop_unmarked_woken();
+        self.drop_unmarked();
         // Each body is listed once. A slot with this mark has the body that it had in the step.
         self.reported.placed.retain(|body| *at(&mut self.marks, body.slot) & PLACED == 0);
         self.unmark();
@@ -300,6 +390,9 @@ impl ChangeLog {
         earlier.added.append(&mut pending.added);
         earlier.placed.append(&mut pending.placed);
         earlier.woken.append(&mut pending.woken);
+        // Nobody fell asleep in a step that can be undone, and calls have woken all that slept before it.
+        earlier.fell_asleep.clear();
+        pending.fell_asleep.clear();
         mem::swap(earlier, pending);
         pending.tidy(bodies);
         let takes_part = |body| bodies.find(body).is_ok_and(|i| bodies.activity(i).takes_part());

@@ -193,7 +193,7 @@ impl<S: Scalar> World<S> {
         Ok(())
     }
 
-    fn check_movable(&self, body: BodyId) -> Result<usize, Error> {
+    pub(super) fn check_movable(&self, body: BodyId) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
         match self.bodies.info(dense).kind {
             BodyKind::Static => Err(Error::NotMovable { body }),

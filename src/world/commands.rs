@@ -300,6 +300,10 @@ commands! { world:
     15 => Wake(body: BodyId as body(body)),
         check world.check_taking_part(*body),
         execute world.wake(*body);
+    /// Calls [`World::sleep`].
+    50 => Sleep(body: BodyId as body(body)),
+        check world.check_sleep(*body),
+        execute world.sleep(*body);
     /// Calls [`World::release`].
     16 => Release(body: BodyId as body(body)),
         check world.check_release(*body),

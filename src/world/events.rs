@@ -45,10 +45,11 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub tick: u64,
     /// Bodies that were quarantined, in the order of their handles.
     pub faults: &'a [Fault],
-    /// Bodies that fell asleep, in the order of their handles.
+    /// Bodies that calls put to sleep since the previous step, in the order of the calls, without bodies that the step woke; then the bodies that fell
+    /// asleep in the step, in the order of their handles.
     pub fell_asleep: &'a [BodyId],
     /// Bodies woken by calls since the previous step, in the order of the calls; then the bodies that were woken in the step, because a
-    /// moving body touched them or one of their island, in the order of their handles.
+    /// moving body touched them or one of their island, in the order of their handles. A body that calls both woke and put to sleep is in neither list.
     pub woke: &'a [BodyId],
     /// Bodies removed by calls since the previous step, in the order of the calls, without those that were also added since.
     pub removed: &'a [BodyId],
@@ -98,7 +99,7 @@ pub enum Event<S = Fx> {
     Woke(BodyId),
     /// The step quarantined the body.
     Quarantined(Fault),
-    /// The body fell asleep in the step.
+    /// The body fell asleep in the step, or a call put it to sleep.
     FellAsleep(BodyId),
     /// Two colliders no longer touch, or one of them was removed, replaced or disabled. One of them has
     /// [`contact_events`](crate::ColliderDef::contact_events).
@@ -141,7 +142,7 @@ impl<S: fmt::Display> fmt::Display for Event<S> {
 impl<'a, S: Scalar> StepReport<'a, S> {
     /// The events, one kind after the other in the order of [`Event`]: changes of bodies by calls before the step, each kind in the order
     /// of the calls (`Woke` then has the bodies that were touched in the step); changes of bodies by the step, each kind in the order of
-    /// the handles; then contacts and sensors, each kind sorted by the keys of the bodies and the colliders, and joints, sorted by their keys. What crossed a sensor within the
+    /// the handles (`FellAsleep` has the bodies first that calls put to sleep); then contacts and sensors, each kind sorted by the keys of the bodies and the colliders, and joints, sorted by their keys. What crossed a sensor within the
     /// step leaves it after all entries.
     ///
     /// A body that was both added and removed since the step before has no event, and a body that was added has no `Placed` event: an

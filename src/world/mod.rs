@@ -187,6 +187,7 @@ fn check_sleep_after(ticks: Option<u32>) -> Result<(), Error> {
 /// | `exclude_pair`, `contacts_of`, and the calls that change a joint without `collide_connected` | all contacts |
 /// | [`queries`](Self::queries) | the colliders, as it says there |
 /// | a call that wakes | the bodies it wakes and the fields and joints attached to them |
+/// | [`sleep`](Self::sleep), if it puts a body to sleep | all contacts, the bodies it puts to sleep, and the fields and joints attached to them |
 /// | `set_kind`, `disable`, `enable`, and any change of a static or kinematic body, once between two steps | the fields and joints attached to the body |
 /// | `add_field`, `set_field`, `remove_field` for groups in which a body sleeps | all bodies; afterwards no body of these groups sleeps |
 /// | `set_sleep_after`, once between two steps | all bodies |
@@ -342,7 +343,7 @@ impl<S: Scalar> World<S> {
             let WorldDef { gravity, linear_damping, angular_damping, integrator, .. } = self.def;
             let (spans, damps) = (&self.plan.spans[..integrator.spans().len()], integrator.damps());
             let world_factors = WorldFactors::new(gravity, [linear_damping, angular_damping], spans, damps);
-            // A sleeping body has moved with these factors, or they were stale when it was added: no need to update them.
+            // A sleeping body has moved with these factors, or a call has put it to sleep before: then the table is stale.
             let indices = if self.bodies.any_asleep() { &factors[..] } else { moving };
             Arc::make_mut(&mut self.factor_table).update(&world_factors, indices);
         }
@@ -390,7 +391,7 @@ impl<S: Scalar> World<S> {
         StepReport {
             tick: self.tick,
             faults: &self.workspace.report.faults,
-            fell_asleep: &self.workspace.report.fell_asleep,
+            fell_asleep: &self.change_log.reported.fell_asleep,
             woke: &self.change_log.reported.woken,
             removed: &self.change_log.reported.removed,
             added: &self.change_log.reported.added,

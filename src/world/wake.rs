@@ -1,9 +1,10 @@
-//! Waking bodies: a change to a body wakes it and whatever it may move.
+//! Waking bodies and putting them to sleep: a change to a body wakes it and whatever it may move.
 
+use alloc::sync::Arc;
 use alloc::vec::Vec;
 
 use super::{Command, World};
-use crate::body::{Activity, BodyKind, Change};
+use crate::body::{Acceleration, Activity, BodyKind, Change};
 use crate::contact::is_asleep;
 use crate::error::Error;
 use crate::force::FieldKind;
@@ -32,6 +33,92 @@ impl<S: Scalar> World<S> {
         self.check_taking_part(body)?;
         self.journal.note(|| Command::Wake(body));
         self.touch(body, Change::VELOCITY).map(drop)
+    }
+
+    /// Puts a body to sleep, with the bodies that springs, joints and the contacts of the last step join it to, and with kinematic bodies at rest that
+    /// these touch: they stop where they are, and steps skip them until something wakes them, as if they had come to rest. A body that is still in the
+    /// air stays there. Forces that were applied to them in this tick are dropped, and so is the target of a kinematic body. A level can begin with all
+    /// its bodies asleep.
+    ///
+    /// They wake as other sleeping bodies do: by a call that changes one of them, by a body that touches them, and with the bodies that springs, joints
+    /// and contacts join them to. Bodies that were put to sleep before their first step have no contacts yet: where the lowest one of a pile is
+    /// removed, the others stay until they are woken or struck. The contacts of a body that a call has placed elsewhere since the last step
+    /// are the contacts that it had there. An attractor on a body that moves wakes nobody.
+    ///
+    /// # Errors
+    /// [`Error::NoSuchBody`]; [`Error::NotMovable`] for a static body; [`Error::Quarantined`]; [`Error::Disabled`]; [`Error::SleepIsOff`] in a world whose
+    /// [`sleep_after`](super::WorldDef::sleep_after) is `None`; [`Error::KeptAwake`] if another body, which is kinematic and moves, touches one of these or is
+    /// joined to it.
+    ///
+    /// ```
+    /// use umbra_physics::{Activity, BodyDef, World, WorldDef, vec2};
+    ///
+    /// let mut world = World::new(WorldDef { gravity: vec2(0, -10), ..WorldDef::default() })?;
+    /// let crate_ = world.add_body(BodyDef::dynamic())?;
+    /// world.sleep(crate_)?;
+    /// for _ in 0..60 {
+    ///     world.step();
+    /// }
+    /// assert_eq!(world.body(crate_)?.position(), vec2(0, 0));
+    /// world.wake(crate_)?;
+    /// world.step();
+    /// assert_ne!(world.body(crate_)?.position(), vec2(0, 0));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    #[doc(alias("put_to_sleep", "SetAwake", "set_sleeping"))]
+    pub fn sleep(&mut self, body: BodyId) -> Result<(), Error> {
+        S::sleep(self, body)
+    }
+
+    pub(crate) fn sleep_inner(&mut self, body: BodyId) -> Result<(), Error> {
+        let mut members = self.check_sleep(body)?;
+        self.journal.note(|| Command::Sleep(body));
+        if members.is_empty() {
+            return Ok(());
+        }
+        members.sort_unstable();
+        for &member in &members {
+            let dense = self.bodies.find(member)?;
+            // It may not have moved yet with the factors that it wakes with.
+            if !self.factor_table.is_made(self.bodies.columns.factors[dense]) {
+                Arc::make_mut(&mut self.factor_table).set_stale();
+            }
+            let motion = &mut self.bodies.columns.motion;
+            motion.stop(dense);
+            if let Some(last) = motion.last_acceleration.get_mut(dense) {
+                *last = Acceleration::default();
+            }
+            self.bodies.set_activity(dense, Activity::Asleep);
+            self.mark_if_still(member);
+            self.applied.forget(member);
+            self.targets.forget(member);
+        }
+        let Self { bodies, colliders, contacts, change_log, .. } = self;
+        contacts.fall_asleep(|slot| is_asleep(bodies, colliders, slot));
+        change_log.put_to_sleep(&members, bodies);
+        Ok(())
+    }
+
+    /// Refuses to put a body to sleep, or gives the bodies that are to fall asleep with it; none if it sleeps already.
+    pub(crate) fn check_sleep(&self, body: BodyId) -> Result<Vec<BodyId>, Error> {
+        self.check_taking_part(body)?;
+        let dense = self.check_movable(body)?;
+        if self.def.sleep_after.is_none() {
+            return Err(Error::SleepIsOff);
+        }
+        if self.bodies.activity(dense) == Activity::Asleep {
+            return Ok(Vec::new());
+        }
+        let Self { bodies, fields, colliders, contacts, targets, .. } = self;
+        let joins = Joins { fields, colliders, contacts, joints: self.joints.joined(&self.joint_states) };
+        let members = island::awake_island(bodies, joins, dense);
+        let is_kinematic = |i: usize| bodies.info(i).kind == BodyKind::Kinematic;
+        let moves = |i: usize| !bodies.columns.motion.is_still(i) || targets.of(bodies.id(i)).is_some();
+        let moving = members.iter().filter(|&&i| i != dense && is_kinematic(i) && moves(i));
+        match moving.map(|&i| bodies.id(i)).min() {
+            Some(kinematic) => Err(Error::KeptAwake { kinematic }),
+            None => Ok(members.into_iter().map(|i| bodies.id(i)).collect()),
+        }
     }
 
     /// Takes a quarantined body back into the simulation, with its last good state and the values that were set since.
@@ -101,8 +188,8 @@ impl<S: Scalar> World<S> {
 
     pub(crate) fn touch_inner(&mut self, body: BodyId, change: Change) -> Result<usize, Error> {
         let dense = self.bodies.find(body)?;
-        // Neighbours of an awake dynamic body are awake. Those of a static or kinematic body may sleep. A disabled or quarantined
-        // dynamic body wakes its neighbours when it takes part again.
+        // Neighbours of an awake dynamic body are awake: an island sleeps as a whole. Neighbours of a static or kinematic body may sleep. A
+        // disabled or quarantined dynamic body wakes its neighbours when it takes part again.
         if self.bodies.activity(dense) == Activity::Asleep || self.bodies.info(dense).kind != BodyKind::Dynamic {
             self.wake_joined(body);
         }
@@ -126,7 +213,7 @@ impl<S: Scalar> World<S> {
     }
 
     pub(crate) fn wake_joined_inner(&mut self, body: BodyId) {
-        // Nobody falls asleep until the next step: once is enough.
+        // Until somebody falls asleep, by a step or by a call, once is enough.
         if !self.bodies.any_asleep() || !self.change_log.looks_around(body) {
             return;
         }
@@ -151,7 +238,7 @@ impl<S: Scalar> World<S> {
     /// not act on must not feel that it came.
     ///
     /// It looks at the bodies that it wakes and the fields attached to them, and at all that sleep if one of them feels the
-    /// groups: then none of these is left that does, until the next step.
+    /// groups: then none of these is left that does, until somebody falls asleep.
     pub(super) fn wake_reached(&mut self, bodies: &[BodyId], force_groups: u32) {
         let mut woken = Vec::new();
         self.wake_islands(bodies.iter().copied(), &mut woken);

@@ -21,6 +21,7 @@ mod materials;
 mod momentum;
 mod one_way;
 mod pairs;
+mod put_to_sleep;
 mod queries;
 mod restored;
 mod rolling;

@@ -182,7 +182,7 @@ fn disturb(world: &mut World, random: &mut Random) {
     let may_be_chain = kind != BodyKind::Dynamic;
     let place = random_place(random);
     let colliders: Vec<_> = world.colliders_of(first).expect("it is there").collect();
-    _ = match random.below(24) {
+    _ = match random.below(25) {
         0..3 if kind != BodyKind::Dynamic => world.set_position(first, place),
         3 => world.wake(first),
         4 if first != second => {
@@ -221,6 +221,7 @@ fn disturb(world: &mut World, random: &mut Random) {
         21 if kind == BodyKind::Dynamic => world.set_velocity(first, vec2(random.number(fx!(-3)..=fx!(3)), 1)),
         22 if kind == BodyKind::Kinematic => world.move_to(first, place, fx!(0)),
         23 => world.release(first),
+        24 => world.sleep(first),
         _ => Ok(()),
     };
 }

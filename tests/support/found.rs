@@ -418,6 +418,7 @@ pub(crate) fn command(value: &Value) -> Command {
         "SetKey" => Command::SetKey { body: target(), key: value["key"].natural() },
         "SetUserData" => Command::SetUserData { body: target(), user_data: value["user_data"].natural() },
         "Wake" => Command::Wake(target()),
+        "Sleep" => Command::Sleep(target()),
         "Release" => Command::Release(target()),
         "AddField" => Command::AddField(field(&value["field"])),
         "SetField" => Command::SetField { id: field_id(&value["id"]), field: field(&value["field"]) },

@@ -6,8 +6,8 @@ use xxhash_rust::xxh3::xxh3_64;
 use crate::untrusted::everything::custom_forces;
 
 /// The formats of replays and of dumps.
-const REPLAY_FORMAT: u32 = 5;
-pub(crate) const DUMP_FORMAT: u32 = 6;
+const REPLAY_FORMAT: u32 = 6;
+pub(crate) const DUMP_FORMAT: u32 = 7;
 
 /// Start of a file of a kind.
 pub(crate) fn begin(magic: &[u8; 8]) -> Vec<u8> {

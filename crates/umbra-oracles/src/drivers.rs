@@ -8,7 +8,7 @@ use super::handles::all_made;
 use super::nears_sleeper;
 #[cfg(feature = "parallel")]
 use umbra_physics::Integrator;
-use umbra_physics::{Activity, Command, Created, Difference, Error, Fx, Owner, Stepper, World};
+use umbra_physics::{Activity, BodyId, Command, Created, Difference, Error, Fx, Owner, Stepper, World};
 
 /// A fault that a driver saw.
 pub(super) struct Seen {
@@ -130,11 +130,22 @@ impl Inspector for Undoing {
 pub(super) struct Detours {
     seen: Option<Seen>,
     has_stepped: bool,
+    /// The bodies that a command has put to sleep, and that sleep: they would not rest if they were awake.
+    put_to_sleep: Vec<BodyId>,
 }
 
 impl Stepper for Detours {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
-        world.execute(command)
+        let asleep = |world: &World| {
+            let bodies = world.bodies().filter(|body| body.activity() == Activity::Asleep);
+            bodies.map(|body| body.id()).collect::<Vec<_>>()
+        };
+        let before = if matches!(command, Command::Sleep(_)) { asleep(world) } else { Vec::new() };
+        let created = world.execute(command)?;
+        if matches!(command, Command::Sleep(_)) {
+            self.put_to_sleep.extend(asleep(world).into_iter().filter(|body| !before.contains(body)));
+        }
+        Ok(created)
     }
 
     fn step(&mut self, world: &mut World) {
@@ -144,13 +155,14 @@ impl Stepper for Detours {
         traced.step_traced();
         let mut awake = world.clone();
         // With contacts, bodies that are slow stop when they fall asleep.
+        self.put_to_sleep.retain(|&body| world.body(body).is_ok_and(|body| body.activity() == Activity::Asleep));
         let is_exact = world.collider_count() == 0 || world.def().contacts.sleep_speed == Fx::ZERO;
         let was_near = nears_sleeper(world);
         let is_awake = awake.set_sleep_after(None).is_ok() && is_exact;
         awake.step();
         world.step();
         // Only an awake body slows one that is pushed towards it, before they touch.
-        let is_awake = is_awake && !was_near && !nears_sleeper(world);
+        let is_awake = is_awake && self.put_to_sleep.is_empty() && !was_near && !nears_sleeper(world);
         let fault = unlike("a step that was traced", world, &traced)
             .or_else(|| moved_unlike("a step with all bodies awake", world, &awake).filter(|_| is_awake));
         self.seen = self.seen.take().or(fault);

@@ -115,7 +115,8 @@ pub enum Oracle {
     /// the world as it was.
     Reverse,
     /// A step that is traced, which takes all bodies stage by stage, leads to the same state, and a step with all bodies awake
-    /// moves them in the same way; the latter is checked of steps that no awake body begins or ends [near a sleeper](nears_sleeper).
+    /// moves them in the same way; the latter is checked of steps that no awake body begins or ends [near a sleeper](nears_sleeper), while no body
+    /// sleeps that a command has put to sleep.
     Paths,
     /// On two threads, with as many bystanders as make a step use them, the bodies move as on one: with the feature
     /// `parallel`, and unless all steps are of [`PublishedVerlet`](umbra_physics::Integrator::PublishedVerlet), which uses one

@@ -154,11 +154,13 @@ fn do_to_body(object: &Object<'_>, target: BodyId, tables: &Tables, push: &mut i
     object.or("set", (), |set| set_body(&set.object()?, target, push));
     exclude(object, target, tables, push);
     object.or("do", (), |node| {
-        let command = match node.choice(&[("remove", 0), ("release", 1), ("wake", 2), ("disable", 3), ("enable", 4)])? {
+        let choices = [("remove", 0), ("release", 1), ("wake", 2), ("sleep", 3), ("disable", 4), ("enable", 5)];
+        let command = match node.choice(&choices)? {
             0 => Command::RemoveBody(target),
             1 => Command::Release(target),
             2 => Command::Wake(target),
-            3 => Command::Disable(target),
+            3 => Command::Sleep(target),
+            4 => Command::Disable(target),
             _ => Command::Enable(target),
         };
         push(node, SceneAction::Command(command));

@@ -235,13 +235,14 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             // What these are refused for depends on the motion before.
             let depends = matches!(
                 action,
-                SceneAction::Command(Command::Release(_) | Command::MoveTo { .. } | Command::Explode(_))
-                    | SceneAction::Command(Command::Apply {
-                        action: ForceOrImpulse::Impulse { .. }
-                            | ForceOrImpulse::AngularImpulse(_)
-                            | ForceOrImpulse::Force { point: Some(_), .. },
-                        ..
-                    })
+                SceneAction::Command(
+                    Command::Release(_) | Command::Sleep(_) | Command::MoveTo { .. } | Command::Explode(_)
+                ) | SceneAction::Command(Command::Apply {
+                    action: ForceOrImpulse::Impulse { .. }
+                        | ForceOrImpulse::AngularImpulse(_)
+                        | ForceOrImpulse::Force { point: Some(_), .. },
+                    ..
+                })
             );
             if !depends {
                 if let Err(error) = self.carry_out(action, &mut ()) {
@@ -356,6 +357,9 @@ impl<'a, S: Scalar> SceneRun<'a, S> {
             Error::Disabled { body } => (body, "is disabled"),
             Error::NotDisabled { body } => (body, "is not disabled"),
             Error::NotKinematic { body } => (body, "is not kinematic"),
+            Error::KeptAwake { kinematic } => {
+                (kinematic, "moves, and touches the bodies that were to sleep or is joined to them: stop it first")
+            }
             Error::SameBody { body } => (body, "is named twice, where two bodies are needed"),
             error => return error.to_string(),
         };

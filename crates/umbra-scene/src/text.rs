@@ -225,6 +225,7 @@ impl Scene {
             Command::AddField(ref field) => object.put("add_field", self.field(Fields::default(), field)),
             Command::RemoveBody(body) => self.do_to_body(object, body, "remove"),
             Command::Wake(body) => self.do_to_body(object, body, "wake"),
+            Command::Sleep(body) => self.do_to_body(object, body, "sleep"),
             Command::Release(body) => self.do_to_body(object, body, "release"),
             Command::Disable(body) => self.do_to_body(object, body, "disable"),
             Command::Enable(body) => self.do_to_body(object, body, "enable"),

@@ -18,8 +18,8 @@ pub(in crate::replay) struct Kind {
     pub(in crate::replay) format: u32,
 }
 
-pub(in crate::replay) const REPLAY: Kind = Kind { magic: *b"UMBRAREP", format: 5 };
-pub(in crate::replay) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 6 };
+pub(in crate::replay) const REPLAY: Kind = Kind { magic: *b"UMBRAREP", format: 6 };
+pub(in crate::replay) const DUMP: Kind = Kind { magic: *b"UMBRADMP", format: 7 };
 
 impl Kind {
     /// Begins a file without chunks.

@@ -39,7 +39,8 @@ pub(in crate::replay) struct BeforeCalls {
     colliders: Option<(Arc<ColliderSet<Fx>>, ContactSet)>,
     /// The joints, if calls may have changed any.
     joints: Option<(Arc<JointSet<Fx>>, JointStates)>,
-    woken: Vec<BodyId>,
+    /// The bodies that calls had woken or put to sleep.
+    sleep_changes: Vec<BodyId>,
 }
 
 impl BeforeCalls {
@@ -54,7 +55,7 @@ impl BeforeCalls {
             fields: None,
             colliders: None,
             joints: None,
-            woken: world.change_log.woken(),
+            sleep_changes: world.change_log.sleep_changes(&world.bodies),
         };
         restless.iter().for_each(|body| before.keep_slot(world, body.slot));
         before
@@ -135,6 +136,12 @@ impl BeforeCalls {
             Command::Explode(explosion) => {
                 world.hit_by(explosion).into_iter().for_each(|body| self.keep_slot(world, body.slot));
             }
+            Command::Sleep(body) => {
+                for member in world.check_sleep(*body).into_iter().flatten() {
+                    self.keep_slot(world, member.slot);
+                }
+                self.keep_colliders(world);
+            }
             Command::ClearForces => {
                 world.applied.rows().iter().for_each(|row| self.keep_slot(world, row.body.slot));
             }
@@ -197,7 +204,7 @@ impl BeforeCalls {
             contacts: self.colliders.as_ref().map_or(now.contacts, |(_, contacts)| contacts),
             joints: self.joints.as_ref().map_or(now.joints, |(joints, _)| joints),
             joint_states: self.joints.as_ref().map_or(now.joint_states, |(_, states)| states),
-            woken: self.woken.clone(),
+            sleep_changes: self.sleep_changes.clone(),
             ..now
         };
         let mut bytes = Vec::new();

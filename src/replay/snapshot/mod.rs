@@ -36,7 +36,7 @@ pub(super) use write::{Saved, State};
 /// bytes. A kinematic body with a goal takes 26 more. A collider with a circle takes 124, or 148 if it is one-way.
 ///
 /// A restored world has the same hash, handles and future as the saved one, in another process or on another machine too.
-/// A world read from bytes reports nothing of the steps before; only the bodies that calls had woken are still reported.
+/// A world read from bytes reports nothing of the steps before; only the bodies that calls had woken or put to sleep are still reported.
 /// Restoring drops everything made after the snapshot: a handle from that abandoned future may later
 /// name another body.
 ///

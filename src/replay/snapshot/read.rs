@@ -96,9 +96,12 @@ pub(super) fn read_state(
     world.fields = Arc::new(read_fields(reader, &world)?);
     world.contacts = read_contacts(reader, &world)?;
     read_joints(reader, &mut world)?;
-    let woken = read_woken(reader)?;
-    woken.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
-    world.change_log.set_woken(woken);
+    let malformed = reader.malformed("bodies that are awake, then bodies that sleep");
+    let changed = read_sleep_changes(reader)?;
+    changed.iter().try_for_each(|&body| world.bodies.find(body).map(drop))?;
+    if !world.change_log.set_sleep_changes(&changed, &world.bodies) {
+        return Err(malformed.into());
+    }
     Ok(world)
 }
 
@@ -232,8 +235,8 @@ fn read_joints(reader: &mut Reader<'_>, world: &mut World) -> Result<(), Snapsho
     Ok(())
 }
 
-/// Reads the bodies that calls woke, in the order of the calls.
-fn read_woken(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
+/// Reads the bodies that calls woke, then the bodies that calls put to sleep, in the order of the calls.
+fn read_sleep_changes(reader: &mut Reader<'_>) -> Result<Vec<BodyId>, Malformed> {
     let mut once = BTreeSet::new();
     read_list(reader, 8, |reader| {
         let malformed = reader.malformed("a body that is not in the list before");

@@ -133,7 +133,7 @@ pub(super) struct StateView<'a, S: Scalar> {
     pub(super) contacts: &'a ContactSet,
     pub(super) joints: &'a JointSet<S>,
     pub(super) joint_states: &'a JointStates,
-    pub(super) woken: Vec<BodyId>,
+    pub(super) sleep_changes: Vec<BodyId>,
 }
 
 impl<'a, S: Scalar> StateView<'a, S> {
@@ -150,7 +150,7 @@ impl<'a, S: Scalar> StateView<'a, S> {
             contacts: &world.contacts,
             joints: &world.joints,
             joint_states: &world.joint_states,
-            woken: world.change_log.woken(),
+            sleep_changes: world.change_log.sleep_changes(&world.bodies),
         }
     }
 
@@ -246,7 +246,7 @@ impl<S: Scalar> Write for StateView<'_, S> {
         part(out, "joints", |out| self.write_joints(out));
         part(out, "free_joints", |out| codec::list(out, self.joints.free().iter()));
         codec::field(out, "pulled_at_tick", &self.joint_states.pulled_at);
-        part(out, "woken", |out| codec::list(out, self.woken.iter()));
+        part(out, "sleep_changes", |out| codec::list(out, self.sleep_changes.iter()));
     }
 }
 

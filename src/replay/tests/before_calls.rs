@@ -100,6 +100,7 @@ fn disturbing() -> Vec<Command> {
         let body = BodyId::from_parts(slot, 0);
         commands.extend([
             Command::Wake(body),
+            Command::Sleep(body),
             Command::Disable(body),
             Command::Enable(body),
             Command::SetVelocity { body, velocity: vec2(0, 1) },

@@ -150,13 +150,26 @@ fn a_body_is_woken_once_in_a_tick() {
     assert_eq!(Snapshot::from_bytes(&whole, &[]).expect("its own bytes").to_bytes(), whole);
     let mut first = Vec::new();
     bodies[0].write(&mut first);
-    let again = replaced(&whole, "woken[1]", 0, &first);
+    let again = replaced(&whole, "sleep_changes[1]", 0, &first);
     assert_eq!(expected(Snapshot::from_bytes(&again, &[])), "a body that is not in the list before");
+    // Bodies that are awake come first.
+    let mut half_asleep = world.clone();
+    half_asleep.sleep(bodies[0]).expect("it is awake");
+    half_asleep.set_velocity(bodies[1], vec2(1, 0)).expect("a body");
+    half_asleep.step();
+    half_asleep.wake(bodies[0]).expect("it sleeps");
+    half_asleep.sleep(bodies[1]).expect("it is awake");
+    let changed = half_asleep.snapshot().to_bytes();
+    assert_eq!(half_asleep.change_log.sleep_changes(&half_asleep.bodies), bodies);
+    let mut swapped = Vec::new();
+    bodies.iter().rev().for_each(|body| body.write(&mut swapped));
+    let swapped = replaced(&changed, "sleep_changes[0]", 8, &swapped);
+    assert_eq!(expected(Snapshot::from_bytes(&swapped, &[])), "bodies that are awake, then bodies that sleep");
     // A body is not listed twice either, where a step is undone in which it fell asleep.
     world.step();
     world.set_sleep_after(None).expect("never is a fair answer");
     world.step_back(&[]).expect("it has an inverse");
-    assert_eq!(world.change_log.woken(), bodies);
+    assert_eq!(world.change_log.sleep_changes(&world.bodies), bodies);
     let bytes = world.snapshot().to_bytes();
     assert_eq!(Snapshot::from_bytes(&bytes, &[]).expect("its own bytes").to_bytes(), bytes);
 }

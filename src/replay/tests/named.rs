@@ -141,7 +141,7 @@ fn a_forged_value_is_refused_or_its_run_parts_from_the_recorded_one() {
     // a body was at rest that moves in the next tick, and of the one that the next tick moves to a goal what is below the ulp
     // of its place, how fast it was, and whether it was to stop.
     for what in unfelt {
-        let labels = ["player", "sequence", "_every", "woken", "wake", "ticks_at_rest"];
+        let labels = ["player", "sequence", "_every", "sleep_changes", "wake", "ticks_at_rest"];
         let is_label = labels.iter().any(|label| what.contains(label));
         let of_the_moved = ["position", "velocity", "angular_velocity", "kinematic_target.arrived"];
         let is_moved = of_the_moved.iter().any(|part| what.starts_with(&format!("chunk 1, bodies[9].{part}")));
@@ -202,11 +202,11 @@ fn whom_calls_woke_is_in_a_snapshot() {
     assert_eq!(reread.step().woke, [body]);
     let file = Recorder::new(&world, RecordOptions::default()).finish(&world);
     let (chunk, start) = chunks(&file).remove(1);
-    let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name == "woken[0]").expect("it is there");
+    let (at, ..) = values(&chunk).into_iter().find(|(_, _, name, _)| name == "sleep_changes[0]").expect("it is there");
     let mut changed = file;
     changed[start + at] ^= 1;
     let Err(ReplayError::Tampered(difference)) = Replay::from_bytes(&changed, &[]) else { panic!("it was changed") };
-    assert_eq!((&difference.field[..], difference.left.as_deref()), ("woken[0]", Some("body 0")));
+    assert_eq!((&difference.field[..], difference.left.as_deref()), ("sleep_changes[0]", Some("body 0")));
 }
 
 #[test]

@@ -101,6 +101,7 @@ where
         Command::SetKey { body, key } => format!("key of {}: {key}", name_of(body)),
         Command::SetUserData { body, user_data } => format!("user data of {}: {user_data}", name_of(body)),
         Command::Wake(body) => format!("wake {}", name_of(body)),
+        Command::Sleep(body) => format!("put {} to sleep", name_of(body)),
         Command::Release(body) => format!("release {}", name_of(body)),
         Command::MoveTo { body, position, angle } => {
             format!("move {} to {} m, {} rad", name_of(body), vector(*position), short(*angle))

@@ -47,7 +47,7 @@ fn all_errors_of_a_text_are_reported_by_line() {
         "10: fields[0].spring.stifness: unknown field: did you mean `stiffness`? [E503]",
         "12: inputs[0].force[1]: expected a number, found a text [E502]",
         "12: inputs[0].torque: out of range: expected a number from -2^31 to below 2^31 [E713]",
-        "14: inputs[2].do: expected one of remove, release, wake, disable, enable, found \"jump\" [E502]",
+        "14: inputs[2].do: expected one of remove, release, wake, sleep, disable, enable, found \"jump\" [E502]",
         "16: plot.trials: unknown field: did you mean `trails`? [E503]",
     ];
     let actual = lines(text);
