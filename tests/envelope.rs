@@ -89,7 +89,16 @@ fn try_scalar(range: [Fx; 2], quantity: Quantity, command: impl Fn(Fx, BodyId, F
     }
     let bad = [range[0].checked_sub(ULP), range[1].checked_add(ULP), Some(Fx::MIN)];
     for bad in bad.into_iter().flatten() {
-        expect(&mut world, &command(bad, body, field), out_of(quantity));
+        expect(&mut world, &command(bad, body, field), out_of(with_value(quantity, bad)));
+    }
+}
+
+/// The quantity with the value that was refused, if it has one.
+fn with_value(quantity: Quantity, value: Fx) -> Quantity {
+    match quantity {
+        Quantity::Mass { .. } => Quantity::Mass { value },
+        Quantity::Inertia { .. } => Quantity::Inertia { value },
+        quantity => quantity,
     }
 }
 
@@ -158,13 +167,16 @@ fn each_bound_of_a_number_is_accepted_and_one_ulp_past_it_refused() {
     try_scalar(turning, Quantity::AngularVelocity, |velocity, body, _| Command::SetAngularVelocity { body, velocity });
     try_scalar(turning, Quantity::AngularVelocity, |spin, _, _| body(|def| def.angular_velocity = spin));
     let masses = [MASS_MIN, MASS_MAX];
-    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass { body, mass: Mass::Kilograms(mass) });
-    try_scalar(masses, Quantity::Mass, |mass, body, _| Command::SetMass {
+    try_scalar(masses, Quantity::Mass { value: ULP }, |mass, body, _| Command::SetMass {
+        body,
+        mass: Mass::Kilograms(mass),
+    });
+    try_scalar(masses, Quantity::Mass { value: ULP }, |mass, body, _| Command::SetMass {
         body,
         mass: Mass::Explicit { mass, inertia: ULP },
     });
-    try_scalar(masses, Quantity::Mass, |mass, _, _| body(|def| def.mass = Mass::Kilograms(mass)));
-    try_scalar([ULP, Fx::MAX], Quantity::Inertia, |inertia, body, _| Command::SetMass {
+    try_scalar(masses, Quantity::Mass { value: ULP }, |mass, _, _| body(|def| def.mass = Mass::Kilograms(mass)));
+    try_scalar([ULP, Fx::MAX], Quantity::Inertia { value: ULP }, |inertia, body, _| Command::SetMass {
         body,
         mass: Mass::Explicit { mass: MASS_MIN, inertia },
     });
@@ -434,7 +446,7 @@ fn colliders_and_contacts_have_their_bounds() {
         is(out_of(Quantity::ColliderPosition), &|def| def.position = bad);
     }
     is(Ok(()), &|def| (def.angle, def.density) = (Fx::MIN, Fx::MAX));
-    is(out_of(Quantity::ColliderDensity), &|def| def.density = -ULP);
+    is(out_of(Quantity::ColliderDensity { value: -ULP }), &|def| def.density = -ULP);
     // Any filter is one, also if it meets nothing.
     for (category, mask, group) in [(0, 1, 0), (1, 0, 0), (0, 0, -1), (0, u32::MAX, i32::MIN), (0, 0, 1)] {
         is(Ok(()), &|def| def.filter = Filter { category, mask, group });
@@ -445,8 +457,8 @@ fn colliders_and_contacts_have_their_bounds() {
     // A mass that the body cannot have: 4,096 kg/m² of 2^24 m², and none at all.
     let square = Shape::rectangle(SIZE_MAX, SIZE_MAX).expect("a square");
     let from = |density| BodyDef::dynamic().with_collider(ColliderDef { density, ..ColliderDef::new(square.clone()) });
-    for density in [fx!(4096), Fx::ZERO] {
-        expect(&mut world, &Command::AddBody(from(density)), out_of(Quantity::Mass));
+    for (density, value) in [(fx!(4096), Fx::MAX), (Fx::ZERO, Fx::ZERO)] {
+        expect(&mut world, &Command::AddBody(from(density)), out_of(Quantity::Mass { value }));
     }
     expect(&mut world, &Command::AddBody(from(Fx::ONE)), Ok(()));
 
@@ -553,7 +565,10 @@ fn sizes_of_shapes_have_their_bounds() {
     assert_eq!(size(Shape::compound(&[])), out_of(Quantity::Count));
     let compound = Shape::compound(std::slice::from_ref(&part)).unwrap();
     assert_eq!(size(Shape::compound(&[Part { shape: compound, ..part.clone() }])), out_of(Quantity::Count));
-    assert_eq!(size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])), out_of(Quantity::Density));
+    assert_eq!(
+        size(Shape::compound(&[Part { density: Fx::ZERO, ..part.clone() }])),
+        out_of(Quantity::Density { value: Fx::ZERO })
+    );
     assert_eq!(
         size(Shape::compound(&[Part { position: vec2(0, long), ..part }])),
         refused(Dimension::Coordinate(0), long)

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use umbra_physics::{
     BodyDef, BodyId, Cause, Command, Error, Fault, Inputs, Irreversible, Quantity, RecordOptions, Recorder, Replay,
-    ReplayError, ReplayLimits, Snapshot, SnapshotError, World, WorldDef,
+    ReplayError, ReplayLimits, Snapshot, SnapshotError, World, WorldDef, fx,
 };
 
 /// Numbers that were given, and are no more.
@@ -320,9 +320,9 @@ fn the_document_has_each() {
 #[test]
 fn an_error_that_wraps_another_has_it_as_its_source() {
     let sourced = |error: &dyn std::error::Error| error.source().map(ToString::to_string);
-    let mass = Error::OutOfRange { quantity: Quantity::Mass };
-    assert_eq!((mass.code(), sourced(&mass)), (101, Some(Quantity::Mass.to_string())));
-    assert_eq!(Quantity::Mass.code(), 155);
+    let mass = Error::OutOfRange { quantity: Quantity::Mass { value: fx!(-1) } };
+    assert_eq!((mass.code(), sourced(&mass)), (101, Some("a mass from 2^-16 to 2^24 kg, not -1".to_owned())));
+    assert_eq!(Quantity::Mass { value: fx!(-1) }.code(), 155);
     let locked = Error::Locked { quantity: Quantity::Velocity };
     assert_eq!((locked.code(), sourced(&locked)), (121, None));
     let body = BodyId::from_parts(3, 0);

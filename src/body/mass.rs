@@ -91,7 +91,7 @@ impl<S: Scalar> Mass<S> {
         match self {
             Self::Kilograms(mass) | Self::Explicit { mass, inertia: _ } => Ok(mass),
             Self::FromColliders if colliders.is_none() => Ok(S::ONE),
-            Self::FromColliders => colliders.mass.to_scalar().ok_or(Error::OutOfRange { quantity: Quantity::Mass }),
+            Self::FromColliders => colliders.mass.to_scalar().ok_or(refused(Fx::MAX)),
         }
     }
 
@@ -117,16 +117,23 @@ impl<S: Scalar> Mass<S> {
         if kind != BodyKind::Dynamic {
             return Ok(MassProperties::new(zero, zero, locks));
         }
-        if matches!(self, Self::Explicit { mass: _, inertia } if !(inertia > S::ZERO && inertia.is_finite())) {
-            return Err(Error::OutOfRange { quantity: Quantity::Inertia });
+        if let Self::Explicit { mass: _, inertia } = self {
+            if !(inertia > S::ZERO && inertia.is_finite()) {
+                return Err(Error::OutOfRange { quantity: Quantity::Inertia { value: inertia.to_fx() } });
+            }
         }
         let kilograms = self.kilograms(colliders)?;
         if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-            return Err(Error::OutOfRange { quantity: Quantity::Mass });
+            return Err(refused(kilograms.to_fx()));
         }
         let inverse_mass = inverse::<S>(S::Factor::from_scalar(kilograms));
         Ok(MassProperties::new(inverse_mass, inverse::<S>(self.inertia(colliders, kilograms)), locks))
     }
+}
+
+/// The refusal of a mass.
+fn refused(value: Fx) -> Error {
+    Error::OutOfRange { quantity: Quantity::Mass { value } }
 }
 
 /// 1/I of a body without its locks; zero unless it is dynamic.

@@ -128,7 +128,7 @@ impl<S: Scalar> Character<S> {
         let sole = self.shape.outlines().iter().map(lowest).min().unwrap_or_default();
         let radius = self.shape.outlines().iter().map(|outline| outline.radius().to_fx()).max().unwrap_or_default();
         let edge = times([0, Fx::ONE.to_bits() - self.max_slope.to_fx().sin().to_bits()], (radius + skin).to_bits())[1];
-        within(self.push_mass, Fx::ZERO, limits::MASS_MAX, Quantity::Mass)?;
+        within(self.push_mass, Fx::ZERO, limits::MASS_MAX, Quantity::Mass { value: self.push_mass.to_fx() })?;
         Ok(Terms {
             up,
             sole,

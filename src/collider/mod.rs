@@ -170,7 +170,10 @@ impl<S: Scalar> ColliderDef<S> {
         let check = |ok: bool, quantity| if ok { Ok(()) } else { Err(Error::OutOfRange { quantity }) };
         check(self.position.is_within(S::from_fx(limits::SIZE_MAX)), Quantity::ColliderPosition)?;
         check(self.angle.is_finite(), Quantity::Angle)?;
-        check(self.density >= S::ZERO && self.density.is_finite(), Quantity::ColliderDensity)?;
+        check(
+            self.density >= S::ZERO && self.density.is_finite(),
+            Quantity::ColliderDensity { value: self.density.to_fx() },
+        )?;
         self.material.check()?;
         self.one_way.map_or(Ok(()), |one_way| one_way.check())
     }

@@ -23,11 +23,20 @@ pub enum Quantity {
     /// An angular velocity, or the one that a call would lead to.
     AngularVelocity,
     /// A mass.
-    Mass,
+    Mass {
+        /// The mass, kg: of colliders, and in a world of floats, the nearest `Fx`.
+        value: Fx,
+    },
     /// A moment of inertia.
-    Inertia,
-    /// A density.
-    Density,
+    Inertia {
+        /// The moment of inertia, kg·m²: in a world of floats the nearest `Fx`.
+        value: Fx,
+    },
+    /// The density of a part of a compound.
+    Density {
+        /// The density, kg/m²: of a shape of floats the nearest `Fx`.
+        value: Fx,
+    },
     /// A size or a coordinate of a shape.
     Size {
         /// Which of the shape's sizes.
@@ -73,8 +82,11 @@ pub enum Quantity {
     MaxAngularSpeed,
     /// The position of a collider on its body.
     ColliderPosition,
-    /// The density of a collider.
-    ColliderDensity,
+    /// The density of a collider or of a fluid.
+    ColliderDensity {
+        /// The density, kg/m²: in a world of floats the nearest `Fx`.
+        value: Fx,
+    },
     /// A coefficient of friction.
     Friction,
     /// A coefficient of restitution.
@@ -187,9 +199,9 @@ impl Quantity {
             Self::Angle => "an angle that is a number",
             Self::Velocity => "a velocity within ±2^20 m/s a component",
             Self::AngularVelocity => "an angular velocity within ±2^20 rad/s",
-            Self::Mass => "a mass from 2^-16 to 2^24 kg",
-            Self::Inertia => "a moment of inertia above zero",
-            Self::Density => "a density above zero",
+            Self::Mass { .. } => "a mass from 2^-16 to 2^24 kg",
+            Self::Inertia { .. } => "a moment of inertia above zero",
+            Self::Density { .. } => "a density above zero",
             Self::Size { dimension, .. } => dimension.range(),
             Self::Count => {
                 "3 to 64 corners, also of a hull, up to 1,024 of a concave polygon, 2 to 65,536 points of a chain (at least 3 if it is closed), or 1 to 256 parts, none of them a compound or a chain"
@@ -212,7 +224,7 @@ impl Quantity {
             Self::MaxSpeed => "a largest speed from 0 to 2^20 m/s",
             Self::MaxAngularSpeed => "a largest angular speed from 0 to 2^20 rad/s",
             Self::ColliderPosition => "a position of a collider within ±2^12 m of its body's centre of mass",
-            Self::ColliderDensity => "a density of at least zero",
+            Self::ColliderDensity { .. } => "a density of at least zero",
             Self::Friction => "a coefficient of friction from 0 to 32",
             Self::Restitution => "a coefficient of restitution from 0 to 1",
             Self::Substeps => "a number of sub-steps from 1 to 16",
@@ -315,11 +327,17 @@ impl core::error::Error for Quantity {}
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.range())?;
-        let Self::Size { dimension, value } = self else { return Ok(()) };
-        match dimension {
-            Dimension::Edge(number) => write!(f, ", not {value} (edge {number})"),
-            Dimension::Coordinate(number) => write!(f, ", not {value} (point {number})"),
-            _ => write!(f, ", not {value}"),
+        match self {
+            Self::Size { dimension: Dimension::Edge(number), value } => write!(f, ", not {value} (edge {number})"),
+            Self::Size { dimension: Dimension::Coordinate(number), value } => {
+                write!(f, ", not {value} (point {number})")
+            }
+            Self::Size { value, .. }
+            | Self::Mass { value }
+            | Self::Inertia { value }
+            | Self::Density { value }
+            | Self::ColliderDensity { value } => write!(f, ", not {value}"),
+            _ => Ok(()),
         }
     }
 }

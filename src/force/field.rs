@@ -422,7 +422,7 @@ impl<S: Scalar> ForceField<S> {
             FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag, flow } => {
                 let is_box = min.x <= max.x && min.y <= max.y;
                 check(is_box && within(*min, limits::POSITION) && within(*max, limits::POSITION), Quantity::FluidBox)?;
-                check(not_negative(*density), Quantity::ColliderDensity)?;
+                check(not_negative(*density), Quantity::ColliderDensity { value: density.to_fx() })?;
                 check(not_negative(*linear_drag) && not_negative(*angular_drag), Quantity::Drag)?;
                 check_velocity(*flow)
             }

@@ -339,7 +339,7 @@ pub(super) fn changing_colliders(trial: &mut Trial) -> Played {
     happened("colliders came and went", added.len() > 40)?;
     let before = world.state_hash();
     let def = ColliderDef { density: fx!(-1), ..ColliderDef::new(shape(0)?) };
-    let why = Error::OutOfRange { quantity: Quantity::ColliderDensity };
+    let why = Error::OutOfRange { quantity: Quantity::ColliderDensity { value: fx!(-1) } };
     refused("a density below zero", world.add_collider(ids[1], def), why)?;
     same("a world that refused", &world.state_hash(), &before)
 }

@@ -243,6 +243,7 @@ mod tests {
     use super::trial::{happened, near, refused, same, there};
     use super::*;
     use crate::error::{Error, Quantity};
+    use crate::fx::Fx;
 
     fn failing(play: fn(&mut Trial) -> Played) -> Problem {
         let scene = Scene { name: "none", about: "", play };
@@ -262,7 +263,7 @@ mod tests {
         assert_eq!(failing(|_| near("way", -3, 1, 3)), wrong);
         assert_eq!(near("way", -3, 1, 4), Ok(()));
         // Another reason is not the reason; neither is none.
-        let refusal = || Err::<(), _>(Error::OutOfRange { quantity: Quantity::Mass });
+        let refusal = || Err::<(), _>(Error::OutOfRange { quantity: Quantity::Mass { value: Fx::ZERO } });
         assert_eq!(failing(|_| refused("a call", Ok(()), Error::Full)), Problem::DidNotHappen { what: "a call" });
         assert!(
             refused("a call", refusal(), Error::Full).is_err()

@@ -280,7 +280,7 @@ impl<S: Scalar> Shape<S> {
                 return Err(Error::OutOfRange { quantity: Quantity::Angle });
             }
             if !(part.density > S::ZERO && part.density.is_finite()) {
-                return Err(Error::OutOfRange { quantity: Quantity::Density });
+                return Err(Error::OutOfRange { quantity: Quantity::Density { value: part.density.to_fx() } });
             }
         }
         let weights: Vec<S::Factor> =

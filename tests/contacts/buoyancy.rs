@@ -404,7 +404,7 @@ fn a_fluid_out_of_range_is_refused() {
         (FieldKind::Buoyancy { min, max: vec2(far, 0), density, linear_drag, angular_drag, flow }, Quantity::FluidBox),
         (
             FieldKind::Buoyancy { min, max, density: fx!(-1), linear_drag, angular_drag, flow },
-            Quantity::ColliderDensity,
+            Quantity::ColliderDensity { value: fx!(-1) },
         ),
         (FieldKind::Buoyancy { min, max, density, linear_drag: fx!(-1), angular_drag, flow }, Quantity::Drag),
         (FieldKind::Buoyancy { min, max, density, linear_drag, angular_drag: fx!(-1), flow }, Quantity::Drag),

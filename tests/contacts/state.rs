@@ -230,7 +230,7 @@ fn invalid_definitions_are_refused_and_the_world_unchanged() {
         (ColliderDef { material: material(fx!(33), fx!(0)), ..good.clone() }, out_of_range(Quantity::Friction)),
         (ColliderDef { material: material(fx!(1), fx!(1.5)), ..good.clone() }, out_of_range(Quantity::Restitution)),
         (ColliderDef { material: material(fx!(1), fx!(-0.5)), ..good.clone() }, out_of_range(Quantity::Restitution)),
-        (ColliderDef { density: fx!(-1), ..good.clone() }, out_of_range(Quantity::ColliderDensity)),
+        (ColliderDef { density: fx!(-1), ..good.clone() }, out_of_range(Quantity::ColliderDensity { value: fx!(-1) })),
         (ColliderDef { position: vec2(5_000, 0), ..good.clone() }, out_of_range(Quantity::ColliderPosition)),
     ];
     let (before, contacts) = (world.state_hash(), (world.collider_count(), world.contacts().count()));

@@ -133,7 +133,7 @@ fn blame(object: &Object<'_>, error: Error) -> Refused {
         Error::OutOfRange { quantity } => match quantity {
             Quantity::ColliderPosition => &["position"],
             Quantity::Angle => &["angle"],
-            Quantity::ColliderDensity => &["density"],
+            Quantity::ColliderDensity { .. } => &["density"],
             Quantity::Friction => &["friction"],
             Quantity::Restitution => &["restitution"],
             Quantity::RollingResistance => &["rolling_resistance"],

@@ -222,7 +222,8 @@ fn zone(object: &Object<'_>) -> Result<FieldKind> {
 
 fn buoyancy(object: &Object<'_>) -> Result<FieldKind> {
     let corners = object.need("box", |node| corners(&node.object()?));
-    let density = object.need("density", |node| not_negative(node, Quantity::ColliderDensity));
+    let density =
+        object.need("density", |node| not_negative(node, Quantity::ColliderDensity { value: node.number()? }));
     let drag = |node: &Node<'_>| not_negative(node, Quantity::Drag);
     let linear_drag = object.or("linear_drag", Fx::ZERO, drag);
     let angular_drag = object.or("angular_drag", Fx::ZERO, drag);

@@ -259,7 +259,9 @@ fn part(node: &Node<'_>) -> Result<PartDef> {
     object.finish()?;
     let part = PartDef { shape: shape?, position, angle, density };
     if part.density <= Fx::ZERO {
-        return Err(object.at(&["density"]).fault(Error::OutOfRange { quantity: Quantity::Density }));
+        return Err(object
+            .at(&["density"])
+            .fault(Error::OutOfRange { quantity: Quantity::Density { value: part.density } }));
     }
     Ok(part)
 }

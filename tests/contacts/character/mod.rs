@@ -172,7 +172,7 @@ fn settings_and_translations_out_of_range_are_refused() {
         (Character { step_height: fx!(17), ..hero() }, Quantity::CharacterStep),
         (Character { step_width: fx!(-1), ..hero() }, Quantity::CharacterStep),
         (Character { snap: fx!(17), ..hero() }, Quantity::CharacterStep),
-        (Character { push_mass: fx!(-1), ..hero() }, Quantity::Mass),
+        (Character { push_mass: fx!(-1), ..hero() }, Quantity::Mass { value: fx!(-1) }),
     ];
     for (hero, quantity) in cases {
         assert_eq!(refused(&hero, vec2(0, 0)), Err(quantity));

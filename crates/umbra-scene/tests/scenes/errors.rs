@@ -97,7 +97,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
         "3: bodies[0].colliders[0]: the field `shape` is missing [E505]",
         "4: bodies[0].colliders[1].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
         "5: bodies[0].colliders[2].position: out of range: expected a position of a collider within ±2^12 m of its body's centre of mass [E101]",
-        "6: bodies[0].colliders[3].density: out of range: expected a density of at least zero [E101]",
+        "6: bodies[0].colliders[3].density: out of range: expected a density of at least zero, not -1 [E101]",
         "7: bodies[0].colliders[4].friction: out of range: expected a coefficient of friction from 0 to 32 [E101]",
         "8: bodies[0].colliders[5].restitution: out of range: expected a coefficient of restitution from 0 to 1 [E101]",
         "9: bodies[0].colliders[6].mask[0]: out of range: expected a category from 0 to 31 [E508]",
@@ -109,7 +109,7 @@ fn every_mistake_in_a_collider_is_told_at_its_field() {
     assert_eq!(actual[..expected.len()], expected, "{actual:#?}");
     let rest = [
         "14: bodies[1].colliders[1].name: there is a collider \"c\" already: choose another name [E506]",
-        "15: bodies[2].colliders: out of range: expected a mass from 2^-16 to 2^24 kg [E101]",
+        "15: bodies[2].colliders: out of range: expected a mass from 2^-16 to 2^24 kg, not 0 [E101]",
     ];
     assert_eq!(actual[expected.len()..expected.len() + 2], rest, "{actual:#?}");
     assert!(
@@ -145,7 +145,7 @@ fn every_mistake_in_a_fluid_is_told_at_its_field() {
         "2: fields[0].buoyancy.box: the field `max` is missing [E505]",
         "2: fields[0].buoyancy.box: out of range: expected a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one [E101]",
         "2: fields[0].buoyancy.box: out of range: expected a box of a fluid within ±2^30 m whose least corner is not beyond the greatest one [E101]",
-        "2: fields[0].buoyancy.density: out of range: expected a density of at least zero [E101]",
+        "2: fields[0].buoyancy.density: out of range: expected a density of at least zero, not -1 [E101]",
         "2: fields[0].buoyancy.linear_drag: out of range: expected a coefficient of at least zero [E101]",
         "2: fields[0].buoyancy.angular_drag: expected a number, found a text [E502]",
         "2: fields[0].buoyancy.flow: out of range: expected a velocity within ±2^20 m/s a component [E101]",

@@ -225,7 +225,7 @@ fn every_mistake_in_the_ends_of_a_joint_is_told_at_its_field() {
   {"from": 1, "to": 2, "add_joint": {"ends": ["a", [0, 0]], "weld": {}}}]}"#;
     let told = lines(text);
     let expected = [
-        "1: bodies[1].mass: out of range: expected a mass from 2^-16 to 2^24 kg [E101]",
+        "1: bodies[1].mass: out of range: expected a mass from 2^-16 to 2^24 kg, not 0 [E101]",
         "3: joints[0].bodies[1]: there is no body \"c\" [E507]",
         "4: joints[1].bodies: both ends of the joint are on the same body [E112]",
         "5: joints[2].point: out of range: expected a point of a joint within ±2^12 m of its body's centre of mass, a component [E101]",
