@@ -14,7 +14,7 @@ use umbra_physics::{
 const RETIRED: [(u16, &str); 3] = [(106, "Error::NoShape"), (149, "Error::FloatJoint"), (180, "Quantity::Filter")];
 
 /// Every number that is given, and to what. Lines are added, none is changed; one that is taken out goes to [`RETIRED`].
-const GIVEN: [(u16, &str); 177] = [
+const GIVEN: [(u16, &str); 178] = [
     (101, "Error::OutOfRange"),
     (102, "Error::NoSuchBody"),
     (103, "Error::NoSuchField"),
@@ -186,6 +186,7 @@ const GIVEN: [(u16, &str); 177] = [
     (806, "size"),
     (807, "start"),
     (808, "job"),
+    (809, "name"),
     (901, "UMBRA_ERROR_NULL_POINTER"),
     (902, "UMBRA_ERROR_BAD_ARGUMENT"),
     (903, "UMBRA_ERROR_BUFFER_TOO_SMALL"),

@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use umbra_physics::ReplayError;
+use umbra_physics::{ReplayError, SnapshotError};
 use umbra_scene::SceneErrors;
 
 use crate::load::Kind;
@@ -31,6 +31,8 @@ pub enum Failure {
     Scene { file: PathBuf, errors: SceneErrors },
     /// A file is no replay that can be played.
     Replay { file: PathBuf, error: ReplayError },
+    /// A file is no snapshot that can be read.
+    Snapshot { file: PathBuf, error: SnapshotError },
     /// A file cannot be read or written.
     File { file: PathBuf, doing: &'static str, error: io::Error },
     /// An option does not go with the scene.
@@ -41,6 +43,8 @@ pub enum Failure {
     Foreign { file: PathBuf, expected: &'static str, kind: Option<Kind> },
     /// An output would go over an input or another output, which `with` says.
     Clash { file: PathBuf, with: &'static str },
+    /// The name of an output ends as those of another format do.
+    Format { file: PathBuf, objection: String },
     /// The arguments are wrong.
     Usage { what: String },
     /// A check failed.
@@ -61,10 +65,12 @@ impl Failure {
     pub(crate) const fn code(&self) -> Option<u16> {
         Some(match self {
             Self::Replay { error, .. } => error.code(),
+            Self::Snapshot { error, .. } => error.code(),
             Self::File { .. } => UNREADABLE,
             Self::Option { .. } => 802,
             Self::Foreign { .. } => 804,
             Self::Clash { .. } => 805,
+            Self::Format { .. } => 809,
             Self::Scene { .. } | Self::Usage { .. } | Self::Verify { .. } | Self::Check { .. } => return None,
         })
     }
@@ -76,10 +82,12 @@ impl Failure {
             Self::Verify { status, .. } => *status,
             Self::Scene { .. }
             | Self::Replay { .. }
+            | Self::Snapshot { .. }
             | Self::File { .. }
             | Self::Option { .. }
             | Self::Foreign { .. }
             | Self::Clash { .. }
+            | Self::Format { .. }
             | Self::Usage { .. } => 2,
         }
     }
@@ -117,13 +125,18 @@ impl Failure {
                 f.write_str(&lines.join("\n"))
             }
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
+            Self::Snapshot { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),
             Self::Option { what } | Self::Usage { what } | Self::Check { what } => f.write_str(what),
-            Self::Verify { bad, files, .. } => write!(f, "{bad} of {files} files are not verified"),
+            Self::Verify { bad, files, .. } => {
+                let (noun, verb) = (["file", "files"][usize::from(*files != 1)], ["is", "are"][usize::from(*bad != 1)]);
+                write!(f, "{bad} of {files} {noun} {verb} not verified")
+            }
             Self::Foreign { file, expected, kind } => {
                 write!(f, "{}: expected {expected}", text::path(file))?;
                 kind.map_or(Ok(()), |kind| write!(f, ", found {}", kind.advice(&text::argument(file))))
             }
+            Self::Format { file, objection } => write!(f, "{}: cannot write: {objection}", text::path(file)),
             Self::Clash { file, with } => {
                 write!(f, "{}: cannot write: this is {with}; choose another path", text::path(file))
             }

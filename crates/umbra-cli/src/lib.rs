@@ -11,6 +11,8 @@ mod csv;
 mod diff;
 pub mod failure;
 mod finding;
+pub mod format;
+mod jumps;
 pub mod load;
 mod manual;
 mod open;

@@ -4,10 +4,11 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::Path;
 
-use umbra_physics::{Dump, Replay};
+use umbra_physics::{Dump, Replay, Snapshot, World};
 use umbra_scene::Scene;
 
 use crate::failure::Failure;
+use crate::scenes;
 
 /// The name of the standard input, and of the standard output. A file of this name is `./-`.
 const DASH: &str = "-";
@@ -23,11 +24,16 @@ pub enum Kind {
     Dump,
     /// A snapshot of a world.
     Snapshot,
+    /// A file without bytes.
+    Empty,
 }
 
 impl Kind {
     /// The kind of file that these bytes are; None if they are of no kind of ours.
     pub(crate) fn of(bytes: &[u8]) -> Option<Self> {
+        if bytes.is_empty() {
+            return Some(Self::Empty);
+        }
         // No JSON begins with the marks of the others.
         let marks = [(&b"UMBRAREP"[..], Self::Replay), (b"UMBRADMP", Self::Dump), (b"UMBRASNP", Self::Snapshot)];
         let marked = marks.into_iter().find(|(mark, _)| bytes.starts_with(mark)).map(|(_, kind)| kind);
@@ -43,7 +49,11 @@ impl Kind {
                  `umbra diff {file} OTHER` compares it with another one"
             ),
             Self::Dump => format!("a desync dump: `umbra diff {file} OTHER` compares it with the one of another peer"),
-            Self::Snapshot => "a snapshot of a world, which `Snapshot::from_bytes` of the library reads".to_owned(),
+            Self::Snapshot => format!(
+                "a snapshot of a world: `umbra verify --start {file} REPLAY` checks that a replay begins with it, and \
+                 `Snapshot::from_bytes` of the library reads it"
+            ),
+            Self::Empty => "an empty file".to_owned(),
         }
     }
 }
@@ -73,11 +83,41 @@ pub(crate) fn bytes(file: &Path) -> Result<Vec<u8>, Failure> {
 
 /// The scene or replay in a file.
 pub(crate) fn run(file: &Path) -> Result<Run, Failure> {
-    let bytes = bytes(file)?;
+    let bytes = scene_bytes(file)?;
     match Kind::of(&bytes) {
         Some(Kind::Replay) => replay(&bytes, file).map(|replay| Run::Replay(Box::new(replay))),
         _ => parse(bytes, file, "a scene or a replay").map(|scene| Run::Scene(Box::new(scene))),
     }
+}
+
+/// The world that a scene or a replay begins with, or that a snapshot is of.
+pub(crate) fn start(file: &Path) -> Result<World, Failure> {
+    let bytes = scene_bytes(file)?;
+    match Kind::of(&bytes) {
+        Some(Kind::Replay) => Ok(replay(&bytes, file)?.start().clone()),
+        Some(Kind::Snapshot) => {
+            let snapshot = Snapshot::from_bytes(&bytes, &[]);
+            Ok(snapshot.map_err(|error| Failure::Snapshot { file: file.into(), error })?.into_world())
+        }
+        _ => {
+            let scene = parse(bytes, file, "a scene, a replay or a snapshot")?;
+            Ok(scene.start().map_err(Failure::scene(file))?.into_world())
+        }
+    }
+}
+
+/// The bytes of a file that may be a scene. One that is not there may have the name of a scene that comes with the program.
+fn scene_bytes(file: &Path) -> Result<Vec<u8>, Failure> {
+    let name = file.file_stem().and_then(|stem| stem.to_str()).filter(|name| scenes::has(name));
+    bytes(file).map_err(|failure| match (failure, name) {
+        (Failure::File { file, doing, error }, Some(name)) if error.kind() == io::ErrorKind::NotFound => {
+            let what = format!(
+                "{error}; `umbra scenes {name} --out {name}.json` writes the scene of this name that comes with the program"
+            );
+            Failure::File { file, doing, error: io::Error::new(io::ErrorKind::NotFound, what) }
+        }
+        (failure, _) => failure,
+    })
 }
 
 /// Reads the part that is whole of the replay in these bytes of a file.
@@ -92,7 +132,7 @@ pub(crate) fn dump(bytes: &[u8], file: &Path) -> Result<Dump, Failure> {
 
 /// The scene in a file.
 pub fn scene(file: &Path) -> Result<Scene, Failure> {
-    parse(bytes(file)?, file, "a scene")
+    parse(scene_bytes(file)?, file, "a scene")
 }
 
 fn parse(bytes: Vec<u8>, file: &Path, expected: &'static str) -> Result<Scene, Failure> {

@@ -8,6 +8,7 @@ use same_file::Handle;
 use tempfile::NamedTempFile;
 
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::load;
 use crate::text;
 use umbra_selftest::Stream;
@@ -43,22 +44,26 @@ impl<'a> Destinations<'a> {
         Ok(all)
     }
 
-    /// Adds a destination. It can be written to, and is neither an input nor one of those before.
-    pub fn add(&mut self, file: &Path) -> Result<Destination, Failure> {
+    /// Adds a destination. It can be written to, is neither an input nor one of those before, and no file whose name is of another
+    /// format.
+    pub fn add(&mut self, file: &Path, format: Format) -> Result<Destination, Failure> {
         let opened = Target::find(file);
         let file = if load::is_dash(file) { Path::new(text::STDOUT) } else { file };
         let failed = Failure::file(file, "write");
         let (target, identity) = opened.map_err(&failed)?;
         self.take(file, identity)?;
         if let Target::File { path, .. } = &target {
+            if let Some(objection) = format.objection(file) {
+                return Err(Failure::Format { file: file.into(), objection });
+            }
             // Whether the folder takes a file shows when one is made. This one goes at once.
             part(path).map_err(failed)?;
         }
         Ok(Destination { file: file.into(), target })
     }
 
-    pub fn add_any(&mut self, file: Option<&PathBuf>) -> Result<Option<Destination>, Failure> {
-        file.map(|file| self.add(file)).transpose()
+    pub fn add_any(&mut self, file: Option<&PathBuf>, format: Format) -> Result<Option<Destination>, Failure> {
+        file.map(|file| self.add(file, format)).transpose()
     }
 
     fn take(&mut self, file: &Path, identity: Identity) -> Result<(), Failure> {

@@ -6,6 +6,8 @@ use std::time::Duration;
 use serde::Serialize;
 use umbra_physics::{Scalar, Timers, World};
 
+use crate::text::counted;
+
 /// A part of a step.
 #[derive(Clone, Debug, Serialize)]
 struct Part {
@@ -58,7 +60,7 @@ impl Profile {
 impl fmt::Display for Profile {
     /// Parts and counts that are zero are left out.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "\n  part of a step           µs   share   ({} steps)", self.steps)?;
+        writeln!(f, "\n  part of a step           µs   share   ({})", counted(self.steps, ["step", "steps"]))?;
         for Part { name, us_per_step, share } in self.parts.iter().filter(|part| part.us_per_step > 0.0) {
             writeln!(f, "  {name:<17} {us_per_step:>10.2} {:>6.1} %", share * 100.0)?;
         }

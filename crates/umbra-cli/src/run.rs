@@ -9,6 +9,7 @@ use umbra_physics::{Fx, Integrator, RecordOptions, Scalar, Stepper, WorldDef};
 use umbra_scene::{Scene, SceneRun};
 
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::load;
 use crate::open;
 use crate::output::{Destination, Destinations};
@@ -90,7 +91,10 @@ struct Outputs {
 impl Outputs {
     fn of(options: &Options) -> Result<Self, Failure> {
         let mut all = Destinations::beside([&options.scene])?;
-        Ok(Self { sheets: SheetFiles::new(&options.sheets, &mut all)?, record: all.add_any(options.record.as_ref())? })
+        Ok(Self {
+            sheets: SheetFiles::new(&options.sheets, &mut all)?,
+            record: all.add_any(options.record.as_ref(), Format::Replay)?,
+        })
     }
 
     /// Prints the result, on the standard error where another output has the standard output.

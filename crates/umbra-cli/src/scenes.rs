@@ -3,10 +3,12 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use clap::builder::PossibleValuesParser;
 use serde::Serialize;
 use umbra_scene::Scene;
 
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::output::Destinations;
 use crate::text;
 
@@ -20,10 +22,15 @@ fn all() -> impl Iterator<Item = (&'static str, &'static str)> {
     SCENES.split(SEPARATOR).filter_map(|scene| scene.split_once('\n'))
 }
 
+/// Says whether there is a scene of this name.
+pub(crate) fn has(name: &str) -> bool {
+    all().any(|(known, _)| known == name)
+}
+
 #[derive(Args)]
 pub(crate) struct Options {
     /// The scene to write [default: lists all of them].
-    #[arg(value_name = "NAME")]
+    #[arg(value_name = "NAME", hide_possible_values = true, value_parser = PossibleValuesParser::new(all().map(|(name, _)| name)))]
     name: Option<String>,
     /// File to write it to [default: the standard output].
     #[arg(long, value_name = "FILE.json", requires = "name")]
@@ -46,11 +53,10 @@ pub(crate) fn scenes(options: &Options) -> Result<(), Failure> {
     let Some(name) = &options.name else {
         return all().try_for_each(|(name, scene)| list(name, scene, options.json));
     };
-    let (_, scene) = all()
-        .find(|(known, _)| known == name)
-        .ok_or_else(|| Failure::Usage { what: format!("there is no scene {name:?}: `umbra scenes` lists them") })?;
+    // Other names are refused with the arguments.
+    let Some((_, scene)) = all().find(|(known, _)| known == name) else { return Ok(()) };
     match &options.out {
-        Some(out) => Destinations::beside([])?.add(out)?.write(scene),
+        Some(out) => Destinations::beside([])?.add(out, Format::Json)?.write(scene),
         None => text::print(scene),
     }
 }

@@ -9,13 +9,14 @@ use umbra_physics::{Scalar, World};
 use crate::cast::Cast;
 use crate::csv::Table;
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::output::{Destination, Destinations};
 use crate::picture::{ContactOptions, Recorder, Subject};
 
 #[derive(Args)]
 pub(crate) struct SheetOptions {
     /// Writes all bodies to a table, in exact decimals.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE.csv")]
     csv: Option<PathBuf>,
     /// Writes them each so many ticks.
     #[arg(long, value_name = "K", default_value_t = 1, requires = "csv", value_parser = clap::value_parser!(u64).range(1..))]
@@ -34,8 +35,8 @@ pub(crate) struct SheetFiles {
 
 impl SheetFiles {
     pub(crate) fn new(options: &SheetOptions, all: &mut Destinations<'_>) -> Result<Self, Failure> {
-        let csv = all.add_any(options.csv.as_ref())?;
-        Ok(Self { csv, every: options.every, plot: all.add_any(options.plot.as_ref())? })
+        let csv = all.add_any(options.csv.as_ref(), Format::Csv)?;
+        Ok(Self { csv, every: options.every, plot: all.add_any(options.plot.as_ref(), Format::Svg)? })
     }
 
     /// Says whether one of them goes to the standard output.

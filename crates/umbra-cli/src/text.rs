@@ -102,6 +102,24 @@ fn quoted(text: &str) -> String {
     escaped(text, &[]).into_owned()
 }
 
+/// A number and its noun, of which the singular and the plural are given.
+pub(crate) fn counted(number: u64, nouns: [&str; 2]) -> String {
+    format!("{} {}", grouped(number), nouns[usize::from(number != 1)])
+}
+
+/// A number with its digits in threes.
+pub(crate) fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i) % 3 == 0 {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
 /// Writes to the standard output and flushes it. A reader that has closed its end is no failure.
 fn written(write: impl FnOnce(&mut io::Stdout) -> io::Result<()>) -> Result<(), Failure> {
     let mut out = io::stdout();

@@ -118,7 +118,9 @@ pub(super) fn write(f: &mut fmt::Formatter<'_>, field: &str, left: &str, right: 
     if let Some(ulps) = distance.ulps().filter(|_| unit != TURNS) {
         write!(f, "{} ulp, ", ulps.short())?;
     }
-    write!(f, "{}{unit})", distance.short())
+    let short = distance.short();
+    let unit = if unit == TURNS && short == "1" { " turn" } else { unit };
+    write!(f, "{short}{unit})")
 }
 
 /// A damping as text: below 0 its number is minus a rate.
@@ -194,6 +196,7 @@ mod tests {
             ("angle", "0.25", "0.2500000000000000000542101086242752217003726400434970855712890625", {
                 "0.25 and 0.250000000000000000054 turns (differ by 5.4e-20 turns)"
             }),
+            ("calls[0].action.goal.angle", "0.25", "1.25", "0.25 and 1.25 turns (differ by 1 turn)"),
             ("calls[0].action.impulse.x", "3", "3.125", "3 and 3.125 N·s (differ by 0.12 N·s)"),
             ("user_data", "7", "8", "7 and 8"),
             ("hash", "00ff", "0100", "00ff and 0100"),

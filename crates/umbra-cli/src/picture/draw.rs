@@ -265,19 +265,23 @@ impl Drawing {
         // A tenth of a pixel, for the faint lines of a crowd a third, or more until the picture is small enough.
         let mut tolerance = if crowd <= 60 { 0.1 } else { 0.3 } / scale;
         let lines = loop {
-            let lines: Vec<Vec<Point>> = picture.ways.iter().map(|way| simplify(way.points, tolerance)).collect();
-            if tolerance * scale > 1.0 || lines.iter().map(Vec::len).sum::<usize>() <= POINTS {
+            let lines: Vec<Vec<Vec<Point>>> = (picture.ways.iter())
+                .map(|way| way.pieces.iter().map(|piece| simplify(piece, tolerance)).collect())
+                .collect();
+            if tolerance * scale > 1.0 || lines.iter().flatten().map(Vec::len).sum::<usize>() <= POINTS {
                 break lines;
             }
             tolerance *= 2.0;
         };
-        for (way, points) in picture.ways.iter().zip(&lines) {
+        for (way, pieces) in picture.ways.iter().zip(&lines) {
             let paint = Paint::solid(colour(picture, way.index)).thinned(strength);
-            self.line(points, Stroke { paint, width });
+            for points in pieces {
+                self.line(points, Stroke { paint, width });
+            }
         }
         for way in picture.ways.iter().filter(|_| crowd <= 60) {
             let paint = Paint::solid(colour(picture, way.index));
-            self.circle(way.points[0], 3.2, WHITE, Some(Stroke { paint, width: 1.4 }));
+            self.circle(way.pieces[0][0], 3.2, WHITE, Some(Stroke { paint, width: 1.4 }));
         }
     }
 

@@ -60,7 +60,7 @@ impl Layout {
 
 /// The rectangle around all that is drawn, with a margin.
 fn around(picture: &Picture<'_>) -> [Point; 2] {
-    let ways = picture.ways.iter().flat_map(|way| way.points.iter());
+    let ways = picture.ways.iter().flat_map(|way| way.pieces.iter().flatten());
     let outlines = picture.bodies.iter().map(|body| &body.outline).chain(picture.start).chain(picture.exposures);
     let outlines = outlines.flat_map(Outline::points);
     let rest = picture.bodies.iter().map(|body| &body.at).chain(&picture.scenery.centres);

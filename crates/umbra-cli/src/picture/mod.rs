@@ -16,6 +16,7 @@ use umbra_physics::{BodyClass, BodyKind, Scalar, Vec2, World};
 use umbra_scene::{Scene, Trails};
 
 use crate::cast::Cast;
+use crate::jumps::Jumps;
 pub use axis::ticks;
 use contacts::Contacts;
 pub(crate) use contacts::{ContactMark, ContactOptions};
@@ -72,14 +73,35 @@ pub(crate) struct Recorder {
     seen: u64,
     /// The trails, by the number of the body.
     ways: BTreeMap<usize, NamedWay>,
+    jumps: Jumps,
     exposures: Vec<Outline>,
     start: Vec<Outline>,
 }
 
-#[derive(Default)]
 struct NamedWay {
     name: String,
-    points: Vec<Point>,
+    /// The pieces between which the body jumped, none without points but the last.
+    pieces: Vec<Vec<Point>>,
+}
+
+impl NamedWay {
+    fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), pieces: vec![Vec::new()] }
+    }
+
+    /// Adds a point, unless it is the last one again.
+    fn reach(&mut self, point: Point) {
+        if let Some(piece) = self.pieces.last_mut().filter(|piece| piece.last() != Some(&point)) {
+            piece.push(point);
+        }
+    }
+
+    /// Begins a piece.
+    fn part(&mut self) {
+        if self.pieces.last().is_some_and(|piece| !piece.is_empty()) {
+            self.pieces.push(Vec::new());
+        }
+    }
 }
 
 impl Recorder {
@@ -100,6 +122,7 @@ impl Recorder {
             ticks,
             seen: 0,
             ways: BTreeMap::new(),
+            jumps: Jumps::default(),
             exposures: Vec::new(),
             start: Vec::new(),
         }
@@ -126,17 +149,18 @@ impl Recorder {
             let moving = |outline: &Outline| !matches!(outline.class, BodyClass::Static | BodyClass::Disabled);
             self.exposures.extend(Outline::all(world).into_iter().filter(moving));
         }
+        for body in self.jumps.see(world) {
+            if let Some(way) = cast.index(body).and_then(|index| self.ways.get_mut(&index)) {
+                way.part();
+            }
+        }
         if tick % self.stride != 0 && !last {
             return;
         }
         for body in world.bodies().filter(|body| body.kind() != BodyKind::Static) {
             let Some(index) = cast.index(body.id()).filter(|&index| self.is_chosen(index)) else { continue };
-            let name = || NamedWay { name: cast.name(body.id()).to_owned(), points: Vec::new() };
-            let way = self.ways.entry(index).or_insert_with(name);
-            let point = place(body.position());
-            if way.points.last() != Some(&point) {
-                way.points.push(point);
-            }
+            let way = self.ways.entry(index).or_insert_with(|| NamedWay::new(cast.name(body.id())));
+            way.reach(place(body.position()));
         }
     }
 
@@ -146,7 +170,7 @@ impl Recorder {
             let way = cast.index(body.id()).filter(|index| self.ways.contains_key(index));
             EndState { way, at: place(body.position()), outline }
         });
-        let ways = self.ways.iter().map(|(&index, way)| Way { index, name: &way.name, points: &way.points });
+        let ways = self.ways.iter().map(|(&index, way)| Way { index, name: &way.name, pieces: &way.pieces });
         let picture = Picture {
             title: &self.subject.title,
             caption: caption(world),
@@ -198,7 +222,8 @@ pub fn still<S: Scalar + ToF64>(world: &World<S>, title: &str, view: Option<[Poi
 struct Way<'a> {
     index: usize,
     name: &'a str,
-    points: &'a [Point],
+    /// The pieces between which the body jumped.
+    pieces: &'a [Vec<Point>],
 }
 
 /// A body at the end.

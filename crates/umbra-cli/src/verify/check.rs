@@ -14,7 +14,7 @@ use umbra_physics::{Replay, ReplayError, VerifyError, World};
 use super::limits::Limits;
 use super::verdict::{Played, Verdict};
 use crate::failure::Failure;
-use crate::load::{self, Kind, Run};
+use crate::load::{self, Kind};
 
 /// The terms that a file has to keep to.
 #[derive(Clone)]
@@ -25,15 +25,9 @@ pub(super) struct Terms {
 }
 
 impl Terms {
-    /// Takes the start from a scene or a replay.
+    /// Takes the start from a file.
     pub(super) fn new(limits: Limits, start: Option<&Path>) -> Result<Self, Failure> {
-        let world = |file: &Path| -> Result<World, Failure> {
-            Ok(match load::run(file)? {
-                Run::Scene(scene) => scene.start().map_err(Failure::scene(file))?.world().clone(),
-                Run::Replay(replay) => replay.start().clone(),
-            })
-        };
-        Ok(Self { limits, start: start.map(world).transpose()?.map(Arc::new) })
+        Ok(Self { limits, start: start.map(load::start).transpose()?.map(Arc::new) })
     }
 }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 use umbra_physics::ReplayLimits;
 
 use crate::failure::Failure;
-use crate::load;
+use crate::load::{self, Kind};
 
 #[derive(Clone, Copy)]
 enum Limit {
@@ -82,6 +82,10 @@ impl Limits {
             let failed = Failure::file(file, "read");
             let wrong = |what: String| failed(io::Error::new(io::ErrorKind::InvalidData, what));
             let text = load::bytes(file)?;
+            if let Some(kind) = Kind::of(&text).filter(|&kind| kind != Kind::Scene) {
+                let expected = "a JSON object with limits";
+                return Err(Failure::Foreign { file: file.into(), expected, kind: Some(kind) });
+            }
             let changes: Changes = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
             for (name, value) in changes {
                 limits.0[index(&name).map_err(&wrong)?] = value;

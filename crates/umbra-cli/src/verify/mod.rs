@@ -87,8 +87,8 @@ pub(crate) struct Options {
     /// Limits from a JSON object with their names as keys.
     #[arg(long, value_name = "FILE")]
     limits: Option<PathBuf>,
-    /// Refuses replays that begin with another world than this scene, or this other replay.
-    #[arg(long, value_name = "SCENE")]
+    /// Refuses replays that begin with another world than this scene, this other replay or this snapshot.
+    #[arg(long, value_name = "FILE")]
     start: Option<PathBuf>,
 }
 

@@ -11,7 +11,7 @@ use umbra_physics::{Difference, Divergence, ReplayError};
 use crate::failure::{BAD_JOB, OTHER_START, TOO_LARGE, UNREADABLE, tag};
 use crate::finding::FindingLine;
 use crate::load::Kind;
-use crate::text;
+use crate::text::{self, counted, grouped};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -215,7 +215,8 @@ struct Report<'a> {
 impl Played {
     /// Writes it as `3,600 ticks, 3,600 hashes, 58× real time`.
     fn describe(&self) -> String {
-        let mut text = format!("{} ticks, {} hashes", grouped(self.ticks), grouped(self.hashes));
+        let mut text =
+            format!("{}, {}", counted(self.ticks, ["tick", "ticks"]), counted(self.hashes, ["hash", "hashes"]));
         let factor = self.seconds / self.wall.as_secs_f64();
         if factor.is_finite() && self.ticks > 0 {
             let factor = if factor < 10.0 { format!("{factor:.1}") } else { grouped(factor as u64) };
@@ -223,17 +224,4 @@ impl Played {
         }
         text
     }
-}
-
-/// A number with its digits in threes.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i) % 3 == 0 {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

@@ -82,8 +82,8 @@ function exact(words, at) {
 const LOOKS = ["dynamic", "kinematic", "static", "asleep", "quarantined", "disabled"];
 
 class Body {
-  constructor([slot, generation, name, from, to, first, count, offset, looks], index) {
-    Object.assign(this, { slot, generation, name, from, to, first, count, looks, index });
+  constructor([slot, generation, name, from, to, first, count, offset, looks, jumps], index) {
+    Object.assign(this, { slot, generation, name, from, to, first, count, looks, jumps, index });
     this.words = decoded(offset, count);
     this.id = `body ${slot}` + (generation > 0 ? ` (generation ${generation})` : "");
     this.label = name || this.id;

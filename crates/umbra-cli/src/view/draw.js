@@ -234,11 +234,17 @@ function drawTrails(frame, tick, selected) {
   for (const body of bodies) {
     if (!body.isThere(frame) || body.look(tick).kind === 2) continue;
     const path = body === selected ? one : many;
-    path.moveTo(screenX(body.near(body.first, X)), screenY(body.near(body.first, Y)));
-    for (let f = Math.ceil((body.first + 1) / trailStep) * trailStep; f < frame; f += trailStep) {
-      path.lineTo(screenX(body.near(f, X)), screenY(body.near(f, Y)));
-    }
-    path.lineTo(screenX(body.near(frame, X)), screenY(body.near(frame, Y)));
+    let jump = 0;
+    const go = f => {
+      // A way has a gap where a call put the body elsewhere.
+      const from = jump;
+      while (body.jumps[jump] <= tickOf(f)) jump++;
+      const isLed = f > body.first && jump === from;
+      path[isLed ? "lineTo" : "moveTo"](screenX(body.near(f, X)), screenY(body.near(f, Y)));
+    };
+    go(body.first);
+    for (let f = Math.ceil((body.first + 1) / trailStep) * trailStep; f < frame; f += trailStep) go(f);
+    go(frame);
   }
   pen.strokeStyle = colours.dynamic;
   pen.lineWidth = 1.2;

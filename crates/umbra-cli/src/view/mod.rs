@@ -22,6 +22,7 @@ use umbra_scene::{Scene, Trails};
 
 use crate::cast::{Cast, Roster};
 use crate::failure::Failure;
+use crate::format::Format;
 use crate::load::{self, Run};
 use crate::open;
 use crate::output::{Destination, Destinations};
@@ -106,7 +107,7 @@ impl<'a> Views<'a> {
 
 pub(crate) fn view(options: &Options) -> Result<(), Failure> {
     let mut all = Destinations::beside([&options.run])?;
-    let out = all.add_any(options.out.as_ref())?;
+    let out = all.add_any(options.out.as_ref(), Format::Html)?;
     let files = SheetFiles::new(&options.sheets, &mut all)?;
     drop(all);
     let shown = [out.as_ref(), files.plot.as_ref()];

@@ -125,7 +125,7 @@ fn body(life: Life, bytes: &mut Vec<u8>) -> Value {
     let looks: Vec<Value> = life.looks.iter().map(|(tick, l)| look(*tick, l)).collect();
     let (offset, count) = (bytes.len(), life.track.count());
     bytes.extend(life.track.finish());
-    json!([slot, generation, life.name, life.from, life.to, life.first, count, offset, looks])
+    json!([slot, generation, life.name, life.from, life.to, life.first, count, offset, looks, life.jumps])
 }
 
 /// Whole numbers of 64 bits are texts: a script's numbers have 53.

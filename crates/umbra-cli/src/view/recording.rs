@@ -9,6 +9,7 @@ use umbra_physics::{
 use super::events::{Events, What};
 use super::track::{Sample, Track};
 use super::{contacts, drawing, encounters, joints};
+use crate::jumps::Jumps;
 
 /// The limits of a page.
 #[derive(Clone, Copy, Debug)]
@@ -47,6 +48,7 @@ pub(crate) struct Recording {
     pub(super) lives: Vec<Life>,
     /// The bodies that are there, by slot.
     alive: Vec<Option<usize>>,
+    jumps: Jumps,
     pub(super) fields: Vec<Placed>,
     fields_there: BTreeMap<FieldId, (ForceField<Fx>, usize)>,
     /// Joints that are drawn.
@@ -83,6 +85,8 @@ pub(super) struct Life {
     pub(super) first: u64,
     pub(super) track: Track,
     pub(super) looks: Vec<(u64, Look)>,
+    /// The ticks at which it was elsewhere, as a call put it there.
+    pub(super) jumps: Vec<u64>,
 }
 
 /// The properties of a body that no step changes.
@@ -117,6 +121,7 @@ impl Recording {
             clock: Vec::new(),
             lives: Vec::new(),
             alive: Vec::new(),
+            jumps: Jumps::default(),
             fields: Vec::new(),
             fields_there: BTreeMap::new(),
             joints: Vec::new(),
@@ -147,6 +152,11 @@ impl Recording {
             let life = self.see_body(world, &body, tick, &name);
             if is_frame {
                 self.sample(life, &body);
+            }
+        }
+        for body in self.jumps.see(world) {
+            if let Some(life) = known_life(&self.alive, &self.lives, body) {
+                self.lives[life].jumps.push(tick);
             }
         }
         self.see_gone(tick);
@@ -247,7 +257,7 @@ impl Recording {
             }
             let first = (tick - self.start).div_ceil(self.stride);
             let (name, track, looks) = (name(id), Track::default(), Vec::new());
-            self.lives.push(Life { id, name, from: tick, to: tick, first, track, looks });
+            self.lives.push(Life { id, name, from: tick, to: tick, first, track, looks, jumps: Vec::new() });
             self.alive[slot] = Some(self.lives.len() - 1);
             if tick > self.start {
                 self.events.tell(tick, What::Added, Some(self.lives.len() - 1), String::new());
@@ -359,7 +369,7 @@ impl Recording {
         for life in &self.lives {
             bytes += life.track.size();
             samples += life.track.count();
-            text += 60 + life.name.len() + 40 * life.looks.len();
+            text += 60 + life.name.len() + 40 * life.looks.len() + 8 * life.jumps.len();
         }
         text + bytes / 3 * 4 > self.budget.bytes || samples > self.budget.samples
     }

@@ -6,6 +6,8 @@ use umbra_physics::{
 };
 use umbra_scene::{Scene, SceneAction};
 
+use crate::text::counted;
+
 /// The names of bodies, force fields and colliders.
 pub(crate) struct Names<B, F, C> {
     pub(crate) body: B,
@@ -123,7 +125,7 @@ where
         Command::SetDamping { linear, angular } => {
             format!("damping: linear {}, angular {}", damped(*linear), damped(*angular))
         }
-        Command::SetSleepAfter(Some(ticks)) => format!("sleep after {ticks} ticks"),
+        Command::SetSleepAfter(Some(ticks)) => format!("sleep after {}", counted((*ticks).into(), ["tick", "ticks"])),
         Command::SetSleepAfter(None) => "no sleep".to_owned(),
         Command::SetRandom(_) => "another state of the generator".to_owned(),
         Command::SetBlob(bytes) => format!("a blob of {} bytes", bytes.len()),

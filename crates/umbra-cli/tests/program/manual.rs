@@ -38,7 +38,7 @@ fn the_scenes_are_those_of_the_repository_and_written_as_they_are() {
     assert_eq!(fs::read_to_string(&file).expect("it is there"), scenes["pile"]);
     fs::remove_file(file).expect("it is there");
     for (arguments, said) in [
-        (&["scenes", "pyle"][..], "there is no scene \"pyle\": `umbra scenes` lists them\n"),
+        (&["scenes", "pyle"][..], "error: invalid value 'pyle' for '[NAME]'"),
         (&["scenes", "--out", "x.json"], "error: "),
         (&["scenes", "pile", "--json"], "error: "),
     ] {
@@ -46,6 +46,32 @@ fn the_scenes_are_those_of_the_repository_and_written_as_they_are() {
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{arguments:?}");
         assert!(String::from_utf8_lossy(&output.stderr).starts_with(said), "{arguments:?}");
     }
+    for (wrong, tip) in [("pil", "a similar value exists: 'pile'"), ("pyramyd", "a similar value exists: 'pyramid'")] {
+        let said = String::from_utf8(umbra(&["scenes", wrong]).stderr).expect("UTF-8");
+        assert!(said.contains(tip) && said.contains("kepler"), "{said}");
+    }
+    assert!(!printed(&["scenes", "--help"]).contains("kepler"), "the list is long");
+}
+
+#[test]
+fn a_missing_file_with_the_name_of_a_scene_is_written_by_scenes() {
+    let replay = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{}-missing.umbrarep", std::process::id()));
+    let replay = replay.to_str().expect("UTF-8");
+    printed(&["run", "scenes/pile.json", "--ticks", "1", "--record", replay]);
+    let tip =
+        "; `umbra scenes pile --out pile.json` writes the scene of this name that comes with the program [E801]\n";
+    for file in ["pile", "pile.json", "no/pile.json"] {
+        for arguments in [&["run", file][..], &["view", file, "--plot", "p.svg"], &["verify", "--start", file, replay]]
+        {
+            let output = umbra(arguments);
+            let said = String::from_utf8(output.stderr).expect("UTF-8");
+            assert!(said.starts_with(&format!("{file}: cannot read: ")) && said.ends_with(tip), "{said}");
+            assert_eq!(output.status.code(), Some(2));
+        }
+    }
+    let said = String::from_utf8(umbra(&["run", "heap.json"]).stderr).expect("UTF-8");
+    assert!(!said.contains("umbra scenes"), "{said}");
+    fs::remove_file(replay).expect("it is there");
 }
 
 #[test]

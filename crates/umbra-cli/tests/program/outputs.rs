@@ -167,6 +167,27 @@ fn two_outputs_never_go_to_one_file() {
 }
 
 #[test]
+fn a_name_that_ends_as_those_of_another_format_do_is_refused() {
+    let folder = Folder::new("ends");
+    folder.write("s.json", SCENE);
+    for (arguments, name, said) in [
+        (&["run", "s.json", "--plot"][..], "b.png", "a picture in SVG: write b.svg, which browsers show"),
+        (&["view", "s.json", "--plot"], "below.d/b.JPEG", "a picture in SVG: write below.d/b.svg, which browsers show"),
+        (&["run", "s.json", "--csv"], "b.xlsx", "a table in CSV: write b.csv [E809]"),
+        (&["view", "s.json", "--csv"], "b.json", "a table in CSV: write b.csv [E809]"),
+        (&["view", "s.json", "--out"], "b.svg", "a page in HTML: write b.html [E809]"),
+        (&["scenes", "pile", "--out"], "pile.umbrarep", "JSON: write pile.json [E809]"),
+    ] {
+        fs::create_dir_all(folder.path("below.d")).expect("a folder");
+        folder.refuses(&[arguments, &[name]].concat(), &format!("{name}: cannot write: this is {said}"));
+    }
+    // Without an end, in capitals, and a replay as one likes.
+    succeeds(&folder.umbra(&["run", "s.json", "--plot", "b.SVG", "--csv", "below.d/b", "--record", "b.match"]));
+    succeeds(&folder.umbra(&["view", "b.match", "--out", "b.htm", "--csv", "b.txt"]));
+    succeeds(&folder.umbra(&["scenes", "pile", "--out", "pile"]));
+}
+
+#[test]
 fn unwritable_outputs_are_reported_before_the_work() {
     let folder = Folder::new("cannot");
     folder.write("s.json", SCENE);
@@ -453,7 +474,10 @@ fn a_file_of_another_kind_is_named_with_what_to_do() {
     let replay = "found a replay: `umbra verify r.umbrarep` runs it again, `umbra view r.umbrarep --out PAGE.html` plays it, and \
         `umbra diff r.umbrarep OTHER` compares it with another one [E804]";
     let dump = "found a desync dump: `umbra diff d.umbradmp OTHER` compares it with the one of another peer [E804]";
-    let snapshot = "found a snapshot of a world, which `Snapshot::from_bytes` of the library reads [E804]";
+    let snapshot = "found a snapshot of a world: `umbra verify --start w.umbrasnp REPLAY` checks that a replay begins with it, and \
+        `Snapshot::from_bytes` of the library reads it [E804]";
+    folder.write("empty", "");
+    let empty = "found an empty file [E804]";
     let either = "a replay or a desync dump of umbra-physics";
     for (arguments, file, expected, found) in [
         (&["run", "r.umbrarep"][..], "r.umbrarep", "a scene", replay),
@@ -462,13 +486,18 @@ fn a_file_of_another_kind_is_named_with_what_to_do() {
         (&["view", "d.umbradmp", "--out", "x.html"], "d.umbradmp", "a scene or a replay", dump),
         (&["view", "w.umbrasnp", "--out", "x.html"], "w.umbrasnp", "a scene or a replay", snapshot),
         (&["diff", "r.umbrarep", "w.umbrasnp"], "w.umbrasnp", either, snapshot),
+        (&["run", "empty"], "empty", "a scene", empty),
+        (&["view", "empty", "--out", "x.html"], "empty", "a scene or a replay", empty),
+        (&["diff", "r.umbrarep", "empty"], "empty", either, empty),
+        (&["verify", "--limits", "empty", "r.umbrarep"], "empty", "a JSON object with limits", empty),
     ] {
         folder.refuses(arguments, &format!("{file}: expected {expected}, {found}\n"));
     }
-    let output = folder.umbra(&["verify", "s.json", "d.umbradmp"]);
+    let output = folder.umbra(&["verify", "s.json", "d.umbradmp", "empty"]);
     let expected = "malformed  s.json  expected a replay, found a scene: `umbra run FILE --record REPLAY` makes a replay of it [E401]\n\
         malformed  d.umbradmp  expected a replay, found a desync dump: `umbra diff FILE OTHER` compares it with the one of another \
-        peer [E401]\n";
+        peer [E401]\n\
+        malformed  empty  expected a replay, found an empty file [E401]\n";
     assert_eq!((output.status.code(), text(&output.stdout)), (Some(2), expected.to_owned()));
 }
 
@@ -577,10 +606,11 @@ fn a_full_disk_is_an_error() {
 #[test]
 fn a_file_that_finds_no_room_leaves_the_old_one_and_of_a_recording_what_there_is() {
     let folder = with_replays("no-room");
-    let before = folder.read("r.umbrarep");
+    fs::rename(folder.path("r.umbrarep"), folder.path("r")).expect("it is there");
+    let before = folder.read("r");
     // A limit to the size of files, in blocks of half a kilobyte: it is reached on the way, and by the last write.
     for (option, blocks, ticks) in [("csv", 64, "4000000000"), ("record", 64, "4000000000"), ("record", 4, "90")] {
-        let run = format!("run s.json --ticks {ticks} --{option} r.umbrarep");
+        let run = format!("run s.json --ticks {ticks} --{option} r");
         // A program that lives to see it.
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" {run}");
         let mut shell = Command::new("sh");
@@ -589,8 +619,8 @@ fn a_file_that_finds_no_room_leaves_the_old_one_and_of_a_recording_what_there_is
         assert_eq!(status(&mut child), Some(2), "{option}");
         let error = text(&child.wait_with_output().expect("it ended").stderr);
         let (warnings, error) = error.trim_end().rsplit_once('\n').unwrap_or(("", error.trim_end()));
-        assert!(error.starts_with("r.umbrarep: cannot write: File too large"), "{error}");
-        assert!(folder.read("r.umbrarep") == before, "{option}");
+        assert!(error.starts_with("r: cannot write: File too large"), "{error}");
+        assert!(folder.read("r") == before, "{option}");
         let parts = folder.parts();
         if option == "csv" {
             assert_eq!((warnings, parts), ("", vec![]));
@@ -598,7 +628,7 @@ fn a_file_that_finds_no_room_leaves_the_old_one_and_of_a_recording_what_there_is
         }
         // Of the recording there is what went before, and it is said where.
         let [part] = &parts[..] else { panic!("{parts:?}") };
-        let said = "r.umbrarep: not written; what there is of it is left in ";
+        let said = "r: not written; what there is of it is left in ";
         let left = warnings.strip_prefix(said).unwrap_or_else(|| panic!("{warnings}"));
         assert_eq!(
             fs::canonicalize(folder.path(left)).expect("it is there"),

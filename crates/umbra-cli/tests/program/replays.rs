@@ -267,7 +267,7 @@ fn a_changed_byte_is_named_by_tick_moment_body_and_field() {
     };
     assert_eq!(self::text(&output.stdout), expected("3.00000000023"));
     assert_eq!(self::text(&umbra(&["verify", "--exact", &changed]).stdout), expected(ulp_more));
-    assert_eq!(self::text(&output.stderr), "1 of 1 files are not verified\n");
+    assert_eq!(self::text(&output.stderr), "1 of 1 file is not verified\n");
 }
 
 #[test]
@@ -360,7 +360,7 @@ fn files_come_in_the_order_given_whatever_is_done_at_once() {
         factor.is_some_and(|factor| factor.replace(',', "").parse::<f64>().is_ok_and(|number| number > 0.0)),
         "{ok}"
     );
-    assert_eq!(text(&output.stderr), "1 of 2 files are not verified\n", "no progress but on a terminal");
+    assert_eq!(text(&output.stderr), "1 of 2 files is not verified\n", "no progress but on a terminal");
 }
 
 #[test]

@@ -118,6 +118,34 @@ fn a_replay_without_names_calls_bodies_by_their_handles_and_ends_where_it_parts(
     assert!(folder.read("r.svg").contains("1 body, 0.183 s in steps of 1/60 s"), "{}", folder.read("r.svg"));
 }
 
+/// Bodies that calls lead in each tick, and put elsewhere at tick 10.
+const LED: &str = r#"{"ticks": 30, "sleep_after": null, "bodies": [
+    {"name": "far", "velocity": [6, 0], "colliders": [{"shape": {"circle": {"radius": 0.5}}}]},
+    {"name": "near", "position": [0, 5], "velocity": [6, 0], "colliders": [{"shape": {"circle": {"radius": 0.5}}}]},
+    {"name": "turned", "position": [0, 10], "velocity": [600, 0], "colliders": [{"shape": {"circle": {"radius": 0.5}}}]}],
+    "inputs": [{"at": 10, "body": "far", "set": {"position": [20, 0]}},
+        {"at": 10, "body": "near", "set": {"position": [1.5, 5]}},
+        {"from": 1, "to": 29, "body": "turned", "set": {"angle": 1}}]}"#;
+
+#[test]
+fn a_way_has_a_gap_where_a_call_put_the_body_elsewhere() {
+    let folder = Folder::new("gaps");
+    folder.write("s.json", LED);
+    folder.says("run s.json --plot s.svg --record r.umbrarep");
+    let picture = folder.read("s.svg");
+    // The ways have the width of those of few bodies.
+    let ways: Vec<&str> = picture.split('<').filter(|part| part.contains("stroke-width=\"1.6\"")).collect();
+    assert_eq!(ways.len(), 4, "{ways:#?}");
+    folder.says("view r.umbrarep --plot r.svg --out r.html");
+    assert_eq!(folder.read("r.svg").replace(">r.umbrarep</text>", ">Scene</text>"), picture);
+    let page = folder.read("r.html");
+    let jumps = |name: &str| {
+        let body = page.split(&format!("\"{name}\",")).nth(1).expect("a body");
+        body.split("]],").nth(1).and_then(|rest| rest.split(']').next()).expect("a list").to_owned()
+    };
+    assert_eq!(["far", "near", "turned"].map(jumps), ["[11", "[", "["]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_page_or_a_picture_is_opened_by_the_program_of_the_system() {

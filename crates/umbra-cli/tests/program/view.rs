@@ -402,6 +402,41 @@ fn colliders_are_drawn_and_found_by_the_mouse() {
     browser.assert_clean();
 }
 
+/// A body that a call puts 8 m away, and one that flies there.
+const TRAILS: &str = r#"{"ticks": 60, "sleep_after": null, "bodies": [
+    {"name": "put", "position": [-4, -0.65], "colliders": [{"shape": {"circle": {"radius": 0.25}}}]},
+    {"name": "flies", "position": [-4, 2.35], "velocity": [8, 0], "colliders": [{"shape": {"circle": {"radius": 0.25}}}]}],
+    "inputs": [{"at": 30, "body": "put", "set": {"position": [4, -0.65]}}],
+    "plot": {"view": [[-5, -2], [5, 4]]}}"#;
+
+#[test]
+fn a_trail_has_a_gap_where_a_call_put_the_body_elsewhere() {
+    let scene = Page::scene("trails", TRAILS);
+    let (page, _) = Page::of(scene.path(), None);
+    let Some(mut browser) = Browser::start() else { return };
+    browser.look([1280, 800], "light");
+    browser.open(&page.0, "tick=60");
+    browser.hover("h1", [0.5, 0.5]);
+    // How blue the bluest point is on a short upright line in the middle of each way: between the lines of the grid.
+    let blue = |browser: &mut Browser, y: f64| {
+        let script = format!(
+            "(() => {{
+                {CANVAS}
+                const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
+                const px = (canvas.clientWidth / 2 + 0.35 * scale) * ratio, py = (canvas.clientHeight / 2 - ({y} - 1) * scale) * ratio;
+                const {{ data }} = pen.getImageData(Math.round(px), Math.round(py) - 5, 1, 11);
+                let most = 0;
+                for (let i = 0; i < data.length; i += 4) most = Math.max(most, data[i + 2] - data[i]);
+                return most;
+            }})()"
+        );
+        browser.evaluate(&script).as_f64().expect("a number")
+    };
+    let [put, flies] = [-0.65, 2.35].map(|y| blue(&mut browser, y));
+    assert!(put < 10.0 && flies > 30.0, "{put} {flies}");
+    browser.assert_clean();
+}
+
 #[test]
 fn contacts_are_recorded_and_shown_on_request() {
     let scene = Page::scene("contacts", CRATE);

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::Args;
 use indicatif::ProgressBar;
 use umbra_cli::failure::Failure;
+use umbra_cli::format::Format;
 use umbra_cli::load;
 use umbra_cli::output::Destinations;
 use umbra_cli::progress::progress;
@@ -39,7 +40,7 @@ pub(crate) struct Options {
 }
 
 pub(crate) fn compare(options: &Options) -> Result<(), Failure> {
-    let out = Destinations::beside([&options.scene])?.add_any(options.out.as_ref())?;
+    let out = Destinations::beside([&options.scene])?.add_any(options.out.as_ref(), Format::Svg)?;
     let mut scene = load::scene(&options.scene)?;
     // Every run keeps the integrator it is there for.
     scene.inputs.retain(|input| !matches!(input.action, SceneAction::Command(Command::SetIntegrator(_))));

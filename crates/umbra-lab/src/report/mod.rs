@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use indicatif::ProgressBar;
 use umbra_cli::failure::Failure;
+use umbra_cli::format::Format;
 use umbra_cli::output::{Destination, Destinations};
 use umbra_cli::progress::progress;
 use umbra_physics::{Fx, Integrator, Scalar};
@@ -112,8 +113,8 @@ struct Outputs {
 impl Outputs {
     fn of(options: &Options) -> Result<Self, Failure> {
         let mut all = Destinations::beside([])?;
-        let (page, data) = (all.add(&options.out)?, all.add_any(options.json.as_ref())?);
-        Ok(Self { page, data, diagram: all.add_any(options.diagram.as_ref())? })
+        let (page, data) = (all.add(&options.out, Format::Html)?, all.add_any(options.json.as_ref(), Format::Json)?);
+        Ok(Self { page, data, diagram: all.add_any(options.diagram.as_ref(), Format::Svg)? })
     }
 }
 

@@ -162,7 +162,10 @@ fn a_replay_has_to_begin_with_the_start() {
     // The same start and other inputs; and with other bodies.
     let other_inputs = folder.record(&folder.write("inputs.json", busy("4")), &[]);
     let moved = folder.record(&folder.write("moved.json", busy("3").replace("[5, 0]", "[6, 0]")), &[]);
-    for start in [&level, &replay] {
+    let world = Scene::parse(&busy("3")).expect("a scene").start().expect("a start").into_world();
+    let snapshot = world.snapshot().to_bytes();
+    let whole = folder.write("level.umbrasnp", &snapshot);
+    for start in [&level, &replay, &whole] {
         let (exit, lines) = verify(&[&replay, &other_inputs, &moved], &["--start", start]);
         let statuses: Vec<_> = lines.iter().map(|line| line["status"].as_str().expect("a status")).collect();
         assert_eq!((exit, &statuses[..]), (1, &["ok", "ok", "other_start"][..]));
@@ -175,7 +178,14 @@ fn a_replay_has_to_begin_with_the_start() {
         assert!(reason.starts_with("it begins with another world: tick 0, start, body 1"), "{reason}");
     }
     let table = folder.write("table.csv", "1,2\n");
-    for (start, said) in [(&table, ":1: not JSON: "), (&folder.path("none"), ": cannot read: ")] {
+    let cut = folder.write("cut.umbrasnp", &snapshot[..snapshot.len() / 2]);
+    let empty = folder.write("empty", "");
+    for (start, said) in [
+        (&table, ":1: not JSON: "),
+        (&folder.path("none"), ": cannot read: "),
+        (&cut, ": byte "),
+        (&empty, ": expected a scene, a replay or a snapshot, found an empty file [E804]"),
+    ] {
         let output = umbra(&["verify", "--start", start, &replay]);
         assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{start}");
         assert!(text(&output.stderr).starts_with(&format!("{start}{said}")), "{}", text(&output.stderr));

@@ -10,6 +10,7 @@ mod shots;
 
 use serde::Serialize;
 use umbra_cli::failure::Failure;
+use umbra_cli::format::Format;
 use umbra_cli::output::{Destination, Destinations};
 use umbra_cli::picture::still;
 use umbra_cli::progress::progress;
@@ -194,7 +195,7 @@ struct Outputs {
 pub(super) fn report(options: &Options) -> Result<(), Failure> {
     let outputs = {
         let mut all = Destinations::beside([])?;
-        Outputs { page: all.add(&options.out)?, data: all.add_any(options.json.as_ref())? }
+        Outputs { page: all.add(&options.out, Format::Html)?, data: all.add_any(options.json.as_ref(), Format::Json)? }
     };
     let chosen: Vec<&'static Row> = if options.scene.is_empty() { rows().collect() } else { options.scene.clone() };
     let length = Length { substeps: options.substeps, quick: options.quick };
