@@ -17,7 +17,7 @@
 //! | [`frames`] | frame times to ticks, poses between ticks, drawing, events |
 //! | [`engines`] | keeping entities in step with bodies, with `bevy_ecs` as an example |
 //! | [`languages`] | using the library from C, C# and other languages, and in the browser |
-//! | [`migration`] | moving from Box2D or Rapier: calls, units, conventions |
+//! | [`migration`] | moving from Box2D, Rapier or pymunk: first lines, calls, units, conventions |
 //!
 //! The [README](https://docs.rs/crate/umbra-physics) is the overview, `examples` has whole programs, and `docs/design.md` explains the
 //! design.
