@@ -272,6 +272,46 @@ fn no_bullet_crosses_a_dynamic_wall() {
     shoot(shots(), 4, &ROOMS[7..]);
 }
 
+/// The number of shots of a shape, at the speeds of balls and guns, that cross a heavy dynamic plate of 2 cm, and are no bullets.
+fn crossing_plates(shape: &Shape, shots: usize) -> usize {
+    let crosses = |seed: &usize| {
+        let mut random = Random::seeded(run_seed(*seed as u64));
+        let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+        let material = Material { restitution: random.number(fx!(0)..=fx!(1)), ..Material::default() };
+        let collider = |shape: Shape| ColliderDef { material, ..ColliderDef::new(shape) };
+        let plate = BodyDef {
+            angle: random.number(fx!(-0.3)..=fx!(0.3)),
+            mass: Mass::Explicit { mass: fx!(100), inertia: fx!(300) },
+            ..BodyDef::dynamic().with_collider(collider(Shape::rectangle(fx!(0.02), 6).expect("a plate")))
+        };
+        let shot = BodyDef {
+            position: Vec2::new(random.number(fx!(-8)..=fx!(-2)), random.number(fx!(-0.5)..=fx!(0.5))),
+            velocity: Vec2::new(of_any_size(&mut random, fx!(10), fx!(1000)), fx!(0)),
+            angle: random.angle().radians(),
+            mass: Mass::Kilograms(fx!(0.05)),
+            ..BodyDef::dynamic().with_collider(collider(shape.clone()))
+        };
+        let [plate, shot] = [plate, shot].map(|def| world.add_body(def).expect("room"));
+        (0..60).any(|_| {
+            world.step();
+            let [plate, shot] = [plate, shot].map(|body| world.body(body).expect("it"));
+            let place = plate.local_point(shot.position()).expect("a place");
+            // Beyond its ends it is beside the plate.
+            place.x > fx!(0.1) && place.y.abs() < fx!(2.5)
+        })
+    };
+    (0..shots).filter(crosses).count()
+}
+
+/// As the guide has it: contacts are found along the whole way of a body, and an impact spins one with corners.
+#[test]
+fn discs_meet_dynamic_plates_without_being_bullets_and_planks_may_cross() {
+    assert_eq!(crossing_plates(&Shape::circle(fx!(0.05)).expect("a disc"), shots()), 0);
+    let plank = Shape::rectangle(fx!(0.2), fx!(0.05)).expect("a plank");
+    let crossing = crossing_plates(&plank, shots());
+    assert!((shots() / 8..shots() / 3).contains(&crossing), "{crossing}");
+}
+
 /// The number of shots of each shape at each kind of wall: with `SHOTS=10000` as in the promise.
 fn shots() -> usize {
     std::env::var("SHOTS").ok().and_then(|shots| shots.parse().ok()).unwrap_or(1_000)
