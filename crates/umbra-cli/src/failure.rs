@@ -124,6 +124,10 @@ impl Failure {
                 }
                 f.write_str(&lines.join("\n"))
             }
+            // Where more is whole it is read.
+            Self::Replay { file, error: ReplayError::CutOff { .. } } => {
+                write!(f, "{}: cut off: too little of it is whole to be read", text::path(file))
+            }
             Self::Replay { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::Snapshot { file, error } => write!(f, "{}: {error}", text::path(file)),
             Self::File { file, doing, error } => write!(f, "{}: cannot {doing}: {error}", text::path(file)),

@@ -75,6 +75,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
     let output = umbra(&["diff", "--json", &replay, &cut]);
     let outcome: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!((output.status.code(), &outcome["complete"]), (Some(0), &serde_json::json!([true, false])));
+    let scrap = folder.write("scrap.umbrarep", &bytes[..60]);
     let changed = folder.write("changed.umbrarep", flipped(&bytes, bytes.len() / 2));
     let refused = |file: &str, reason: &str| {
         for files in [[&replay[..], file], [file, &replay]] {
@@ -84,6 +85,7 @@ fn diff_reads_what_is_cut_off_and_refuses_what_is_no_recording() {
             assert!(error.starts_with(&format!("{file}: {reason}")), "{error}");
         }
     };
+    refused(&scrap, "cut off: too little of it is whole to be read [E404]");
     refused(&changed, "changed after it was recorded: ");
     let record = "found a scene: `umbra run scenes/kepler.json --record REPLAY` makes a replay of it";
     refused("scenes/kepler.json", &format!("expected a replay or a desync dump of umbra-physics, {record} [E804]"));
