@@ -27,7 +27,7 @@ pub(super) const fn shifted_word(value: i64, bits: i32) -> i64 {
     }
 }
 
-/// [`shifted_word`], most often down by a part of a word. *Domain* the result fits, and |value| < 2^62.
+/// [`shifted_word`], most often down by a part of a word. *Domain* the result fits, and |value| + 2^(bits − 1) < 2^63.
 #[inline(always)]
 pub(super) const fn lowered_word(value: i64, bits: i32) -> i64 {
     match bits {

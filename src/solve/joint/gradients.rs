@@ -7,21 +7,29 @@
 //!
 //! With one iteration a net swings for ever, with two it rests four times as late as with three.
 //!
+//! Loops of pins, the usual ones, have a compact record of each joint for the iterations of a pass ([`pins`]); all others read their blocks
+//! ([`kernels`]). The steps of both give the same bits.
+//!
 //! # Ranges
 //! Velocities of rows are in 2^-[`FRACTION`] units, within 2^36; velocities of bodies in 2^-[`MOVED`] units, by one joint within 2^40, so
 //! that sums of 2^22 joints fit in 64 bits. Impulses are in 2^-[`FINER_STILL`] of the unit of the block: directions within 2^51, so that
 //! their products with axes are below 2^82.5 and with masses, once lowered by [`LOWER`](super::LOWER) bits, below 2^107; solutions within 2^58. Products
 //! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
 //! quotients of sums have 30 bits after the point and are below 2^10.
+//!
+//! Where the velocities of all bodies are within 2^30 ([`SLOW`]), the velocity of a row by them is below 2^61 + 2·2^60.5 = 2^62.3, before it is lowered to
+//! its unit: a word. Records have cross products, within 2^30.5, and elements of inverses, below 2^31, as half words.
 
 mod impact;
 mod kernels;
 mod laws;
+mod pins;
 
 use alloc::vec::Vec;
 use core::ops::Range;
 
 use self::laws::LawLoop;
+use self::pins::Pin;
 use super::Block;
 use super::axis::AxisRow;
 use super::forest::Forest;
@@ -30,7 +38,6 @@ use super::tree::{FRACTION, RESIDUAL};
 use super::turn::Pose;
 use crate::slots::NONE;
 use crate::solve::motion::Rows;
-use crate::solve::number::lowered_word;
 use crate::solve::unit::SoftRow;
 
 /// Iterations of a pass.
@@ -47,6 +54,10 @@ const SOLUTION: i128 = 1 << 58;
 /// The largest velocity of a body by a joint, and by all of them.
 const FAST: i128 = 1 << 40;
 const FASTEST: i64 = 1 << 42;
+/// The number of all bodies that cannot be moved among the bodies of loops.
+const STILL: u32 = 0;
+/// Velocities of bodies up to this give the velocities of rows as words.
+const SLOW: i64 = 1 << 30;
 
 /// A joint of a loop.
 #[derive(Clone, Debug, Default)]
@@ -81,10 +92,12 @@ struct LoopJoint {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loops {
     joints: Vec<LoopJoint>,
-    /// The velocities of bodies by directions.
+    /// The joints of loops of pins.
+    pins: Vec<Pin>,
+    /// The velocities of bodies by directions: zero for [`STILL`].
     moved: Vec<[i64; 3]>,
     loops: Vec<Loop>,
-    /// The number of a body by its row, and the other way round.
+    /// The number of a body by its row, and the other way round; [`NONE`] for [`STILL`].
     body_of: Vec<u32>,
     rows: Vec<u32>,
 }
@@ -94,6 +107,8 @@ pub(super) struct Loops {
 struct Loop {
     joints: Range<usize>,
     bodies: Range<usize>,
+    /// The records of its joints if all are [usual pins](Block::is_usual_pin), and none otherwise.
+    pins: Range<usize>,
     /// True if a row of one of its joints has a law.
     has_laws: bool,
 }
@@ -112,12 +127,17 @@ fn quotient(a: i128, b: i128) -> i64 {
 impl Loops {
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
-        self.joints.capacity() + self.moved.capacity() + self.loops.capacity() + self.body_of.capacity()
+        self.joints.capacity()
+            + self.pins.capacity()
+            + self.moved.capacity()
+            + self.loops.capacity()
+            + self.body_of.capacity()
     }
 
     /// Forgets the loops of the step before.
     pub(super) fn clear(&mut self) {
         self.joints.clear();
+        self.pins.clear();
         self.moved.clear();
         self.rows.clear();
         self.loops.clear();
@@ -129,11 +149,14 @@ impl Loops {
         if forest.loops.is_empty() {
             return;
         }
-        let Self { joints, moved, loops, body_of, rows: row_of } = self;
+        let Self { joints, pins, moved, loops, body_of, rows: row_of } = self;
+        moved.push([0; 3]);
+        row_of.push(NONE);
         body_of.clear();
         body_of.resize(rows.len() as usize, NONE);
         for range in &forest.loops {
-            let (first_joint, first_body) = (joints.len(), moved.len());
+            let (first_joint, first_pin, first_body) = (joints.len(), pins.len(), moved.len());
+            let are_pins = blocks[range.clone()].iter().all(Block::is_usual_pin);
             let coarsest = blocks[range.clone()].iter().map(|block| block.exponent).max().unwrap_or_default();
             for block in &blocks[range.clone()] {
                 let mut joint = LoopJoint { coarser: coarsest - block.exponent, ..LoopJoint::default() };
@@ -146,10 +169,18 @@ impl Loops {
                     }
                     *body = if side.is_movable() { *number } else { NONE };
                 }
+                if are_pins {
+                    pins.push(Pin::new(&joint, block));
+                }
                 joints.push(joint);
             }
             let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
-            loops.push(Loop { joints: first_joint..joints.len(), bodies: first_body..moved.len(), has_laws });
+            loops.push(Loop {
+                joints: first_joint..joints.len(),
+                pins: first_pin..pins.len(),
+                bodies: first_body..moved.len(),
+                has_laws,
+            });
         }
     }
 
@@ -158,12 +189,21 @@ impl Loops {
     pub(super) fn factor(&mut self, blocks: &[Block], soft: &SoftRow) {
         // They come after the blocks of trees.
         let blocks_of_loops = &blocks[blocks.len() - self.joints.len()..];
-        for (joint, block) in self.joints.iter_mut().zip(blocks_of_loops) {
-            joint.invert(block, soft.compliance);
+        for Loop { joints, pins, .. } in &self.loops {
+            let blocks = &blocks_of_loops[joints.clone()];
+            for (pin, block) in self.pins[pins.clone()].iter_mut().zip(blocks) {
+                pin.turn_to(block, soft.compliance);
+            }
+            if pins.is_empty() {
+                for (joint, block) in self.joints[joints.clone()].iter_mut().zip(blocks) {
+                    joint.invert(block, soft.compliance);
+                }
+            }
         }
     }
 
-    /// Changes the impulses of the joints of loops by a pass. Returns the number of impulses that were cut off.
+    /// Changes the impulses of the joints of loops by a pass; the relax pass begins with the poses after the move. Returns the number of values that
+    /// were cut off.
     #[inline(always)]
     pub(super) fn solve(
         &mut self,
@@ -175,14 +215,35 @@ impl Loops {
         soft: &SoftRow,
         is_biased: bool,
     ) -> u64 {
-        let Self { joints, moved, loops, .. } = self;
+        let Self { joints, pins, moved, loops, .. } = self;
         let first = blocks.len() - joints.len();
         let mut cut = 0;
-        for Loop { joints: range, bodies, has_laws } in loops.iter() {
+        for Loop { joints: range, pins: pin_range, bodies, has_laws } in loops.iter() {
             let blocks = &mut blocks[first..][range.clone()];
-            let joints = &mut joints[range.clone()];
             let bodies = bodies.clone();
-            for (joint, block) in joints.iter_mut().zip(&*blocks) {
+            if !pin_range.is_empty() {
+                let pins = &mut pins[pin_range.clone()];
+                for (pin, block) in pins.iter_mut().zip(&mut *blocks) {
+                    if !is_biased {
+                        cut += block.advance(poses, laws);
+                        pin.turn_to(block, soft.compliance);
+                    }
+                    pin.begin(block, poses, rows, soft, is_biased);
+                }
+                let step = iterate(pins, blocks, moved, bodies, ITERATIONS);
+                for (pin, block) in pins.iter_mut().zip(blocks) {
+                    pin.advance(step);
+                    cut += block.change(pin.changes(), laws, is_biased);
+                    block.give_gains(gains);
+                }
+                continue;
+            }
+            let joints = &mut joints[range.clone()];
+            for (joint, block) in joints.iter_mut().zip(&mut *blocks) {
+                if !is_biased {
+                    cut += block.advance(poses, laws);
+                    joint.invert(block, soft.compliance);
+                }
                 joint.begin(block, poses, rows, soft, is_biased);
             }
             if *has_laws {
@@ -192,13 +253,11 @@ impl Loops {
                 LawLoop { joints, blocks, soft, moved, bodies }.solve(laws);
             } else {
                 // Rows around have impulses by laws alone.
-                iterate::<2>(joints, blocks, moved, bodies, ITERATIONS);
+                let step = iterate::<2, _>(joints, blocks, moved, bodies, ITERATIONS);
+                joints.iter_mut().for_each(|joint| Steps::<2>::advance(joint, step));
             }
             for (joint, block) in joints.iter().zip(blocks) {
-                let [x, y, turn] = joint.solution;
-                let changes =
-                    [lowered_word(x, FINER_STILL), lowered_word(y, FINER_STILL), lowered_word(turn, FINER_STILL)];
-                cut += block.change(changes, laws, is_biased);
+                cut += block.change(joint.changes(), laws, is_biased);
                 block.give_gains(gains);
             }
         }
@@ -211,70 +270,90 @@ impl Loops {
 fn move_by(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
     moved[bodies.clone()].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
-        joint.move_bodies::<3>(block, moved);
+        Steps::<3>::move_bodies(joint, block, moved);
     }
-    bound(&mut moved[bodies]);
+    let are_slow = bound(&mut moved[bodies]);
     for (joint, block) in joints.iter_mut().zip(blocks) {
-        joint.set_velocity::<3>(block, moved);
+        Steps::<3>::set_velocity(joint, block, moved, are_slow);
     }
 }
 
-/// Bounds the velocities of bodies by all joints.
+/// Bounds the velocities of bodies by all joints. Returns true if all are within [`SLOW`].
 #[inline(always)]
-fn bound(moved: &mut [[i64; 3]]) {
+fn bound(moved: &mut [[i64; 3]]) -> bool {
+    let mut raised = 0;
     for part in moved.as_flattened_mut() {
         *part = (*part).clamp(-FASTEST, FASTEST);
+        raised |= *part + SLOW;
     }
+    (0..2 * SLOW).contains(&raised)
 }
 
-/// The iterations over a loop with impulses of the first `ROWS` rows. Each goes over the joints three times: once each for the velocities of bodies
-/// by the directions, for the velocities of rows, and for the next residuals.
+/// A joint of a loop in the iterations, with impulses of its first `ROWS` rows.
+trait Steps<const ROWS: usize> {
+    /// The product of the residual and of P r, which is the first direction.
+    fn square(&self) -> i128;
+
+    /// Adds the effect of the direction on the bodies.
+    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]);
+
+    /// Finds the velocities of the rows by all directions; all bodies are within [`SLOW`] if `are_slow`. Returns their product with the direction.
+    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]], are_slow: bool) -> i128;
+
+    /// Goes a step along the direction, by less than 2^62.
+    fn advance(&mut self, step: i64);
+
+    /// Takes the part of a step off the residual: less than 2^47. Returns its product with P r.
+    fn lower_residual(&mut self, block: &Block, step: i64) -> i128;
+
+    /// Turns to the next direction, by less than 2^62.
+    fn turn(&mut self, kept: i64);
+}
+
+/// The iterations over a loop but for the last step along the directions, which is returned. Each goes over the joints three times: once each for the
+/// velocities of bodies by the directions, for the velocities of rows, and for the next residuals.
 #[inline(always)]
-fn iterate<const ROWS: usize>(
-    joints: &mut [LoopJoint],
+fn iterate<const ROWS: usize, J: Steps<ROWS>>(
+    joints: &mut [J],
     blocks: &[Block],
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
     iterations: usize,
-) {
+) -> i64 {
     let mut square = 0;
     moved[bodies.clone()].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
-        square += joint.product::<ROWS>(joint.residual, joint.preconditioned);
-        joint.move_bodies::<ROWS>(block, moved);
+        square += joint.square();
+        joint.move_bodies(block, moved);
     }
     for iteration in 1..=iterations {
         if square <= 0 {
-            return;
+            return 0;
         }
-        bound(&mut moved[bodies.clone()]);
+        let are_slow = bound(&mut moved[bodies.clone()]);
         let mut along = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.set_velocity::<ROWS>(block, moved);
-            along += joint.product::<ROWS>(joint.velocity, joint.direction);
+            along += joint.set_velocity(block, moved, are_slow);
         }
         if along <= 0 {
-            return;
+            return 0;
         }
         let step = quotient(square, along);
         if iteration == iterations {
-            for joint in joints.iter_mut() {
-                joint.advance::<ROWS>(step);
-            }
-            return;
+            return step;
         }
         let mut next = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.advance::<ROWS>(step);
-            joint.lower_residual::<ROWS>(block, step);
-            next += joint.product::<ROWS>(joint.residual, joint.preconditioned);
+            joint.advance(step);
+            next += joint.lower_residual(block, step);
         }
         let kept = quotient(i128::max(next, 0), square);
         square = next;
         moved[bodies.clone()].fill([0; 3]);
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.turn::<ROWS>(kept);
-            joint.move_bodies::<ROWS>(block, moved);
+            joint.turn(kept);
+            joint.move_bodies(block, moved);
         }
     }
+    0
 }

@@ -197,11 +197,12 @@ impl Joints {
             pose.advance(rows, self.moves, self.substeps);
         }
         let mut cut = 0;
-        for block in &mut self.blocks {
+        // Loops do it where they are solved, once their blocks are at hand.
+        let count = self.blocks.len() - self.loops.joint_count();
+        for block in &mut self.blocks[..count] {
             cut += block.advance(&self.poses, &mut self.laws);
         }
         self.trees.relax(&self.blocks);
-        self.loops.factor(&self.blocks, &self.soft);
         cut + self.pass(rows, lanes, false)
     }
 

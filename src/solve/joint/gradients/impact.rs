@@ -3,12 +3,12 @@
 
 use core::ops::Range;
 
-use super::{FINER_STILL, FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate};
+use super::{FRACTION, Loop, LoopJoint, Loops, RESIDUAL, Steps, iterate};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
 use crate::solve::joint::impact::{JointImpact, STOP_ROUNDS, StopSpeeds, add_gain};
-use crate::solve::number::{lowered, lowered_word, within};
+use crate::solve::number::{lowered, within};
 use crate::solve::unit::SoftRow;
 
 /// Iterations of an answer.
@@ -49,11 +49,6 @@ impl LoopJoint {
         self.precondition::<3>(block);
         self.direction = self.preconditioned;
     }
-
-    /// The impulses of the rows.
-    fn answered(&self) -> [i64; 3] {
-        self.solution.map(|impulse| lowered_word(impulse, FINER_STILL))
-    }
 }
 
 impl Loops {
@@ -88,14 +83,19 @@ impl Loops {
         impacts: Option<&[JointImpact]>,
     ) {
         let Self { joints, moved, loops, .. } = self;
-        let Loop { joints: range, bodies, .. } = &loops[index];
+        let Loop { joints: range, pins, bodies, .. } = &loops[index];
         let joints = &mut joints[range.clone()];
         for (number, (joint, block)) in joints.iter_mut().zip(blocks).enumerate() {
+            if !pins.is_empty() {
+                // Passes have records in its place.
+                joint.invert(block, soft.compliance);
+            }
             let ends = joint.ends(bodies.start, changes);
             let velocities = impacts.map_or([0; 3], |impacts| impacts[number].bias);
             joint.begin_impact(ends, velocities, block, laws, soft);
         }
-        iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+        let step = iterate::<3, _>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+        joints.iter_mut().for_each(|joint| Steps::<3>::advance(joint, step));
     }
 
     /// Stops rows of a loop as [`Joints::stop_rows`](crate::solve::joint::Joints::stop_rows) has it.
@@ -116,14 +116,14 @@ impl Loops {
             let moved = &mut self.moved[bodies.clone()];
             moved.copy_from_slice(changes);
             for (joint, block) in joints.iter().zip(blocks) {
-                let gains = JointImpact::default().add(joint.answered().map(i128::from), block, 0);
+                let gains = JointImpact::default().add(joint.changes().map(i128::from), block, 0);
                 joint.add_gains(bodies.start, moved, gains);
             }
             let mut are_new = false;
             for ((joint, block), impact) in joints.iter().zip(blocks).zip(impacts) {
                 let ends = joint.ends(bodies.start, moved);
                 let velocities = impact.coarse_velocities(speeds.coarse);
-                are_new |= block.revise_stops(ends, velocities, joint.answered(), speeds, laws);
+                are_new |= block.revise_stops(ends, velocities, joint.changes(), speeds, laws);
             }
             if !are_new {
                 return round > 0;
@@ -146,7 +146,7 @@ impl Loops {
         self.solve_impact(index, changes, blocks, laws, soft, Some(&*impacts));
         let Loop { joints, bodies, .. } = &self.loops[index];
         for ((joint, block), impact) in self.joints[joints.clone()].iter().zip(blocks).zip(impacts) {
-            let impulses = joint.answered().map(|impulse| i128::from(impulse) << coarse);
+            let impulses = joint.changes().map(|impulse| i128::from(impulse) << coarse);
             let gains = impact.add(impulses, block, coarse);
             joint.add_gains(bodies.start, changes, gains);
         }
@@ -172,7 +172,7 @@ impl Loops {
         self.solve_impact(index, changes, blocks, laws, soft, None);
         let Loop { joints, bodies, .. } = &self.loops[index];
         for (joint, block) in self.joints[joints.clone()].iter().zip(blocks) {
-            let gains = JointImpact::default().add(joint.answered().map(i128::from), block, 0);
+            let gains = JointImpact::default().add(joint.changes().map(i128::from), block, 0);
             joint.add_gains(bodies.start, changes, gains);
         }
     }

@@ -4,7 +4,7 @@
 
 use core::hint::black_box;
 
-use super::{DIRECTION, FAST, FINER_STILL, LoopJoint, MOVED, RAISED_RESIDUAL, SOLUTION};
+use super::{DIRECTION, FAST, FINER_STILL, LoopJoint, MOVED, RAISED_RESIDUAL, SOLUTION, Steps};
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
 use crate::solve::joint::turn::Pose;
 use crate::solve::joint::{Block, FINER, LOWER};
@@ -18,8 +18,29 @@ use crate::solve::unit::SoftRow;
 /// v · factor/2^30. *Domain* the result fits. Where all joints have the factor it comes out of a black box: compilers extend its sign ahead of
 /// the loop, and multiply by two words then.
 #[inline(always)]
-fn multiple(v: i64, factor: i64) -> i64 {
+pub(super) fn multiple(v: i64, factor: i64) -> i64 {
     lowered_low(i128::from(v) * i128::from(factor), 30)
+}
+
+/// P r of both rows of a pair, with elements 11, 12 and 22 of P in 2^-shift.
+#[inline(always)]
+pub(super) fn times_inverse([e11, e12, e22]: [i64; 3], shift: i32, [x, y]: [i64; 2]) -> [i64; 2] {
+    let room = 64 - RAISED_RESIDUAL - shift;
+    if matches!(room, 0..31) {
+        // Elements have 31 bits, and residuals 36: they are raised to 61 and 62 bits.
+        let ([e11, e12, e22], [x, y]) =
+            ([e11 << room, e12 << room, e22 << room], [x << RAISED_RESIDUAL, y << RAISED_RESIDUAL]);
+        let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
+        return [within_word(upper(sums[0]), DIRECTION), within_word(upper(sums[1]), DIRECTION)];
+    }
+    let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
+    sums.map(|sum| within(shifted(sum, shift), DIRECTION))
+}
+
+/// A product of a velocity and an impulse in a unit of impulses that is coarser by so many bits. Rounded down: it is even.
+#[inline(always)]
+pub(super) fn in_coarser_unit(product: i128, bits: i32) -> i128 {
+    if bits == 0 { product } else { product >> bits.min(127) }
 }
 
 impl Block {
@@ -31,6 +52,78 @@ impl Block {
         // Products of axes are below 2^60, of crosses below 2^61.
         let turning = self.crosses[i][side] * self.crosses[j][side];
         lowered(product(mx, ix * jx) + product(my, iy * jy) + product(angular, turning), 60)
+    }
+}
+
+/// P of a joint that holds a point: elements 11, 12 and 22, which have 31 bits, in 2^-shift of an impulse by 2^-[`FRACTION`] of velocity. With γ of both
+/// rows, as a factor of mass of the block.
+pub(super) struct PairInverse {
+    pub(super) elements: [i64; 3],
+    pub(super) shift: i32,
+    pub(super) compliance: i64,
+}
+
+impl Block {
+    /// P and γ of a joint that holds a point.
+    #[inline(always)]
+    pub(super) fn pair_inverse(&self, compliance: i32) -> PairInverse {
+        // The axes of a pair are the world's: an impulse along one moves no centre along the other, and masses along them are whole.
+        let turning = |side: usize, i: usize, j: usize| {
+            let crosses = self.crosses[i][side] * self.crosses[j][side];
+            i128::from(lowered_low(i128::from(self.sides[side].masses[2]) * i128::from(crosses), 60))
+        };
+        let linear = |axis: usize| i128::from(self.sides[0].masses[axis]) + i128::from(self.sides[1].masses[axis]);
+        let k11 = linear(0) + turning(0, 0, 0) + turning(1, 0, 0);
+        let k12 = turning(0, 0, 1) + turning(1, 0, 1);
+        let k22 = linear(1) + turning(0, 1, 1) + turning(1, 1, 1);
+        let softness = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
+        // Bodies that move along one axis only make the matrix singular.
+        let extra = (k11 + k22) >> 20;
+        let (k11, k22) = (k11 + extra, k22 + extra);
+        // Down to 58 bits.
+        let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
+        let [k11, k12, k22] = [k11, k12, k22].map(|k| shifted(k, down) as i64);
+        // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
+        let inverse = Inverse::of(Matrix { k11, k12: k12.abs(), k22 });
+        let rigid = (1_i64 << 60) / ((1 << 30) + i64::from(compliance));
+        let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid));
+        PairInverse {
+            elements: [e11, if k12 < 0 { -e12 } else { e12 }, e22],
+            shift: inverse.exponent + down - self.mass_bits - FINER + FRACTION - FINER_STILL,
+            compliance: softness,
+        }
+    }
+
+    /// The residual of the rows that are held at the beginning of a pass, with γ of these rows.
+    #[inline(always)]
+    pub(super) fn residual_of(
+        &self,
+        compliance: [i64; 2],
+        poses: &[Pose],
+        rows: &Rows,
+        soft: &SoftRow,
+        is_biased: bool,
+    ) -> [i64; 2] {
+        let velocities = self.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
+        let mut residual = [0; 2];
+        for (row, velocity) in velocities.into_iter().enumerate() {
+            if self.held[row] {
+                // Below 2^62.
+                let mut sum = lowered_word(velocity, 30 - FRACTION);
+                let bits = self.mass_bits + FINER - FRACTION;
+                if is_biased {
+                    let soft = product(compliance[row], self.impulses[row]);
+                    // More than the sum may be is as good as that.
+                    sum += if bits > 1 {
+                        lowered_within(soft, bits, 1 << 61)
+                    } else {
+                        within(shifted(soft, bits), 1 << 61)
+                    };
+                }
+                residual[row] = -within_word(sum, RESIDUAL);
+            }
+        }
+        residual
     }
 }
 
@@ -48,58 +141,27 @@ impl LoopJoint {
             }
             return;
         }
-        // The axes of a pair are the world's: an impulse along one moves no centre along the other, and masses along them are whole.
-        let turning = |side: usize, i: usize, j: usize| {
-            let crosses = block.crosses[i][side] * block.crosses[j][side];
-            i128::from(lowered_low(i128::from(block.sides[side].masses[2]) * i128::from(crosses), 60))
-        };
-        let linear = |axis: usize| i128::from(block.sides[0].masses[axis]) + i128::from(block.sides[1].masses[axis]);
-        let k11 = linear(0) + turning(0, 0, 0) + turning(1, 0, 0);
-        let k12 = turning(0, 0, 1) + turning(1, 0, 1);
-        let k22 = linear(1) + turning(0, 1, 1) + turning(1, 1, 1);
-        let softness = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
-        (self.compliance[0], self.compliance[1]) = (softness, softness);
-        // Bodies that move along one axis only make the matrix singular.
-        let extra = (k11 + k22) >> 20;
-        let (k11, k22) = (k11 + extra, k22 + extra);
-        // Down to 58 bits.
-        let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
-        let [k11, k12, k22] = [k11, k12, k22].map(|k| shifted(k, down) as i64);
-        // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
-        let inverse = Inverse::of(Matrix { k11, k12: k12.abs(), k22 });
-        let rigid = (1_i64 << 60) / ((1 << 30) + i64::from(compliance));
-        let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid));
-        self.inverse = [e11, if k12 < 0 { -e12 } else { e12 }, e22];
-        self.inverse_shift = inverse.exponent + down - block.mass_bits - FINER + FRACTION - FINER_STILL;
+        let PairInverse { elements, shift, compliance } = block.pair_inverse(compliance);
+        (self.inverse, self.inverse_shift) = (elements, shift);
+        (self.compliance[0], self.compliance[1]) = (compliance, compliance);
     }
 
     /// Begins a pass with the residual of the rows.
     #[inline(always)]
     pub(super) fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
-        let residual = block.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
-        self.residual = [0; 3];
-        for (row, part) in residual.into_iter().enumerate() {
-            if block.held[row] {
-                // Below 2^62.
-                let mut sum = lowered_word(part, 30 - FRACTION);
-                let bits = block.mass_bits + FINER - FRACTION;
-                if is_biased {
-                    let soft = i128::from(self.compliance[row]) * i128::from(block.impulses[row]);
-                    // More than the sum may be is as good as that.
-                    sum += if bits > 1 {
-                        lowered_within(soft, bits, 1 << 61)
-                    } else {
-                        within(shifted(soft, bits), 1 << 61)
-                    };
-                }
-                self.residual[row] = -within_word(sum, RESIDUAL);
-            }
-        }
-        let [first, second, _] = self.residual;
-        self.start = [first, second];
+        let [first, second, _] = self.compliance;
+        let residual = block.residual_of([first, second], poses, rows, soft, is_biased);
+        self.start = residual;
+        self.residual = [residual[0], residual[1], 0];
         self.solution = [0; 3];
         self.precondition::<3>(block);
         self.direction = self.preconditioned;
+    }
+
+    /// The changes of the impulses.
+    #[inline(always)]
+    pub(super) fn changes(&self) -> [i64; 3] {
+        self.solution.map(|impulse| lowered_word(impulse, FINER_STILL))
     }
 
     /// True for rows whose velocities have a part in the solution.
@@ -113,38 +175,65 @@ impl LoopJoint {
     pub(super) fn precondition<const ROWS: usize>(&mut self, block: &Block) {
         let alone = |row: usize| if row < ROWS { self.precondition_alone(block, row) } else { 0 };
         self.preconditioned = if self.is_pair {
-            let [e11, e12, e22] = self.inverse;
             let [x, y, _] = self.residual;
-            let room = 64 - RAISED_RESIDUAL - self.inverse_shift;
-            let [x, y] = if matches!(room, 0..31) {
-                // Elements have 31 bits, and residuals 36: they are raised to 61 and 62 bits.
-                let ([e11, e12, e22], [x, y]) =
-                    ([e11 << room, e12 << room, e22 << room], [x << RAISED_RESIDUAL, y << RAISED_RESIDUAL]);
-                let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
-                [within_word(upper(sums[0]), DIRECTION), within_word(upper(sums[1]), DIRECTION)]
-            } else {
-                let sums = [product(e11, x) + product(e12, y), product(e12, x) + product(e22, y)];
-                sums.map(|sum| within(shifted(sum, self.inverse_shift), DIRECTION))
-            };
+            let [x, y] = times_inverse(self.inverse, self.inverse_shift, [x, y]);
             [x, y, alone(2)]
         } else {
             [alone(0), alone(1), alone(2)]
         };
     }
 
-    /// The product of a velocity and an impulse, in the coarsest unit of the loop. Rounded down: it is even.
+    /// The product of a velocity and an impulse, in the coarsest unit of the loop.
     #[inline(always)]
-    pub(super) fn product<const ROWS: usize>(&self, velocity: [i64; 3], impulse: [i64; 3]) -> i128 {
+    fn product<const ROWS: usize>(&self, velocity: [i64; 3], impulse: [i64; 3]) -> i128 {
         let mut product = 0;
         for row in 0..ROWS {
             product += i128::from(velocity[row]) * i128::from(impulse[row]);
         }
-        if self.coarser == 0 { product } else { product >> self.coarser.min(127) }
+        in_coarser_unit(product, self.coarser)
     }
 
-    /// Adds the effect of the direction on the bodies.
+    /// Adds the effect of the direction of a rope on the bodies.
+    fn move_by_rope(&self, block: &Block, moved: &mut [[i64; 3]]) {
+        for side in 0..2 {
+            let Some(moved) = moved.get_mut(self.bodies[side] as usize) else { continue };
+            let [x, y] = block.axes[side];
+            let impulses =
+                [x, y, block.crosses[0][side]].map(|factor| lowered_low(product(self.direction[0], factor), LOWER));
+            let sign = if side == 0 { -1 } else { 1 };
+            for (moved, change) in
+                moved.iter_mut().zip(velocities_by(&block.sides[side].masses, impulses, moved_bits(block)))
+            {
+                *moved += sign * change;
+            }
+        }
+    }
+
+    /// The velocity by which a row gives way to the direction.
     #[inline(always)]
-    pub(super) fn move_bodies<const ROWS: usize>(&self, block: &Block, moved: &mut [[i64; 3]]) {
+    pub(super) fn gives(&self, block: &Block, row: usize) -> i64 {
+        let gives = i128::from(self.compliance[row]) * i128::from(self.direction[row]);
+        // From 9 to 58 bits.
+        lowered_within(gives, block.mass_bits + FINER + FINER_STILL - FRACTION, RESIDUAL as i64)
+    }
+
+    /// [`gives`](Self::gives) of a row that is held: its compliance is at most twice the largest mass of a row.
+    #[inline(always)]
+    pub(super) fn gives_held(&self, block: &Block, row: usize) -> i64 {
+        // Below 2^57 · 2^51.
+        let gives = product(self.compliance[row] << compliance_room(block), self.direction[row]);
+        within_word(upper(gives), RESIDUAL)
+    }
+}
+
+impl<const ROWS: usize> Steps<ROWS> for LoopJoint {
+    #[inline(always)]
+    fn square(&self) -> i128 {
+        self.product::<ROWS>(self.residual, self.preconditioned)
+    }
+
+    #[inline(always)]
+    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let along = |row: usize, factor: i64| product(self.direction[row], factor);
         let [x, y, turn_a, turn_b] = if self.is_pair {
             // The axes of a pair are the world's.
@@ -185,25 +274,8 @@ impl LoopJoint {
         }
     }
 
-    /// Adds the effect of the direction of a rope on the bodies.
-    fn move_by_rope(&self, block: &Block, moved: &mut [[i64; 3]]) {
-        for side in 0..2 {
-            let Some(moved) = moved.get_mut(self.bodies[side] as usize) else { continue };
-            let [x, y] = block.axes[side];
-            let impulses =
-                [x, y, block.crosses[0][side]].map(|factor| lowered_low(product(self.direction[0], factor), LOWER));
-            let sign = if side == 0 { -1 } else { 1 };
-            for (moved, change) in
-                moved.iter_mut().zip(velocities_by(&block.sides[side].masses, impulses, moved_bits(block)))
-            {
-                *moved += sign * change;
-            }
-        }
-    }
-
-    /// The velocities of the rows by all directions.
     #[inline(always)]
-    pub(super) fn set_velocity<const ROWS: usize>(&mut self, block: &Block, moved: &[[i64; 3]]) {
+    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]], _: bool) -> i128 {
         let velocity = |body: u32| moved.get(body as usize).copied().unwrap_or_default();
         let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         // Below 2^76.
@@ -218,10 +290,8 @@ impl LoopJoint {
             if ROWS > 2 && block.is_active[2] {
                 self.velocity[2] = velocity(product(mb, b[2]) - product(ma, a[2]), self.gives(block, 2));
             }
-            return;
-        }
-        for row in 0..ROWS {
-            if block.is_active[row] {
+        } else {
+            for row in (0..ROWS).filter(|&row| block.is_active[row]) {
                 let ([ux, uy], [ka, kb]) = (block.axes[row], block.crosses[row]);
                 let way = if block.is_pulley() {
                     let [vx, vy] = block.axes[1];
@@ -233,48 +303,30 @@ impl LoopJoint {
                 self.velocity[row] = velocity(sum, self.gives(block, row));
             }
         }
+        self.product::<ROWS>(self.velocity, self.direction)
     }
 
-    /// The velocity by which a row gives way to the direction.
     #[inline(always)]
-    pub(super) fn gives(&self, block: &Block, row: usize) -> i64 {
-        let gives = i128::from(self.compliance[row]) * i128::from(self.direction[row]);
-        // From 9 to 58 bits.
-        lowered_within(gives, block.mass_bits + FINER + FINER_STILL - FRACTION, RESIDUAL as i64)
-    }
-
-    /// [`gives`](Self::gives) of a row that is held: its compliance is at most twice the largest mass of a row.
-    #[inline(always)]
-    pub(super) fn gives_held(&self, block: &Block, row: usize) -> i64 {
-        let room = 64 - (block.mass_bits + FINER + FINER_STILL - FRACTION);
-        // Below 2^57 · 2^51.
-        let gives = i128::from(self.compliance[row] << room) * i128::from(self.direction[row]);
-        within_word(upper(gives), RESIDUAL)
-    }
-
-    /// Goes a step along the direction, by less than 2^62.
-    #[inline(always)]
-    pub(super) fn advance<const ROWS: usize>(&mut self, step: i64) {
+    fn advance(&mut self, step: i64) {
         let step = black_box(step);
         for row in 0..ROWS {
             self.solution[row] = within_word(self.solution[row] + multiple(self.direction[row], step), SOLUTION);
         }
     }
 
-    /// Takes the part of a step off the residual: less than 2^47.
     #[inline(always)]
-    pub(super) fn lower_residual<const ROWS: usize>(&mut self, block: &Block, step: i64) {
+    fn lower_residual(&mut self, block: &Block, step: i64) -> i128 {
         let step = black_box(step);
         for row in 0..ROWS {
             let residual = within_word(self.residual[row] - multiple(self.velocity[row], step), RESIDUAL);
             self.residual[row] = if self.is_solved(row) { residual } else { self.residual[row] };
         }
         self.precondition::<ROWS>(block);
+        self.product::<ROWS>(self.residual, self.preconditioned)
     }
 
-    /// Turns to the next direction, by less than 2^62.
     #[inline(always)]
-    pub(super) fn turn<const ROWS: usize>(&mut self, kept: i64) {
+    fn turn(&mut self, kept: i64) {
         let kept = black_box(kept);
         for row in 0..ROWS {
             let direction = self.preconditioned[row] + multiple(self.direction[row], kept);
@@ -283,26 +335,39 @@ impl LoopJoint {
     }
 }
 
+/// Bits by which the compliance of a row that is held is raised, so that the velocities by which it gives way stand in the upper words of products.
+#[inline(always)]
+pub(super) fn compliance_room(block: &Block) -> i32 {
+    64 - (block.mass_bits + FINER + FINER_STILL - FRACTION)
+}
+
 /// The bits from products of masses and lowered impulses down to velocities of bodies: from 15 to 64, as masses of rows have at most 50.
 #[inline(always)]
-fn moved_bits(block: &Block) -> i32 {
+pub(super) fn moved_bits(block: &Block) -> i32 {
     block.mass_bits + FINER + FINER_STILL + 30 - LOWER - MOVED
+}
+
+/// Returns true if masses that give velocities with so many bits too many stand in words when raised by these bits, of 64: raised by at most 18 bits
+/// they are at most 2^62.
+pub(super) fn has_usual_masses(bits: i32) -> bool {
+    matches!(bits, 46..65)
+}
+
+/// [`velocities_by`] of raised masses, which have the velocities in the upper words of their products.
+#[inline(always)]
+pub(super) fn raised_velocities(masses: [i64; 3], impulses: [i64; 3]) -> [i64; 3] {
+    [0, 1, 2].map(|k| within_word(upper(product(masses[k], impulses[k])), FAST))
 }
 
 /// The changes of velocity of a body by impulses in 2^62 along x and y and of rotation, each within [`FAST`].
 #[inline(always)]
 fn velocities_by(masses: &[i64; 3], impulses: [i64; 3], bits: i32) -> [i64; 3] {
+    if has_usual_masses(bits) {
+        return raised_velocities(masses.map(|mass| mass << (64 - bits)), impulses);
+    }
     let mut velocities = [0; 3];
-    if matches!(bits, 46..65) {
-        // Raised by at most 18 bits masses are at most 2^62.
-        for k in 0..3 {
-            let product = i128::from(masses[k] << (64 - bits)) * i128::from(impulses[k]);
-            velocities[k] = within_word(upper(product), FAST);
-        }
-    } else {
-        for k in 0..3 {
-            velocities[k] = within(lowered(i128::from(masses[k]) * i128::from(impulses[k]), bits), FAST);
-        }
+    for k in 0..3 {
+        velocities[k] = within(lowered(i128::from(masses[k]) * i128::from(impulses[k]), bits), FAST);
     }
     velocities
 }

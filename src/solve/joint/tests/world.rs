@@ -126,6 +126,8 @@ pub(super) struct World {
     pub(super) links: Vec<Link>,
     pub(super) gravity: [f64; 2],
     pub(super) options: SolverOptions,
+    /// A link beside which there is a line that has no law, and so no row.
+    pub(super) free_line: Option<usize>,
     /// Impulses of boxes on the floor y = 0, by body.
     floor: Vec<Impulses>,
     /// Impulses of discs, by pair of bodies.
@@ -327,6 +329,11 @@ impl World {
             *radius = (*radius).max(fx(2.0 * (x.hypot(y) + px.hypot(py))));
         }
         let mut joints: Vec<Joint> = self.links.iter().map(|link| self.joint(link)).collect();
+        joints.extend(self.free_line.map(|link| Joint {
+            kind: JointKind::Line,
+            impulses: Impulses::default(),
+            ..joints[link]
+        }));
         let bodies = self.bodies.iter().enumerate();
         let mut contacts: Vec<Contact> = bodies.filter_map(|(i, body)| self.contact(i, body)).collect();
         let on_floor = contacts.len();
