@@ -70,7 +70,7 @@ mod turn;
 use alloc::vec::Vec;
 
 use self::axis::AxisRow;
-use self::gains::{RopeSums, Sums};
+use self::gains::Sums;
 use self::turn::{Pose, Side};
 use super::bodies::{SolverBody, largest_exponent};
 use super::motion::{Rows, Vector};
@@ -238,44 +238,29 @@ fn length_of(x: i64, y: i64) -> i64 {
 }
 
 /// A joint as the passes see it: through the sub-steps in place of a [`Joint`].
+///
+/// Passes go over many blocks that caches do not hold: so all that joints that hold a point need in a pass stands at the front, then all that their
+/// moves need, and the rest behind.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(super) struct Block {
-    /// Index of the joint.
-    pub(super) joint: u32,
     sides: [Side; 2],
-    frame: Frame,
-    /// The rows that the joint holds at zero.
-    held: [bool; 2],
-    /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
-    laws: [u32; 3],
-    /// True for rows that are not free.
-    is_active: [bool; 3],
-    /// log2 of the length at which the velocities of the third row are taken, m.
-    axis_length: i32,
-    /// The lengths that the errors of rows along the axes are counted from: lengths that are held, or lengths at the start.
-    lengths: [i64; 2],
-    /// The offset from the first anchor to the second at the start, without both arms.
-    base: [i64; 2],
-    /// The number of sub-steps.
-    substeps: i32,
-    /// True if the displacement of a row differs from the displacement of its body.
-    is_shifted: bool,
-    /// log2 of the unit of its impulses, N·s.
-    pub(super) exponent: i32,
-    /// log2 of that unit over the unit of velocity, kg.
-    mass_exponent: i32,
-    /// The number of bits of the largest mass factor of a row.
-    mass_bits: i32,
-    /// Axes of the rows, in 2^-30.
-    axes: [[i64; 2]; 3],
     /// Cross products of arms and axes by row and body, in 2^-30 of the bodies' lengths.
     crosses: [[i64; 2]; 3],
-    /// Errors of the rows.
-    errors: [i64; 2],
-    /// The distance of the anchors.
-    distance: i64,
     /// Impulses of the sub-step, by row.
     pub(super) impulses: [i64; 3],
+    /// Errors of the rows.
+    errors: [i64; 2],
+    /// The number of bits of the largest mass factor of a row.
+    mass_bits: i32,
+    /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
+    laws: [u32; 3],
+    /// The rows that the joint holds at zero.
+    held: [bool; 2],
+    /// True for rows that are not free.
+    is_active: [bool; 3],
+    /// True if the displacement of a row differs from the displacement of its body.
+    is_shifted: bool,
     /// The impulses applied in the sub-step.
     change: Sums,
     /// Sums of the changes of all sub-steps, of the present one from its move on.
@@ -284,7 +269,27 @@ pub(super) struct Block {
     pub(super) weighted: Sums,
     /// The sum of the impulses around of all sub-steps and impacts: below 2^60.
     around: i64,
-    rope_sums: RopeSums,
+    frame: Frame,
+    /// The offset from the first anchor to the second at the start, without both arms.
+    base: [i64; 2],
+    /// The lengths that the errors of rows along the axes are counted from: lengths that are held, or lengths at the start.
+    lengths: [i64; 2],
+    /// Axes of the rows, in 2^-30.
+    axes: [[i64; 2]; 3],
+    /// The distance of the anchors.
+    distance: i64,
+    /// The number of the rope of a pulley; [`NONE`] for other joints.
+    rope: u32,
+    /// Index of the joint.
+    pub(super) joint: u32,
+    /// log2 of the length at which the velocities of the third row are taken, m.
+    axis_length: i32,
+    /// The number of sub-steps.
+    substeps: i32,
+    /// log2 of the unit of its impulses, N·s.
+    pub(super) exponent: i32,
+    /// log2 of that unit over the unit of velocity, kg.
+    mass_exponent: i32,
 }
 
 impl Block {
@@ -379,30 +384,30 @@ impl Block {
             }
         };
         Self {
-            joint: index as u32,
             sides,
-            frame,
-            held,
-            laws,
-            is_active,
-            axis_length,
-            lengths,
-            base,
-            substeps: clock.substeps as i32,
-            is_shifted: false,
-            exponent,
-            mass_exponent,
-            mass_bits,
-            axes: [[1 << 30, 0], [0, 1 << 30], [0; 2]],
             crosses: [[0; 2], [0; 2], turning],
-            errors: [0; 2],
-            distance: 0,
             impulses: [warm(0, 0), warm(1, 0), warm(2, axis_length)],
+            errors: [0; 2],
+            mass_bits,
+            laws,
+            held,
+            is_active,
+            is_shifted: false,
             change: Sums::default(),
             applied: Sums::default(),
             weighted: Sums::default(),
             around: 0,
-            rope_sums: RopeSums::default(),
+            frame,
+            base,
+            lengths,
+            axes: [[1 << 30, 0], [0, 1 << 30], [0; 2]],
+            distance: 0,
+            rope: NONE,
+            joint: index as u32,
+            axis_length,
+            substeps: clock.substeps as i32,
+            exponent,
+            mass_exponent,
         }
     }
 

@@ -19,38 +19,91 @@ const RAISED: i32 = 18;
 /// The largest sum of changes of a body in a pass, in 2^-30 of a unit: beyond all velocities.
 const LARGEST_GAIN: i128 = 1 << 61;
 
-/// The changes of the velocities of bodies by the joints of a pass, by row, in 2^-30 of a unit.
+/// The changes of the velocities of bodies by joints in a sub-step, by row.
 ///
 /// # Ranges
 /// Changes by a joint are below 2^100: sums over 2^24 joints are below 2^124.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Gains {
-    rows: Vec<[i128; 3]>,
+    rows: Vec<Gain>,
+    /// The ropes of pulleys.
+    ropes: Vec<RopeSums>,
+}
+
+/// The changes of the velocity of a body, in 2^-30 of a unit: joints give all of the sub-step in each pass, and the body takes up the difference.
+#[derive(Clone, Copy, Debug, Default)]
+struct Gain {
+    sums: [i128; 3],
+    /// The sums of the pass before.
+    applied: [i128; 3],
+    /// True if the joints of the body take part in the pass: all of them do, or none.
+    is_new: bool,
 }
 
 impl Gains {
     #[cfg(test)]
     pub(super) fn capacity(&self) -> usize {
-        self.rows.capacity()
+        self.rows.capacity() + self.ropes.capacity()
+    }
+
+    /// Forgets the step before.
+    pub(super) fn clear(&mut self) {
+        self.rows.clear();
+        self.ropes.clear();
     }
 
     /// Begins a step with so many rows, none of which has changed.
-    pub(super) fn clear(&mut self, row_count: u32) {
-        self.rows.clear();
-        self.rows.resize(row_count as usize, [0; 3]);
+    pub(super) fn set_rows(&mut self, row_count: u32) {
+        self.rows.resize(row_count as usize, Gain::default());
+    }
+
+    /// Adds the rope of a pulley. Returns its number.
+    pub(super) fn add_rope(&mut self) -> u32 {
+        self.ropes.push(RopeSums::default());
+        self.ropes.len() as u32 - 1
+    }
+
+    /// Begins a sub-step of all ropes.
+    pub(super) fn begin_ropes(&mut self) {
+        self.ropes.iter_mut().for_each(RopeSums::begin);
+    }
+
+    /// Adds up the changes of all ropes that moved the bodies.
+    pub(super) fn weigh_ropes(&mut self) {
+        self.ropes.iter_mut().for_each(RopeSums::weigh);
+    }
+
+    /// The sums along x and y of the second body of a pulley: of the changes of all sub-steps, and of the changes up to the moves.
+    pub(super) fn rope_totals(&self, block: &Block) -> Option<[[i128; 2]; 2]> {
+        let &RopeSums { change, applied, weighted, .. } = self.ropes.get(block.rope as usize)?;
+        Some([[applied[0] + change[0], applied[1] + change[1]], weighted])
     }
 
     /// Gives the changes to the bodies, which have none then. Returns the number of values that were cut off.
     #[inline(always)]
     pub(super) fn apply<L: Lanes>(&mut self, rows: &mut Rows, touched: &[u32], lanes: L) -> u64 {
         for &row in touched {
-            let (gain, sums) = (&mut rows.rows[row as usize].gain, &mut self.rows[row as usize]);
-            for axis in 0..3 {
-                gain[axis] += within(sums[axis], LARGEST_GAIN);
+            let (gain, Gain { sums, applied, is_new }) =
+                (&mut rows.rows[row as usize].gain, &mut self.rows[row as usize]);
+            if *is_new {
+                for axis in 0..3 {
+                    gain[axis] += within(sums[axis] - applied[axis], LARGEST_GAIN);
+                }
+                (*sums, *applied, *is_new) = ([0; 3], *sums, false);
             }
-            *sums = [0; 3];
         }
         rows.apply_gains(lanes, touched)
+    }
+}
+
+impl Gain {
+    /// Adds the changes by a joint.
+    #[inline(always)]
+    fn add(&mut self, changes: [i128; 3], sign: i128) {
+        for (sum, change) in self.sums.iter_mut().zip(changes) {
+            *sum += sign * change;
+        }
+        self.is_new = true;
     }
 }
 
@@ -64,9 +117,6 @@ impl Block {
     /// Begins a sub-step with the impulses of the one before, at the present arms.
     #[inline(always)]
     pub(super) fn warm_start(&mut self, gains: &mut Gains) {
-        if self.is_pulley() {
-            self.rope_sums.begin();
-        }
         self.around += self.impulses[2];
         self.change = self.sums(self.impulses);
         self.give_gains(gains);
@@ -94,25 +144,6 @@ impl Block {
     pub(super) fn weigh(&mut self) {
         self.applied.add(&self.change);
         self.weighted.add(&self.applied);
-        if self.is_pulley() {
-            self.rope_sums.weigh();
-        }
-    }
-
-    /// The sums along x and y of the second body of a pulley: of the changes of all sub-steps, and of the changes up to the moves.
-    pub(super) fn rope_totals(&self) -> Option<[[i128; 2]; 2]> {
-        let RopeSums { change, applied, weighted, .. } = self.rope_sums;
-        self.is_pulley().then(|| [[applied[0] + change[0], applied[1] + change[1]], weighted])
-    }
-
-    /// Adds the impulse of a rope, less the part that was added before, to the sums of the second body.
-    fn pull_rope(&mut self) {
-        let [impulse, ..] = self.impulses;
-        let RopeSums { impulse: before, change, .. } = &mut self.rope_sums;
-        for (change, part) in change.iter_mut().zip(self.axes[1]) {
-            *change += product(impulse - *before, part);
-        }
-        *before = impulse;
     }
 
     /// The sums of impulses of the rows; of a pulley along x and y of the first body.
@@ -144,21 +175,25 @@ impl Block {
     }
 
     /// Adds the impulses of an impact.
-    pub(super) fn strike(&mut self, impulses: [i64; 3]) {
+    pub(super) fn strike(&mut self, impulses: [i64; 3], gains: &mut Gains) {
         let sums = self.sums(impulses);
         self.around += impulses[2];
         self.applied.add(&sums);
         let linear = self.linear_of_second(sums.linear, impulses);
-        (0..2).for_each(|axis| self.rope_sums.applied[axis] += linear[axis]);
+        if let Some(rope) = gains.ropes.get_mut(self.rope as usize) {
+            (0..2).for_each(|axis| rope.applied[axis] += linear[axis]);
+        }
     }
 
     /// Takes the way by the impulses of an impact back that the bodies would have gone before it.
-    pub(super) fn take_back(&mut self, impulses: [i64; 3]) {
+    pub(super) fn take_back(&mut self, impulses: [i64; 3], gains: &mut Gains) {
         let impulses = impulses.map(|impulse| -impulse);
         let sums = self.sums(impulses);
         self.weighted.add(&sums);
         let linear = self.linear_of_second(sums.linear, impulses);
-        (0..2).for_each(|axis| self.rope_sums.weighted[axis] += linear[axis]);
+        if let Some(rope) = gains.ropes.get_mut(self.rope as usize) {
+            (0..2).for_each(|axis| rope.weighted[axis] += linear[axis]);
+        }
     }
 
     /// The bits from products of masses and lowered impulses down to gains. Masses of rows have at most 50 bits: there are at least 8 bits left.
@@ -176,9 +211,9 @@ impl Block {
         [gain(0, x), gain(1, y), gain(2, turn)]
     }
 
-    /// Adds to the gains of the bodies the changes of velocity by the impulses of the sub-step, less the part that was added before.
+    /// Adds the changes of velocity by the impulses of the sub-step to the gains of the bodies.
     #[inline(always)]
-    pub(super) fn give_gains(&mut self, gains: &mut Gains) {
+    pub(super) fn give_gains(&self, gains: &mut Gains) {
         // The bits that are lowered away are below 2^-18 of a unit of velocity, and exact in the end.
         let Sums { linear: [x, y], turns: [turn_a, turn_b] } = self.change;
         let [x, y] = if self.holds_point() {
@@ -196,25 +231,26 @@ impl Block {
             return self.give_large_gains(gains);
         }
         let [x, y, turn_a, turn_b] = [x << up, y << up, turn_a << up, turn_b << up];
-        let [first, second] = &mut self.sides;
-        let (first_gain, second_gain) = (first.gain([x, y, turn_a]), second.gain([x, y, turn_b]));
-        first.give(gains, first_gain.map(i128::from), -1);
-        second.give(gains, second_gain.map(i128::from), 1);
+        let (first_gain, second_gain) = (self.sides[0].gain([x, y, turn_a]), self.sides[1].gain([x, y, turn_b]));
+        gains.rows[first].add(first_gain.map(i128::from), -1);
+        gains.rows[second].add(second_gain.map(i128::from), 1);
     }
 
     /// [`give_gains`](Self::give_gains) by impulses of any size, and of pulleys.
     #[cold]
-    fn give_large_gains(&mut self, gains: &mut Gains) {
-        if self.is_pulley() {
-            self.pull_rope();
+    fn give_large_gains(&self, gains: &mut Gains) {
+        let mut linear = [self.change.linear; 2];
+        if let Some(rope) = gains.ropes.get_mut(self.rope as usize) {
+            rope.pull(self.impulses[0], self.axes[1]);
+            linear[1] = rope.change;
         }
         for (side, sign) in [(0, -1), (1, 1)] {
             if !self.sides[side].is_movable() {
                 continue;
             }
-            let [x, y] = if self.is_pulley() && side == 1 { self.rope_sums.change } else { self.change.linear };
-            let applied_gain = self.gains(side, [x, y, self.change.turns[side]], 0);
-            self.sides[side].give(gains, applied_gain, sign);
+            let [x, y] = linear[side];
+            let gain = self.gains(side, [x, y, self.change.turns[side]], 0);
+            gains.rows[self.sides[side].row as usize].add(gain, sign);
         }
     }
 }
@@ -228,7 +264,7 @@ pub(in crate::solve) struct Sums {
 
 /// The sums along x and y of the second body of a pulley, whose rope pulls its bodies in directions of their own.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct RopeSums {
+struct RopeSums {
     /// The impulse of the rope in the change.
     impulse: i64,
     change: [i128; 2],
@@ -238,16 +274,22 @@ pub(super) struct RopeSums {
 
 impl RopeSums {
     /// Begins a sub-step.
-    #[cold]
     fn begin(&mut self) {
         (0..2).for_each(|axis| self.applied[axis] += self.change[axis]);
         (self.change, self.impulse) = ([0; 2], 0);
     }
 
     /// Adds the changes that moved the bodies.
-    #[cold]
-    pub(super) fn weigh(&mut self) {
+    fn weigh(&mut self) {
         (0..2).for_each(|axis| self.weighted[axis] += self.applied[axis] + self.change[axis]);
+    }
+
+    /// Adds the impulse of the rope along its axis, less the part that was added before.
+    fn pull(&mut self, impulse: i64, axis: [i64; 2]) {
+        for (change, part) in self.change.iter_mut().zip(axis) {
+            *change += product(impulse - self.impulse, part);
+        }
+        self.impulse = impulse;
     }
 }
 
@@ -268,15 +310,5 @@ impl Side {
     fn gain(&self, [x, y, turn]: [i64; 3]) -> [i64; 3] {
         let [mx, my, angular] = self.masses;
         [upper(product(mx << RAISED, x)), upper(product(my << RAISED, y)), upper(product(angular << RAISED, turn))]
-    }
-
-    /// Adds a change of velocity to the gains, less the part that was added before.
-    #[inline(always)]
-    fn give(&mut self, gains: &mut Gains, gain: [i128; 3], sign: i128) {
-        let sums = &mut gains.rows[self.row as usize];
-        for axis in 0..3 {
-            sums[axis] += sign * (gain[axis] - self.applied_gain[axis]);
-        }
-        self.applied_gain = gain;
     }
 }

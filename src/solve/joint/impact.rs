@@ -257,7 +257,7 @@ impl Joints {
         let is_settled = !self.is_impact_cut(assembly);
         for index in self.blocks_of(assembly) {
             if is_settled {
-                self.blocks[index].strike(self.impacts[index].impulses);
+                self.blocks[index].strike(self.impacts[index].impulses, &mut self.gains);
             }
         }
         if !is_settled {
@@ -411,7 +411,7 @@ impl Joints {
     pub(in crate::solve) fn apply_impact(&mut self, assembly: usize, ways: &mut [[i64; 3]], coarse: i32) {
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
-            block.strike(self.impacts[index].impulses);
+            block.strike(self.impacts[index].impulses, &mut self.gains);
         }
         let blocks = self.blocks_of(assembly);
         self.impacts[blocks].fill(JointImpact::default());
@@ -422,7 +422,7 @@ impl Joints {
         }
         for index in self.blocks_of(assembly) {
             let block = &mut self.blocks[index];
-            block.take_back(self.impacts[index].impulses);
+            block.take_back(self.impacts[index].impulses, &mut self.gains);
         }
         self.release(assembly, true);
     }

@@ -50,7 +50,7 @@ pub(in crate::solve) struct Joints {
     counts: Vec<u32>,
     /// The rows of bodies that joints can move.
     touched: Vec<u32>,
-    gains: Gains,
+    pub(super) gains: Gains,
     /// True for islands that a fixed body holds.
     held: Vec<bool>,
     loads: Loads,
@@ -66,7 +66,7 @@ impl Joints {
 
     /// Prepares the joints.
     pub(in crate::solve) fn set(&mut self, input: &StepInput<'_>, graph: &Graph, bodies: &mut BodyRows) {
-        let Self { forest, blocks, poses, pose_of, laws, trees, loops, soft, counts, touched, loads, .. } = self;
+        let Self { forest, blocks, poses, pose_of, laws, trees, loops, soft, counts, touched, gains, loads, .. } = self;
         let StepInput { clock, softness, flights, joints, .. } = *input;
         (self.substeps, self.moves) = (clock.substeps as i32, 0);
         forest.update(flights, joints);
@@ -82,6 +82,7 @@ impl Joints {
             return;
         }
         *soft = softness.joint;
+        gains.clear();
         counts.clear();
         counts.resize(flights.len(), 0);
         for body in joints.iter().flat_map(|joint| joint.bodies) {
@@ -110,15 +111,12 @@ impl Joints {
                 *number as usize
             });
             let shares = joint.bodies.map(|body| counts[body as usize].into());
-            blocks.push(Block::new(
-                index as usize,
-                input,
-                ends,
-                numbers.map(|number| &poses[number]),
-                shares,
-                unit,
-                laws,
-            ));
+            let poses = numbers.map(|number| &poses[number]);
+            let mut block = Block::new(index as usize, input, ends, poses, shares, unit, laws);
+            if block.is_pulley() {
+                block.rope = gains.add_rope();
+            }
+            blocks.push(block);
         }
         self.have_springs = laws.iter().any(AxisRow::has_spring);
         // An error that is cut off now is so after the first move, and counted there.
@@ -128,7 +126,7 @@ impl Joints {
         blocks.iter_mut().for_each(|block| {
             block.turn(poses, laws);
         });
-        self.gains.clear(bodies.rows.len());
+        gains.set_rows(bodies.rows.len());
         loads.find(flights, joints, input.contacts, forest, graph);
         trees.set(input, forest, blocks, laws, bodies, |body| loads.is_heavy(graph.island_of(body)));
         loops.set(forest, blocks, &bodies.rows);
@@ -174,6 +172,7 @@ impl Joints {
         if self.blocks.is_empty() {
             return 0;
         }
+        self.gains.begin_ropes();
         for block in &mut self.blocks {
             block.warm_start(&mut self.gains);
         }
@@ -202,6 +201,7 @@ impl Joints {
         for block in &mut self.blocks[..count] {
             cut += block.advance(&self.poses, &mut self.laws);
         }
+        self.gains.weigh_ropes();
         self.trees.relax(&self.blocks);
         cut + self.pass(rows, lanes, false)
     }
@@ -223,7 +223,7 @@ impl Joints {
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.
     pub(in crate::solve) fn totals(&self) -> impl Iterator<Item = (u32, [i128; 3])> + '_ {
         self.blocks.iter().map(|block| {
-            let [x, y] = block.rope_totals().map_or_else(|| block.applied.linear, |[applied, _]| applied);
+            let [x, y] = self.gains.rope_totals(block).map_or_else(|| block.applied.linear, |[applied, _]| applied);
             // From 2^(exponent − 30), and from 2^exponent of the length of the row.
             let [x, y] = [x, y].map(|value| shifted_within(value, -32 + 30 - block.exponent));
             let around = shifted_within(block.around.into(), -32 - block.exponent - block.axis_length);
@@ -242,7 +242,7 @@ impl Joints {
             // From 2^(exponent − 30) to 2^-64 N·s.
             let bits = -64 + 30 - block.exponent;
             let ends = joint.bodies.map(|body| body as usize);
-            let seconds = block.rope_totals().map_or([None; 2], |totals| totals.map(Some));
+            let seconds = self.gains.rope_totals(block).map_or([None; 2], |totals| totals.map(Some));
             let sums = [&block.applied, &block.weighted];
             for (is_weighted, (Sums { linear, turns }, second)) in
                 [false, true].into_iter().zip(sums.into_iter().zip(seconds))

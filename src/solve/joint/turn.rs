@@ -10,7 +10,7 @@ use crate::scalar::FxFactor;
 use crate::slots::NONE;
 use crate::solve::Flight;
 use crate::solve::motion::{Rows, Vector};
-use crate::solve::number::{clamped, fixed, lowered, lowered_word, shifted, shifted_word, upper};
+use crate::solve::number::{clamped, clamped_word, fixed, lowered, lowered_word, shifted, shifted_word, upper};
 use crate::solve::unit::{Clock, multiple};
 
 /// 0.1 rad in 2^-30: the largest turn in a sub-step that the second-order term counts.
@@ -153,28 +153,28 @@ pub(super) struct Bends {
     pub(super) bend: [i64; 2],
 }
 
-/// A body at a joint.
+/// A body at a joint: first all that passes need, then all that moves need, as in the [block](Block).
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(super) struct Side {
     pub(super) row: u32,
     /// The number of its pose.
     pub(super) pose: u32,
     /// Changes of velocity along x and y and of rotation, by an impulse: at most 2^44.
     pub(super) masses: [i64; 3],
-    /// The largest change of velocity by the joint in an impact.
-    pub(super) gain_limit: i64,
-    /// The arm at the start, and now.
-    pub(super) start: [i64; 2],
+    /// The arm now.
     pub(super) arm: [i64; 2],
-    /// The arm at the start and now, in 2^-30 of the length of the body.
-    pub(super) unit_start: [i64; 2],
-    pub(super) unit_arm: [i64; 2],
+    /// The arm now, in 2^-30 of the length of the body.
+    pub(super) unit_arm: [i32; 2],
+    /// Both arms at the start.
+    pub(super) unit_start: [i32; 2],
+    pub(super) start: [i64; 2],
     /// The angle of a unit of angular velocity in a sub-step, in 2^-30 rad: mantissa and shift.
     pub(super) angle: (u64, i32),
+    /// The largest change of velocity by the joint in an impact.
+    pub(super) gain_limit: i64,
     /// The excess of the displacement of the row over the displacement of the body, at the end of the step.
     pub(super) shift: [i32; 3],
-    /// The changes of velocity by the joint in the sub-step, in 2^-30.
-    pub(super) applied_gain: [i128; 3],
 }
 
 impl Side {
@@ -196,21 +196,20 @@ impl Side {
         let anchor = [anchor.x, anchor.y].map(|c| c.to_bits().clamp(-limit, limit));
         let start = anchor.map(|c| clock.length_of_bits(c.into(), unit).clamp(-FAR, FAR) as i64);
         let unit_start = anchor.map(|c| match 2 + length {
-            down @ 1..64 => shifted_word(c, down).clamp(-(1 << 30), 1 << 30),
-            down => i64::from(clamped(shifted(c.into(), down), 1 << 30)),
+            down @ 1..64 => clamped_word(shifted_word(c, down), 1 << 30),
+            down => clamped(shifted(c.into(), down), 1 << 30),
         });
         Self {
             row: pose.row,
             pose: pose.number,
             masses: [mx, my, angular],
-            gain_limit: GAIN.min((1 << 61) / share),
-            start,
-            unit_start,
             arm: start,
             unit_arm: unit_start,
+            unit_start,
+            start,
             angle: pose.angle,
+            gain_limit: GAIN.min((1 << 61) / share),
             shift: [0; 3],
-            applied_gain: [0; 3],
         }
     }
 
@@ -234,7 +233,7 @@ impl Side {
             return;
         }
         self.arm = turned(self.start, pose.sin, pose.cos);
-        self.unit_arm = turned(self.unit_start, pose.sin, pose.cos);
+        self.unit_arm = turned(self.unit_start.map(i64::from), pose.sin, pose.cos).map(|part| part as i32);
     }
 
     /// Takes the arm to the other point, which is off by this much.
@@ -243,7 +242,7 @@ impl Side {
         let limit = 1_i128 << 30;
         for (arm, offset) in self.unit_arm.iter_mut().zip(offset) {
             let part = mul_shift_64(offset.into(), mantissa, shift).unwrap_or(i128::from(offset.signum()) * limit);
-            *arm = (i128::from(*arm) + part).clamp(-limit, limit) as i64;
+            *arm = clamped(i128::from(*arm) + part, limit);
         }
     }
 
@@ -295,7 +294,7 @@ impl Block {
         match self.frame {
             // Arms have these axes.
             Frame::World if self.holds_point() => {
-                let [[ax, ay], [bx, by]] = [self.sides[0].unit_arm, self.sides[1].unit_arm];
+                let [[ax, ay], [bx, by]] = [0, 1].map(|side| self.sides[side].unit_arm.map(i64::from));
                 (self.crosses[0], self.crosses[1]) = ([-ay, -by], [ax, bx]);
             }
             Frame::World => {}
@@ -441,7 +440,7 @@ impl Block {
         if self.distance == 0 {
             return 0;
         }
-        let [arm_a, arm_b] = [0, 1].map(|k| self.sides[k].unit_arm);
+        let [arm_a, arm_b] = [0, 1].map(|k| self.sides[k].unit_arm.map(i64::from));
         let [x, y] = [0, 1].map(|i| (i64::from(b[i]) - i64::from(a[i])) << 30);
         let [wa, wb] = [i64::from(a[2]), i64::from(b[2])];
         let (x, y) = (x - wb * arm_b[1] + wa * arm_a[1], y + wb * arm_b[0] - wa * arm_a[0]);

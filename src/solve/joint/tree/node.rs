@@ -103,8 +103,9 @@ impl Node {
         (self.b, self.c) = ([0; 2], self.inertia);
         if self.parent != NONE {
             let block = &blocks[self.block as usize];
-            self.point = turned(block.sides[self.side].unit_arm);
-            self.parent_point = if self.is_half { [0; 2] } else { turned(block.sides[1 - self.side].unit_arm) };
+            self.point = turned(block.sides[self.side].unit_arm.map(i64::from));
+            self.parent_point =
+                if self.is_half { [0; 2] } else { turned(block.sides[1 - self.side].unit_arm.map(i64::from)) };
             self.axis = block.axes[0];
         }
     }

@@ -50,10 +50,11 @@ impl Node {
     }
 
     /// Half the sum of the inverse mass of the node at a point along x and along y, in 2^-[`SOFT`]: 1/m + q²/2c; below 2^91.
-    fn mobility(&self, [x, y]: [i64; 2]) -> i128 {
+    fn mobility(&self, arm: [i32; 2]) -> i128 {
         if self.inertia == 0 {
             return self.linear;
         }
+        let [x, y] = arm.map(i64::from);
         // Below 2^61.
         let square = x * x + y * y;
         self.linear + self.turn.times(square, SOFT - 2 * UNIT - 1)
