@@ -61,10 +61,14 @@ fn length_above(vector: Vec2) -> Fx {
     Fx::from_bits(length.to_bits() + i64::from(is_below))
 }
 
-/// A joint.
+/// A joint: first all that a walk along the ends on a body reads.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub(crate) struct Link {
     pub(crate) ends: [LinkEnd; 2],
+    pub(crate) is_enabled: bool,
+    /// True if the two bodies touch each other.
+    pub(crate) collides: bool,
     pub(crate) kind: JointKind,
     /// The laws of the angle and of the ways along the axis or the line and across the axis, at position 0. The angle of a frame is in the axes
     /// of its body.
@@ -78,9 +82,6 @@ pub(crate) struct Link {
     /// N and N·m.
     pub(crate) break_force: Option<Fx>,
     pub(crate) break_torque: Option<Fx>,
-    pub(crate) is_enabled: bool,
-    /// True if the two bodies touch each other.
-    pub(crate) collides: bool,
 }
 
 impl Link {
@@ -141,6 +142,8 @@ impl Link {
         let kind = def.kind.for_solver(frames[0]);
         Self {
             ends: [LinkEnd::new(&def.ends[0]), LinkEnd::new(&def.ends[1])],
+            is_enabled: def.enabled,
+            collides: def.collide_connected,
             kind,
             axis: def.kind.axis(),
             slides: def.kind.slides(),
@@ -149,8 +152,6 @@ impl Link {
             frame: kind.angle(frames),
             break_force: def.break_force.map(S::to_fx),
             break_torque: def.break_torque.map(S::to_fx),
-            is_enabled: def.enabled,
-            collides: def.collide_connected,
         }
     }
 }
