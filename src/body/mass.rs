@@ -91,7 +91,7 @@ impl<S: Scalar> Mass<S> {
         match self {
             Self::Kilograms(mass) | Self::Explicit { mass, inertia: _ } => Ok(mass),
             Self::FromColliders if colliders.is_none() => Ok(S::ONE),
-            Self::FromColliders => colliders.mass.to_scalar().ok_or(refused(Fx::MAX)),
+            Self::FromColliders => colliders.mass.to_scalar().ok_or(mass_error(Fx::MAX)),
         }
     }
 
@@ -124,15 +124,15 @@ impl<S: Scalar> Mass<S> {
         }
         let kilograms = self.kilograms(colliders)?;
         if !(kilograms >= S::from_fx(limits::MASS_MIN) && kilograms <= S::from_fx(limits::MASS_MAX)) {
-            return Err(refused(kilograms.to_fx()));
+            return Err(mass_error(kilograms.to_fx()));
         }
         let inverse_mass = inverse::<S>(S::Factor::from_scalar(kilograms));
         Ok(MassProperties::new(inverse_mass, inverse::<S>(self.inertia(colliders, kilograms)), locks))
     }
 }
 
-/// The refusal of a mass.
-fn refused(value: Fx) -> Error {
+/// The error of a mass beyond the range, kg.
+fn mass_error(value: Fx) -> Error {
     Error::OutOfRange { quantity: Quantity::Mass { value } }
 }
 

@@ -194,7 +194,6 @@ impl ChangeLog {
 
     /// Logs bodies that a call woke.
     pub(super) fn woke(&mut self, bodies: &[BodyId]) {
-        self.pending.woken.reserve(bodies.len());
         for &body in bodies {
             let marks = at(&mut self.marks, body.slot);
             if *marks & SLEPT != 0 {

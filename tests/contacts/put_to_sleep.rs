@@ -50,8 +50,8 @@ fn a_body_takes_its_island_along() {
     }
     assert!(are_asleep(&world, &ids[1..4]) && are_awake(&world, &ids[4..]));
     assert_eq!(places(&world), before);
-    let still = world.body(ids[3]).expect("a square");
-    assert_eq!((still.velocity(), still.angular_velocity()), (vec2(0, 0), fx!(0)));
+    let top = world.body(ids[3]).expect("a square");
+    assert_eq!((top.velocity(), top.angular_velocity()), (vec2(0, 0), fx!(0)));
     // The impulses are kept: it wakes without a jolt, and stands.
     world.wake(ids[1]).expect("a square");
     assert!(are_awake(&world, &ids[1..4]));
@@ -140,8 +140,8 @@ fn bodies_that_cannot_sleep_are_refused() {
     let bodies = [platform, square(vec2(0, 1), 1).expect("a square"), ground().expect("a floor")];
     let (mut world, ids) = world(falling(), bodies).expect("a scene");
     world.set_position(ids[2], vec2(0, -50)).expect("a floor");
-    let gone = BodyId::from_parts(77, 0);
-    assert_eq!(world.sleep(gone), Err(Error::NoSuchBody { body: gone }));
+    let stranger = BodyId::from_parts(77, 0);
+    assert_eq!(world.sleep(stranger), Err(Error::NoSuchBody { body: stranger }));
     assert_eq!(world.sleep(ids[2]), Err(Error::NotMovable { body: ids[2] }));
     world.set_velocity(ids[0], vec2(1, 0)).expect("a platform");
     steps(&mut world, 3);
@@ -160,14 +160,14 @@ fn bodies_that_cannot_sleep_are_refused() {
     world.move_to(ids[0], vec2(5, 0), fx!(0)).expect("a target");
     assert_eq!(world.sleep(ids[1]), kept_awake);
     // A joint to a body that moves keeps awake as well, without a contact.
-    let far = world.add_body(square(vec2(30, 0), 2).expect("a square")).expect("a square");
-    let rod = JointDef::between(&world, Some(ids[0]), vec2(0, 0), Some(far), vec2(30, 0)).expect("a rod");
+    let trailer = world.add_body(square(vec2(30, 0), 2).expect("a square")).expect("a square");
+    let rod = JointDef::between(&world, Some(ids[0]), vec2(0, 0), Some(trailer), vec2(30, 0)).expect("a rod");
     let rod = world.add_joint(rod).expect("a rod");
-    assert_eq!(world.sleep(far), kept_awake);
+    assert_eq!(world.sleep(trailer), kept_awake);
     world.remove_joint(rod).expect("a rod");
-    world.sleep(far).expect("a square");
-    world.disable(far).expect("a square");
-    assert_eq!(world.sleep(far), Err(Error::Disabled { body: far }));
+    world.sleep(trailer).expect("a square");
+    world.disable(trailer).expect("a square");
+    assert_eq!(world.sleep(trailer), Err(Error::Disabled { body: trailer }));
     world.set_sleep_after(None).expect("no sleep");
     assert_eq!(world.sleep(ids[1]), Err(Error::SleepIsOff));
 }
@@ -194,8 +194,8 @@ fn events_do_not_decide_who_falls_asleep() {
         let ball =
             BodyDef { position: vec2(0, 3), velocity: vec2(0, -10), ..BodyDef::dynamic().with_collider(collider) };
         let anvil = BodyDef { position: vec2(0, fx!(0.5)), ..square(vec2(0, 0), 1).expect("a square") };
-        let still = WorldDef { gravity: vec2(0, 0), ..falling() };
-        let (mut world, ids) = world(still, [ground().expect("a floor"), anvil, ball]).expect("a scene");
+        let weightless = WorldDef { gravity: vec2(0, 0), ..falling() };
+        let (mut world, ids) = world(weightless, [ground().expect("a floor"), anvil, ball]).expect("a scene");
         while world.body(ids[2]).expect("a ball").velocity().y < fx!(0) {
             world.step();
         }
@@ -248,8 +248,8 @@ fn what_calls_put_to_sleep_is_saved() {
 /// A step of `PublishedVerlet` begins with the acceleration of the step before: a body that was stopped has none.
 #[test]
 fn a_force_before_the_sleep_is_over_after_it() {
-    let still = WorldDef { gravity: vec2(0, 0), integrator: Integrator::PublishedVerlet, ..falling() };
-    let (mut world, ids) = world(still, [square(vec2(0, 0), 1).expect("a square")]).expect("a scene");
+    let weightless = WorldDef { gravity: vec2(0, 0), integrator: Integrator::PublishedVerlet, ..falling() };
+    let (mut world, ids) = world(weightless, [square(vec2(0, 0), 1).expect("a square")]).expect("a scene");
     world.apply_force(ids[0], vec2(1000, 0)).expect("a square");
     world.step();
     world.sleep(ids[0]).expect("a square");
@@ -264,16 +264,16 @@ fn a_force_before_the_sleep_is_over_after_it() {
 fn reports_say_how_calls_left_bodies() {
     let place = |i: i32| square(vec2(3 * i, 10), i as u64).expect("a square");
     let (mut world, ids) = world(falling(), (0..6).map(place)).expect("a scene");
-    let [once, back, again, removed, disabled, struck] = ids[..] else { panic!("six") };
+    let [sleeper, riser, napper, removed_square, disabled_square, struck_square] = ids[..] else { panic!("six") };
     world.step();
-    for id in [once, back, again, removed, disabled, struck] {
+    for id in [sleeper, riser, napper, removed_square, disabled_square, struck_square] {
         world.sleep(id).expect("a square");
     }
-    world.wake(back).expect("a square");
-    world.wake(again).expect("a square");
-    world.sleep(again).expect("a square");
-    world.remove_body(removed).expect("a square");
-    world.disable(disabled).expect("a square");
+    world.wake(riser).expect("a square");
+    world.wake(napper).expect("a square");
+    world.sleep(napper).expect("a square");
+    world.remove_body(removed_square).expect("a square");
+    world.disable(disabled_square).expect("a square");
     let on_top = BodyDef { velocity: vec2(0, -60), ..square(vec2(15, fx!(11.2)), 9).expect("a square") };
     let hammer = world.add_body(on_top).expect("a square");
     // A saved world reports the same.
@@ -287,20 +287,20 @@ fn reports_say_how_calls_left_bodies() {
         });
         bodies.collect::<Vec<_>>()
     };
-    assert_eq!(slept(&events), [once, again]);
+    assert_eq!(slept(&events), [sleeper, napper]);
     assert!(!events.iter().any(|event| matches!(event, Event::Woke(_))), "{events:?}");
-    assert!(are_awake(&world, &[back, struck, hammer]));
+    assert!(are_awake(&world, &[riser, struck_square, hammer]));
     assert_eq!(copied.step().events().collect::<Vec<_>>(), events);
-    assert_eq!(slept(&restored.step().events().collect::<Vec<_>>()), [once, again]);
+    assert_eq!(slept(&restored.step().events().collect::<Vec<_>>()), [sleeper, napper]);
     assert_eq!(restored.last_report().woke, []);
     assert_eq!(restored.state_hash(), world.state_hash());
     // Now the other way round: what slept before.
-    world.wake(once).expect("a square");
-    world.sleep(once).expect("a square");
-    world.wake(again).expect("a square");
-    world.sleep(again).expect("a square");
-    world.wake(again).expect("a square");
+    world.wake(sleeper).expect("a square");
+    world.sleep(sleeper).expect("a square");
+    world.wake(napper).expect("a square");
+    world.sleep(napper).expect("a square");
+    world.wake(napper).expect("a square");
     let report = world.step();
-    assert_eq!((report.woke, report.fell_asleep), (&[again][..], &[][..]));
+    assert_eq!((report.woke, report.fell_asleep), (&[napper][..], &[][..]));
     assert_eq!(world.step().woke, []);
 }

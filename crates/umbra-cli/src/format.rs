@@ -33,16 +33,16 @@ impl Format {
 
     /// Says why a name would mislead other programs, and which one would not; `None` for a name that ends as it should, or has no end.
     pub(crate) fn objection(self, file: &Path) -> Option<String> {
-        let (what, ends) = self.words();
+        let (kind, ends) = self.words();
         let (end, usual) = (file.extension()?.to_str().unwrap_or_default(), ends.first()?);
         if ends.iter().any(|known| end.eq_ignore_ascii_case(known)) {
             return None;
         }
         let name = text::argument(&file.with_extension(usual));
-        let more = match self {
+        let hint = match self {
             Self::Svg => ", which browsers show and `rsvg-convert` makes a PNG of",
             _ => "",
         };
-        Some(format!("this is {what}: write {name}{more}"))
+        Some(format!("this is {kind}: write {name}{hint}"))
     }
 }

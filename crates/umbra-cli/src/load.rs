@@ -111,10 +111,10 @@ fn scene_bytes(file: &Path) -> Result<Vec<u8>, Failure> {
     let name = file.file_stem().and_then(|stem| stem.to_str()).filter(|name| scenes::has(name));
     bytes(file).map_err(|failure| match (failure, name) {
         (Failure::File { file, doing, error }, Some(name)) if error.kind() == io::ErrorKind::NotFound => {
-            let what = format!(
+            let message = format!(
                 "{error}; `umbra scenes {name} --out {name}.json` writes the scene of this name that comes with the program"
             );
-            Failure::File { file, doing, error: io::Error::new(io::ErrorKind::NotFound, what) }
+            Failure::File { file, doing, error: io::Error::new(io::ErrorKind::NotFound, message) }
         }
         (failure, _) => failure,
     })

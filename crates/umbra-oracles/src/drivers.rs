@@ -136,15 +136,13 @@ pub(super) struct Detours {
 
 impl Stepper for Detours {
     fn execute(&mut self, world: &mut World, command: &Command) -> Result<Created, Error> {
-        let asleep = |world: &World| {
-            let bodies = world.bodies().filter(|body| body.activity() == Activity::Asleep);
-            bodies.map(|body| body.id()).collect::<Vec<_>>()
-        };
-        let before = if matches!(command, Command::Sleep(_)) { asleep(world) } else { Vec::new() };
-        let created = world.execute(command)?;
-        if matches!(command, Command::Sleep(_)) {
-            self.put_to_sleep.extend(asleep(world).into_iter().filter(|body| !before.contains(body)));
+        if !matches!(command, Command::Sleep(_)) {
+            return world.execute(command);
         }
+        let awake = world.bodies().filter(|body| body.activity() == Activity::Awake);
+        let awake: Vec<BodyId> = awake.map(|body| body.id()).collect();
+        let created = world.execute(command)?;
+        self.put_to_sleep.extend(awake.into_iter().filter(|&body| sleeps(world, body)));
         Ok(created)
     }
 
@@ -155,7 +153,7 @@ impl Stepper for Detours {
         traced.step_traced();
         let mut awake = world.clone();
         // With contacts, bodies that are slow stop when they fall asleep.
-        self.put_to_sleep.retain(|&body| world.body(body).is_ok_and(|body| body.activity() == Activity::Asleep));
+        self.put_to_sleep.retain(|&body| sleeps(world, body));
         let is_exact = world.collider_count() == 0 || world.def().contacts.sleep_speed == Fx::ZERO;
         let was_near = nears_sleeper(world);
         let is_awake = awake.set_sleep_after(None).is_ok() && is_exact;
@@ -177,6 +175,10 @@ impl Inspector for Detours {
     fn idle(&self) -> Option<&'static str> {
         (!self.has_stepped).then_some("no step was made by the driver")
     }
+}
+
+fn sleeps(world: &World, body: BodyId) -> bool {
+    world.body(body).is_ok_and(|body| body.activity() == Activity::Asleep)
 }
 
 /// Compares how two worlds moved the same bodies, and what they report of it. No body sleeps in the right one.

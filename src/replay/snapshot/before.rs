@@ -140,7 +140,6 @@ impl BeforeCalls {
                 for member in world.check_sleep(*body).into_iter().flatten() {
                     self.keep_slot(world, member.slot);
                 }
-                self.keep_colliders(world);
             }
             Command::ClearForces => {
                 world.applied.rows().iter().for_each(|row| self.keep_slot(world, row.body.slot));

@@ -425,9 +425,9 @@ fn a_trail_has_a_gap_where_a_call_put_the_body_elsewhere() {
                 const scale = Math.min((canvas.clientWidth - 48) / 10, (canvas.clientHeight - 112) / 6);
                 const px = (canvas.clientWidth / 2 + 0.35 * scale) * ratio, py = (canvas.clientHeight / 2 - ({y} - 1) * scale) * ratio;
                 const {{ data }} = pen.getImageData(Math.round(px), Math.round(py) - 5, 1, 11);
-                let most = 0;
-                for (let i = 0; i < data.length; i += 4) most = Math.max(most, data[i + 2] - data[i]);
-                return most;
+                let bluest = 0;
+                for (let i = 0; i < data.length; i += 4) bluest = Math.max(bluest, data[i + 2] - data[i]);
+                return bluest;
             }})()"
         );
         browser.evaluate(&script).as_f64().expect("a number")
