@@ -349,15 +349,27 @@ fn a_look_takes_nothing_from_the_heap_while_no_slots_are_added() {
 #[test]
 fn bodies_that_come_and_go_without_a_step_take_nothing_for_good() {
     let mut world = world(Integrator::VelocityVerlet);
-    discs(&mut world, 20);
+    let ids = discs(&mut world, 20);
     world.step();
     let mut come_and_go = |times: u32| {
         for _ in 0..times {
             let body = world.add_body(BodyDef::dynamic()).expect("a fair body");
             world.remove_body(body).expect("it is there");
+            // Bodies that slept, that woke again, and that slept when they were disabled.
+            let [sleeper, riser, napper] = [(); 3].map(|()| world.add_body(BodyDef::dynamic()).expect("a fair body"));
+            for body in [sleeper, riser, napper, ids[3]] {
+                world.sleep(body).expect("it is there");
+            }
+            world.wake(riser).expect("it is there");
+            world.wake(ids[3]).expect("it is there");
+            world.disable(napper).expect("it is there");
+            for body in [riser, napper, sleeper] {
+                world.remove_body(body).expect("it is there");
+            }
         }
     };
-    come_and_go(100);
+    // The log of changed bodies grows up to 4,096 entries, and then begins anew.
+    come_and_go(1_000);
     let taken = measure(|| come_and_go(10_000));
     assert_eq!(taken.bytes_current, 0);
 }

@@ -1,9 +1,9 @@
 //! Bodies that calls put to sleep.
 
-use super::scenes::{def, ground, square, world};
+use super::scenes::{def, ground, square, through_bytes, world};
 use umbra_physics::{
     Activity, Attachment, BodyDef, BodyId, ColliderDef, Command, End, Error, Event, FieldKind, Fx, Integrator,
-    JointDef, Material, Shape, Snapshot, SpringConstants, Vec2, World, WorldDef, fx, vec2,
+    JointDef, Material, Shape, SpringConstants, Vec2, World, WorldDef, fx, vec2,
 };
 
 fn activities(world: &World, ids: &[BodyId]) -> Vec<Activity> {
@@ -210,39 +210,52 @@ fn events_do_not_decide_who_falls_asleep() {
 #[test]
 fn what_calls_put_to_sleep_is_saved() {
     let square_at = |x: i32| square(vec2(x, 10), x as u64).expect("a square");
-    let reread =
-        |world: &World| Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its bytes").into_world();
     // A platform that has arrived.
     let (mut world, ids) = world(falling(), [BodyDef::kinematic(), square_at(5)]).expect("a scene");
     world.move_to(ids[0], vec2(1, 0), fx!(0)).expect("a target");
     world.step();
     world.sleep(ids[0]).expect("a platform");
-    assert_eq!(reread(&world).state_hash(), world.state_hash());
+    assert_eq!(through_bytes(&world).state_hash(), world.state_hash());
     assert_eq!(world.step().fell_asleep, [ids[0]]);
     // A body in the slot of another one.
     world.sleep(ids[1]).expect("a square");
     world.remove_body(ids[1]).expect("a square");
     let second = world.add_body(square_at(6)).expect("a square");
     world.sleep(second).expect("a square");
-    assert_eq!(reread(&world).step().fell_asleep, [second]);
+    assert_eq!(through_bytes(&world).step().fell_asleep, [second]);
     assert_eq!(world.step().fell_asleep, [second]);
-    // A body that missed a change of gravity.
-    let third = world.add_body(square_at(20)).expect("a square");
-    let weightless = BodyDef { gravity_scale: fx!(0), velocity: vec2(-60, 0), ..square_at(22) };
-    world.disable(third).expect("a square");
+}
+
+/// A body that missed a change of gravity before it was put to sleep, and whose factors nothing else has, falls with the new gravity once it is struck.
+#[test]
+fn a_sleeper_falls_with_the_gravity_that_it_missed() {
+    let smooth = |x: i32, scale: i32| {
+        let square = ColliderDef::new(Shape::rectangle(fx!(1), fx!(1)).expect("a square"));
+        let collider = ColliderDef { material: Material { friction: fx!(0), ..Material::default() }, ..square };
+        let gravity_scale = Fx::from(scale);
+        BodyDef { position: vec2(x, 10), gravity_scale, key: x as u64, ..BodyDef::dynamic().with_collider(collider) }
+    };
+    let (mut world, ids) = world(falling(), [smooth(20, 1), smooth(30, 0)]).expect("a scene");
+    let [sleeper, mover] = ids[..] else { panic!("two") };
+    world.set_velocity(mover, vec2(1, 0)).expect("a square");
+    world.disable(sleeper).expect("a square");
+    world.step();
     world.set_gravity(vec2(0, -90)).expect("gravity");
     world.step();
-    world.enable(third).expect("a square");
-    world.sleep(third).expect("a square");
+    world.enable(sleeper).expect("a square");
+    world.sleep(sleeper).expect("a square");
     world.step();
-    world.add_body(weightless).expect("a square");
-    let mut restored = reread(&world);
+    let bullet = BodyDef { velocity: vec2(-60, 0), ..smooth(22, 0) };
+    world.add_body(bullet).expect("a square");
+    let mut restored = through_bytes(&world);
+    let mut speeds = Vec::new();
     for _ in 0..5 {
         world.step();
         restored.step();
         assert_eq!(restored.state_hash(), world.state_hash());
+        speeds.push(world.body(sleeper).expect("a square").velocity().y);
     }
-    assert!(world.body(third).expect("a square").position().y < fx!(9.9), "it woke and falls");
+    assert_eq!(speeds, [fx!(0), fx!(-1.5), fx!(-3), fx!(-4.5), fx!(-6)]);
 }
 
 /// A step of `PublishedVerlet` begins with the acceleration of the step before: a body that was stopped has none.
@@ -257,6 +270,34 @@ fn a_force_before_the_sleep_is_over_after_it() {
     world.wake(ids[0]).expect("a square");
     steps(&mut world, 3);
     assert_eq!(world.body(ids[0]).expect("a square").position_exact(), place);
+}
+
+/// The island of a body that a call puts to sleep counts as changed in this tick, with the platform under it, and so does a body that was woken first. A
+/// body that sleeps on does not.
+#[test]
+fn bodies_put_to_sleep_count_as_changed() {
+    let platform = BodyDef::kinematic().with_collider(Shape::rectangle(fx!(4), fx!(1)).expect("a box"));
+    let places = [vec2(0, 1), vec2(0, 2), vec2(20, 1), vec2(30, 1)];
+    let squares = (1..).zip(places).map(|(key, place)| square(place, key).expect("a square"));
+    let (mut world, ids) = world(falling(), [platform].into_iter().chain(squares)).expect("a scene");
+    let changed = |world: &World, tick| world.changed_since(tick).map(|body| body.id()).collect::<Vec<_>>();
+    let [platform, low, high, sleeper, riser] = ids[..] else { panic!("five") };
+    steps(&mut world, 3);
+    world.sleep(sleeper).expect("a square");
+    world.sleep(riser).expect("a square");
+    world.step();
+    assert_eq!(changed(&world, world.tick()), [platform, low, high]);
+    let tick = world.tick();
+    world.sleep(low).expect("a square");
+    world.sleep(sleeper).expect("a square");
+    assert!(are_asleep(&world, &ids));
+    assert_eq!(changed(&world, tick), [platform, low, high]);
+    world.wake(riser).expect("a square");
+    world.sleep(riser).expect("a square");
+    assert_eq!(changed(&world, tick), [platform, low, high, riser]);
+    world.step();
+    assert_eq!(changed(&world, tick), [platform, low, high, riser]);
+    assert_eq!(changed(&world, world.tick()), []);
 }
 
 /// The report has each body as it is after the step, whatever calls did before it: an observer of events is never wrong.
@@ -277,7 +318,7 @@ fn reports_say_how_calls_left_bodies() {
     let on_top = BodyDef { velocity: vec2(0, -60), ..square(vec2(15, fx!(11.2)), 9).expect("a square") };
     let hammer = world.add_body(on_top).expect("a square");
     // A saved world reports the same.
-    let mut restored = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its bytes").into_world();
+    let mut restored = through_bytes(&world);
     let mut copied = world.clone();
     let events: Vec<Event> = world.step().events().collect();
     let slept = |events: &[Event]| {
