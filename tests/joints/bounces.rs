@@ -1,6 +1,6 @@
 //! Balls that strike bodies at their stops: a limit, a rope or a tooth holds as a rigid joint does, and pulls nothing.
 
-use super::scenes::{falling, still};
+use super::scenes::{assert_images_and_copies, falling, still};
 use umbra_physics::scalar::ToF64;
 use umbra_physics::{
     BodyDef, BodyId, ColliderDef, Distance, Fx, JointDef, JointKind, JointLimits, Mass, Material, Prismatic, Revolute,
@@ -194,34 +194,45 @@ fn a_rope_goes_slack_where_the_plank_turns() {
     assert!((ball - expected).abs() < 0.01 && spin < -0.3, "{ball} of {expected} m/s, {spin} rad/s");
 }
 
+/// Two loads of 4 kg on a rope over points above, and a ball of 1 kg that goes for the first load, with the sign of the side that it comes from.
+fn roped_loads(grounds: [Vec2; 2], strands: [u8; 2], sign: Fx) -> (World, [BodyId; 3]) {
+    let mut world = still();
+    let loads = [0, 3].map(|x| {
+        let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a load");
+        world.add_body(smooth(fx!(4), shape, vec2(x, 0), fx!(0.5))).expect("a load")
+    });
+    let rope = JointDef::pulley(&world, loads, [vec2(0, 0), vec2(3, 0)], grounds, strands);
+    world.add_joint(rope.expect("a rope")).expect("a rope");
+    let shape = Shape::circle(fx!(0.1)).expect("a ball");
+    let ball = smooth(fx!(1), shape, Vec2::new(fx!(0), sign * fx!(0.317)), fx!(0.5));
+    let ball = world.add_body(BodyDef { velocity: Vec2::new(fx!(0), sign * fx!(-4)), ..ball }).expect("a ball");
+    (world, [loads[0], loads[1], ball])
+}
+
 /// A load that hangs over a pulley from a load of the same mass, struck from above, goes down as if it had both masses, and from below as one alone.
 #[test]
 fn a_rope_over_a_pulley_passes_a_blow_on() {
     for (is_above, mass) in [(true, 8.0), (false, 4.0)] {
-        let mut world = still();
-        let loads = [0, 3].map(|x| {
-            let shape = Shape::rectangle(fx!(1), fx!(0.2)).expect("a load");
-            world.add_body(smooth(fx!(4), shape, vec2(x, 0), fx!(0.5))).expect("a load")
-        });
-        let ends = [vec2(0, 0), vec2(3, 0)];
-        let rope = JointDef::pulley(&world, loads, ends, [vec2(0, 8), vec2(3, 8)], [1, 1]);
-        let rope = world.add_joint(rope.expect("a rope")).expect("a rope");
         let sign = if is_above { fx!(1) } else { fx!(-1) };
-        let shape = Shape::circle(fx!(0.1)).expect("a ball");
-        let ball = smooth(fx!(1), shape, Vec2::new(fx!(0), sign * fx!(0.317)), fx!(0.5));
-        let ball = world.add_body(BodyDef { velocity: Vec2::new(fx!(0), sign * fx!(-4)), ..ball }).expect("a ball");
+        let (mut world, [first, second, ball]) = roped_loads([vec2(0, 8), vec2(3, 8)], [1, 1], sign);
         step_until_struck(&mut world, ball);
         let velocity = |body| world.body(body).expect("a body").velocity().y.to_f64() * sign.to_f64();
         let impulse = 4.0 * 1.5 / (1.0 + 1.0 / mass);
         let opposite = if is_above { impulse / mass } else { 0.0 };
         let (expected, found) =
-            ([-4.0 + impulse, -impulse / mass, opposite], [velocity(ball), velocity(loads[0]), velocity(loads[1])]);
+            ([-4.0 + impulse, -impulse / mass, opposite], [velocity(ball), velocity(first), velocity(second)]);
         // The rope keeps its length, to the way of the blow within the step.
-        let stretch = world.joint(rope).expect("a rope").length() - fx!(16);
+        let stretch = world.joints().next().expect("a rope").length() - fx!(16);
         println!("from above {is_above}: {found:?}, expected {expected:?}, stretch {stretch}");
         assert!(is_above == (stretch.abs() < fx!(0.0001)), "{stretch}");
         assert!(found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.02), "{found:?}");
     }
+}
+
+/// A blow on a slanting rope: its impulse has both parts.
+#[test]
+fn a_blow_on_a_rope_has_images_and_copies() {
+    assert_images_and_copies(|| roped_loads([vec2(1, 8), vec2(5, 8)], [1, 2], fx!(1)).0);
 }
 
 /// An arm of three links, each at the limit of its hinge, is as stiff as one piece for a ball that presses it on.

@@ -1,6 +1,6 @@
 //! Joints break on the mean force of a step.
 
-use super::scenes::{falling, point_mass, steps};
+use super::scenes::{assert_near, falling, point_mass, steps, still};
 use umbra_physics::{
     BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Shape, Symmetry, Weld, World,
     WorldDef, fx, vec2,
@@ -117,6 +117,20 @@ fn a_joint_breaks_above_its_torque_and_not_below() {
             assert!((broke.torque - fx!(10)).abs() < fx!(0.05), "{}", broke.torque);
         }
     }
+}
+
+/// A joint breaks in the first step of a load, by the torque of the load: the mean has what the sub-steps add.
+#[test]
+fn a_torque_breaks_a_joint_in_its_first_step() {
+    let mut world = still();
+    let mass = Mass::Explicit { mass: fx!(2), inertia: fx!(1) };
+    let sign = world.add_body(BodyDef { mass, ..BodyDef::dynamic() }).expect("a body");
+    let weld = JointDef::at(&world, None, sign, vec2(0, 0)).expect("a weld");
+    let kind = JointKind::Weld(Weld::default());
+    world.add_joint(JointDef { kind, break_torque: Some(fx!(7.9)), events: true, ..weld }).expect("a weld");
+    world.apply_torque(sign, fx!(8)).expect("a torque");
+    let [broke] = world.step().joints_broke else { panic!("it breaks") };
+    assert_near(broke.torque, fx!(-8), fx!(0.05));
 }
 
 /// A motor that is held wrings its axle off where its torque is larger; the torque of a gear is the torque on its second body.

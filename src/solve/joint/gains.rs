@@ -46,6 +46,12 @@ impl Gains {
         self.rows.capacity() + self.ropes.capacity()
     }
 
+    /// The changes of all rows in the pass.
+    #[cfg(test)]
+    pub(super) fn sums(&self) -> Vec<[i128; 3]> {
+        self.rows.iter().map(|gain| gain.sums).collect()
+    }
+
     /// Forgets the step before.
     pub(super) fn clear(&mut self) {
         self.rows.clear();
@@ -238,7 +244,7 @@ impl Block {
 
     /// [`give_gains`](Self::give_gains) by impulses of any size, and of pulleys.
     #[cold]
-    fn give_large_gains(&self, gains: &mut Gains) {
+    pub(super) fn give_large_gains(&self, gains: &mut Gains) {
         let mut linear = [self.change.linear; 2];
         if let Some(rope) = gains.ropes.get_mut(self.rope as usize) {
             rope.pull(self.impulses[0], self.axes[1]);

@@ -4,12 +4,13 @@ use alloc::vec;
 use alloc::vec::Vec;
 
 use super::cases::net;
-use super::scene::{Scene, signed};
+use super::scene::{RATE, Scene, signed};
 use super::world::{Body, World};
 use crate::cases::run_seed;
 use crate::fx::Fx;
-use crate::math::{Random, Vec2};
+use crate::math::{Random, TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
+use crate::solve::joint::gains::Gains;
 use crate::solve::joint::{Axis, AxisSpring};
 use crate::solve::{Correction, Flight, Impulses, Joint, JointKind, Solver, Velocity};
 
@@ -364,6 +365,10 @@ fn records_of_pins_give_the_bits_of_blocks() {
         let mut world = net(8, true);
         world.bodies[35].velocity = [speed, -2.0 * speed];
         world.bodies[12].spin = speed;
+        for (i, body) in (0_u8..).zip(&mut world.bodies) {
+            body.mass *= f64::from(1 + i % 3);
+            body.inertia *= f64::from(1 + i % 5);
+        }
         let mut other = world.clone();
         other.free_line = Some(20);
         for step in 0..90 {
@@ -373,4 +378,28 @@ fn records_of_pins_give_the_bits_of_blocks() {
         }
         assert!(world.links.iter().zip(&other.links).all(|(link, twin)| link.impulses == twin.impulses), "{speed}");
     }
+}
+
+/// Small impulses change velocities along a shorter way, to the same bits.
+#[test]
+fn short_and_long_ways_to_gains_give_the_same_bits() {
+    let mut random = Random::seeded(run_seed(11));
+    let mut count = 0;
+    for scene in scenes(12, 60) {
+        let mut solver = Solver::default();
+        solver.prepare(TimeStep::hz(RATE), &scene.options, &scene.flights, &scene.joints, &[]);
+        let row_count = solver.bodies.rows.len();
+        let [mut short, mut long] = [(); 2].map(|()| Gains::default());
+        [&mut short, &mut long].into_iter().for_each(|gains| gains.set_rows(row_count));
+        for block in &mut solver.joints.blocks {
+            block.impulses = [0; 3].map(|_| (signed(&mut random) * 2.0_f64.powi(20)) as i64);
+            block.change = block.sums(block.impulses);
+            block.give_gains(&mut short);
+            block.give_large_gains(&mut long);
+            count += 1;
+        }
+        assert_eq!(short.sums(), long.sums());
+        assert!(short.sums().iter().any(|sums| *sums != [0; 3]));
+    }
+    assert!(count > 500, "{count}");
 }
