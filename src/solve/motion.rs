@@ -108,6 +108,19 @@ impl Rows {
         [0, 1, 2, 3].map(|i| start[i] + before[i])
     }
 
+    /// The change of velocity by joints and contacts with which a sub-step of `n` begins, where they hold a body against its free flight: it is
+    /// at most twice as large as the change by the flight. Else it is zero.
+    pub(super) fn support(&self, row: u32, n: u32) -> [i64; 3] {
+        let (velocity, change) = (self.rows[row as usize].velocity, self.flights[row as usize].change);
+        let progress = &self.progress[row as usize];
+        let support = [0, 1, 2].map(|i| i64::from(velocity[i] - progress.flight[i] - progress.before[i]));
+        // Below 2^30 · 2^4, and the sums of three squares below 2^70.
+        let square = |[x, y, angular]: [i128; 3]| x * x + y * y + angular * angular;
+        let in_step = support.map(|part| i128::from(part) * i128::from(n));
+        let flown = [0, 1, 2].map(|i| 2 * i128::from(change[i]));
+        if square(in_step) <= square(flown) { support } else { [0; 3] }
+    }
+
     /// The number of rows.
     pub(super) fn len(&self) -> u32 {
         self.rows.len() as u32

@@ -29,13 +29,13 @@ impl Job for SubSteps<'_> {
             solver.joints.begin(&solver.bodies.rows, k == 1);
             Begin { rows: &mut solver.bodies.rows, k, n }.run(lanes);
             follow(&mut solver.bodies);
+            if k == 1 {
+                cut += solver.pass(Pass::WarmStart, lanes);
+            }
             let substep = SubStep { k, n, clock, graph: &solver.graph, contacts };
             let (bodies, groups, joints) = (&mut solver.bodies, &mut solver.groups, &mut solver.joints);
             timed!(solver, impacts, solver.impacts.solve(substep, bodies, groups, joints, lanes));
             follow(&mut solver.bodies);
-            if k == 1 {
-                cut += solver.pass(Pass::WarmStart, lanes);
-            }
             cut += solver.joints.warm_start(&mut solver.bodies.rows, lanes);
             for _ in 0..options.joint_rounds {
                 cut += solver.joints.solve(&mut solver.bodies.rows, lanes);

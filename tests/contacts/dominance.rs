@@ -50,7 +50,7 @@ fn a_dominant_body_has_the_bits_of_a_world_without_the_others() {
         moved += usize::from(alone.contacts_of(same).expect("it").next().is_some());
     }
     // It hits the others, and lies on the ground for most of the time.
-    assert!(touched > 10 && moved > 100, "{touched} {moved}");
+    assert!(touched > 5 && moved > 100, "{touched} {moved}");
     let pushed = others[..6].iter().map(|&id| world.body(id).expect("it").position().x).max();
     assert!(pushed > Some(fx!(0.5)), "{pushed:?}");
     // In the other order of numbers it is moved.

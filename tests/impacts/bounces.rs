@@ -441,6 +441,61 @@ fn a_ball_rises_to_the_share_of_its_height_at_each_bounce() {
     }
 }
 
+/// A stack on a floor does not fall while it is struck: gravity acts on the ball alone up to the moment of the impact.
+#[test]
+fn a_ball_bounces_off_bodies_at_rest_as_off_the_floor() {
+    let mut failures = Vec::new();
+    let mut tried = 0;
+    for (height, mass, restitution, speed) in [
+        (1, 1.0, 1.0, 4.0),
+        (1, 0.02, 1.0, 4.0),
+        (1, 20.0, 1.0, 4.0),
+        (1, 1.0, 0.8, 2.0),
+        (1, 1.0, 0.5, 20.0),
+        (2, 1.0, 1.0, 4.0),
+        (3, 0.02, 1.0, 4.0),
+        (3, 1.0, 0.8, 2.0),
+        (3, 20.0, 1.0, 10.0),
+    ] {
+        // Along one axis, and along both.
+        for (gravity, across) in [(vec2(0, -10), [1.0, 0.0]), (vec2(6, -8), [0.8, 0.6])] {
+            for (rate, phase) in [(60, 0), (60, 1), (60, 2), (60, 3), (60, 4), (60, 5), (60, 6), (30, 3), (240, 3)] {
+                let [x, y] = across;
+                let place = |up: f64| point(-y * up, x * up);
+                let turned = |body: BodyDef| {
+                    of_material(BodyDef { angle: number(y.atan2(x)), ..body }, fx!(0.6), number(restitution))
+                };
+                let mut bodies = vec![turned(fixed(rectangle(fx!(20), fx!(2)), place(-1.0)))];
+                bodies
+                    .extend((0..height).map(|i| turned(dynamic(rectangle(fx!(1), fx!(1)), place(f64::from(i) + 0.5)))));
+                let def = WorldDef { time_step: TimeStep::hz(rate), gravity, ..falling() };
+                let (mut world, _) = build(def, bodies);
+                steps(&mut world, rate);
+                let top = f64::from(height) + 0.25;
+                // It arrives at another part of a sub-step in each phase.
+                let start = top + (2.3 + f64::from(phase) / 7.0) * speed / f64::from(rate);
+                let density = number(mass / 0.19635);
+                let ball = dynamic(ColliderDef { density, ..ColliderDef::new(disc(fx!(0.25))) }, place(start));
+                let ball = BodyDef { velocity: place(-speed), ..turned(ball) };
+                let ball = world.add_body(ball).expect("a ball");
+                steps(&mut world, 6);
+                let ([px, py], [vx, vy]) = (position(&world, ball), velocity(&world, ball));
+                let (up, back) = (x * py - y * px - top, x * vy - y * vx);
+                // Half of the square of the speed at the surface, before and after.
+                let [before, after] = [speed * speed / 2.0 + 10.0 * (start - top), back * back / 2.0 + 10.0 * up];
+                let share = (after / before).sqrt();
+                tried += 1;
+                if back <= 0.0 || (share / restitution - 1.0).abs() > 2e-3 {
+                    failures.push(format!(
+                        "{height} boxes, {mass} kg, e {restitution}, {speed} m/s, {rate} Hz, phase {phase}, {gravity}: {share:.5}"
+                    ));
+                }
+            }
+        }
+    }
+    conclude(tried, &failures);
+}
+
 /// With a `restitution_speed` of 0 the least impact bounces; gravity ends that all the same.
 #[test]
 fn a_pile_that_always_bounces_comes_to_rest() {

@@ -5,9 +5,10 @@
 //!
 //! A point has an *impact* in a sub-step if the flights of its bodies, with all corrections so far, bring it to the surface faster than
 //! [`SolverOptions::restitution_speed`](super::SolverOptions): at the moment τ with u² = u0² − 2·a·g, for the velocity u0 and the gap g at
-//! the beginning of the sub-step, and the acceleration a of the flight. The impacts of a sub-step are solved in *rounds*, in the order of
-//! their moments: a round takes the impacts that are the first ones of both of their bodies, and the next round looks again at all
-//! contacts of the bodies that it changed. So a chain of impacts within a sub-step is a chain.
+//! the beginning of the sub-step, and the acceleration a of the flight and of the [support](super::motion::Rows::support) by contacts and joints:
+//! a body on a floor does not fall up to the moment. The impacts of a sub-step are solved in *rounds*, in the order of their moments: a round
+//! takes the impacts that are the first ones of both of their bodies, and the next round looks again at all contacts of the bodies that it changed.
+//! So a chain of impacts within a sub-step is a chain.
 //!
 //! The impacts of a round in an island are one set of *shocks*. Contacts that touch join it when its impulses make them close, so
 //! that an impact costs the bodies that it changes:
@@ -21,7 +22,7 @@
 //! 3. Compression once more, with these impulses as lower bounds and friction in the cone of the whole impulse.
 //!
 //! Impacts of a body that follow within an eighth of a sub-step and within 5 mm of the way are one, as the two of a box that lands flat.
-//! Work is bounded: a contact joins where its bodies close by more than a share of the speed of the impact, from 2^-6 for a few contacts to
+//! Work is bounded: a contact joins where its bodies close by more than a share of the speed of the impact, from 2^-8 for a few contacts to
 //! 2^-3 for a crowd, in the first iterations; large sets, and sets without a solution, are left to the passes after some iterations.
 //!
 //! Impulses act from their moments on: they change the velocity, and take back the way that the body would have gone with that change

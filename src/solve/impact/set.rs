@@ -113,9 +113,11 @@ impl Impacts {
             && self.struck[body as usize].has_changed()
     }
 
-    /// Contacts that close by more than this join the shocks: 2^-6 of the fastest impact, more where there are many.
+    /// Contacts that close by more than this join the shocks: 2^-8 of the fastest impact, so that a light ball feels the floor under a stack; more where
+    /// there are many, or joints that answer.
     pub(super) fn slowest(&self) -> i64 {
         let bits = match self.shocks.len() {
+            ..8 if self.assemblies.set.is_empty() => 8,
             ..32 => 6,
             32..128 => 4,
             _ => 3,

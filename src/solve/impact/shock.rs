@@ -119,7 +119,10 @@ impl Shock {
         }
         let earliest = rows.map(|row| impacts.moment_of(row)).into_iter().max().unwrap_or(0);
         let contact = &substep.contacts[contact as usize];
-        let accelerations = [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()));
+        let [support_a, support_b] = rows.map(|row| bodies.rows.support(row, substep.n).map(|part| part << FRACTION));
+        let support = jacobian.along(support_a, support_b, 0);
+        let accelerations =
+            [0, 1].map(|i: usize| quotient(change[i].into(), substep.n.into()) + i128::from(support[i]));
         let point_impacts = [0, 1].map(|i: usize| {
             let gap = gap(group.separation_now[lane][i], accelerations[i], substep);
             let impact =

@@ -236,11 +236,11 @@ fn solve_in_parts(scene: &Scene, threads: usize) -> Solution {
     let mut cut = 0;
     for k in 1..=n {
         Begin { rows: &mut solver.bodies.rows, k, n }.run(Portable);
-        let substep = SubStep { k, n, clock: &clock, graph: &solver.graph, contacts: &contacts };
-        solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, &mut solver.joints, Portable);
         if k == 1 {
             cut += pass_in_parts(&mut solver, Pass::WarmStart, threads);
         }
+        let substep = SubStep { k, n, clock: &clock, graph: &solver.graph, contacts: &contacts };
+        solver.impacts.solve(substep, &mut solver.bodies, &mut solver.groups, &mut solver.joints, Portable);
         cut += pass_in_parts(&mut solver, Pass::Solve, threads);
         Advance { rows: &mut solver.bodies.rows }.run(Portable);
         cut += pass_in_parts(&mut solver, Pass::Relax, threads);
