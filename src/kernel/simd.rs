@@ -1,4 +1,4 @@
-//! Vectors of lanes for the loops that solve contacts, and the choice among them when the program runs.
+//! Vectors of lanes for the loops that solve contacts and loops of pins, and the choice among them when the program runs.
 //!
 //! A loop is written once, generic over [`Lanes`], as a [`Job`]; [`run`] compiles it for each set of instructions of the target and calls
 //! the widest one that the CPU has. Every implementation computes the same bits: they differ in the number of lanes alone, which is 1 in
@@ -29,6 +29,7 @@ mod avx2;
 #[cfg(all(feature = "std", target_arch = "x86_64"))]
 mod avx512;
 mod choice;
+mod long;
 #[cfg(all(target_arch = "aarch64", target_feature = "neon", target_endian = "little"))]
 mod neon;
 mod portable;
@@ -55,7 +56,7 @@ pub(crate) use portable::Portable;
 #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
 pub(crate) use simd128::Simd128;
 
-/// The number of contacts in a group: the lanes of the widest vector.
+/// The number of contacts, or of pins, in a group: the lanes of the widest vector.
 pub(crate) const GROUP: usize = 8;
 
 /// Fraction bits of a [`Gain`].
@@ -91,6 +92,11 @@ pub(crate) struct Gathered<N> {
 /// the fourth word is zero.
 pub(crate) type Gain = [i64; 4];
 
+/// Velocities of a body along x and y and around; the fourth word is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(C, align(32))]
+pub(crate) struct Speeds(pub(crate) [i64; 4]);
+
 /// A set of vector instructions.
 ///
 /// *Domain* of each operation: sums and differences of narrow values fit in 32 bits, of wide ones in 64, and `at` is a multiple of
@@ -125,11 +131,17 @@ pub(crate) trait Lanes: Copy {
     fn none_positive(self, a: Self::Narrow, b: Self::Narrow) -> bool;
     /// The product, exact.
     fn times(self, a: Self::Narrow, b: Self::Narrow) -> Self::Wide;
+    /// The product of numbers without signs. *Domain* it is below 2^63.
+    fn times_unsigned(self, a: Self::Narrow, b: Self::Narrow) -> Self::Wide;
 
     fn add(self, a: Self::Wide, b: Self::Wide) -> Self::Wide;
     fn sub(self, a: Self::Wide, b: Self::Wide) -> Self::Wide;
     /// The lower half.
     fn low(self, a: Self::Wide) -> Self::Narrow;
+    /// The lower half of floor(a / 2^BITS). *Domain* BITS ≤ 32.
+    fn narrowed<const BITS: i32>(self, a: Self::Wide) -> Self::Narrow;
+    /// a mod 2^BITS. *Domain* BITS < 63.
+    fn rest<const BITS: i32>(self, a: Self::Wide) -> Self::Wide;
     /// `a` where `c` is negative, else `b`.
     fn if_negative(self, c: Self::Wide, a: Self::Wide, b: Self::Wide) -> Self::Wide;
     /// a, or 0 where a is negative.
@@ -231,6 +243,106 @@ pub(crate) trait Lanes: Copy {
     fn are_beyond(self, any: [Self::Wide; 2], low: [Self::Wide; 2]) -> bool;
     /// Returns true if no lane of `impulses` is negative and all of `changes` are from −2^30 to 2^30 − 1.
     fn are_pushes(self, impulses: [Self::Wide; 2], changes: [Self::Wide; 2]) -> bool;
+
+    /// value · factor / 2^30 of two values to nearest, ties away from zero. *Domain* |value| < 2^61, 0 ≤ factor ≤ 2^40, and results are below
+    /// 2^62.
+    #[inline(always)]
+    fn multiples(self, values: [Self::Wide; 2], factor: i64) -> [Self::Wide; 2] {
+        long::multiples(self, values, factor)
+    }
+
+    /// a·b / 2^64 to nearest, ties away from zero. *Domain* 0 ≤ a ≤ 2^57, |b| ≤ 2^62.
+    #[inline(always)]
+    fn upper_word(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        long::upper_word(self, a, b)
+    }
+
+    /// a·b / 2^38 to nearest, ties away from zero. *Domain* 0 ≤ a ≤ 2^57, |b| ≤ 2^43.
+    #[inline(always)]
+    fn lowered_product(self, a: Self::Wide, b: Self::Wide) -> Self::Wide {
+        long::lowered_product(self, a, b)
+    }
+
+    /// The sum of products in limbs: in 2^30, and from 0 to 2^30 − 1. *Domain* factors within 2^30, values within 2^51.
+    #[inline(always)]
+    fn dot(self, factors: [Self::Narrow; 2], values: [Self::Wide; 2]) -> [Self::Wide; 2] {
+        long::dot(self, factors, values)
+    }
+
+    /// A number in limbs of 2^30 and 1 over 2^20 to nearest, ties away from zero. *Domain* the limb of 2^30 is within 2^52.
+    #[inline(always)]
+    fn lowered_limbs(self, limbs: [Self::Wide; 2]) -> Self::Wide {
+        long::lowered_limbs(self, limbs)
+    }
+
+    /// The sum of products over 2^20 to nearest, ties away from zero. *Domain* factors within 2^30, values within 2^51.
+    #[inline(always)]
+    fn lowered_dot(self, factors: [Self::Narrow; 2], values: [Self::Wide; 2]) -> Self::Wide {
+        long::lowered_dot(self, factors, values)
+    }
+
+    /// (base · 2^30 + the sum of products) / 2^34 to nearest, ties away from zero. *Domain* factors within 2^30, values within 2^51, and the base
+    /// within 2^60.
+    #[inline(always)]
+    fn lowered_way(self, base: Self::Wide, factors: [Self::Narrow; 2], values: [Self::Wide; 2]) -> Self::Wide {
+        long::lowered_way(self, base, factors, values)
+    }
+
+    /// The sum of products over 2^bits to nearest, ties away from zero, within ±2^limit. *Domain* factors below 2^31, values within 2^36, bits from
+    /// 0 to 30, and the limit from 29 to 51.
+    #[inline(always)]
+    fn dot_within(
+        self,
+        factors: [Self::Narrow; 2],
+        values: [Self::Wide; 2],
+        bits: Self::Wide,
+        limit: i64,
+    ) -> Self::Wide {
+        long::dot_within(self, factors, values, bits, limit)
+    }
+
+    /// Adds floor((v·x + w·y) / 2^down) to the limbs of sums, whose [`total`](Self::total) begins with zeros. *Domain* |v|, |w| ≤ 2^36,
+    /// |x|, |y| ≤ 2^51, down ≥ 0, and 2^30 additions.
+    #[inline(always)]
+    fn add_products(
+        self,
+        sums: &mut [Self::Wide; 3],
+        values: [Self::Wide; 2],
+        others: [Self::Wide; 2],
+        down: Self::Wide,
+    ) {
+        long::add_products(self, sums, values, others, down);
+    }
+
+    /// The sum over all lanes.
+    #[inline(always)]
+    fn total(self, sums: [Self::Wide; 3]) -> i128 {
+        long::total(self, sums)
+    }
+
+    /// The velocities of bodies that an index names.
+    #[inline(always)]
+    fn speeds_of(self, speeds: &[Speeds], index: &[u32; GROUP], at: usize) -> [Self::Wide; 3] {
+        let mut rows = [[0; 4]; GROUP];
+        for lane in at..at + Self::WIDTH {
+            rows[lane] = speeds[index[lane] as usize].0;
+        }
+        let [x, y, turn, _] = self.columns(&rows, at);
+        [x, y, turn]
+    }
+
+    /// Adds changes to the velocities of bodies, one lane after the other.
+    #[inline(always)]
+    fn add_speeds(self, speeds: &mut [Speeds], index: &[u32; GROUP], at: usize, change: [Self::Wide; 3]) {
+        let mut words = [[0; GROUP]; 3];
+        for (words, value) in words.iter_mut().zip(change) {
+            self.store(words, at, value);
+        }
+        for lane in at..at + Self::WIDTH {
+            let Speeds(sums) = &mut speeds[index[lane] as usize];
+            (0..3).for_each(|k| sums[k] += words[k][lane]);
+        }
+    }
 
     /// The words of the lines that an index names, each word in a vector.
     fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [Self::Wide; 8];

@@ -249,6 +249,8 @@ pub(super) struct Block {
     crosses: [[i64; 2]; 3],
     /// Impulses of the sub-step, by row.
     pub(super) impulses: [i64; 3],
+    /// The sum of the impulses around of all sub-steps and impacts: below 2^60.
+    around: i64,
     /// Errors of the rows.
     errors: [i64; 2],
     /// The number of bits of the largest mass factor of a row.
@@ -261,14 +263,14 @@ pub(super) struct Block {
     is_active: [bool; 3],
     /// True if the displacement of a row differs from the displacement of its body.
     is_shifted: bool,
+    /// True if it has impulses of an impact in its sums.
+    is_struck: bool,
     /// The impulses applied in the sub-step.
     change: Sums,
     /// Sums of the changes of all sub-steps, of the present one from its move on.
     pub(super) applied: Sums,
     /// Sums over sub-steps of the changes applied up to the move.
     pub(super) weighted: Sums,
-    /// The sum of the impulses around of all sub-steps and impacts: below 2^60.
-    around: i64,
     frame: Frame,
     /// The offset from the first anchor to the second at the start, without both arms.
     base: [i64; 2],
@@ -387,16 +389,17 @@ impl Block {
             sides,
             crosses: [[0; 2], [0; 2], turning],
             impulses: [warm(0, 0), warm(1, 0), warm(2, axis_length)],
+            around: 0,
             errors: [0; 2],
             mass_bits,
             laws,
             held,
             is_active,
             is_shifted: false,
+            is_struck: false,
             change: Sums::default(),
             applied: Sums::default(),
             weighted: Sums::default(),
-            around: 0,
             frame,
             base,
             lengths,
@@ -421,7 +424,8 @@ impl Block {
     /// Returns true if the first row has an axis for each body.
     #[inline(always)]
     fn is_pulley(&self) -> bool {
-        matches!(self.frame, Frame::Ropes { .. })
+        // A joint that holds a point does not have to fetch its frame.
+        !self.holds_point() && matches!(self.frame, Frame::Ropes { .. })
     }
 
     /// The axes of a row for both bodies.

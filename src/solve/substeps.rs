@@ -55,6 +55,7 @@ impl Job for SubSteps<'_> {
                 solver.groups.add_applied(1);
             }
         }
+        solver.joints.finish();
         cut
     }
 }

@@ -8,7 +8,7 @@ mod quads;
 
 use core::arch::x86_64::*;
 
-use super::{GROUP, Gathered, Job, Lanes, Line, Pairs, Row, Sums, part, part_mut};
+use super::{GROUP, Gathered, Job, Lanes, Line, Pairs, Row, Speeds, Sums, part, part_mut};
 
 /// The proof that the CPU has AVX2, and the shifts and counts of bits that came with it.
 #[derive(Clone, Copy)]
@@ -77,9 +77,15 @@ impl Avx2 {
     #[inline(always)]
     pub(super) fn add_quads(self, sums: &mut Sums, quads: [__m256i; 3]) {
         for (sum, quad) in sums.0.iter_mut().zip(quads) {
-            let sum = sum.as_mut_ptr().cast();
-            unsafe { _mm256_storeu_si256(sum, _mm256_add_epi64(_mm256_loadu_si256(sum), quad)) }
+            self.add_quad(sum, quad);
         }
+    }
+
+    /// Adds four words.
+    #[inline(always)]
+    pub(super) fn add_quad(self, sum: &mut [i64; 4], quad: __m256i) {
+        let sum = sum.as_mut_ptr().cast();
+        unsafe { _mm256_storeu_si256(sum, _mm256_add_epi64(_mm256_loadu_si256(sum), quad)) }
     }
 
     /// Subtracts quads from the sums of a body.
@@ -194,6 +200,11 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn times_unsigned(self, a: __m256i, b: __m256i) -> __m256i {
+        unsafe { _mm256_mul_epu32(a, b) }
+    }
+
+    #[inline(always)]
     fn add(self, a: __m256i, b: __m256i) -> __m256i {
         unsafe { _mm256_add_epi64(a, b) }
     }
@@ -206,6 +217,16 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn low(self, a: __m256i) -> __m256i {
         a
+    }
+
+    #[inline(always)]
+    fn narrowed<const BITS: i32>(self, a: __m256i) -> __m256i {
+        unsafe { _mm256_srli_epi64::<BITS>(a) }
+    }
+
+    #[inline(always)]
+    fn rest<const BITS: i32>(self, a: __m256i) -> __m256i {
+        unsafe { _mm256_and_si256(a, self.words((1 << BITS) - 1)) }
     }
 
     #[inline(always)]
@@ -379,6 +400,28 @@ impl Lanes for Avx2 {
     }
 
     #[inline(always)]
+    fn speeds_of(self, speeds: &[Speeds], index: &[u32; GROUP], at: usize) -> [__m256i; 3] {
+        let [i, j, k, l] = *part(index, at);
+        let [x, y, turn, _] = unsafe {
+            self.transposed([
+                _mm256_load_si256(speeds[i as usize].0.as_ptr().cast()),
+                _mm256_load_si256(speeds[j as usize].0.as_ptr().cast()),
+                _mm256_load_si256(speeds[k as usize].0.as_ptr().cast()),
+                _mm256_load_si256(speeds[l as usize].0.as_ptr().cast()),
+            ])
+        };
+        [x, y, turn]
+    }
+
+    #[inline(always)]
+    fn add_speeds(self, speeds: &mut [Speeds], index: &[u32; GROUP], at: usize, [x, y, turn]: [__m256i; 3]) {
+        let zero = unsafe { _mm256_setzero_si256() };
+        for (&i, row) in part::<_, 4>(index, at).iter().zip(self.transposed([x, y, turn, zero])) {
+            self.add_quad(&mut speeds[i as usize].0, row);
+        }
+    }
+
+    #[inline(always)]
     fn words_of(self, lines: &[Line], index: &[u32; GROUP], at: usize) -> [__m256i; 8] {
         let [i, j, k, l] = *part(index, at);
         let lines = [&lines[i as usize], &lines[j as usize], &lines[k as usize], &lines[l as usize]];
@@ -420,8 +463,7 @@ impl Lanes for Avx2 {
     fn add_gains(self, rows: &mut [Row], index: &[u32; GROUP], at: usize, [x, y, z]: [__m256i; 3]) {
         let zero = unsafe { _mm256_setzero_si256() };
         for (&i, row) in part::<_, 4>(index, at).iter().zip(self.transposed([x, y, z, zero])) {
-            let gain = rows[i as usize].gain.as_mut_ptr().cast();
-            unsafe { _mm256_storeu_si256(gain, _mm256_add_epi64(_mm256_loadu_si256(gain), row)) }
+            self.add_quad(&mut rows[i as usize].gain, row);
         }
     }
 

@@ -120,6 +120,11 @@ impl Lanes for Neon {
     }
 
     #[inline(always)]
+    fn times_unsigned(self, a: int32x2_t, b: int32x2_t) -> int64x2_t {
+        unsafe { vreinterpretq_s64_u64(vmull_u32(vreinterpret_u32_s32(a), vreinterpret_u32_s32(b))) }
+    }
+
+    #[inline(always)]
     fn add(self, a: int64x2_t, b: int64x2_t) -> int64x2_t {
         unsafe { vaddq_s64(a, b) }
     }
@@ -132,6 +137,16 @@ impl Lanes for Neon {
     #[inline(always)]
     fn low(self, a: int64x2_t) -> int32x2_t {
         unsafe { vmovn_s64(a) }
+    }
+
+    #[inline(always)]
+    fn narrowed<const BITS: i32>(self, a: int64x2_t) -> int32x2_t {
+        unsafe { vshrn_n_s64::<BITS>(a) }
+    }
+
+    #[inline(always)]
+    fn rest<const BITS: i32>(self, a: int64x2_t) -> int64x2_t {
+        unsafe { vandq_s64(a, self.words((1 << BITS) - 1)) }
     }
 
     #[inline(always)]

@@ -1,6 +1,29 @@
 //! One lane at a time, in plain integers: the reference.
 
-use super::{GAIN_BITS, GROUP, Gathered, Lanes, Line, Pairs, Quads, Row};
+use core::hint::black_box;
+
+use super::{GAIN_BITS, GROUP, Gathered, Lanes, Line, Pairs, Quads, Row, Speeds};
+
+/// The exact product.
+#[inline(always)]
+fn product(a: i64, b: i64) -> i128 {
+    i128::from(a) * i128::from(b)
+}
+
+/// value / 2^BITS to nearest, ties away from zero. *Domain* |value| < 2^126, 1 ≤ BITS ≤ 63, and the result fits.
+#[inline(always)]
+fn lowered<const BITS: i32>(value: i128) -> i64 {
+    // A half, less by one for a negative value.
+    let half = (1_u64 << (BITS - 1)).wrapping_add((value >> 127) as u64);
+    ((value + half as i128) >> BITS) as i64
+}
+
+/// value / 2^64 to nearest, ties away from zero. *Domain* |value| < 2^126.
+#[inline(always)]
+fn upper(value: i128) -> i64 {
+    // The last term is −1 for a negative value.
+    ((value + (1 << 63) + (value >> 127)) >> 64) as i64
+}
 
 /// One lane, on every machine.
 #[derive(Clone, Copy)]
@@ -79,6 +102,11 @@ impl Lanes for Portable {
     }
 
     #[inline(always)]
+    fn times_unsigned(self, a: i32, b: i32) -> i64 {
+        i64::from(a as u32) * i64::from(b as u32)
+    }
+
+    #[inline(always)]
     fn add(self, a: i64, b: i64) -> i64 {
         a + b
     }
@@ -91,6 +119,16 @@ impl Lanes for Portable {
     #[inline(always)]
     fn low(self, a: i64) -> i32 {
         a as i32
+    }
+
+    #[inline(always)]
+    fn narrowed<const BITS: i32>(self, a: i64) -> i32 {
+        (a >> BITS) as i32
+    }
+
+    #[inline(always)]
+    fn rest<const BITS: i32>(self, a: i64) -> i64 {
+        a & ((1 << BITS) - 1)
     }
 
     #[inline(always)]
@@ -220,6 +258,85 @@ impl Lanes for Portable {
     #[inline(always)]
     fn are_pushes(self, impulses: [i64; 2], changes: [i64; 2]) -> bool {
         (impulses[0] | impulses[1]) >= 0 && !self.are_beyond(changes, [0; 2])
+    }
+
+    #[inline(always)]
+    fn multiples(self, [v, w]: [i64; 2], factor: i64) -> [i64; 2] {
+        // Where all lanes have the factor compilers extend its sign ahead of the loop, and multiply by two words then.
+        let factor = black_box(factor);
+        [lowered::<30>(product(v, factor)), lowered::<30>(product(w, factor))]
+    }
+
+    #[inline(always)]
+    fn upper_word(self, a: i64, b: i64) -> i64 {
+        upper(product(a, b))
+    }
+
+    #[inline(always)]
+    fn lowered_product(self, a: i64, b: i64) -> i64 {
+        lowered::<38>(product(a, b))
+    }
+
+    #[inline(always)]
+    fn dot(self, [k, l]: [i32; 2], [v, w]: [i64; 2]) -> [i64; 2] {
+        let sum = product(k.into(), v) + product(l.into(), w);
+        [(sum >> 30) as i64, sum as i64 & 0x3fff_ffff]
+    }
+
+    #[inline(always)]
+    fn lowered_dot(self, [k, l]: [i32; 2], [v, w]: [i64; 2]) -> i64 {
+        lowered::<20>(product(k.into(), v) + product(l.into(), w))
+    }
+
+    #[inline(always)]
+    fn lowered_way(self, base: i64, [k, l]: [i32; 2], [v, w]: [i64; 2]) -> i64 {
+        const SMALL: i64 = 1 << 31;
+        let (k, l) = (i64::from(k), i64::from(l));
+        if ((base + SMALL) | (v + SMALL) | (w + SMALL)) as u64 >> 32 == 0 {
+            // Below 2^63 − 2^61.
+            let sum = (base << 30) + k * v + l * w;
+            return (sum + (1 << 33) - i64::from(sum < 0)) >> 34;
+        }
+        lowered::<34>(product(base, 1 << 30) + product(k, v) + product(l, w))
+    }
+
+    #[inline(always)]
+    fn dot_within(self, [k, l]: [i32; 2], [v, w]: [i64; 2], bits: i64, limit: i64) -> i64 {
+        let (k, l, limit) = (i64::from(k), i64::from(l), 1 << limit);
+        if bits < 8 {
+            let dot = (product(k, v) + product(l, w)) << (30 - bits);
+            return ((dot + (1 << 29) + (dot >> 127)) >> 30).clamp(-limit, limit) as i64;
+        }
+        // Raised, the number stands in the upper word.
+        let (up, limit) = (38 - bits, limit as i64);
+        let dot = product(k << up, v << 26) + product(l << up, w << 26);
+        upper(dot).min(limit).max(-limit)
+    }
+
+    #[inline(always)]
+    fn add_products(self, sums: &mut [i64; 3], [v, w]: [i64; 2], [x, y]: [i64; 2], down: i64) {
+        let product = product(v, x) + product(w, y);
+        let product = if down == 0 { product } else { product >> down.min(127) };
+        // Two words.
+        let sum = self.total(*sums) + product;
+        *sums = [(sum >> 64) as i64, sum as i64, 0];
+    }
+
+    #[inline(always)]
+    fn total(self, [high, low, _]: [i64; 3]) -> i128 {
+        i128::from(high) << 64 | i128::from(low as u64)
+    }
+
+    #[inline(always)]
+    fn speeds_of(self, speeds: &[Speeds], index: &[u32; GROUP], at: usize) -> [i64; 3] {
+        let [x, y, turn, _] = speeds[index[at] as usize].0;
+        [x, y, turn]
+    }
+
+    #[inline(always)]
+    fn add_speeds(self, speeds: &mut [Speeds], index: &[u32; GROUP], at: usize, change: [i64; 3]) {
+        let Speeds(sums) = &mut speeds[index[at] as usize];
+        (0..3).for_each(|k| sums[k] += change[k]);
     }
 
     #[inline(always)]

@@ -124,6 +124,11 @@ impl Lanes for Simd128 {
     }
 
     #[inline(always)]
+    fn times_unsigned(self, a: v128, b: v128) -> v128 {
+        u64x2_extmul_low_u32x4(a, b)
+    }
+
+    #[inline(always)]
     fn add(self, a: v128, b: v128) -> v128 {
         i64x2_add(a, b)
     }
@@ -136,6 +141,16 @@ impl Lanes for Simd128 {
     #[inline(always)]
     fn low(self, a: v128) -> v128 {
         i32x4_shuffle::<0, 2, 0, 2>(a, a)
+    }
+
+    #[inline(always)]
+    fn narrowed<const BITS: i32>(self, a: v128) -> v128 {
+        self.low(u64x2_shr(a, BITS as u32))
+    }
+
+    #[inline(always)]
+    fn rest<const BITS: i32>(self, a: v128) -> v128 {
+        v128_and(a, i64x2_splat((1 << BITS) - 1))
     }
 
     #[inline(always)]

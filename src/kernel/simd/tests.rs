@@ -1,10 +1,10 @@
 //! Each operation of each set beside [`Portable`], lane by lane.
 
-use crate::cases::{run_seed, times};
-use alloc::vec;
-use alloc::vec::Vec;
+mod long;
 
 use super::*;
+use crate::cases::{run_seed, times};
+use alloc::{vec, vec::Vec};
 
 /// An operation by its name, and its result in each lane.
 type Results = Vec<(&'static str, [i64; GROUP])>;

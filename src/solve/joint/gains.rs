@@ -11,7 +11,7 @@ use super::turn::Side;
 use super::{Block, FINER, LOWER};
 use crate::kernel::simd::{GAIN_BITS, Lanes};
 use crate::solve::motion::Rows;
-use crate::solve::number::{lowered, lowered_low, product, upper, within};
+use crate::solve::number::{lowered, lowered_low, product, upper, within, within_word};
 
 /// Bits by which masses are raised, so that the bits of changes of velocity stand in the upper word of a product.
 const RAISED: i32 = 18;
@@ -85,6 +85,14 @@ impl Gains {
         Some([[applied[0] + change[0], applied[1] + change[1]], weighted])
     }
 
+    /// Adds changes of the velocity of a body.
+    #[inline(always)]
+    pub(super) fn add(&mut self, row: u32, changes: [i128; 3], sign: i128) {
+        if let Some(gain) = self.rows.get_mut(row as usize) {
+            gain.add(changes, sign);
+        }
+    }
+
     /// Gives the changes to the bodies, which have none then. Returns the number of values that were cut off.
     #[inline(always)]
     pub(super) fn apply<L: Lanes>(&mut self, rows: &mut Rows, touched: &[u32], lanes: L) -> u64 {
@@ -93,7 +101,11 @@ impl Gains {
                 (&mut rows.rows[row as usize].gain, &mut self.rows[row as usize]);
             if *is_new {
                 for axis in 0..3 {
-                    gain[axis] += within(sums[axis] - applied[axis], LARGEST_GAIN);
+                    let change = sums[axis] - applied[axis];
+                    // Most often a word.
+                    let word = change as i64;
+                    let is_word = i128::from(word) == change;
+                    gain[axis] += if is_word { within_word(word, LARGEST_GAIN) } else { within(change, LARGEST_GAIN) };
                 }
                 (*sums, *applied, *is_new) = ([0; 3], *sums, false);
             }
@@ -184,6 +196,7 @@ impl Block {
     pub(super) fn strike(&mut self, impulses: [i64; 3], gains: &mut Gains) {
         let sums = self.sums(impulses);
         self.around += impulses[2];
+        self.is_struck = true;
         self.applied.add(&sums);
         let linear = self.linear_of_second(sums.linear, impulses);
         if let Some(rope) = gains.ropes.get_mut(self.rope as usize) {

@@ -7,8 +7,8 @@
 //!
 //! With one iteration a net swings for ever, with two it rests four times as late as with three.
 //!
-//! Loops of pins, the usual ones, have a compact record of each joint for the iterations of a pass ([`pins`]); all others read their blocks
-//! ([`kernels`]). The steps of both give the same bits.
+//! Loops of pins, the usual ones, stand in groups of lanes ([`pins`]); all others read their blocks ([`kernels`]). The steps of both give the same
+//! bits.
 //!
 //! # Ranges
 //! Velocities of rows are in 2^-[`FRACTION`] units, within 2^36; velocities of bodies in 2^-[`MOVED`] units, by one joint within 2^40, so
@@ -17,8 +17,9 @@
 //! of residuals and directions are below 2^88, also in the unit of the coarsest joint, their sums over 2^20 joints below 2^108. Both
 //! quotients of sums have 30 bits after the point and are below 2^10.
 //!
-//! Where the velocities of all bodies are within 2^30 ([`SLOW`]), the velocity of a row by them is below 2^61 + 2·2^60.5 = 2^62.3, before it is lowered to
-//! its unit: a word. Records have cross products, within 2^30.5, and elements of inverses, below 2^31, as half words.
+//! Lanes have products of limbs ([`Lanes`]): crosses of pins are within 2^30 and elements of inverses below 2^31, both narrow, and raised masses at
+//! most 2^57 ([`pins`]). Their inverses are in 2^-shift with shifts from 0 to 23: the trace of K has the bits of the mass of the block, and its
+//! smaller eigenvalue is above 2^-20.1 of it.
 
 mod impact;
 mod kernels;
@@ -29,13 +30,14 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use self::laws::LawLoop;
-use self::pins::Pin;
-use super::Block;
+use self::pins::{PinGroup, PinImpulses, iterate_pins, store};
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::gains::Gains;
 use super::tree::{FRACTION, RESIDUAL};
 use super::turn::Pose;
+use super::{Block, LOWER};
+use crate::kernel::simd::{GROUP, Lanes, Speeds};
 use crate::slots::NONE;
 use crate::solve::motion::Rows;
 use crate::solve::unit::SoftRow;
@@ -49,15 +51,14 @@ const FINER_STILL: i32 = 8;
 /// Bits by which residuals are raised, so that the wanted bits of their products with elements of the inverse stand in the upper word.
 const RAISED_RESIDUAL: i32 = 26;
 /// The largest direction and solution.
-const DIRECTION: i128 = 1 << 51;
+const DIRECTION_BITS: i64 = 51;
+const DIRECTION: i128 = 1 << DIRECTION_BITS;
 const SOLUTION: i128 = 1 << 58;
 /// The largest velocity of a body by a joint, and by all of them.
 const FAST: i128 = 1 << 40;
 const FASTEST: i64 = 1 << 42;
 /// The number of all bodies that cannot be moved among the bodies of loops.
 const STILL: u32 = 0;
-/// Velocities of bodies up to this give the velocities of rows as words.
-const SLOW: i64 = 1 << 30;
 
 /// A joint of a loop.
 #[derive(Clone, Debug, Default)]
@@ -88,12 +89,25 @@ struct LoopJoint {
     velocity: [i64; 3],
 }
 
+/// The state that a pass begins with.
+pub(super) struct PassStart<'a> {
+    pub(super) poses: &'a [Pose],
+    pub(super) rows: &'a Rows,
+    /// The softness of loops.
+    pub(super) soft: &'a SoftRow,
+    /// True for the solve pass.
+    pub(super) is_biased: bool,
+}
+
 /// All loops of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Loops {
     joints: Vec<LoopJoint>,
-    /// The joints of loops of pins.
-    pins: Vec<Pin>,
+    /// The joints of loops of pins, and the velocities of bodies by their directions: zero for [`STILL`].
+    pins: Vec<PinGroup>,
+    speeds: Vec<Speeds>,
+    /// The sums of the changes of velocity of these bodies in a pass: zero between passes.
+    sums: Vec<Speeds>,
     /// The velocities of bodies by directions: zero for [`STILL`].
     moved: Vec<[i64; 3]>,
     loops: Vec<Loop>,
@@ -107,10 +121,36 @@ pub(super) struct Loops {
 struct Loop {
     joints: Range<usize>,
     bodies: Range<usize>,
-    /// The records of its joints if all are [usual pins](Block::is_usual_pin), and none otherwise.
+    /// The groups of its joints if all are [usual pins](Block::is_usual_pin), and none otherwise.
     pins: Range<usize>,
+    /// The largest change of velocity by a joint of which a body may have as many in a word as it has joints.
+    gain_limit: i64,
     /// True if a row of one of its joints has a law.
     has_laws: bool,
+}
+
+/// Traits of a loop, by all of its joints.
+struct LoopTraits {
+    are_pins: bool,
+    has_laws: bool,
+    /// log2 of the coarsest unit of impulses, N·s.
+    coarsest: i32,
+    gain_limit: i64,
+}
+
+impl LoopTraits {
+    fn new(blocks: &[Block]) -> Self {
+        let mut traits = Self { are_pins: true, has_laws: false, coarsest: i32::MIN, gain_limit: i64::MAX };
+        for block in blocks {
+            traits.are_pins &= block.is_usual_pin();
+            traits.has_laws |= block.laws != [NONE; 3];
+            traits.coarsest = traits.coarsest.max(block.exponent);
+            for side in block.sides.iter().filter(|side| side.is_movable()) {
+                traits.gain_limit = traits.gain_limit.min(side.gain_limit);
+            }
+        }
+        traits
+    }
 }
 
 /// The largest number of times that a loop is solved in a pass: until no row leaves its place. Rows that still do end in the place that they come to:
@@ -129,15 +169,22 @@ impl Loops {
     pub(super) fn capacity(&self) -> usize {
         self.joints.capacity()
             + self.pins.capacity()
+            + self.speeds.capacity()
+            + self.sums.capacity()
             + self.moved.capacity()
             + self.loops.capacity()
             + self.body_of.capacity()
     }
 
+    /// Returns true if a loop stands in groups of lanes.
+    #[cfg(test)]
+    pub(super) fn has_groups(&self) -> bool {
+        !self.pins.is_empty()
+    }
+
     /// Forgets the loops of the step before.
     pub(super) fn clear(&mut self) {
         self.joints.clear();
-        self.pins.clear();
         self.moved.clear();
         self.rows.clear();
         self.loops.clear();
@@ -147,18 +194,20 @@ impl Loops {
     pub(super) fn set(&mut self, forest: &Forest, blocks: &[Block], rows: &Rows) {
         self.clear();
         if forest.loops.is_empty() {
+            self.pins.clear();
             return;
         }
-        let Self { joints, pins, moved, loops, body_of, rows: row_of } = self;
+        let mut group_count = 0;
+        let Self { joints, pins, speeds, sums, moved, loops, body_of, rows: row_of } = self;
         moved.push([0; 3]);
         row_of.push(NONE);
         body_of.clear();
         body_of.resize(rows.len() as usize, NONE);
         for range in &forest.loops {
-            let (first_joint, first_pin, first_body) = (joints.len(), pins.len(), moved.len());
-            let are_pins = blocks[range.clone()].iter().all(Block::is_usual_pin);
-            let coarsest = blocks[range.clone()].iter().map(|block| block.exponent).max().unwrap_or_default();
-            for block in &blocks[range.clone()] {
+            let (first_joint, first_group, first_body) = (joints.len(), group_count, moved.len());
+            let blocks = &blocks[range.clone()];
+            let LoopTraits { are_pins, has_laws, coarsest, gain_limit } = LoopTraits::new(blocks);
+            for (number, block) in blocks.iter().enumerate() {
                 let mut joint = LoopJoint { coarser: coarsest - block.exponent, ..LoopJoint::default() };
                 for (body, side) in joint.bodies.iter_mut().zip(&block.sides) {
                     let number = &mut body_of[side.row as usize];
@@ -170,17 +219,32 @@ impl Loops {
                     *body = if side.is_movable() { *number } else { NONE };
                 }
                 if are_pins {
-                    pins.push(Pin::new(&joint, block));
+                    if number % GROUP == 0 {
+                        // Groups of the step before stay, as they are large.
+                        if pins.len() == group_count {
+                            pins.push(PinGroup::empty());
+                        }
+                        pins[group_count].begin(blocks.len() - number);
+                        group_count += 1;
+                    }
+                    pins[group_count - 1].set(number % GROUP, &joint, block);
                 }
                 joints.push(joint);
             }
-            let has_laws = blocks[range.clone()].iter().any(|block| block.laws != [NONE; 3]);
             loops.push(Loop {
                 joints: first_joint..joints.len(),
-                pins: first_pin..pins.len(),
+                pins: first_group..group_count,
                 bodies: first_body..moved.len(),
+                gain_limit,
                 has_laws,
             });
+        }
+        pins.truncate(group_count);
+        speeds.clear();
+        sums.clear();
+        if !pins.is_empty() {
+            speeds.resize(moved.len(), Speeds::default());
+            sums.resize(moved.len(), Speeds::default());
         }
     }
 
@@ -191,8 +255,10 @@ impl Loops {
         let blocks_of_loops = &blocks[blocks.len() - self.joints.len()..];
         for Loop { joints, pins, .. } in &self.loops {
             let blocks = &blocks_of_loops[joints.clone()];
-            for (pin, block) in self.pins[pins.clone()].iter_mut().zip(blocks) {
-                pin.turn_to(block, soft.compliance);
+            for (group, blocks) in self.pins[pins.clone()].iter_mut().zip(blocks.chunks(GROUP)) {
+                for (lane, block) in blocks.iter().enumerate() {
+                    group.turn_to(lane, block, soft.compliance);
+                }
             }
             if pins.is_empty() {
                 for (joint, block) in self.joints[joints.clone()].iter_mut().zip(blocks) {
@@ -202,40 +268,66 @@ impl Loops {
         }
     }
 
+    /// Begins a sub-step with the impulses of the one before.
+    #[inline(always)]
+    pub(super) fn warm_start<L: Lanes>(&mut self, lanes: L, blocks: &mut [Block], gains: &mut Gains) {
+        let Self { pins, sums, loops, rows, .. } = self;
+        for Loop { joints, pins: pin_range, bodies, gain_limit, .. } in loops.iter() {
+            if pin_range.is_empty() {
+                blocks[joints.clone()].iter_mut().for_each(|block| block.warm_start(gains));
+                continue;
+            }
+            let (groups, bodies) = (&mut pins[pin_range.clone()], bodies.clone());
+            PinImpulses { groups, sums, bodies, rows, limit: *gain_limit }.warm_start(lanes, gains);
+        }
+    }
+
+    /// Hands the impulses of pins to their blocks at the end of a step.
+    pub(super) fn store(&self, blocks: &mut [Block]) {
+        for Loop { joints, pins, .. } in &self.loops {
+            store(&self.pins[pins.clone()], &mut blocks[joints.clone()]);
+        }
+    }
+
     /// Changes the impulses of the joints of loops by a pass; the relax pass begins with the poses after the move. Returns the number of values that
     /// were cut off.
     #[inline(always)]
-    pub(super) fn solve(
+    pub(super) fn solve<L: Lanes>(
         &mut self,
+        lanes: L,
         blocks: &mut [Block],
-        poses: &[Pose],
         laws: &mut [AxisRow],
-        rows: &Rows,
         gains: &mut Gains,
-        soft: &SoftRow,
-        is_biased: bool,
+        start: &PassStart<'_>,
     ) -> u64 {
-        let Self { joints, pins, moved, loops, .. } = self;
+        let PassStart { poses, rows, soft, is_biased } = *start;
+        let Self { joints, pins, speeds, sums, moved, loops, rows: row_of, .. } = self;
         let first = blocks.len() - joints.len();
         let mut cut = 0;
-        for Loop { joints: range, pins: pin_range, bodies, has_laws } in loops.iter() {
+        for Loop { joints: range, pins: pin_range, bodies, gain_limit, has_laws } in loops.iter() {
             let blocks = &mut blocks[first..][range.clone()];
             let bodies = bodies.clone();
             if !pin_range.is_empty() {
-                let pins = &mut pins[pin_range.clone()];
-                for (pin, block) in pins.iter_mut().zip(&mut *blocks) {
+                let groups = &mut pins[pin_range.clone()];
+                for (group, blocks) in groups.iter_mut().zip(blocks.chunks_mut(GROUP)) {
                     if !is_biased {
-                        cut += block.advance(poses, laws);
-                        pin.turn_to(block, soft.compliance);
+                        group.weigh(lanes);
                     }
-                    pin.begin(block, poses, rows, soft, is_biased);
+                    for (lane, block) in blocks.iter_mut().enumerate() {
+                        if !is_biased {
+                            if block.is_struck {
+                                // Impulses of impacts are in its own sums.
+                                block.weigh();
+                            }
+                            cut += block.turn(poses, laws);
+                            group.turn_to(lane, block, soft.compliance);
+                        }
+                        group.begin_pass(lane, block, start);
+                    }
                 }
-                let step = iterate(pins, blocks, moved, bodies, ITERATIONS);
-                for (pin, block) in pins.iter_mut().zip(blocks) {
-                    pin.advance(step);
-                    cut += block.change(pin.changes(), laws, is_biased);
-                    block.give_gains(gains);
-                }
+                iterate_pins(lanes, groups, speeds, bodies.clone(), ITERATIONS);
+                let impulses = PinImpulses { groups, sums, bodies, rows: row_of, limit: *gain_limit };
+                cut += impulses.change(lanes, is_biased, gains);
                 continue;
             }
             let joints = &mut joints[range.clone()];
@@ -244,7 +336,7 @@ impl Loops {
                     cut += block.advance(poses, laws);
                     joint.invert(block, soft.compliance);
                 }
-                joint.begin(block, poses, rows, soft, is_biased);
+                joint.begin(block, start);
             }
             if *has_laws {
                 for block in blocks.iter() {
@@ -253,8 +345,8 @@ impl Loops {
                 LawLoop { joints, blocks, soft, moved, bodies }.solve(laws);
             } else {
                 // Rows around have impulses by laws alone.
-                let step = iterate::<2, _>(joints, blocks, moved, bodies, ITERATIONS);
-                joints.iter_mut().for_each(|joint| Steps::<2>::advance(joint, step));
+                let step = iterate::<2>(joints, blocks, moved, bodies, ITERATIONS);
+                joints.iter_mut().for_each(|joint| joint.advance::<2>(step));
             }
             for (joint, block) in joints.iter().zip(blocks) {
                 cut += block.change(joint.changes(), laws, is_biased);
@@ -270,51 +362,27 @@ impl Loops {
 fn move_by(joints: &mut [LoopJoint], blocks: &[Block], moved: &mut [[i64; 3]], bodies: Range<usize>) {
     moved[bodies.clone()].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
-        Steps::<3>::move_bodies(joint, block, moved);
+        joint.move_bodies::<3>(block, moved);
     }
-    let are_slow = bound(&mut moved[bodies]);
+    bound(&mut moved[bodies]);
     for (joint, block) in joints.iter_mut().zip(blocks) {
-        Steps::<3>::set_velocity(joint, block, moved, are_slow);
+        joint.set_velocity::<3>(block, moved);
     }
 }
 
-/// Bounds the velocities of bodies by all joints. Returns true if all are within [`SLOW`].
+/// Bounds the velocities of bodies by all joints.
 #[inline(always)]
-fn bound(moved: &mut [[i64; 3]]) -> bool {
-    let mut raised = 0;
+fn bound(moved: &mut [[i64; 3]]) {
     for part in moved.as_flattened_mut() {
         *part = (*part).clamp(-FASTEST, FASTEST);
-        raised |= *part + SLOW;
     }
-    (0..2 * SLOW).contains(&raised)
-}
-
-/// A joint of a loop in the iterations, with impulses of its first `ROWS` rows.
-trait Steps<const ROWS: usize> {
-    /// The product of the residual and of P r, which is the first direction.
-    fn square(&self) -> i128;
-
-    /// Adds the effect of the direction on the bodies.
-    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]);
-
-    /// Finds the velocities of the rows by all directions; all bodies are within [`SLOW`] if `are_slow`. Returns their product with the direction.
-    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]], are_slow: bool) -> i128;
-
-    /// Goes a step along the direction, by less than 2^62.
-    fn advance(&mut self, step: i64);
-
-    /// Takes the part of a step off the residual: less than 2^47. Returns its product with P r.
-    fn lower_residual(&mut self, block: &Block, step: i64) -> i128;
-
-    /// Turns to the next direction, by less than 2^62.
-    fn turn(&mut self, kept: i64);
 }
 
 /// The iterations over a loop but for the last step along the directions, which is returned. Each goes over the joints three times: once each for the
 /// velocities of bodies by the directions, for the velocities of rows, and for the next residuals.
 #[inline(always)]
-fn iterate<const ROWS: usize, J: Steps<ROWS>>(
-    joints: &mut [J],
+fn iterate<const ROWS: usize>(
+    joints: &mut [LoopJoint],
     blocks: &[Block],
     moved: &mut [[i64; 3]],
     bodies: Range<usize>,
@@ -323,17 +391,17 @@ fn iterate<const ROWS: usize, J: Steps<ROWS>>(
     let mut square = 0;
     moved[bodies.clone()].fill([0; 3]);
     for (joint, block) in joints.iter().zip(blocks) {
-        square += joint.square();
-        joint.move_bodies(block, moved);
+        square += joint.square::<ROWS>();
+        joint.move_bodies::<ROWS>(block, moved);
     }
     for iteration in 1..=iterations {
         if square <= 0 {
             return 0;
         }
-        let are_slow = bound(&mut moved[bodies.clone()]);
+        bound(&mut moved[bodies.clone()]);
         let mut along = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            along += joint.set_velocity(block, moved, are_slow);
+            along += joint.set_velocity::<ROWS>(block, moved);
         }
         if along <= 0 {
             return 0;
@@ -344,15 +412,15 @@ fn iterate<const ROWS: usize, J: Steps<ROWS>>(
         }
         let mut next = 0;
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.advance(step);
-            next += joint.lower_residual(block, step);
+            joint.advance::<ROWS>(step);
+            next += joint.lower_residual::<ROWS>(block, step);
         }
         let kept = quotient(i128::max(next, 0), square);
         square = next;
         moved[bodies.clone()].fill([0; 3]);
         for (joint, block) in joints.iter_mut().zip(blocks) {
-            joint.turn(kept);
-            joint.move_bodies(block, moved);
+            joint.turn::<ROWS>(kept);
+            joint.move_bodies::<ROWS>(block, moved);
         }
     }
     0

@@ -7,7 +7,7 @@ use alloc::vec::Vec;
 use super::axis::AxisRow;
 use super::forest::Forest;
 use super::gains::{Gains, Sums};
-use super::gradients::Loops;
+use super::gradients::{Loops, PassStart};
 use super::impact::JointImpact;
 use super::loads::Loads;
 use super::paths::find_paths;
@@ -173,9 +173,12 @@ impl Joints {
             return 0;
         }
         self.gains.begin_ropes();
-        for block in &mut self.blocks {
+        let count = self.blocks.len() - self.loops.joint_count();
+        let (blocks, blocks_of_loops) = self.blocks.split_at_mut(count);
+        for block in blocks {
             block.warm_start(&mut self.gains);
         }
+        self.loops.warm_start(lanes, blocks_of_loops, &mut self.gains);
         self.gains.apply(rows, &self.touched, lanes)
     }
 
@@ -215,9 +218,16 @@ impl Joints {
                 pose.set_sweep(rows);
             }
         }
-        let cut = trees.solve(blocks, poses, laws, rows, gains, is_biased)
-            + loops.solve(blocks, poses, laws, rows, gains, soft, is_biased);
+        let cut = trees.solve(blocks, poses, laws, rows, gains, is_biased);
+        let start = PassStart { poses, rows, soft, is_biased };
+        let cut = cut + loops.solve(lanes, blocks, laws, gains, &start);
         cut + gains.apply(rows, touched, lanes)
+    }
+
+    /// Ends the sub-steps: all impulses are with the blocks then.
+    pub(in crate::solve) fn finish(&mut self) {
+        let count = self.blocks.len() - self.loops.joint_count();
+        self.loops.store(&mut self.blocks[count..]);
     }
 
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.

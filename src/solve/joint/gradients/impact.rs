@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use super::{FRACTION, Loop, LoopJoint, Loops, RESIDUAL, Steps, iterate};
+use super::{FRACTION, Loop, LoopJoint, Loops, RESIDUAL, iterate};
 use crate::kernel::simd::GAIN_BITS;
 use crate::solve::joint::Block;
 use crate::solve::joint::axis::AxisRow;
@@ -94,8 +94,8 @@ impl Loops {
             let velocities = impacts.map_or([0; 3], |impacts| impacts[number].bias);
             joint.begin_impact(ends, velocities, block, laws, soft);
         }
-        let step = iterate::<3, _>(joints, blocks, moved, bodies.clone(), ITERATIONS);
-        joints.iter_mut().for_each(|joint| Steps::<3>::advance(joint, step));
+        let step = iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+        joints.iter_mut().for_each(|joint| joint.advance::<3>(step));
     }
 
     /// Stops rows of a loop as [`Joints::stop_rows`](crate::solve::joint::Joints::stop_rows) has it.

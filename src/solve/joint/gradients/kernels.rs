@@ -4,27 +4,24 @@
 
 use core::hint::black_box;
 
-use super::{DIRECTION, FAST, FINER_STILL, LoopJoint, MOVED, RAISED_RESIDUAL, SOLUTION, Steps};
+use super::{DIRECTION, FAST, FINER_STILL, LoopJoint, MOVED, PassStart, RAISED_RESIDUAL, SOLUTION};
 use crate::solve::joint::tree::{FRACTION, RESIDUAL};
-use crate::solve::joint::turn::Pose;
 use crate::solve::joint::{Block, FINER, LOWER};
 use crate::solve::matrix::{Inverse, Matrix};
-use crate::solve::motion::Rows;
 use crate::solve::number::{
     lowered, lowered_low, lowered_within, lowered_word, product, shifted, upper, within, within_word,
 };
-use crate::solve::unit::SoftRow;
 
 /// v · factor/2^30. *Domain* the result fits. Where all joints have the factor it comes out of a black box: compilers extend its sign ahead of
 /// the loop, and multiply by two words then.
 #[inline(always)]
-pub(super) fn multiple(v: i64, factor: i64) -> i64 {
+fn multiple(v: i64, factor: i64) -> i64 {
     lowered_low(i128::from(v) * i128::from(factor), 30)
 }
 
 /// P r of both rows of a pair, with elements 11, 12 and 22 of P in 2^-shift.
 #[inline(always)]
-pub(super) fn times_inverse([e11, e12, e22]: [i64; 3], shift: i32, [x, y]: [i64; 2]) -> [i64; 2] {
+fn times_inverse([e11, e12, e22]: [i64; 3], shift: i32, [x, y]: [i64; 2]) -> [i64; 2] {
     let room = 64 - RAISED_RESIDUAL - shift;
     if matches!(room, 0..31) {
         // Elements have 31 bits, and residuals 36: they are raised to 61 and 62 bits.
@@ -39,7 +36,7 @@ pub(super) fn times_inverse([e11, e12, e22]: [i64; 3], shift: i32, [x, y]: [i64;
 
 /// A product of a velocity and an impulse in a unit of impulses that is coarser by so many bits. Rounded down: it is even.
 #[inline(always)]
-pub(super) fn in_coarser_unit(product: i128, bits: i32) -> i128 {
+fn in_coarser_unit(product: i128, bits: i32) -> i128 {
     if bits == 0 { product } else { product >> bits.min(127) }
 }
 
@@ -68,42 +65,36 @@ impl Block {
     #[inline(always)]
     pub(super) fn pair_inverse(&self, compliance: i32) -> PairInverse {
         // The axes of a pair are the world's: an impulse along one moves no centre along the other, and masses along them are whole.
-        let turning = |side: usize, i: usize, j: usize| {
-            let crosses = self.crosses[i][side] * self.crosses[j][side];
-            i128::from(lowered_low(i128::from(self.sides[side].masses[2]) * i128::from(crosses), 60))
+        let [first, second] = &self.sides;
+        let turning = |i: usize, j: usize| {
+            let [[first_i, second_i], [first_j, second_j]] = [self.crosses[i], self.crosses[j]];
+            // Products of crosses are below 2^61.
+            lowered_low(product(first.masses[2], first_i * first_j), 60)
+                + lowered_low(product(second.masses[2], second_i * second_j), 60)
         };
-        let linear = |axis: usize| i128::from(self.sides[0].masses[axis]) + i128::from(self.sides[1].masses[axis]);
-        let k11 = linear(0) + turning(0, 0, 0) + turning(1, 0, 0);
-        let k12 = turning(0, 0, 1) + turning(1, 0, 1);
-        let k22 = linear(1) + turning(0, 1, 1) + turning(1, 1, 1);
-        let softness = shifted((k11 + k22) * i128::from(compliance), 31) as i64;
+        // Masses are at most 2^44: these are below 2^48.
+        let k11 = first.masses[0] + second.masses[0] + turning(0, 0);
+        let k12 = turning(0, 1);
+        let k22 = first.masses[1] + second.masses[1] + turning(1, 1);
+        let softness = lowered_low(product(k11 + k22, compliance.into()), 31);
         // Bodies that move along one axis only make the matrix singular.
         let extra = (k11 + k22) >> 20;
         let (k11, k22) = (k11 + extra, k22 + extra);
-        // Down to 58 bits.
-        let down = (128 - k11.max(k22).leading_zeros() as i32 - 58).max(0);
-        let [k11, k12, k22] = [k11, k12, k22].map(|k| shifted(k, down) as i64);
         // The inverse is rounded down: element 12 by its magnitude, as it changes its sign in a mirror.
         let inverse = Inverse::of(Matrix { k11, k12: k12.abs(), k22 });
         let rigid = (1_i64 << 60) / ((1 << 30) + i64::from(compliance));
         let [e11, e22, e12] = inverse.elements.map(|element| multiple(element, rigid));
         PairInverse {
             elements: [e11, if k12 < 0 { -e12 } else { e12 }, e22],
-            shift: inverse.exponent + down - self.mass_bits - FINER + FRACTION - FINER_STILL,
+            shift: inverse.exponent - self.mass_bits - FINER + FRACTION - FINER_STILL,
             compliance: softness,
         }
     }
 
-    /// The residual of the rows that are held at the beginning of a pass, with γ of these rows.
+    /// The residual of the rows that are held at the beginning of a pass, with the impulses and γ of these rows.
     #[inline(always)]
-    pub(super) fn residual_of(
-        &self,
-        compliance: [i64; 2],
-        poses: &[Pose],
-        rows: &Rows,
-        soft: &SoftRow,
-        is_biased: bool,
-    ) -> [i64; 2] {
+    pub(super) fn residual_of(&self, impulses: [i64; 2], compliance: [i64; 2], start: &PassStart<'_>) -> [i64; 2] {
+        let PassStart { poses, rows, soft, is_biased } = *start;
         let velocities = self.residual(rows, poses, if is_biased { Some(soft.rate.into()) } else { None });
         let mut residual = [0; 2];
         for (row, velocity) in velocities.into_iter().enumerate() {
@@ -112,7 +103,7 @@ impl Block {
                 let mut sum = lowered_word(velocity, 30 - FRACTION);
                 let bits = self.mass_bits + FINER - FRACTION;
                 if is_biased {
-                    let soft = product(compliance[row], self.impulses[row]);
+                    let soft = product(compliance[row], impulses[row]);
                     // More than the sum may be is as good as that.
                     sum += if bits > 1 {
                         lowered_within(soft, bits, 1 << 61)
@@ -148,9 +139,10 @@ impl LoopJoint {
 
     /// Begins a pass with the residual of the rows.
     #[inline(always)]
-    pub(super) fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
+    pub(super) fn begin(&mut self, block: &Block, start: &PassStart<'_>) {
         let [first, second, _] = self.compliance;
-        let residual = block.residual_of([first, second], poses, rows, soft, is_biased);
+        let [along, across, _] = block.impulses;
+        let residual = block.residual_of([along, across], [first, second], start);
         self.start = residual;
         self.residual = [residual[0], residual[1], 0];
         self.solution = [0; 3];
@@ -226,14 +218,17 @@ impl LoopJoint {
     }
 }
 
-impl<const ROWS: usize> Steps<ROWS> for LoopJoint {
+/// The steps of an iteration, with impulses of the first `ROWS` rows.
+impl LoopJoint {
+    /// The product of the residual and of P r, which is the first direction.
     #[inline(always)]
-    fn square(&self) -> i128 {
+    pub(super) fn square<const ROWS: usize>(&self) -> i128 {
         self.product::<ROWS>(self.residual, self.preconditioned)
     }
 
+    /// Adds the effect of the direction on the bodies.
     #[inline(always)]
-    fn move_bodies(&self, block: &Block, moved: &mut [[i64; 3]]) {
+    pub(super) fn move_bodies<const ROWS: usize>(&self, block: &Block, moved: &mut [[i64; 3]]) {
         let along = |row: usize, factor: i64| product(self.direction[row], factor);
         let [x, y, turn_a, turn_b] = if self.is_pair {
             // The axes of a pair are the world's.
@@ -274,8 +269,9 @@ impl<const ROWS: usize> Steps<ROWS> for LoopJoint {
         }
     }
 
+    /// Finds the velocities of the rows by all directions. Returns their product with the direction.
     #[inline(always)]
-    fn set_velocity(&mut self, block: &Block, moved: &[[i64; 3]], _: bool) -> i128 {
+    pub(super) fn set_velocity<const ROWS: usize>(&mut self, block: &Block, moved: &[[i64; 3]]) -> i128 {
         let velocity = |body: u32| moved.get(body as usize).copied().unwrap_or_default();
         let (a, b) = (velocity(self.bodies[0]), velocity(self.bodies[1]));
         // Below 2^76.
@@ -306,16 +302,18 @@ impl<const ROWS: usize> Steps<ROWS> for LoopJoint {
         self.product::<ROWS>(self.velocity, self.direction)
     }
 
+    /// Goes a step along the direction, by less than 2^62.
     #[inline(always)]
-    fn advance(&mut self, step: i64) {
+    pub(super) fn advance<const ROWS: usize>(&mut self, step: i64) {
         let step = black_box(step);
         for row in 0..ROWS {
             self.solution[row] = within_word(self.solution[row] + multiple(self.direction[row], step), SOLUTION);
         }
     }
 
+    /// Takes the part of a step off the residual: less than 2^47. Returns its product with P r.
     #[inline(always)]
-    fn lower_residual(&mut self, block: &Block, step: i64) -> i128 {
+    pub(super) fn lower_residual<const ROWS: usize>(&mut self, block: &Block, step: i64) -> i128 {
         let step = black_box(step);
         for row in 0..ROWS {
             let residual = within_word(self.residual[row] - multiple(self.velocity[row], step), RESIDUAL);
@@ -325,8 +323,9 @@ impl<const ROWS: usize> Steps<ROWS> for LoopJoint {
         self.product::<ROWS>(self.residual, self.preconditioned)
     }
 
+    /// Turns to the next direction, by less than 2^62.
     #[inline(always)]
-    fn turn(&mut self, kept: i64) {
+    pub(super) fn turn<const ROWS: usize>(&mut self, kept: i64) {
         let kept = black_box(kept);
         for row in 0..ROWS {
             let direction = self.preconditioned[row] + multiple(self.direction[row], kept);
@@ -355,7 +354,7 @@ pub(super) fn has_usual_masses(bits: i32) -> bool {
 
 /// [`velocities_by`] of raised masses, which have the velocities in the upper words of their products.
 #[inline(always)]
-pub(super) fn raised_velocities(masses: [i64; 3], impulses: [i64; 3]) -> [i64; 3] {
+fn raised_velocities(masses: [i64; 3], impulses: [i64; 3]) -> [i64; 3] {
     [0, 1, 2].map(|k| within_word(upper(product(masses[k], impulses[k])), FAST))
 }
 

@@ -3,7 +3,7 @@
 
 use core::ops::Range;
 
-use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, Steps, iterate, move_by};
+use super::{DIRECTION, FINER_STILL, ITERATIONS, LoopJoint, ROUNDS, iterate, move_by};
 use crate::scalar::FxFactor;
 use crate::solve::joint::axis::{Aim, AxisRow};
 use crate::solve::joint::laws::RowChange;
@@ -46,9 +46,9 @@ impl LawLoop<'_> {
         for (joint, block) in joints.iter_mut().zip(*blocks) {
             joint.begin_round(block);
         }
-        let step = iterate::<3, _>(joints, blocks, moved, bodies.clone(), ITERATIONS);
+        let step = iterate::<3>(joints, blocks, moved, bodies.clone(), ITERATIONS);
         for joint in joints.iter_mut() {
-            Steps::<3>::advance(joint, step);
+            joint.advance::<3>(step);
             joint.direction = joint.solution.map(|solution| within(solution.into(), DIRECTION));
         }
         move_by(joints, blocks, moved, bodies.clone());

@@ -1,197 +1,325 @@
 //! Loops of pins, the usual ones: all joints hold a point, and none has a law.
 //!
-//! The iterations go over the joints nine times a pass, and blocks are as large as caches: so all that iterations need of a joint stands in a record.
+//! The iterations go over the joints nine times a pass, and blocks are as large as caches: so all that iterations need of joints stands in groups of
+//! lanes.
 //!
-//! Reads: blocks, poses, velocities of bodies. Writes: records, and velocities of bodies by directions. [`gradients`](super) has the ranges.
+//! Reads: blocks, poses, velocities of bodies. Writes: groups, and velocities of bodies by directions. [`gradients`](super) has the ranges.
 
-use core::hint::black_box;
+mod impulses;
 
-use super::kernels::{
-    PairInverse, compliance_room, has_usual_masses, in_coarser_unit, moved_bits, multiple, raised_velocities,
-    times_inverse,
+use core::ops::Range;
+
+use self::impulses::LimbSums;
+pub(super) use self::impulses::{PinImpulses, store};
+use super::kernels::{PairInverse, compliance_room, has_usual_masses, moved_bits};
+use super::{
+    DIRECTION_BITS, FAST, FASTEST, FINER_STILL, LOWER, LoopJoint, PassStart, RESIDUAL, SOLUTION, STILL, quotient,
 };
-use super::{DIRECTION, FINER_STILL, FRACTION, LoopJoint, MOVED, RESIDUAL, SOLUTION, STILL, Steps};
+use crate::kernel::simd::{GROUP, Lanes, Pairs, Speeds};
 use crate::slots::NONE;
-use crate::solve::joint::turn::Pose;
-use crate::solve::joint::{Block, LOWER};
-use crate::solve::motion::Rows;
-use crate::solve::number::{lowered_low, lowered_word, product, upper, within_word};
-use crate::solve::unit::SoftRow;
+use crate::solve::joint::Block;
 
-/// Bits from products of velocities of bodies and of axes down to velocities of rows.
-const LOWERED: i32 = 30 + MOVED - FRACTION;
+/// The largest mass, raised so that velocities stand in the upper words of its products.
+const LARGEST_MASS: i64 = 1 << 57;
 
-/// A joint of a loop of pins.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Pin {
-    /// The bodies of its sides among the bodies of loops; [`STILL`] for bodies that cannot be moved, whose masses are zero.
-    bodies: [u32; 2],
-    /// The cross products by row and body: within 2^30.5.
-    crosses: [[i32; 2]; 2],
-    /// The masses of both bodies, raised so that velocities stand in the upper words of their products.
-    masses: [[i64; 3]; 2],
-    /// Elements 11, 12 and 22 of P, which have 31 bits, in 2^-shift.
-    inverse: [i32; 3],
-    inverse_shift: i32,
-    /// γ, raised so that velocities stand in the upper words of its products.
-    compliance: i64,
+/// Joints of a loop of pins side by side. Pairs are of two quantities of the same joint.
+#[derive(Clone, Debug)]
+#[repr(C, align(64))]
+pub(super) struct PinGroup {
+    /// The bodies of both sides among the bodies of loops; [`STILL`] for bodies that cannot be moved, whose masses are zero.
+    bodies: [[u32; GROUP]; 2],
+    /// The cross products of both bodies by row: within 2^30.
+    crosses: [Pairs; 2],
+    /// The masses of both bodies, raised so that velocities stand in the upper words of their products: within [`LARGEST_MASS`].
+    masses: [[[i64; GROUP]; 3]; 2],
+    /// γ, raised likewise.
+    compliance: [i64; GROUP],
     /// log2 of the coarsest unit of impulses of the loop over the unit of the joint.
-    coarser: i32,
-    rows: [PinRow; 2],
-}
-
-/// The values of a row. They stand by row: where both rows' values stand side by side compilers work on pairs of them, and move each in and out of a
-/// vector.
-#[derive(Clone, Debug, Default)]
-struct PinRow {
-    residual: i64,
-    direction: i64,
-    solution: i64,
-    /// The velocity by the direction, and P r from the next residual up to the next direction.
-    velocity: i64,
+    coarser: [i64; GROUP],
+    /// Elements 11 and 22 of P, and element 12 and nothing: 31 bits, in 2^-shift.
+    inverse: [Pairs; 2],
+    inverse_shift: [i64; GROUP],
+    /// Values by row: the residual, the direction, the sum of directions, and the velocity by the direction, which is P r from the next
+    /// residual up to the next direction.
+    residual: [[i64; GROUP]; 2],
+    direction: [[i64; GROUP]; 2],
+    solution: [[i64; GROUP]; 2],
+    velocity: [[i64; GROUP]; 2],
+    /// Impulses of the sub-step, by row.
+    impulses: [[i64; GROUP]; 2],
+    /// The impulses around both bodies that are applied in the sub-step, by limb: in 2^30 and 1, in 2^-30.
+    turns: [[[i64; GROUP]; 2]; 2],
+    /// Sums of the impulses of all sub-steps, of the present one from its move on.
+    applied: LimbSums,
+    /// Sums over sub-steps of the impulses applied up to the move.
+    weighted: LimbSums,
 }
 
 impl Block {
     /// Returns true if the joint is a pin whose masses are of the usual sizes.
     pub(super) fn is_usual_pin(&self) -> bool {
-        self.holds_point() && self.laws == [NONE; 3] && has_usual_masses(moved_bits(self))
+        let bits = moved_bits(self);
+        let is_small = |mass: &i64| mass << (64 - bits) <= LARGEST_MASS;
+        self.holds_point()
+            && self.laws == [NONE; 3]
+            && has_usual_masses(bits)
+            && self.sides.iter().all(|side| side.masses.iter().all(is_small))
     }
 }
 
-impl Pin {
-    /// The record of a joint in a step.
-    pub(super) fn new(joint: &LoopJoint, block: &Block) -> Self {
-        let up = 64 - moved_bits(block);
-        let [first, second] = &block.sides;
+impl PinGroup {
+    /// A group without joints.
+    pub(super) fn empty() -> Self {
+        let (words, pairs) = ([0; GROUP], [[0; 2]; GROUP]);
         Self {
-            bodies: joint.bodies.map(|body| if body == NONE { STILL } else { body }),
-            masses: [first.masses.map(|mass| mass << up), second.masses.map(|mass| mass << up)],
-            coarser: joint.coarser,
-            ..Self::default()
+            bodies: [[STILL; GROUP]; 2],
+            crosses: [pairs; 2],
+            masses: [[words; 3]; 2],
+            compliance: words,
+            coarser: words,
+            inverse: [pairs; 2],
+            inverse_shift: words,
+            residual: [words; 2],
+            direction: [words; 2],
+            solution: [words; 2],
+            velocity: [words; 2],
+            impulses: [words; 2],
+            turns: [[words; 2]; 2],
+            applied: LimbSums::default(),
+            weighted: LimbSums::default(),
         }
     }
 
-    /// Takes the arms of the joint, and finds P and γ.
+    /// Begins a step with so many joints, or with all lanes full of them.
+    pub(super) fn begin(&mut self, count: usize) {
+        if count < GROUP {
+            // Lanes without a joint.
+            *self = Self::empty();
+        } else {
+            (self.applied, self.weighted) = (LimbSums::default(), LimbSums::default());
+        }
+    }
+
+    /// Takes a joint into a lane.
+    pub(super) fn set(&mut self, lane: usize, joint: &LoopJoint, block: &Block) {
+        let up = 64 - moved_bits(block);
+        for (k, side) in block.sides.iter().enumerate() {
+            self.bodies[k][lane] = if joint.bodies[k] == NONE { STILL } else { joint.bodies[k] };
+            (0..3).for_each(|axis| self.masses[k][axis][lane] = side.masses[axis] << up);
+        }
+        (self.impulses[0][lane], self.impulses[1][lane]) = (block.impulses[0], block.impulses[1]);
+        self.coarser[lane] = joint.coarser.into();
+    }
+
+    /// Takes the arms of a joint, and finds P and γ.
     #[inline(always)]
-    pub(super) fn turn_to(&mut self, block: &Block, compliance: i32) {
+    pub(super) fn turn_to(&mut self, lane: usize, block: &Block, compliance: i32) {
         let PairInverse { elements, shift, compliance } = block.pair_inverse(compliance);
-        let [first, second, _] = block.crosses;
-        self.crosses = [first.map(|cross| cross as i32), second.map(|cross| cross as i32)];
-        (self.inverse, self.inverse_shift) = (elements.map(|element| element as i32), shift);
-        self.compliance = compliance << compliance_room(block);
-    }
-
-    /// Begins a pass with the residual of the rows.
-    #[inline(always)]
-    pub(super) fn begin(&mut self, block: &Block, poses: &[Pose], rows: &Rows, soft: &SoftRow, is_biased: bool) {
-        let compliance = self.compliance >> compliance_room(block);
-        let residual = block.residual_of([compliance; 2], poses, rows, soft, is_biased);
-        for (row, residual) in self.rows.iter_mut().zip(residual) {
-            *row = PinRow { residual, ..PinRow::default() };
+        for (pairs, crosses) in self.crosses.iter_mut().zip(&block.crosses) {
+            pairs[lane] = crosses.map(|cross| cross as i32);
         }
-        let direction = self.preconditioned();
-        for (row, direction) in self.rows.iter_mut().zip(direction) {
-            row.direction = direction;
+        let [e11, e12, e22] = elements.map(|element| element as i32);
+        (self.inverse[0][lane], self.inverse[1][lane]) = ([e11, e22], [e12, 0]);
+        debug_assert!((0..31).contains(&shift), "{shift}");
+        self.inverse_shift[lane] = shift.into();
+        self.compliance[lane] = compliance << compliance_room(block);
+    }
+
+    /// Begins a pass with the residual of the rows of a joint.
+    #[inline(always)]
+    pub(super) fn begin_pass(&mut self, lane: usize, block: &Block, start: &PassStart<'_>) {
+        let compliance = self.compliance[lane] >> compliance_room(block);
+        let impulses = [self.impulses[0][lane], self.impulses[1][lane]];
+        let residual = block.residual_of(impulses, [compliance; 2], start);
+        for (row, residual) in residual.into_iter().enumerate() {
+            (self.residual[row][lane], self.solution[row][lane]) = (residual, 0);
         }
     }
 
-    /// The changes of the impulses.
+    /// Values of both rows.
     #[inline(always)]
-    pub(super) fn changes(&self) -> [i64; 3] {
-        let [x, y] = &self.rows;
-        [lowered_word(x.solution, FINER_STILL), lowered_word(y.solution, FINER_STILL), 0]
+    fn rows<L: Lanes>(lanes: L, [x, y]: &[[i64; GROUP]; 2], at: usize) -> [L::Wide; 2] {
+        [lanes.wide(x, at), lanes.wide(y, at)]
     }
 
-    /// Its bodies among the velocities of all. They are checked ahead of the products: compilers know that a factor is a word within a block only.
     #[inline(always)]
-    fn bodies_in(&self, moved: &[[i64; 3]]) -> Option<[usize; 2]> {
-        let bodies = self.bodies.map(|body| body as usize);
-        (bodies[0] < moved.len() && bodies[1] < moved.len()).then_some(bodies)
+    fn set_rows<L: Lanes>(lanes: L, [x, y]: &mut [[i64; GROUP]; 2], at: usize, values: [L::Wide; 2]) {
+        lanes.store(x, at, values[0]);
+        lanes.store(y, at, values[1]);
     }
 
     /// P r
     #[inline(always)]
-    fn preconditioned(&self) -> [i64; 2] {
-        let [x, y] = &self.rows;
-        times_inverse(self.inverse.map(i64::from), self.inverse_shift, [x.residual, y.residual])
+    fn preconditioned<L: Lanes>(&self, lanes: L, at: usize, residual: [L::Wide; 2]) -> [L::Wide; 2] {
+        let ((e11, e22), (e12, _)) = (lanes.pair(&self.inverse[0], at), lanes.pair(&self.inverse[1], at));
+        let shift = lanes.wide(&self.inverse_shift, at);
+        [
+            lanes.dot_within([e11, e12], residual, shift, DIRECTION_BITS),
+            lanes.dot_within([e12, e22], residual, shift, DIRECTION_BITS),
+        ]
+    }
+
+    /// Sets the first directions, P r, adds their effect on the bodies, and adds up their products with the residuals.
+    #[inline(always)]
+    fn start<L: Lanes>(&mut self, lanes: L, at: usize, square: &mut [L::Wide; 3], speeds: &mut [Speeds]) {
+        let residual = Self::rows(lanes, &self.residual, at);
+        let direction = self.preconditioned(lanes, at, residual);
+        lanes.add_products(square, residual, direction, lanes.wide(&self.coarser, at));
+        Self::set_rows(lanes, &mut self.direction, at, direction);
+        self.move_bodies(lanes, at, direction, speeds);
+    }
+
+    /// Adds the effect of directions on the bodies.
+    #[inline(always)]
+    fn move_bodies<L: Lanes>(&self, lanes: L, at: usize, direction: [L::Wide; 2], speeds: &mut [Speeds]) {
+        let ((ka, kb), (la, lb)) = (lanes.pair(&self.crosses[0], at), lanes.pair(&self.crosses[1], at));
+        let up = lanes.all(i64::from(30 - LOWER));
+        let [x, y] = [lanes.raised_by(direction[0], up), lanes.raised_by(direction[1], up)];
+        let first = self.velocities(lanes, at, 0, [x, y, lanes.lowered_dot([ka, la], direction)]);
+        let second = self.velocities(lanes, at, 1, [x, y, lanes.lowered_dot([kb, lb], direction)]);
+        let zero = lanes.all(0);
+        let first = [lanes.sub(zero, first[0]), lanes.sub(zero, first[1]), lanes.sub(zero, first[2])];
+        lanes.add_speeds(speeds, &self.bodies[0], at, first);
+        lanes.add_speeds(speeds, &self.bodies[1], at, second);
+    }
+
+    /// The changes of velocity of a body by impulses.
+    #[inline(always)]
+    fn velocities<L: Lanes>(&self, lanes: L, at: usize, side: usize, [x, y, turn]: [L::Wide; 3]) -> [L::Wide; 3] {
+        let ([mass_x, mass_y, angular], fast) = (&self.masses[side], lanes.all(FAST as i64));
+        [
+            lanes.clamped(lanes.upper_word(lanes.wide(mass_x, at), x), fast),
+            lanes.clamped(lanes.upper_word(lanes.wide(mass_y, at), y), fast),
+            lanes.clamped(lanes.upper_word(lanes.wide(angular, at), turn), fast),
+        ]
+    }
+
+    /// Finds the velocities of the rows by all directions, and adds up their products with the directions.
+    #[inline(always)]
+    fn set_velocity<L: Lanes>(&mut self, lanes: L, at: usize, along: &mut [L::Wide; 3], speeds: &[Speeds]) {
+        let ((ka, kb), (la, lb)) = (lanes.pair(&self.crosses[0], at), lanes.pair(&self.crosses[1], at));
+        let (a, b) = (lanes.speeds_of(speeds, &self.bodies[0], at), lanes.speeds_of(speeds, &self.bodies[1], at));
+        let turns = [b[2], lanes.sub(lanes.all(0), a[2])];
+        let ways = [
+            lanes.lowered_way(lanes.sub(b[0], a[0]), [kb, ka], turns),
+            lanes.lowered_way(lanes.sub(b[1], a[1]), [lb, la], turns),
+        ];
+        let compliance = lanes.wide(&self.compliance, at);
+        let (direction, limit) = (Self::rows(lanes, &self.direction, at), lanes.all(RESIDUAL as i64));
+        let mut velocity = direction;
+        for row in 0..2 {
+            let gives = lanes.clamped(lanes.upper_word(compliance, direction[row]), limit);
+            velocity[row] = lanes.clamped(lanes.add(ways[row], gives), limit);
+        }
+        Self::set_rows(lanes, &mut self.velocity, at, velocity);
+        lanes.add_products(along, velocity, direction, lanes.wide(&self.coarser, at));
+    }
+
+    /// Goes a step along the directions, by less than 2^62.
+    #[inline(always)]
+    fn advance<L: Lanes>(&mut self, lanes: L, at: usize, step: i64) {
+        let direction = Self::rows(lanes, &self.direction, at);
+        let (mut solution, limit) = (Self::rows(lanes, &self.solution, at), lanes.all(SOLUTION as i64));
+        let steps = lanes.multiples(direction, step);
+        for row in 0..2 {
+            solution[row] = lanes.clamped(lanes.add(solution[row], steps[row]), limit);
+        }
+        Self::set_rows(lanes, &mut self.solution, at, solution);
+    }
+
+    /// Takes the part of a step off the residuals, less than 2^47, and adds up the products of residuals and P r.
+    #[inline(always)]
+    fn lower_residual<L: Lanes>(&mut self, lanes: L, at: usize, step: i64, square: &mut [L::Wide; 3]) {
+        let velocity = Self::rows(lanes, &self.velocity, at);
+        let (mut residual, limit) = (Self::rows(lanes, &self.residual, at), lanes.all(RESIDUAL as i64));
+        let parts = lanes.multiples(velocity, step);
+        for row in 0..2 {
+            residual[row] = lanes.clamped(lanes.sub(residual[row], parts[row]), limit);
+        }
+        Self::set_rows(lanes, &mut self.residual, at, residual);
+        let preconditioned = self.preconditioned(lanes, at, residual);
+        Self::set_rows(lanes, &mut self.velocity, at, preconditioned);
+        lanes.add_products(square, residual, preconditioned, lanes.wide(&self.coarser, at));
+    }
+
+    /// Turns to the next directions, by less than 2^62, and adds their effect on the bodies.
+    #[inline(always)]
+    fn turn<L: Lanes>(&mut self, lanes: L, at: usize, kept: i64, speeds: &mut [Speeds]) {
+        let preconditioned = Self::rows(lanes, &self.velocity, at);
+        let (mut direction, limit) = (Self::rows(lanes, &self.direction, at), lanes.all(1 << DIRECTION_BITS));
+        let before = lanes.multiples(direction, kept);
+        for row in 0..2 {
+            direction[row] = lanes.clamped(lanes.add(preconditioned[row], before[row]), limit);
+        }
+        Self::set_rows(lanes, &mut self.direction, at, direction);
+        self.move_bodies(lanes, at, direction, speeds);
     }
 }
 
-impl Steps<2> for Pin {
-    #[inline(always)]
-    fn square(&self) -> i128 {
-        let [x, y] = &self.rows;
-        in_coarser_unit(product(x.residual, x.direction) + product(y.residual, y.direction), self.coarser)
-    }
-
-    #[inline(always)]
-    fn move_bodies(&self, _: &Block, moved: &mut [[i64; 3]]) {
-        let Some([a, b]) = self.bodies_in(moved) else { return };
-        let [first, second] = [self.rows[0].direction, self.rows[1].direction];
-        let [[ka, kb], [la, lb]] = self.crosses.map(|row| row.map(i64::from));
-        let turn = |k: i64, l: i64| lowered_low(product(first, k) + product(second, l), LOWER);
-        let [x, y] = [first << (30 - LOWER), second << (30 - LOWER)];
-        let changes = [
-            raised_velocities(self.masses[0], [x, y, turn(ka, la)]),
-            raised_velocities(self.masses[1], [x, y, turn(kb, lb)]),
-        ];
-        (0..3).for_each(|axis| moved[a][axis] -= changes[0][axis]);
-        (0..3).for_each(|axis| moved[b][axis] += changes[1][axis]);
-    }
-
-    #[inline(always)]
-    fn set_velocity(&mut self, _: &Block, moved: &[[i64; 3]], are_slow: bool) -> i128 {
-        let Some([a, b]) = self.bodies_in(moved) else { return 0 };
-        let (a, b) = (moved[a], moved[b]);
-        let [[ka, kb], [la, lb]] = self.crosses.map(|row| row.map(i64::from));
-        let along = if are_slow {
-            // Below 2^62.3.
-            let sum = |axis: usize, ka: i64, kb: i64| ((b[axis] - a[axis]) << 30) + (kb * b[2] - ka * a[2]);
-            [sum(0, ka, kb), sum(1, la, lb)].map(|sum| lowered_word(sum, LOWERED))
-        } else {
-            // Below 2^76.
-            let sum = |axis: usize, ka: i64, kb: i64| {
-                product(1 << 30, b[axis] - a[axis]) + product(kb, b[2]) - product(ka, a[2])
-            };
-            [sum(0, ka, kb), sum(1, la, lb)].map(|sum| lowered_low(sum, LOWERED))
-        };
-        let mut sum = 0;
-        for (row, along) in self.rows.iter_mut().zip(along) {
-            let gives = within_word(upper(product(self.compliance, row.direction)), RESIDUAL);
-            row.velocity = within_word(along + gives, RESIDUAL);
-            sum += product(row.velocity, row.direction);
-        }
-        in_coarser_unit(sum, self.coarser)
-    }
-
-    #[inline(always)]
-    fn advance(&mut self, step: i64) {
-        let step = black_box(step);
-        for row in &mut self.rows {
-            row.solution = within_word(row.solution + multiple(row.direction, step), SOLUTION);
+/// Bounds the velocities of bodies by all joints.
+#[inline(always)]
+fn bound(speeds: &mut [Speeds]) {
+    for Speeds(speeds) in speeds {
+        for speed in speeds {
+            *speed = (*speed).clamp(-FASTEST, FASTEST);
         }
     }
+}
 
-    #[inline(always)]
-    fn lower_residual(&mut self, _: &Block, step: i64) -> i128 {
-        let step = black_box(step);
-        for row in &mut self.rows {
-            row.residual = within_word(row.residual - multiple(row.velocity, step), RESIDUAL);
+/// The iterations over a loop of pins, as [`iterate`](super::iterate) has them.
+#[inline(always)]
+pub(super) fn iterate_pins<L: Lanes>(
+    lanes: L,
+    groups: &mut [PinGroup],
+    speeds: &mut [Speeds],
+    bodies: Range<usize>,
+    iterations: usize,
+) {
+    let zero = [lanes.all(0); 3];
+    speeds[bodies.clone()].fill(Speeds::default());
+    let mut sums = zero;
+    for group in groups.iter_mut() {
+        for at in (0..GROUP).step_by(L::WIDTH) {
+            group.start(lanes, at, &mut sums, speeds);
         }
-        let mut sum = 0;
-        let preconditioned = self.preconditioned();
-        for (row, preconditioned) in self.rows.iter_mut().zip(preconditioned) {
-            row.velocity = preconditioned;
-            sum += product(row.residual, preconditioned);
-        }
-        in_coarser_unit(sum, self.coarser)
     }
-
-    #[inline(always)]
-    fn turn(&mut self, kept: i64) {
-        let kept = black_box(kept);
-        for row in &mut self.rows {
-            row.direction = within_word(row.velocity + multiple(row.direction, kept), DIRECTION);
+    let mut square = lanes.total(sums);
+    for iteration in 1..=iterations {
+        if square <= 0 {
+            return;
+        }
+        bound(&mut speeds[bodies.clone()]);
+        let mut sums = zero;
+        for group in groups.iter_mut() {
+            for at in (0..GROUP).step_by(L::WIDTH) {
+                group.set_velocity(lanes, at, &mut sums, speeds);
+            }
+        }
+        let along = lanes.total(sums);
+        if along <= 0 {
+            return;
+        }
+        let (step, is_last) = (quotient(square, along), iteration == iterations);
+        let mut sums = zero;
+        for group in groups.iter_mut() {
+            for at in (0..GROUP).step_by(L::WIDTH) {
+                group.advance(lanes, at, step);
+                if !is_last {
+                    group.lower_residual(lanes, at, step, &mut sums);
+                }
+            }
+        }
+        if is_last {
+            return;
+        }
+        let next = lanes.total(sums);
+        let kept = quotient(i128::max(next, 0), square);
+        square = next;
+        speeds[bodies.clone()].fill(Speeds::default());
+        for group in groups.iter_mut() {
+            for at in (0..GROUP).step_by(L::WIDTH) {
+                group.turn(lanes, at, kept, speeds);
+            }
         }
     }
 }

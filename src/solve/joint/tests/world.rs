@@ -4,9 +4,12 @@ use alloc::collections::BTreeMap;
 use alloc::vec::Vec;
 
 use crate::fx::Fx;
+use crate::kernel::simd::{VectorSet, run_with};
 use crate::math::{TimeStep, Vec2};
 use crate::scalar::{FxAccumulator, FxFactor, Turn};
 use crate::solve::joint::Axis;
+use crate::solve::substeps::SubSteps;
+use crate::solve::unit::Clock;
 use crate::solve::{Contact, Correction, Flight, Impulses, Joint, JointKind, Point, Solver, SolverOptions, Velocity};
 
 /// The nearest multiple of 2^-32.
@@ -128,11 +131,13 @@ pub(super) struct World {
     pub(super) options: SolverOptions,
     /// A link beside which there is a line that has no law, and so no row.
     pub(super) free_line: Option<usize>,
+    /// The vectors of the passes: the widest without.
+    pub(super) vectors: Option<VectorSet>,
     /// Impulses of boxes on the floor y = 0, by body.
     floor: Vec<Impulses>,
     /// Impulses of discs, by pair of bodies.
     discs: BTreeMap<[u32; 2], Impulses>,
-    solver: Solver,
+    pub(super) solver: Solver,
     pub(super) corrections: Vec<Correction>,
     pub(super) cut: u64,
 }
@@ -340,7 +345,11 @@ impl World {
         contacts.extend(self.disc_contacts());
         let Self { solver, corrections, options, .. } = self;
         let time_step = TimeStep::hz(RATE);
-        self.cut += solver.solve(time_step, options, &flights, &mut joints, &mut contacts, corrections).cut;
+        solver.prepare(time_step, options, &flights, &joints, &contacts);
+        let clock = Clock::new(time_step, options.substeps);
+        let passes = SubSteps { solver, clock: &clock, options, contacts: &contacts };
+        self.cut += run_with(self.vectors.unwrap_or_else(VectorSet::used), passes);
+        solver.finish(time_step, options, &flights, &mut joints, &mut contacts, corrections);
         for (link, joint) in self.links.iter_mut().zip(&joints) {
             link.impulses = joint.impulses;
         }
