@@ -41,7 +41,7 @@ fn belongs(package: &str, file: &str) -> bool {
     let is_common = ALWAYS.contains(&file) || file == ".cargo_vcs_info.json";
     let is_source = file.starts_with("src/") && matches!(kind, "rs" | "md" | "txt" | "css" | "csv" | "html" | "js");
     let is_of_library = match folder {
-        "docs" => matches!(kind, "md" | "png" | "svg"),
+        "docs" => matches!(kind, "md" | "svg"),
         "docs/report" => name == "README.md",
         "examples" | "examples/ggrs" | "examples/lockstep" | "examples/shared" => kind == "rs",
         _ => ["CHANGELOG.md", "CONTRIBUTING.md", "PERFORMANCE.md", "SECURITY.md"].contains(&file),
