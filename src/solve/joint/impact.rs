@@ -197,7 +197,7 @@ impl Joints {
         match self.loop_of(assembly) {
             None => self.trees.blocks(assembly),
             Some(index) => {
-                let first = self.blocks.len() - self.loops.joint_count();
+                let first = self.tree_count();
                 let joints = self.loops.joints(index);
                 first + joints.start..first + joints.end
             }

@@ -173,9 +173,9 @@ impl Joints {
             return 0;
         }
         self.gains.begin_ropes();
-        let count = self.blocks.len() - self.loops.joint_count();
-        let (blocks, blocks_of_loops) = self.blocks.split_at_mut(count);
-        for block in blocks {
+        let tree_count = self.tree_count();
+        let (blocks_of_trees, blocks_of_loops) = self.blocks.split_at_mut(tree_count);
+        for block in blocks_of_trees {
             block.warm_start(&mut self.gains);
         }
         self.loops.warm_start(lanes, blocks_of_loops, &mut self.gains);
@@ -200,8 +200,8 @@ impl Joints {
         }
         let mut cut = 0;
         // Loops do it where they are solved, once their blocks are at hand.
-        let count = self.blocks.len() - self.loops.joint_count();
-        for block in &mut self.blocks[..count] {
+        let tree_count = self.tree_count();
+        for block in &mut self.blocks[..tree_count] {
             cut += block.advance(&self.poses, &mut self.laws);
         }
         self.gains.weigh_ropes();
@@ -226,8 +226,13 @@ impl Joints {
 
     /// Ends the sub-steps: all impulses are with the blocks then.
     pub(in crate::solve) fn finish(&mut self) {
-        let count = self.blocks.len() - self.loops.joint_count();
-        self.loops.store(&mut self.blocks[count..]);
+        let tree_count = self.tree_count();
+        self.loops.store(&mut self.blocks[tree_count..]);
+    }
+
+    /// The number of blocks of trees: they come before the blocks of loops.
+    pub(super) fn tree_count(&self) -> usize {
+        self.blocks.len() - self.loops.joint_count()
     }
 
     /// The number of each joint and its impulses over the step on the second body: along x and y, in 2^-32 N·s, and around, in 2^-32 N·m·s.

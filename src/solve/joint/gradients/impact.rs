@@ -87,7 +87,7 @@ impl Loops {
         let joints = &mut joints[range.clone()];
         for (number, (joint, block)) in joints.iter_mut().zip(blocks).enumerate() {
             if !pins.is_empty() {
-                // Passes have records in its place.
+                // Passes have groups in its place.
                 joint.invert(block, soft.compliance);
             }
             let ends = joint.ends(bodies.start, changes);
