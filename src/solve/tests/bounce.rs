@@ -2,8 +2,10 @@
 
 use alloc::vec::Vec;
 
+use super::super::motion::{Begin, FlightRow, Rows};
 use super::scene::{Scene, body, contact, fixed, fx, signed, unit, vec};
 use crate::cases::run_seed;
+use crate::kernel::simd::{Job as _, Portable};
 use crate::math::Random;
 use crate::scalar::FxAccumulator;
 use crate::solve::{Contact, Flight, Velocity};
@@ -152,5 +154,32 @@ fn light_bodies_under_stacks_that_land_gain_no_energy() {
             final_energy < initial_energy * (1.0 + 1e-6),
             "case {case}, {light} under {heavy} kg: {final_energy} J of {initial_energy} J, {velocities:?}"
         );
+    }
+}
+
+/// Impulses of up to twice the change by the flight hold a body against it; larger ones stop or push it, and impacts take its flight as free.
+#[test]
+fn contacts_that_push_harder_than_the_flight_are_no_support() {
+    // By a velocity of 1,000 units in a step of five sub-steps.
+    let flight = FlightRow { start: [70, -30, 5, 0], change: [600, -800, 0, 0] };
+    for (push, is_support) in [
+        ([0, 0, 0], true),
+        ([-120, 160, 0], true),
+        ([0, 240, 320], true),
+        ([0, 400, 0], true),
+        ([0, 401, 0], false),
+        ([-300, 200, 180], false),
+        ([0, -4_000, 0], false),
+    ] {
+        for k in [1, 3] {
+            let mut rows = Rows::default();
+            let row = rows.push(flight, 1 << 20);
+            (1..=k).for_each(|k| Begin { rows: &mut rows, k, n: 5 }.run(Portable));
+            // Its angle stands beside the velocity.
+            rows.rows[row as usize].velocity[3] = 1 << 20;
+            (0..3).for_each(|i| rows.rows[row as usize].velocity[i] += push[i]);
+            let expected = if is_support { push.map(i64::from) } else { [0; 3] };
+            assert_eq!(rows.support(row, 5), expected, "{push:?}, {k}");
+        }
     }
 }

@@ -392,9 +392,22 @@ fn groups_of_pins_give_the_bits_of_blocks() {
             for (lanes, set) in worlds.iter_mut().zip(&sets) {
                 lanes.step();
                 assert_eq!(lanes.bodies, world.bodies, "{set:?}, {speed}, {heavy}, step {step}");
+                assert_eq!(lanes.cut, world.cut, "{set:?}, {speed}, {heavy}, step {step}");
             }
         }
-        assert!(strikes > 0 && !world.solver.joints.loops.has_groups());
+        // Impulses beyond the lanes, and beyond the limits of passes.
+        for up in [20, 40, 60] {
+            for link in worlds.iter_mut().chain([&mut world]).flat_map(|world| &mut world.links) {
+                link.impulses.exponent += up;
+            }
+            world.step();
+            for (lanes, set) in worlds.iter_mut().zip(&sets) {
+                lanes.step();
+                assert_eq!(lanes.bodies, world.bodies, "{set:?}, {speed}, {heavy}, up {up}");
+                assert_eq!(lanes.cut, world.cut, "{set:?}, {speed}, {heavy}, up {up}");
+            }
+        }
+        assert!(strikes > 0 && world.cut > 0 && !world.solver.joints.loops.has_groups());
         for lanes in &worlds {
             assert!(lanes.solver.joints.loops.has_groups());
             assert!(world.links.iter().zip(&lanes.links).all(|(link, twin)| link.impulses == twin.impulses), "{speed}");
