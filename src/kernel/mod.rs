@@ -15,6 +15,12 @@ mod tables;
 pub(crate) mod trig;
 pub(crate) mod wide;
 
+/// The exact product.
+#[inline(always)]
+pub(crate) const fn product(a: i64, b: i64) -> i128 {
+    a as i128 * b as i128
+}
+
 /// The upper half of a product: `floor(a·b / 2^64)`.
 #[inline]
 const fn mul_high(a: u64, b: u64) -> u64 {

@@ -1,4 +1,4 @@
-//! Division by a power of two, rounded to nearest, ties to even: the rounding of every product and public value.
+//! Division by a power of two, rounded to nearest: ties to even, as every product and public value, or away from zero.
 
 /// `a / 2^s`, rounded to nearest, ties to even. For every `a` and `0 <= s <= 127`.
 #[inline]
@@ -41,6 +41,21 @@ pub(crate) const fn shr_round_short(a: u128, s: u32) -> u128 {
 #[inline(always)]
 pub(crate) const fn odd_shift(a: i128, s: u32) -> i128 {
     (a + ((1 << (s - 1)) + (a >> 127))) >> s
+}
+
+/// [`odd_shift`] by 64 bits: the upper word, without a shift. *Domain* |value| < 2^126.
+#[inline(always)]
+pub(crate) const fn upper(value: i128) -> i64 {
+    // A double word throughout: compilers choose between two halves by a branch, and signs cannot be predicted.
+    odd_shift(value, 64) as i64
+}
+
+/// The lower word of [`odd_shift`]: all of it, if the result fits. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 63.
+#[inline(always)]
+pub(crate) const fn lowered_low(value: i128, bits: i32) -> i64 {
+    // A half, less by one for a negative value.
+    let half = (1_u64 << (bits - 1)).wrapping_add((value >> 127) as u64);
+    ((value + half as i128) >> bits) as i64
 }
 
 #[cfg(test)]

@@ -1,6 +1,9 @@
 //! Numbers of the solver: integers in units that are powers of two.
 
 use crate::fx::Fx;
+pub(super) use crate::kernel::product;
+use crate::kernel::round::odd_shift;
+pub(super) use crate::kernel::round::{lowered_low, upper};
 use crate::kernel::wide::{magnitude, with_sign};
 use crate::scalar::FxFactor;
 
@@ -39,23 +42,7 @@ pub(super) const fn lowered_word(value: i64, bits: i32) -> i64 {
 /// [`shifted`] down by a part of a double word. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 126.
 #[inline(always)]
 pub(super) const fn lowered(value: i128, bits: i32) -> i128 {
-    // The last term is −1 for a negative value.
-    (value + (1 << (bits - 1)) + (value >> 127)) >> bits
-}
-
-/// [`lowered`] by 64 bits: the upper word, without a shift. *Domain* |value| < 2^126.
-#[inline(always)]
-pub(super) const fn upper(value: i128) -> i64 {
-    // A double word throughout: compilers choose between two halves by a branch, and signs cannot be predicted.
-    lowered(value, 64) as i64
-}
-
-/// The lower word of [`lowered`]: all of it, if the result fits. *Domain* |value| < 2^126, and 1 ≤ bits ≤ 63.
-#[inline(always)]
-pub(super) const fn lowered_low(value: i128, bits: i32) -> i64 {
-    // A half, less by one for a negative value.
-    let half = (1_u64 << (bits - 1)).wrapping_add((value >> 127) as u64);
-    ((value + half as i128) >> bits) as i64
+    odd_shift(value, bits as u32)
 }
 
 /// [`lowered_low`] by bits that are no constant.
@@ -83,12 +70,6 @@ pub(super) const fn lowered_within(value: i128, bits: i32, limit: i64) -> i64 {
 #[inline(always)]
 pub(super) fn lowered_to(value: i128, bits: i32, limit: i128) -> i64 {
     if bits < 64 { lowered_within(value, bits, limit as i64) } else { within(lowered(value, bits), limit) }
-}
-
-/// The exact product.
-#[inline(always)]
-pub(super) fn product(a: i64, b: i64) -> i128 {
-    i128::from(a) * i128::from(b)
 }
 
 /// The value within ±limit. *Domain* 0 ≤ limit < 2^63.

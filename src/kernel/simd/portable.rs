@@ -3,27 +3,8 @@
 use core::hint::black_box;
 
 use super::{GAIN_BITS, GROUP, Gathered, Lanes, Line, Pairs, Quads, Row, Speeds};
-
-/// The exact product.
-#[inline(always)]
-fn product(a: i64, b: i64) -> i128 {
-    i128::from(a) * i128::from(b)
-}
-
-/// value / 2^BITS to nearest, ties away from zero. *Domain* |value| < 2^126, 1 ≤ BITS ≤ 63, and the result fits.
-#[inline(always)]
-fn lowered<const BITS: i32>(value: i128) -> i64 {
-    // A half, less by one for a negative value.
-    let half = (1_u64 << (BITS - 1)).wrapping_add((value >> 127) as u64);
-    ((value + half as i128) >> BITS) as i64
-}
-
-/// value / 2^64 to nearest, ties away from zero. *Domain* |value| < 2^126.
-#[inline(always)]
-fn upper(value: i128) -> i64 {
-    // The last term is −1 for a negative value.
-    ((value + (1 << 63) + (value >> 127)) >> 64) as i64
-}
+use crate::kernel::product;
+use crate::kernel::round::{lowered_low, odd_shift, upper};
 
 /// One lane, on every machine.
 #[derive(Clone, Copy)]
@@ -264,7 +245,7 @@ impl Lanes for Portable {
     fn multiples(self, [v, w]: [i64; 2], factor: i64) -> [i64; 2] {
         // Where all lanes have the factor compilers extend its sign ahead of the loop, and multiply by two words then.
         let factor = black_box(factor);
-        [lowered::<30>(product(v, factor)), lowered::<30>(product(w, factor))]
+        [lowered_low(product(v, factor), 30), lowered_low(product(w, factor), 30)]
     }
 
     #[inline(always)]
@@ -274,7 +255,7 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn lowered_product(self, a: i64, b: i64) -> i64 {
-        lowered::<38>(product(a, b))
+        lowered_low(product(a, b), 38)
     }
 
     #[inline(always)]
@@ -285,7 +266,7 @@ impl Lanes for Portable {
 
     #[inline(always)]
     fn lowered_dot(self, [k, l]: [i32; 2], [v, w]: [i64; 2]) -> i64 {
-        lowered::<20>(product(k.into(), v) + product(l.into(), w))
+        lowered_low(product(k.into(), v) + product(l.into(), w), 20)
     }
 
     #[inline(always)]
@@ -297,7 +278,7 @@ impl Lanes for Portable {
             let sum = (base << 30) + k * v + l * w;
             return (sum + (1 << 33) - i64::from(sum < 0)) >> 34;
         }
-        lowered::<34>(product(base, 1 << 30) + product(k, v) + product(l, w))
+        lowered_low(product(base, 1 << 30) + product(k, v) + product(l, w), 34)
     }
 
     #[inline(always)]
@@ -305,7 +286,7 @@ impl Lanes for Portable {
         let (k, l, limit) = (i64::from(k), i64::from(l), 1 << limit);
         if bits < 8 {
             let dot = (product(k, v) + product(l, w)) << (30 - bits);
-            return ((dot + (1 << 29) + (dot >> 127)) >> 30).clamp(-limit, limit) as i64;
+            return odd_shift(dot, 30).clamp(-limit, limit) as i64;
         }
         // Raised, the number stands in the upper word.
         let (up, limit) = (38 - bits, limit as i64);
