@@ -65,7 +65,11 @@ impl BodyRows {
         self.fastest.resize(graph.islands(), 0);
         self.bodies.clear();
         for (body, flight) in flights.iter().enumerate() {
-            let solver_body = SolverBody::new(flight);
+            // Most bodies are like the body before.
+            let solver_body = match self.bodies.last() {
+                Some(before) if flights[body - 1].is_alike(flight) => *before,
+                _ => SolverBody::new(flight),
+            };
             if let Some(island) = graph.island_of(body as u32) {
                 let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(flight.speed(solver_body.length));

@@ -49,7 +49,7 @@ pub(crate) struct Group {
     /// log2 of the units of both rows of the matrix over the unit of the inverse.
     pub(super) inverse_units: Pairs,
     pub(super) inverse_shift: [i64; GROUP],
-    /// Element 12 of the matrix over element 11, rigid and soft, in 2^-28.
+    /// Element 12 of the matrix over element 11, rigid and soft, in 2^-28. Ratios are made when a pass first asks for them.
     pub(super) ratio_12: Pairs,
     /// Element 12 of the matrix over element 22, rigid and soft, in 2^-28.
     pub(super) ratio_21: Pairs,
@@ -76,6 +76,8 @@ pub(crate) struct Group {
     pub(super) count: usize,
     /// True if the inverses with one point soft are made.
     pub(super) has_one_soft: bool,
+    /// True if the ratios are made.
+    pub(super) has_ratios: bool,
 }
 
 impl Group {
@@ -87,6 +89,7 @@ impl Group {
             b: [idle; GROUP],
             count: 0,
             has_one_soft: true,
+            has_ratios: true,
             normal: pairs,
             arms: [pairs; 3],
             separation: pairs,

@@ -71,7 +71,7 @@ struct Rows<L: Lanes> {
 /// The most bits of elements 11 and 22: of one that is twice as large, a bit more.
 const ELEMENT_BITS: i64 = 30;
 
-/// Writes the inverse matrices of contacts, with their shifts, ratios, compliance and the inverse of friction.
+/// Writes the inverse matrices of contacts, with their shifts, compliance and the inverse of friction.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group) {
     let fewest = batch.bits.iter().fold(i64::MAX, |fewest, &bits| fewest.min(bits));
@@ -84,10 +84,9 @@ pub(super) fn set_matrices<L: Lanes>(lanes: L, batch: &Batch, group: &mut Group)
         let two = lanes.wide(&batch.two, at);
         let rows = Rows::new(lanes, batch, at, softness);
         rows.write_inverses(lanes, two, lanes.wide(&batch.bits, at), group, at);
-        rows.write_ratios(lanes, group, at);
         write_friction(lanes, batch, group, at);
     }
-    group.has_one_soft = false;
+    (group.has_one_soft, group.has_ratios) = (false, false);
 }
 
 /// Writes the compliance of contacts. Returns the parts of both diagonal elements by softness.
@@ -169,7 +168,7 @@ impl<L: Lanes> Rows<L> {
     }
 
     /// Writes the inverses with no point soft and with both, in a unit in which the largest element has 30 bits. The rigid ones have it:
-    /// softness only makes them smaller. In the places of the others it leaves what [`make_one_soft`] makes them from.
+    /// softness only makes them smaller. In the places of the others it leaves what [`make_one_soft`] and [`make_ratios`] read.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn write_inverses(&self, lanes: L, two: L::Wide, bits: L::Wide, group: &mut Group, at: usize) {
         let [unit_1, unit_2] = self.units;
@@ -196,32 +195,47 @@ impl<L: Lanes> Rows<L> {
         lanes.put_pair(&mut group.inverse_12[1], at, (lanes.low(two), both_12));
         lanes.put_pair(&mut group.inverse_units, at, (lanes.low(units[0]), lanes.low(units[1])));
     }
+}
 
-    /// Writes element 12 over the diagonal ones in 2^-28, within ±[`RATIO`]: by one reciprocal of the product of both.
-    #[cfg_attr(not(debug_assertions), inline(always))]
-    fn write_ratios(&self, lanes: L, group: &mut Group, at: usize) {
-        let [unit_1, unit_2] = self.units;
-        // From the unit of element 12 to the unit of element 11, as log2.
-        let step = lanes.floored::<1>(lanes.sub(unit_2, unit_1));
-        let (mut ratios_12, mut ratios_21) = ([lanes.splat(0); 2], [lanes.splat(0); 2]);
-        for soft in 0..2 {
-            let [k11, k22] = self.diagonal(lanes, soft == 1);
-            let (reciprocal, exponent) = reciprocal_of(lanes, lanes.times(k11, k22));
-            // 1/11 and 1/22 in 2^-(exponent − 30), below 2^31.
-            let first = lanes.low(lanes.floored::<30>(lanes.times(k22, reciprocal)));
-            let second = lanes.low(lanes.floored::<30>(lanes.times(k11, reciprocal)));
-            let down = lanes.sub(exponent, lanes.all(58));
-            ratios_12[soft] = ratio_of(lanes, lanes.times(self.k12, first), lanes.sub(down, step));
-            ratios_21[soft] = ratio_of(lanes, lanes.times(self.k12, second), lanes.add(down, step));
-        }
-        lanes.put_pair(&mut group.ratio_12, at, (ratios_12[0], ratios_12[1]));
-        lanes.put_pair(&mut group.ratio_21, at, (ratios_21[0], ratios_21[1]));
+/// Makes the ratios, from the values in the places of the inverses with one point soft: few groups have a contact of which a point pulls.
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn make_ratios<L: Lanes>(lanes: L, group: &mut Group) {
+    group.has_ratios = true;
+    for at in (0..GROUP).step_by(L::WIDTH) {
+        write_ratios(lanes, group, at);
     }
+}
+
+/// Writes element 12 over the diagonal ones in 2^-28, within ±[`RATIO`]: by one reciprocal of the product of both.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn write_ratios<L: Lanes>(lanes: L, group: &mut Group, at: usize) {
+    let (k11, k22) = lanes.pair(&group.inverse[1], at);
+    let (soft_1, soft_2) = lanes.pair(&group.inverse[2], at);
+    let (_, k12) = lanes.pair(&group.inverse_12[0], at);
+    let (unit_1, unit_2) = lanes.pair(&group.inverse_units, at);
+    // From the unit of element 12 to the unit of element 11, as log2.
+    let step = lanes.floored::<1>(lanes.times(lanes.minus(unit_2, unit_1), lanes.splat(1)));
+    let (mut ratios_12, mut ratios_21) = ([lanes.splat(0); 2], [lanes.splat(0); 2]);
+    for soft in 0..2 {
+        let [k11, k22] = if soft == 1 { [lanes.plus(k11, soft_1), lanes.plus(k22, soft_2)] } else { [k11, k22] };
+        let (reciprocal, exponent) = reciprocal_of(lanes, lanes.times(k11, k22));
+        // 1/11 and 1/22 in 2^-(exponent − 30), below 2^31.
+        let first = lanes.low(lanes.floored::<30>(lanes.times(k22, reciprocal)));
+        let second = lanes.low(lanes.floored::<30>(lanes.times(k11, reciprocal)));
+        let down = lanes.sub(exponent, lanes.all(58));
+        ratios_12[soft] = ratio_of(lanes, lanes.times(k12, first), lanes.sub(down, step));
+        ratios_21[soft] = ratio_of(lanes, lanes.times(k12, second), lanes.add(down, step));
+    }
+    lanes.put_pair(&mut group.ratio_12, at, (ratios_12[0], ratios_12[1]));
+    lanes.put_pair(&mut group.ratio_21, at, (ratios_21[0], ratios_21[1]));
 }
 
 /// Makes the inverses with one point soft, from the values in their places: few groups have a contact of which one point alone is pressed.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn make_one_soft<L: Lanes>(lanes: L, group: &mut Group) {
+    if !group.has_ratios {
+        make_ratios(lanes, group);
+    }
     group.has_one_soft = true;
     for at in (0..GROUP).step_by(L::WIDTH) {
         let (k11, k22) = lanes.pair(&group.inverse[1], at);

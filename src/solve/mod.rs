@@ -175,6 +175,13 @@ impl Flight {
         is_zero(self.inverse_mass.x) && is_zero(self.inverse_mass.y) && is_zero(self.inverse_inertia)
     }
 
+    /// Returns true if the masses and the radius are the same.
+    #[inline(always)]
+    fn is_alike(&self, flight: &Self) -> bool {
+        let measures = |flight: &Self| (flight.inverse_mass, flight.inverse_inertia, flight.radius);
+        measures(self) == measures(flight)
+    }
+
     /// log2 of the length of the body in the solver.
     fn length(&self) -> i32 {
         log2_above(self.radius)

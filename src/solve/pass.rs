@@ -29,7 +29,7 @@
 
 use super::cut::{cut_friction, cut_normal, warm_start_one};
 use super::group::Group;
-use super::matrix::make_one_soft;
+use super::matrix::{make_one_soft, make_ratios};
 use super::motion::Rows;
 use crate::kernel::simd::{GROUP, Gathered, Job, Lanes};
 
@@ -155,7 +155,10 @@ fn rigid<L: Lanes>(lanes: L, group: &Group, at: usize) -> Elements<L::Narrow> {
 
 /// Element 12 of the matrix over elements 11 and 22.
 #[inline(always)]
-fn ratios<L: Lanes, const AIM: u8>(lanes: L, group: &Group, at: usize) -> (L::Narrow, L::Narrow) {
+fn ratios<L: Lanes, const AIM: u8>(lanes: L, group: &mut Group, at: usize) -> (L::Narrow, L::Narrow) {
+    if !group.has_ratios {
+        make_ratios(lanes, group);
+    }
     let ((p12, soft_p12), (p21, soft_p21)) = (lanes.pair(&group.ratio_12, at), lanes.pair(&group.ratio_21, at));
     if AIM != SOLVE {
         return (p12, p21);
@@ -244,7 +247,7 @@ fn pushed<L: Lanes>(lanes: L, factors: (L::Narrow, L::Narrow), impulse: L::Narro
 #[inline(always)]
 fn limited<L: Lanes, const AIM: u8>(
     lanes: L,
-    group: &Group,
+    group: &mut Group,
     at: usize,
     [x1, x2]: [L::Wide; 2],
 ) -> (L::Wide, L::Wide, u64) {
