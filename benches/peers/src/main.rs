@@ -44,6 +44,7 @@ const SCENES: &[(&str, Bench)] = &[
     ("tiles", bench::tiles),
     ("rooms", bench::rooms),
     ("settling", bench::settling),
+    ("threads", bench::threads),
     (QUALITY, bench::quality),
 ];
 

@@ -13,6 +13,7 @@ mod rays;
 mod snapshot;
 mod stages;
 mod steady;
+mod threads;
 
 pub use accuracy::accuracy;
 pub use contacts::{pyramid, rain};
@@ -26,6 +27,7 @@ pub use rays::rays;
 pub use snapshot::snapshot;
 pub use stages::stages;
 pub use steady::{free, free_static, sleeping};
+pub use threads::threads;
 
 use crate::engine::{Engine, World};
 use crate::report::Report;

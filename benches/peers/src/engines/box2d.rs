@@ -8,13 +8,31 @@ use std::collections::HashSet;
 // Keeps the safe crate linked, so both crates stay at one release.
 use boxdd as _;
 
-pub struct Box2d;
+pub struct Box2d {
+    id: &'static str,
+    workers: u32,
+}
 
 const SUBSTEPS: u32 = 4;
 
+const ID: &str = if cfg!(feature = "avx2") { "box2d-avx2" } else { "box2d" };
+
+impl Box2d {
+    pub fn new() -> Self {
+        Self { id: ID, workers: 1 }
+    }
+
+    /// The engine with options, by its id: `box2d@workers=2`, on Box2D's own scheduler.
+    pub fn with_options(id: &str) -> Option<Self> {
+        let workers = id.strip_prefix(ID)?.strip_prefix("@workers=")?.parse().ok()?;
+        // Ids live as long as the program, and there are few.
+        (1..=64).contains(&workers).then(|| Self { id: String::from(id).leak(), workers })
+    }
+}
+
 impl Engine for Box2d {
     fn id(&self) -> &'static str {
-        if cfg!(feature = "avx2") { "box2d-avx2" } else { "box2d" }
+        self.id
     }
     fn info(&self) -> Info {
         let v = unsafe { b2GetVersion() };
@@ -22,9 +40,10 @@ impl Engine for Box2d {
             version: format!("Box2D {}.{}.{} in boxdd {}", v.major, v.minor, v.revision, locked_version("boxdd")),
             number: "f32",
             build: format!(
-                "C, -O2 -ffp-contract=off, then CFLAGS={:?}; {}, 1 worker",
+                "C, -O2 -ffp-contract=off, then CFLAGS={:?}; {}, workers: {}",
                 option_env!("CFLAGS").unwrap_or(""),
-                if cfg!(feature = "avx2") { "AVX2 of 8 lanes" } else { "SSE2 SIMD of 4 lanes" }
+                if cfg!(feature = "avx2") { "AVX2 of 8 lanes" } else { "SSE2 SIMD of 4 lanes" },
+                self.workers
             ),
             solver: "defaults: soft step, 4 substeps, contacts 30 Hz, contact recycling, continuous on".into(),
             damping_law: "v *= 1/(1+c*h), every substep h",
@@ -38,7 +57,7 @@ impl Engine for Box2d {
             let mut wd = b2DefaultWorldDef();
             wd.gravity = v2(scene.gravity[0], scene.gravity[1]);
             wd.enableSleep = scene.sleep;
-            wd.workerCount = 1;
+            wd.workerCount = self.workers as i32;
             let world = b2CreateWorld(&wd);
             let ids: Vec<_> = scene.bodies.iter().map(|b| add_body(world, scene, b)).collect();
             // A better tree than that of insertions one by one.

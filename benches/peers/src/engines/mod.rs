@@ -5,7 +5,7 @@ mod rapier_f32;
 // The file that both share casts for f32.
 #[allow(clippy::unnecessary_cast)]
 mod rapier_f64;
-mod umbra;
+pub mod umbra;
 
 use crate::engine::Engine;
 
@@ -16,11 +16,14 @@ pub fn all() -> Vec<Box<dyn Engine>> {
         Box::new(umbra::Build::<f32>::new()),
         Box::new(rapier_f32::Rapier),
         Box::new(rapier_f64::Rapier),
-        Box::new(box2d::Box2d),
+        Box::new(box2d::Box2d::new()),
     ]
 }
 
 /// An engine with options, by its id.
 pub fn with_options(id: &str) -> Option<Box<dyn Engine>> {
-    Some(Box::new(umbra::Build::with_options(id)?))
+    if let Some(build) = umbra::Build::with_options(id) {
+        return Some(Box::new(build));
+    }
+    Some(Box::new(box2d::Box2d::with_options(id)?))
 }

@@ -6,6 +6,8 @@ use crate::engine::{Engine, Info, Snapshot, State, World, locked_version};
 use crate::scene::{self, Field, Kind, Scene, Shape};
 use std::cell::RefCell;
 use std::rc::Rc;
+#[cfg(feature = "threads")]
+use std::sync::Arc;
 use umbra_physics::scalar::internals::VectorSet;
 use umbra_physics::scalar::{Factor, ToF64};
 use umbra_physics::{
@@ -191,17 +193,31 @@ fn vectors(name: &str) -> Option<VectorSet> {
     VectorSet::available().find(|set| format!("{set:?}").eq_ignore_ascii_case(name))
 }
 
+/// A pool of so many threads.
+#[cfg(feature = "threads")]
+pub fn pool(threads: usize) -> Option<Arc<rayon::ThreadPool>> {
+    Some(Arc::new(rayon::ThreadPoolBuilder::new().num_threads(threads).build().ok()?))
+}
+
 pub struct Build<S: Scalar> {
     id: &'static str,
     /// The widest vector instructions that it may use.
     widest: VectorSet,
     contacts: ContactSettings<S>,
+    #[cfg(feature = "threads")]
+    pool: Option<Arc<rayon::ThreadPool>>,
 }
 
 impl<S: Number> Build<S> {
     /// With the wide vectors of the CPU, where it has them, and the default settings.
     pub fn new() -> Self {
-        Self { id: S::ID, widest: VectorSet::Avx512, contacts: ContactSettings::default() }
+        Self {
+            id: S::ID,
+            widest: VectorSet::Avx512,
+            contacts: ContactSettings::default(),
+            #[cfg(feature = "threads")]
+            pool: None,
+        }
     }
 }
 
@@ -214,6 +230,8 @@ impl Build<Fx> {
             match option.split_once('=')? {
                 ("substeps", value) => build.contacts.substeps = value.parse().ok()?,
                 ("vectors", value) => build.widest = vectors(value)?,
+                #[cfg(feature = "threads")]
+                ("threads", value) => build.pool = Some(pool(value.parse().ok()?)?),
                 _ => return None,
             }
         }
@@ -235,7 +253,7 @@ impl<S: Number> Engine for Build<S> {
             solver: format!(
                 "velocity Verlet; where bodies touch {} substeps of soft contacts; symplectic Euler where the harness \
                  pushes what depends on the position: a push is constant over its step; options of the fixed-point \
-                 build: umbra-fx@substeps=N:vectors=SET",
+                 build: umbra-fx@substeps=N:vectors=SET, with the feature threads also threads=N",
                 self.contacts.substeps
             ),
             damping_law: "v *= d^dt with d = exp(-c) as the scalar holds it",
@@ -248,6 +266,31 @@ impl<S: Number> Engine for Build<S> {
         true
     }
     fn build(&self, scene: &Scene) -> Box<dyn World> {
+        let Placed { world, ids, origins } = self.place(scene);
+        Box::new(Built {
+            #[cfg(feature = "timers")]
+            before: world.timers(),
+            world,
+            ids,
+            origins,
+            spare: Rc::default(),
+            widest: self.widest,
+            #[cfg(feature = "threads")]
+            pool: self.pool.clone(),
+        })
+    }
+}
+
+/// The world of a scene.
+pub struct Placed<S: Number> {
+    pub world: Umbra<S>,
+    ids: Vec<BodyId>,
+    /// The position of each body in the scene, in the body's axes, from the centre of mass.
+    origins: Vec<[f64; 2]>,
+}
+
+impl<S: Number> Build<S> {
+    pub fn place(&self, scene: &Scene) -> Placed<S> {
         let integrator = if scene.pushed { Integrator::SymplecticEuler } else { Integrator::default() };
         let def = WorldDef {
             time_step: time_step(scene.dt),
@@ -273,15 +316,7 @@ impl<S: Number> Engine for Build<S> {
                 world.add_field(law(field, id)).expect("a field within the limits");
             }
         }
-        Box::new(Built {
-            #[cfg(feature = "timers")]
-            before: world.timers(),
-            world,
-            ids,
-            origins,
-            spare: Rc::default(),
-            widest: self.widest,
-        })
+        Placed { world, ids, origins }
     }
 }
 
@@ -295,6 +330,8 @@ struct Built<S: Number> {
     origins: Vec<[f64; 2]>,
     spare: Spare<S>,
     widest: VectorSet,
+    #[cfg(feature = "threads")]
+    pool: Option<Arc<rayon::ThreadPool>>,
     /// The timers before the last step.
     #[cfg(feature = "timers")]
     before: umbra_physics::Timers,
@@ -321,6 +358,12 @@ impl<S: Number> World for Built<S> {
         {
             self.before = self.world.timers();
         }
+        #[cfg(feature = "threads")]
+        match &self.pool {
+            Some(pool) => _ = pool.install(|| self.world.step()),
+            None => _ = self.world.step(),
+        }
+        #[cfg(not(feature = "threads"))]
         self.world.step();
         VectorSet::allow(VectorSet::Avx512);
     }
