@@ -137,6 +137,7 @@ impl Reflected {
             }
             Event::JointBroke(mut broke) => {
                 broke.force = self.symmetry.vector(broke.force)?;
+                broke.torque = self.symmetry.angular_velocity(broke.torque)?;
                 Event::JointBroke(broke)
             }
             event => event,

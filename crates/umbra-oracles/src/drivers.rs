@@ -152,9 +152,10 @@ impl Stepper for Detours {
         let mut traced = world.clone();
         traced.step_traced();
         let mut awake = world.clone();
-        // With contacts, bodies that are slow stop when they fall asleep.
+        // With contacts and joints, bodies that are slow stop when they fall asleep.
         self.put_to_sleep.retain(|&body| sleeps(world, body));
-        let is_exact = world.collider_count() == 0 || world.def().contacts.sleep_speed == Fx::ZERO;
+        let are_free = world.collider_count() == 0 && world.joint_count() == 0;
+        let is_exact = are_free || world.def().contacts.sleep_speed == Fx::ZERO;
         let was_near = nears_sleeper(world);
         let is_awake = awake.set_sleep_after(None).is_ok() && is_exact;
         awake.step();
