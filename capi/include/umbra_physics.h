@@ -594,8 +594,8 @@ typedef uint32_t UmbraJointKind;
 
 // A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
 // `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
-// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
-// their kind says.
+// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in; `umbra_joint_def_set_stiffness` sets its spring in N/m. Limits,
+// motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
 typedef struct UmbraJointDef {
     // The kind.
     UmbraJointKind kind;
@@ -2145,6 +2145,14 @@ UmbraStatus umbra_joint_def_distance(const struct UmbraWorld *world,
                                      UmbraFx to_x,
                                      UmbraFx to_y,
                                      struct UmbraJointDef *def);
+
+// Gives the definition of a joint a spring with a stiffness, N/m or N·m/rad, and a damper, N·s/m or N·m·s/rad, both from 0: sets `has_spring`,
+// `spring_hertz` and `spring_damping_ratio` for the effective mass that the spring meets as the bodies stand. Of a motor joint it is the planar spring,
+// `has_planar_spring`, `planar_spring_hertz` and `planar_spring_damping_ratio`.
+UmbraStatus umbra_joint_def_set_stiffness(const struct UmbraWorld *world,
+                                          struct UmbraJointDef *def,
+                                          UmbraFx stiffness,
+                                          UmbraFx damping);
 
 // Adds a joint; wakes its bodies, and ends contacts between them unless they are to touch each other.
 UmbraStatus umbra_world_add_joint(struct UmbraWorld *world, const struct UmbraJointDef *def, uint64_t *joint);

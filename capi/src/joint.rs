@@ -41,8 +41,8 @@ pub const UMBRA_PULLEY: UmbraJointKind = 7;
 
 /// A joint: its kind, its ends, and what it keeps of them. Only what its kind reads matters. `umbra_joint_def_default`,
 /// `umbra_joint_def_revolute`, `umbra_joint_def_weld`, `umbra_joint_def_distance`, `umbra_joint_def_prismatic`, `umbra_joint_def_wheel`,
-/// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in. Limits, motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as
-/// their kind says.
+/// `umbra_joint_def_motor`, `umbra_joint_def_gear` and `umbra_joint_def_pulley` fill it in; `umbra_joint_def_set_stiffness` sets its spring in N/m. Limits,
+/// motor and spring are of an angle in rad, rad/s and N·m, or of a distance in m, m/s and N, as their kind says.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct UmbraJointDef {
@@ -599,6 +599,32 @@ pub extern "C" fn umbra_joint_def_distance(
     look(world, def, |world| {
         let (from, to) = (point(from_x, from_y), point(to_x, to_y));
         UmbraJointDef::of(&JointDef::between(world, optional_body(first), from, optional_body(second), to)?)
+    })
+}
+
+/// Gives the definition of a joint a spring with a stiffness, N/m or N·m/rad, and a damper, N·s/m or N·m·s/rad, both from 0: sets `has_spring`,
+/// `spring_hertz` and `spring_damping_ratio` for the effective mass that the spring meets as the bodies stand. Of a motor joint it is the planar spring,
+/// `has_planar_spring`, `planar_spring_hertz` and `planar_spring_damping_ratio`.
+#[unsafe(no_mangle)]
+pub extern "C" fn umbra_joint_def_set_stiffness(
+    world: Option<&UmbraWorld>,
+    def: Option<&mut UmbraJointDef>,
+    stiffness: UmbraFx,
+    damping: UmbraFx,
+) -> UmbraStatus {
+    guard(|| {
+        let (world, def) = (given(world)?, given(def)?);
+        let mass = def.joint()?.effective_mass(world.world())?;
+        let spring = JointSpring::with_stiffness(Fx::from_bits(stiffness), Fx::from_bits(damping), mass)?;
+        let (hertz, damping_ratio) = (spring.hertz.to_bits(), spring.damping_ratio.to_bits());
+        if def.kind == UMBRA_MOTOR {
+            def.has_planar_spring = 1;
+            (def.planar_spring_hertz, def.planar_spring_damping_ratio) = (hertz, damping_ratio);
+        } else {
+            def.has_spring = 1;
+            (def.spring_hertz, def.spring_damping_ratio) = (hertz, damping_ratio);
+        }
+        Ok(())
     })
 }
 

@@ -1233,6 +1233,38 @@ fn a_motor_joint_pulls_a_body_to_its_point() {
     umbra_world_free(Some(here));
 }
 
+/// 10 N/m of 1 kg hang 1 m lower under 10 m/s²; a mouse has its planar spring so.
+#[test]
+fn springs_are_set_by_their_stiffness() {
+    let def = out(|def| umbra_world_def_default(def)).expect("a definition");
+    let def = UmbraWorldDef { gravity: UmbraVec2 { x: 0, y: -10 * ONE }, ..def };
+    let mut here = own(|world| umbra_world_new(Some(&def), world)).expect("a world");
+    let body = add(&mut here, &body_def()).expect("a body");
+    let mut spring = out(|def| umbra_joint_def_distance(Some(&here), UMBRA_NO_HANDLE, 0, ONE, body, 0, 0, def));
+    let spring = spring.as_mut().expect("a definition");
+    spring.has_limits = 0;
+    spring.spring_rest = ONE;
+    assert_eq!(umbra_joint_def_set_stiffness(Some(&here), Some(spring), 10 * ONE, 5 * ONE), UMBRA_OK);
+    assert_eq!(umbra_world_set_sleep_after(Some(&mut here), UMBRA_NEVER), UMBRA_OK);
+    assert_eq!(spring.has_spring, 1);
+    let mut mouse = out(|def| umbra_joint_def_motor(Some(&here), UMBRA_NO_HANDLE, body, 0, 0, def));
+    let mouse = mouse.as_mut().expect("a definition");
+    assert_eq!(umbra_joint_def_set_stiffness(Some(&here), Some(mouse), 10 * ONE, 5 * ONE), UMBRA_OK);
+    assert_eq!((mouse.has_planar_spring, mouse.has_spring), (1, 0));
+    assert_eq!(mouse.planar_spring_hertz, spring.spring_hertz);
+    assert_eq!(mouse.planar_spring_damping_ratio, spring.spring_damping_ratio);
+    let before = *spring;
+    let refused = umbra_joint_def_set_stiffness(Some(&here), Some(spring), -ONE, 0);
+    assert_eq!((refused, *spring), (UMBRA_ERROR_OUT_OF_RANGE, before));
+    out(|id| umbra_world_add_joint(Some(&mut here), Some(spring), id)).expect("a joint");
+    for _ in 0..600 {
+        assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
+    }
+    let state = out(|state| umbra_world_body(Some(&here), body, state)).expect("a state");
+    assert!((state.position.y + ONE).abs() < ONE / 10_000, "{state:?}");
+    umbra_world_free(Some(here));
+}
+
 #[test]
 fn sliders_and_wheels_have_their_axis_in_the_world() {
     let mut here = world();

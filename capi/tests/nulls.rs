@@ -363,6 +363,8 @@ fn null_is_refused_everywhere() {
         umbra_joint_def_prismatic(Some(w), UMBRA_NO_HANDLE, b, 0, 0, 1, 0, None);
         umbra_joint_def_wheel(None, b, b, 0, 0, 1, 0, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_wheel(Some(w), b, b, 0, 0, 1, 0, None);
+        umbra_joint_def_set_stiffness(None, Some(&mut { joint_def }), 0, 0);
+        umbra_joint_def_set_stiffness(Some(w), None, 0, 0);
         umbra_joint_def_motor(None, UMBRA_NO_HANDLE, b, 0, 0, Some(&mut MaybeUninit::uninit()));
         umbra_joint_def_motor(Some(w), UMBRA_NO_HANDLE, b, 0, 0, None);
         umbra_joint_def_gear(None, b, b, 1, 1, Some(&mut MaybeUninit::uninit()));

@@ -87,7 +87,7 @@ pub(crate) use resting::ChangedResting;
 pub(crate) use sensors::{Overlap, Sensors};
 pub(crate) use set::ContactSet;
 pub(crate) use split::Solvers;
-pub(crate) use springs::spring_energies;
+pub(crate) use springs::{spring_energies, spring_mass};
 pub(crate) use sweep::{Paths, between};
 pub use view::{Contact, ContactPoint};
 

@@ -137,7 +137,7 @@ impl Link {
         joint
     }
 
-    pub(super) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
+    pub(crate) fn new<S: Scalar>(def: &JointDef<S>) -> Self {
         let frames = def.angles.map(|angle| S::Angle::from_radians(angle).to_turn());
         let kind = def.kind.for_solver(frames[0]);
         Self {

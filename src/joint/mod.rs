@@ -20,7 +20,7 @@ pub use def::JointDef;
 pub(crate) use def::check_break;
 pub use gear::Gear;
 pub use kind::{Distance, JointKind, Prismatic, Revolute, Weld, Wheel};
-pub(crate) use link::{Joined, Place};
+pub(crate) use link::{Joined, Link, Place};
 pub use motor::{Motor, PlanarMotor, PlanarSpring};
 pub use parts::{JointLimits, JointMotor, JointSpring};
 pub use pulley::Pulley;

@@ -2,6 +2,7 @@
 
 use super::parts::{JointMotor, JointSpring, Parts};
 use crate::codec::codec_struct;
+use crate::error::Error;
 use crate::fx::Fx;
 use crate::math::Vec2;
 use crate::scalar::Scalar;
@@ -97,6 +98,24 @@ impl<S: Scalar> PlanarSpring<S> {
     #[must_use]
     pub const fn new(rest: Vec2<S>, hertz: S, damping_ratio: S) -> Self {
         Self { hertz, damping_ratio, rest, max_force: None }
+    }
+
+    /// A spring that pulls to a point, with a stiffness, N/m, and a damper, N·s/m, as [`JointSpring::with_stiffness`]: for the
+    /// [effective mass](crate::JointDef::effective_mass) μ, kg.
+    ///
+    /// # Errors
+    /// As [`JointSpring::with_stiffness`].
+    ///
+    /// ```
+    /// use umbra_physics::{PlanarSpring, fx, vec2};
+    ///
+    /// let spring = PlanarSpring::with_stiffness(vec2(1, 2), fx!(400), fx!(40), 4.into())?;
+    /// assert_eq!((spring.rest, spring.hertz, spring.damping_ratio), (vec2(1, 2), fx!(1.59154943092), fx!(0.5)));
+    /// # Ok::<(), umbra_physics::Error>(())
+    /// ```
+    pub fn with_stiffness(rest: Vec2<S>, stiffness: S, damping: S, mass: S::Factor) -> Result<Self, Error> {
+        let JointSpring { hertz, damping_ratio, .. } = JointSpring::with_stiffness(stiffness, damping, mass)?;
+        Ok(Self::new(rest, hertz, damping_ratio))
     }
 }
 

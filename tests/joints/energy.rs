@@ -60,6 +60,9 @@ fn springs_hold_what_closed_forms_say() {
     let check = |name: &str, world: &World, mass: f64, stretch: f64| {
         let (energy, expected) = (potential(world), closed_form(mass, stretch));
         assert!(expected > 1.0 && (energy - expected).abs() < 4.0 * ULP, "{name}: {energy}, not {expected}");
+        let joint = world.joints().next().expect("a joint");
+        let effective = joint.def().effective_mass(world).expect("a mass").to_f64();
+        assert!((effective / mass - 1.0).abs() < 4e-9, "{name}: {effective} kg, not {mass}");
     };
     for (rest, stretch) in [(fx!(2.5), 0.5), (fx!(4), -1.0)] {
         let mut world = floating();

@@ -19,5 +19,6 @@ mod pulleys;
 mod ratchets;
 mod sleep;
 mod sliders;
+mod springs;
 mod state;
 mod stops;

@@ -1,4 +1,4 @@
-//! The energy that the springs of a joint hold.
+//! The energy that the springs of a joint hold, and the masses that they meet.
 //!
 //! A row with the effective mass m and a spring of the frequency f has the stiffness k = m·(2πf)². The spring holds the work that it takes to
 //! stretch it by x with a force of k·x, up to its largest force F:
@@ -8,7 +8,7 @@
 //! ½·F²/k + F·(x − F/k)          beyond it: F·(x − ½·F/k)
 //! ```
 
-use super::{Axis, AxisSpring, Flight, Joint, length_of};
+use super::{Axis, AxisSpring, Flight, Joint, JointKind, length_of};
 use crate::scalar::FxFactor;
 
 /// The spring of a row, and its stretch in 2^-32 m or rad: within ±2^62, as positions of joints are.
@@ -51,5 +51,15 @@ impl Joint {
             Some(spring_energy(&spring, stretch, inertia))
         });
         [along, around].map(Option::unwrap_or_default)
+    }
+
+    /// The effective mass of the row that a spring acts on: of the angle, kg·m², of a joint that holds its points together and of gears, else of the
+    /// way along the axis or the line, kg. `None` if nothing can move, or if the line has no direction.
+    pub(crate) fn spring_mass(&self, flights: &[Flight]) -> Option<FxFactor> {
+        let bodies = self.bodies.map(|body| &flights[body as usize]);
+        match self.kind {
+            JointKind::Revolute | JointKind::Gear { .. } => self.effective_inertia(bodies),
+            _ => self.effective_mass(bodies, self.offset(flights)),
+        }
     }
 }
