@@ -93,6 +93,8 @@ pub(crate) struct Sensors {
     degrees: Vec<u32>,
     sums: Vec<usize>,
     sum: Sum,
+    /// The distances at the moments of one pair's paths.
+    moment: Moment,
     /// The paths of fast bodies, sorted by slot.
     paths: Vec<BodyPath>,
     /// The overlaps at the end of the step; sorted, each once.
@@ -117,7 +119,7 @@ impl View<'_> {
     }
 
     /// Returns true if two outlines overlap on the paths of their bodies, of which one at least is fast.
-    fn is_crossed(&self, outlines: [(&Collider, u32); 2]) -> bool {
+    fn is_crossed(&self, outlines: [(&Collider, u32); 2], moment: &mut Moment) -> bool {
         let paths = outlines.map(|(collider, _)| self.path(collider.body.slot));
         if paths.iter().all(Option::is_none) {
             return false;
@@ -131,7 +133,7 @@ impl View<'_> {
         let forms = [0, 1].map(|side: usize| form(outlines[side].0, &shapes[side]).without_sides());
         let paths = [0, 1].map(|side: usize| paths[side].map_or(from_ref(&resting_legs[side]), Path::legs));
         let sweep = Sweep { forms: [&forms[0], &forms[1]], paths, second: Second::GivesWay };
-        sweep.first_touch(&mut Moment::default()).is_some()
+        sweep.first_touch(moment).is_some()
     }
 
     /// The place of the body of a collider, its kind and its activity, if it takes part.
@@ -369,7 +371,7 @@ impl Sensors {
 
     /// Finds which pairs overlap at the end of the step, and which other pairs overlap within it.
     fn meet(&mut self, view: &View<'_>) {
-        let Self { sensors, pairs, sum, overlaps, crossed, .. } = self;
+        let Self { sensors, pairs, sum, moment, overlaps, crossed, .. } = self;
         pairs.sort_unstable();
         for sensor_pairs in pairs.chunk_by(|a, b| a.0 == b.0) {
             let outline = sensors[sensor_pairs[0].0 as usize].outline;
@@ -393,7 +395,7 @@ impl Sensors {
                 if contains(&sum.core) {
                     overlaps.push(overlap);
                 } else if crossed.last() != Some(&overlap)
-                    && view.is_crossed([(sensor, outline.part), (collider, visitor.part)])
+                    && view.is_crossed([(sensor, outline.part), (collider, visitor.part)], moment)
                 {
                     crossed.push(overlap);
                 }
