@@ -158,7 +158,7 @@ pub use replay::{
 pub use scalar::{FxAccumulator, FxFactor, FxWide, Scalar, SpringConstants, Turn};
 pub use shape::{Aabb, Geometry, Outline, Part, Shape};
 pub use slots::{BodyId, ColliderId, FieldId, JointId};
-pub use step::JointBroke;
+pub use step::{JointBroke, JointLoad};
 pub use symmetry::Symmetry;
 #[cfg(feature = "timers")]
 pub use timers::{StepCounts, StepTimes, Timers};

@@ -603,7 +603,7 @@ typedef struct UmbraJointDef {
     uint32_t collide_connected;
     // 0 for a joint that does nothing until it is enabled. Default 1.
     uint32_t is_enabled;
-    // 1 to report when the joint breaks. Default 0.
+    // 1 to report when the joint breaks, and its mean loads if it may break. Default 0.
     uint32_t events;
     // 1 if `lower` and `upper` are limits. Default 0.
     uint32_t has_limits;
@@ -695,6 +695,18 @@ typedef struct UmbraJointState {
     // 1 if steps keep the joint: it is enabled and not broken, and its bodies take part.
     uint32_t is_active;
 } UmbraJointState;
+
+// The mean load of a joint over a step.
+typedef struct UmbraJointLoad {
+    // The joint.
+    uint64_t joint;
+    // The key of the joint.
+    uint64_t key;
+    // The mean force on the second end, N.
+    struct UmbraVec2 force;
+    // The mean torque on the second body, N·m.
+    UmbraFx torque;
+} UmbraJointLoad;
 
 // A joint that broke.
 typedef struct UmbraJointBroke {
@@ -2199,6 +2211,13 @@ UmbraStatus umbra_world_joints_with_key(const struct UmbraWorld *world,
                                         uint64_t *joints,
                                         size_t capacity,
                                         size_t *count);
+
+// The mean loads over the last step of the joints with `events` that may break, sorted by their keys, then by their handles; a list as
+// `umbra_world_outcomes` gives it. For a joint that must never break set `break_force` to `INT64_MAX`.
+UmbraStatus umbra_world_joint_loads(const struct UmbraWorld *world,
+                                    struct UmbraJointLoad *loads,
+                                    size_t capacity,
+                                    size_t *count);
 
 // The joints with `events` that broke in the last step, sorted by their keys, then by their handles; a list as `umbra_world_outcomes`
 // gives it.

@@ -4,7 +4,8 @@ use std::mem::MaybeUninit;
 
 use umbra_physics::{
     Attachment, BodyId, Command, Distance, End, Fx, Gear, JointBroke, JointDef, JointId, JointKind, JointLimits,
-    JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Pulley, Revolute, Vec2, Weld, Wheel, World,
+    JointLoad, JointMotor, JointSpring, Motor, PlanarMotor, PlanarSpring, Prismatic, Pulley, Revolute, Vec2, Weld,
+    Wheel, World,
 };
 
 use crate::UMBRA_NO_HANDLE;
@@ -52,7 +53,7 @@ pub struct UmbraJointDef {
     pub collide_connected: u32,
     /// 0 for a joint that does nothing until it is enabled. Default 1.
     pub is_enabled: u32,
-    /// 1 to report when the joint breaks. Default 0.
+    /// 1 to report when the joint breaks, and its mean loads if it may break. Default 0.
     pub events: u32,
     /// 1 if `lower` and `upper` are limits. Default 0.
     pub has_limits: u32,
@@ -145,6 +146,20 @@ pub struct UmbraJointState {
     pub is_broken: u32,
     /// 1 if steps keep the joint: it is enabled and not broken, and its bodies take part.
     pub is_active: u32,
+}
+
+/// The mean load of a joint over a step.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UmbraJointLoad {
+    /// The joint.
+    pub joint: u64,
+    /// The key of the joint.
+    pub key: u64,
+    /// The mean force on the second end, N.
+    pub force: UmbraVec2,
+    /// The mean torque on the second body, N·m.
+    pub torque: UmbraFx,
 }
 
 /// A joint that broke.
@@ -413,6 +428,13 @@ impl UmbraJointDef {
         };
         def.set_spring(spring);
         Ok(def)
+    }
+}
+
+impl From<&JointLoad> for UmbraJointLoad {
+    fn from(load: &JointLoad) -> Self {
+        let JointLoad { joint, key, force, torque, .. } = *load;
+        Self { joint: joint_word(joint), key, force: force.into(), torque: torque.to_bits() }
     }
 }
 
@@ -780,6 +802,22 @@ pub unsafe extern "C" fn umbra_world_joints_with_key(
         let all: Vec<u64> = given(world)?.world().joints_with_key(key).map(|joint| joint_word(joint.id())).collect();
         // SAFETY: as the caller promises.
         unsafe { fill(all.into_iter(), joints, capacity, count) }
+    })
+}
+
+/// The mean loads over the last step of the joints with `events` that may break, sorted by their keys, then by their handles; a list as
+/// `umbra_world_outcomes` gives it. For a joint that must never break set `break_force` to `INT64_MAX`.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn umbra_world_joint_loads(
+    world: Option<&UmbraWorld>,
+    loads: *mut UmbraJointLoad,
+    capacity: usize,
+    count: Option<&mut MaybeUninit<usize>>,
+) -> UmbraStatus {
+    guard(|| {
+        let rows = given(world)?.world().last_report().joint_loads.iter().map(UmbraJointLoad::from);
+        // SAFETY: as the caller promises.
+        unsafe { fill(rows, loads, capacity, count) }
     })
 }
 

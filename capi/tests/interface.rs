@@ -1100,7 +1100,7 @@ fn joints_pull_and_break_as_in_the_library() {
     let their_rod = rust_world.add_joint(their_rod).expect("a joint");
     let def = JointDef::at(&rust_world, theirs[0], theirs[1], vec2(1, -2)).expect("a definition");
     let their_hinge = rust_world.add_joint(def).expect("a joint");
-    let mut broken = 0;
+    let (mut broken, mut loaded) = (0, 0);
     for _ in 0..60 {
         assert_eq!(umbra_world_step(Some(&mut here)), UMBRA_OK);
         rust_world.step();
@@ -1135,7 +1135,19 @@ fn joints_pull_and_break_as_in_the_library() {
         let expected: Vec<_> = expected.collect();
         broken += expected.len();
         assert_eq!(broke, Ok(expected));
+        // SAFETY: the buffers are those of `list`.
+        let loads =
+            list(|buffer, capacity, count| unsafe { umbra_world_joint_loads(Some(&here), buffer, capacity, count) });
+        let expected = rust_world.last_report().joint_loads.iter().map(|load| UmbraJointLoad {
+            joint: rod,
+            key: 4,
+            force: load.force.into(),
+            torque: load.torque.to_bits(),
+        });
+        assert_eq!(loads, Ok(expected.collect()));
+        loaded += loads.map_or(0, |loads| loads.len());
     }
+    assert_eq!(loaded, 1, "in the step in which it breaks");
     assert_eq!(broken, 1, "two bodies of a kilogram on a rod for one and a half");
     umbra_world_free(Some(here));
 }

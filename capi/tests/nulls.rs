@@ -393,6 +393,8 @@ fn null_is_refused_everywhere() {
         umbra_world_joint_with_key(Some(w), 0, None);
         umbra_world_joints_with_key(None, 0, null_mut(), 0, None);
         umbra_world_joints_with_key(Some(w), 0, null_mut(), 1, None);
+        umbra_world_joint_loads(None, null_mut(), 0, None);
+        umbra_world_joint_loads(Some(w), null_mut(), 1, None);
         umbra_world_joints_broke(None, null_mut(), 0, None);
         umbra_world_joints_broke(Some(w), null_mut(), 1, None);
         umbra_world_apply_force(None, b, 0, 0, Some(&point), 0);

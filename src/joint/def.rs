@@ -51,7 +51,7 @@ pub struct JointDef<S = Fx> {
     pub break_force: Option<S>,
     /// The mean [torque](crate::JointRef::torque) over a step, N·m, above which the joint breaks; from 0. `None` by default: it never does.
     pub break_torque: Option<S>,
-    /// True if steps report when the joint breaks; false by default.
+    /// True if steps report when the joint breaks, and its mean [load](crate::StepReport::joint_loads) if it may break; false by default.
     pub events: bool,
     /// A key of your own: joints are listed and reported by it.
     pub key: u64,

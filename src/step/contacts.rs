@@ -15,7 +15,7 @@ mod turns;
 use alloc::vec::Vec;
 use core::ops::Range;
 
-pub use breaking::JointBroke;
+pub use breaking::{JointBroke, JointLoad};
 pub(super) use memory::ContactMemory;
 use memory::Followed;
 

@@ -33,7 +33,7 @@ mod workspace;
 
 pub(crate) use bounds::find_out_of_bounds;
 pub(crate) use contacts::Contacts;
-pub use contacts::JointBroke;
+pub use contacts::{JointBroke, JointLoad};
 pub(crate) use workspace::{Report, Workspace};
 
 use alloc::vec::Vec;

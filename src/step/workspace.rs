@@ -4,7 +4,7 @@ use alloc::boxed::Box;
 use alloc::sync::Arc;
 use alloc::vec::Vec;
 
-use super::{AppliedAcceleration, JointBroke, contacts, coupled, damp, fields, free, kick, targets};
+use super::{AppliedAcceleration, JointBroke, JointLoad, contacts, coupled, damp, fields, free, kick, targets};
 use crate::body::{Bodies, ChangeCursor};
 use crate::collide::broad::Statics;
 use crate::collider::ColliderSet;
@@ -83,6 +83,7 @@ pub(crate) struct Report<S> {
     pub(crate) sensors_entered: Vec<ColliderPair>,
     pub(crate) sensors_crossed: Vec<ColliderPair>,
     pub(crate) joints_broke: Vec<JointBroke<S>>,
+    pub(crate) joint_loads: Vec<JointLoad<S>>,
     pub(crate) drag_outside: u32,
 }
 
@@ -97,6 +98,7 @@ clone_by_field!([S: Clone] Report<S> {
     sensors_entered,
     sensors_crossed,
     joints_broke,
+    joint_loads,
     drag_outside,
 });
 
@@ -112,6 +114,7 @@ impl<S> Report<S> {
         self.sensors_entered.clear();
         self.sensors_crossed.clear();
         self.joints_broke.clear();
+        self.joint_loads.clear();
         self.drag_outside = 0;
     }
 }

@@ -11,7 +11,7 @@ use crate::force::AppliedForce;
 use crate::fx::Fx;
 use crate::scalar::Scalar;
 use crate::slots::{BodyId, JointId};
-use crate::step::JointBroke;
+use crate::step::{JointBroke, JointLoad};
 
 /// The report of a step. It borrows from the world: copy values that you need longer. `for event in world.step()` has the
 /// [events](Self::events) in a list of their own, so that the world can change meanwhile.
@@ -73,6 +73,10 @@ pub struct StepReport<'a, S: Scalar = Fx> {
     pub sensors_crossed: &'a [ColliderPair],
     /// Joints with [`events`](crate::JointDef::events) that broke in the step, sorted by their keys, then by their handles.
     pub joints_broke: &'a [JointBroke<S>],
+    /// Mean loads over the step of the joints with [`events`](crate::JointDef::events) that have a
+    /// [`break_force`](crate::JointDef::break_force) or [`break_torque`](crate::JointDef::break_torque), sorted likewise; without joints whose bodies sleep, and
+    /// of no [`Event`].
+    pub joint_loads: &'a [JointLoad<S>],
     /// Joints that calls since the previous step removed together with a body in [`removed`](Self::removed), in the order of the calls.
     pub joints_removed: &'a [JointId],
     /// Forces and torques applied to bodies over the tick, in the order of their handles: [`World::step_back`] needs them.

@@ -229,7 +229,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     }
 
     /// The torque of limits, motor, friction and spring, or of a weld, on the second body at the end of the last step, N·m; the opposite torque
-    /// acts on the first one. It is the mean over the last sub-step, without the moment of [`force`](Self::force). *Error* 1 ulp.
+    /// acts on the first one. It is the mean over the last sub-step, without the moment of [`force`](Self::force);
+    /// [`joint_loads`](crate::StepReport::joint_loads) have the mean over the step. *Error* 1 ulp.
     ///
     /// ```
     /// use umbra_physics::{BodyDef, JointDef, JointKind, Mass, Weld, World, WorldDef, fx, vec2};
@@ -252,8 +253,8 @@ impl<'a, S: Scalar> JointRef<'a, S> {
     }
 
     /// The force of the joint on the second end at the end of the last step, N, in the world's axes; the opposite force acts on the first end.
-    /// It is the mean over the last sub-step. *Error* 1 ulp, and for a distance joint or a pulley 2^-30 of it. Of a pulley the first end has another
-    /// force: along its own part of the rope, by its own strands.
+    /// It is the mean over the last sub-step; [`joint_loads`](crate::StepReport::joint_loads) have the mean over the step. *Error* 1 ulp, and for a distance
+    /// joint or a pulley 2^-30 of it. Of a pulley the first end has another force: along its own part of the rope, by its own strands.
     #[must_use]
     pub fn force(&self) -> Vec2<S> {
         let def = &self.world.def;

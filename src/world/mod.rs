@@ -403,6 +403,7 @@ impl<S: Scalar> World<S> {
             sensors_entered: &self.workspace.report.sensors_entered,
             sensors_crossed: &self.workspace.report.sensors_crossed,
             joints_broke: &self.workspace.report.joints_broke,
+            joint_loads: &self.workspace.report.joint_loads,
             joints_removed: &self.change_log.reported.removed_joints,
             applied: self.applied.done(),
             drag_outside: self.workspace.report.drag_outside,

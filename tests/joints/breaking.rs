@@ -2,8 +2,8 @@
 
 use super::scenes::{assert_near, falling, point_mass, steps, still};
 use umbra_physics::{
-    BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Shape, Symmetry, Weld, World,
-    WorldDef, fx, vec2,
+    BodyDef, BodyId, Event, Fx, JointDef, JointId, JointKind, JointMotor, Mass, Revolute, Shape, Snapshot, Symmetry,
+    Weld, World, WorldDef, fx, vec2,
 };
 
 /// A chain of ten weights of 1 kg on rods of 1 m, straight down: the uppermost rod bears 100 N.
@@ -209,4 +209,88 @@ fn a_broken_joint_can_be_repaired() {
     steps(&mut world, 600);
     let joint = world.joint(rod).expect("a joint");
     assert!(joint.is_active() && (joint.length() - fx!(1)).abs() < fx!(0.001), "{}", joint.length());
+}
+
+/// A gauge: a joint that never breaks, with events.
+fn gauge(joint: JointDef) -> JointDef {
+    JointDef { break_force: Some(Fx::MAX), events: true, ..joint }
+}
+
+/// The mean load of a step is the change of momentum of what hangs on the joint, to the last bits, also where the last sub-step has another force.
+#[test]
+fn the_mean_load_is_the_momentum_of_the_step() {
+    let mut world = falling();
+    let weight = point_mass(&mut world, vec2(0, -2));
+    let rope = JointDef::between(&world, None, vec2(0, 0), weight, vec2(0, -2)).expect("a rod");
+    let rope = world.add_joint(gauge(rope)).expect("a joint");
+    world.set_velocity(weight, vec2(3, -4)).expect("a speed");
+    let mut differed = 0;
+    for tick in 0..240 {
+        if tick == 100 {
+            world.apply_impulse(weight, vec2(1, -2)).expect("an impulse");
+        }
+        let before = world.body(weight).expect("a body").velocity();
+        let [load] = world.step().joint_loads else { panic!("one joint") };
+        let (load, after) = (*load, world.body(weight).expect("a body").velocity());
+        assert_eq!((load.joint, load.key, load.torque), (rope, 0, fx!(0)));
+        // 1 kg, 60 steps a second.
+        let expected = (after - before) * 60 + vec2(0, 10);
+        assert!((load.force - expected).length() < fx!(0.000001), "tick {tick}: {} {expected}", load.force);
+        let last = world.joint(rope).expect("a joint").force();
+        differed += u32::from((load.force - last).length() > fx!(0.1));
+    }
+    assert!(differed > 1, "{differed}");
+}
+
+/// A torque: a shelf of 1 kg on a wall. A motor that turns a wheel has its own.
+#[test]
+fn the_mean_torque_is_the_moment_that_a_weld_bears() {
+    let mut world = falling();
+    let mass = Mass::Explicit { mass: fx!(1), inertia: fx!(1) };
+    let shelf = world.add_body(BodyDef { position: vec2(fx!(0.5), 0), mass, ..BodyDef::dynamic() }).expect("a body");
+    let weld = JointDef::at(&world, None, shelf, vec2(0, 0)).expect("a joint");
+    let weld = JointDef { kind: JointKind::Weld(Weld::default()), break_torque: Some(fx!(100)), events: true, ..weld };
+    world.add_joint(weld).expect("a joint");
+    steps(&mut world, 29);
+    let [load] = world.step().joint_loads else { panic!("one joint") };
+    assert_near(load.torque, fx!(5), fx!(0.0001));
+    assert!((load.force - vec2(0, 10)).length() < fx!(0.0001), "{}", load.force);
+}
+
+/// Loads are sorted by key, of joints alone that ask for them and whose bodies are awake. A world from a snapshot reports the same ones, and its mirror
+/// image the images.
+#[test]
+fn loads_are_those_of_joints_that_ask_and_the_same_again() {
+    let mut world = falling();
+    let mut hang = |x: i32, ask: &dyn Fn(JointDef) -> JointDef| {
+        let weight = point_mass(&mut world, vec2(x, -2));
+        let rod = JointDef::between(&world, None, vec2(x - 1, 0), weight, vec2(x, -2)).expect("a rod");
+        world.add_joint(ask(JointDef { key: 10 - x as u64, ..rod })).expect("a joint")
+    };
+    let first = hang(1, &gauge);
+    hang(2, &|rod| rod);
+    hang(3, &|rod| JointDef { events: true, ..rod });
+    hang(4, &|rod| JointDef { break_force: Some(fx!(1000)), ..rod });
+    let second = hang(5, &gauge);
+    for _ in 0..40 {
+        let copy = Snapshot::from_bytes(&world.snapshot().to_bytes(), &[]).expect("its own bytes");
+        let mut copy: World = copy.into_world();
+        let mut image = Symmetry::MIRROR.world(&world).expect("an image");
+        assert!(copy.last_report().joint_loads.is_empty());
+        let loads = world.step().joint_loads;
+        assert_eq!(loads.iter().map(|load| load.joint).collect::<Vec<_>>(), [second, first]);
+        assert_eq!(copy.step().joint_loads, loads);
+        for (load, counterpart) in loads.iter().zip(image.step().joint_loads) {
+            assert_eq!((Symmetry::MIRROR.vector(load.force), load.joint), (Some(counterpart.force), counterpart.joint));
+        }
+    }
+    // One that swings no more falls asleep.
+    let mut still = falling();
+    let weight = point_mass(&mut still, vec2(0, -2));
+    let rod = JointDef::between(&still, None, vec2(0, 0), weight, vec2(0, -2)).expect("a rod");
+    still.add_joint(gauge(rod)).expect("a joint");
+    steps(&mut still, 20);
+    assert_eq!(still.last_report().joint_loads.len(), 1);
+    steps(&mut still, 100);
+    assert!(still.last_report().joint_loads.is_empty());
 }
