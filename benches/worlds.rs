@@ -136,6 +136,11 @@ fn micros(time: Duration) -> f64 {
     time.as_secs_f64() * 1e6
 }
 
+/// The time since a start, ms.
+fn millis(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
 /// Columns of ten crates on a row of static plates, most of them asleep from the beginning.
 fn level(count: usize) -> World {
     const HEIGHT: usize = 10;
@@ -180,18 +185,20 @@ fn scale() {
         });
         let Some(mut world) = world else { continue };
         let awake = world.moving_count();
-        let timed = |mut run: Box<dyn FnMut() + '_>| {
-            let start = Instant::now();
-            run();
-            start.elapsed().as_secs_f64() * 1e3
-        };
         // Before anything falls asleep.
-        let step = timed(Box::new(|| (0..20).for_each(|_| _ = world.step()))) / 20.0;
-        let hash = timed(Box::new(|| _ = std::hint::black_box(world.state_hash())));
+        let start = Instant::now();
+        (0..20).for_each(|_| _ = world.step());
+        let step = millis(start) / 20.0;
+        let start = Instant::now();
+        std::hint::black_box(world.state_hash());
+        let hash = millis(start);
         let mut copy = world.clone();
-        let clone = timed(Box::new(|| copy.clone_from(&world)));
-        let mut size = 0;
-        let snapshot = timed(Box::new(|| size = world.snapshot().to_bytes().len()));
+        let start = Instant::now();
+        copy.clone_from(&world);
+        let clone = millis(start);
+        let start = Instant::now();
+        let size = world.snapshot().to_bytes().len();
+        let snapshot = millis(start);
         println!(
             "| {count} | {awake} | {:.2} | {} | {:.1} | {step:.2} | {:.0} | {hash:.1} | {clone:.1} | {snapshot:.0} | {:.1} |",
             built.as_secs_f64(),

@@ -86,16 +86,19 @@ fn two_bodies_swing_with_the_period_of_their_reduced_mass() {
         assert!((effective / reduced - 1.0).abs() < 1e-9, "{effective}");
         let joint = world.add_joint(joint).expect("a fair joint");
         let (k, c) = (stiffness.to_f64(), damping.to_f64());
-        let rate = (k / reduced - (c / (2.0 * reduced)).powi(2)).sqrt();
-        // The times at which it goes through its rest outwards, in between steps.
+        let decay = c / (2.0 * reduced);
+        let rate = (k / reduced - decay * decay).sqrt();
+        // The times at which it goes through its rest outwards, in between steps, and its amplitude at the step before.
         let stretch = |world: &World| world.joint(joint).expect("a joint").length().to_f64() - 2.5;
-        let (mut last, mut times) = (stretch(&world), Vec::new());
+        let (mut last, mut times, mut amplitudes) = (stretch(&world), Vec::new(), Vec::new());
         for tick in 1..=1800 {
             world.step();
             let now = stretch(&world);
             if last < 0.0 && now >= 0.0 {
-                let part = crossing([last, now], rate / 60.0);
-                times.push((f64::from(tick - 1) + part) / 60.0);
+                let before = f64::from(tick - 1) / 60.0;
+                let (part, amplitude) = crossing([last, now * (decay / 60.0).exp()], rate / 60.0);
+                times.push(before + part / 60.0);
+                amplitudes.push((before, amplitude));
             }
             last = now;
         }
@@ -103,13 +106,17 @@ fn two_bodies_swing_with_the_period_of_their_reduced_mass() {
         let period = (times[periods] - times[0]) / periods as f64;
         let expected = TAU / rate;
         assert!(periods > 10 && (period / expected - 1.0).abs() < 1e-4, "{masses:?}: {period} s, not {expected}");
+        let [(start, first), (end, last)] = [amplitudes[0], amplitudes[periods]];
+        let (left, expected) = (last / first, (-decay * (end - start)).exp());
+        assert!((left / expected - 1.0).abs() < 3e-4, "{masses:?}: {left}, not {expected}");
     }
 }
 
-/// The part of a step of this phase, rad, after which a sine through these two values is 0.
-fn crossing([before, after]: [f64; 2], phase: f64) -> f64 {
+/// The part of a step of this phase, rad, after which a sine through these two values is 0, and its amplitude.
+fn crossing([before, after]: [f64; 2], phase: f64) -> (f64, f64) {
     // sin(a) : sin(phase − a) = −before : after
-    (-before * phase.sin()).atan2(after - before * phase.cos()) / phase
+    let (sine, cosine) = (-before * phase.sin(), after - before * phase.cos());
+    (sine.atan2(cosine) / phase, sine.hypot(cosine) / phase.sin())
 }
 
 /// f = √(k/m)/2π and ζ = c/(2·√(k·m)), rounded once.
@@ -143,20 +150,20 @@ fn frequency_and_ratio_are_the_nearest() {
 fn springs_out_of_range_are_refused() {
     let spring = |stiffness: Fx, damping: Fx, mass: FxFactor| JointSpring::with_stiffness(stiffness, damping, mass);
     let refused = |quantity| Err(Error::OutOfRange { quantity });
-    let one = FxFactor::ONE;
-    assert_eq!(spring(fx!(-1), fx!(0), one), refused(Quantity::Stiffness));
-    assert_eq!(spring(fx!(1), fx!(-1), one), refused(Quantity::Drag));
+    let unity = FxFactor::ONE;
+    assert_eq!(spring(fx!(-1), fx!(0), unity), refused(Quantity::Stiffness));
+    assert_eq!(spring(fx!(1), fx!(-1), unity), refused(Quantity::Drag));
     assert_eq!(spring(fx!(1), fx!(1), FxFactor::ZERO), refused(Quantity::SpringFrequency));
     // 10^6 Hz of 2^-32 kg have 9,191 N/m.
     let light = FxFactor::from(Fx::from_bits(1));
     assert!(spring(fx!(9191), fx!(0), light).is_ok());
     assert_eq!(spring(fx!(9192), fx!(0), light), refused(Quantity::SpringFrequency));
     assert_eq!(spring(Fx::MAX, fx!(0), light), refused(Quantity::SpringFrequency));
-    assert_eq!(spring(fx!(0), fx!(1), one), refused(Quantity::DampingRatio));
-    assert!(spring(fx!(1), fx!(2048), one).is_ok());
-    assert_eq!(spring(fx!(1), fx!(2049), one), refused(Quantity::DampingRatio));
-    assert_eq!(spring(fx!(0), fx!(0), one), Ok(JointSpring::new(fx!(0), fx!(0))));
-    let planar = PlanarSpring::with_stiffness(vec2(1, 2), fx!(-1), fx!(0), one);
+    assert_eq!(spring(fx!(0), fx!(1), unity), refused(Quantity::DampingRatio));
+    assert!(spring(fx!(1), fx!(2048), unity).is_ok());
+    assert_eq!(spring(fx!(1), fx!(2049), unity), refused(Quantity::DampingRatio));
+    assert_eq!(spring(fx!(0), fx!(0), unity), Ok(JointSpring::new(fx!(0), fx!(0))));
+    let planar = PlanarSpring::with_stiffness(vec2(1, 2), fx!(-1), fx!(0), unity);
     assert_eq!(planar, Err(Error::OutOfRange { quantity: Quantity::Stiffness }));
 }
 

@@ -163,3 +163,20 @@ fn a_surface_of_a_raft_that_is_found_again_takes_nothing_from_the_heap() {
     steps(&mut world);
     assert_eq!(steps(&mut world), 0);
 }
+
+/// A box flies through thin sensors, several in each step, which it meets within the step alone.
+#[test]
+fn sensors_that_a_fast_body_crosses_take_nothing_from_the_heap() {
+    let mut world = World::new(WorldDef::default()).expect("a world");
+    let thin = Shape::rectangle(fx!(0.1), 4).expect("a thin box");
+    for i in 0..160 {
+        let sensor = ColliderDef { sensor: true, ..ColliderDef::new(thin.clone()) };
+        let def = BodyDef { position: vec2(3 * i, 0), ..BodyDef::fixed().with_collider(sensor) };
+        world.add_body(def).expect("a sensor");
+    }
+    let body = BodyDef { position: vec2(-20, 0), velocity: vec2(600, 0), ..BodyDef::dynamic().with_collider(unit()) };
+    world.add_body(body).expect("a box");
+    (0..4).for_each(|_| _ = world.step());
+    assert!(world.last_report().sensors_crossed.len() > 1, "{:?}", world.last_report().sensors_crossed);
+    assert_eq!(taken_again(&mut world), 0);
+}

@@ -87,14 +87,13 @@ impl<S: Scalar> Step<'_, S> {
                 continue;
             }
             let def = joints.def(index);
-            let (impulse, angular_impulse) = ([x, y], link.kind.impulse_on_second(around));
-            if def.events {
-                let [x, y] = impulse.map(|impulse| S::from_fx(mean_force(impulse, time_step)));
-                let torque = S::from_fx(mean_force(angular_impulse, time_step));
-                let (joint, force) = (joints.id(index), Vec2::new(x, y));
-                report.joint_loads.push(JointLoad { joint, key: def.key, force, torque });
-            }
-            let is_torn = link.break_force.is_some_and(|force| exceeds(impulse, force, time_step));
+            let angular_impulse = link.kind.impulse_on_second(around);
+            let load = def.events.then(|| {
+                let [x, y, torque] = [x, y, angular_impulse].map(|impulse| S::from_fx(mean_force(impulse, time_step)));
+                JointLoad { joint: joints.id(index), key: def.key, force: Vec2::new(x, y), torque }
+            });
+            report.joint_loads.extend(load);
+            let is_torn = link.break_force.is_some_and(|force| exceeds([x, y], force, time_step));
             let is_wrung = link.break_torque.is_some_and(|torque| exceeds([angular_impulse, 0], torque, time_step));
             if !is_torn && !is_wrung {
                 continue;
@@ -105,7 +104,7 @@ impl<S: Scalar> Step<'_, S> {
                     self.bodies.columns.motion.ticks_at_rest[i] = 0;
                 }
             }
-            if let Some(&JointLoad { joint, key, force, torque }) = report.joint_loads.last().filter(|_| def.events) {
+            if let Some(JointLoad { joint, key, force, torque }) = load {
                 report.joints_broke.push(JointBroke { joint, key, bodies: def.bodies(), force, torque });
             }
         }
