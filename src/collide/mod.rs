@@ -170,14 +170,8 @@ fn collide_once<const N: usize>(
 /// The manifold of two cores in world axes.
 #[inline(always)]
 fn collide_placed(a: View<'_>, b: View<'_>, margin: Margin) -> Option<Manifold> {
-    let offset = a.offset_to(&b)?;
-    // Radii are at most 2^12 m.
-    let limit = margin.limit(a.placed.radius + b.placed.radius);
-    if limit.is_below(a.gap(&b, offset)) {
-        return None;
-    }
-    let ends = Ends { a, b, offset, limit };
-    match a.placed.count.max(b.placed.count) {
+    let ends = Ends::new(a, b, margin)?;
+    match ends.a.placed.count.max(ends.b.placed.count) {
         1 => ends.between_corners(0, 0),
         2..=4 => collide_within::<4>(&ends),
         5..=8 => collide_within::<8>(&ends),

@@ -9,6 +9,7 @@ use super::cores::across;
 use super::lanes::{CollidePairs, LANE_CORNERS, LaneKind, LaneManifolds, LanePairs, LaneShape, Polygons, Tables};
 use super::link::{collide_surfaces, swapped};
 use super::place::{Placed, PlacedBox, Pose, Room, View, places_of, turned_normal};
+use super::points::Ends;
 use super::surface::{Link, Surface, Surfaces};
 use super::{Manifold, Margin, collide_placed};
 use crate::fx::Fx;
@@ -192,6 +193,21 @@ impl Cores {
         let mut rooms = [Room::default(); 2];
         let [room_a, room_b] = &mut rooms;
         collide_placed(self.view(a, room_a), self.view(b, room_b), margin)
+    }
+
+    /// The manifold of two outlines without surfaces at the ends of the overlap of these edges along a direction, if they overlap: the
+    /// corners of A and of B in order of place.
+    #[cold]
+    pub(crate) fn between_edges(
+        &self,
+        [a, b]: [usize; 2],
+        normal: [i32; 2],
+        corners: [[usize; 2]; 2],
+        margin: Margin,
+    ) -> Option<Manifold> {
+        let mut rooms = [Room::default(); 2];
+        let [room_a, room_b] = &mut rooms;
+        Ends::new(self.view(a, room_a), self.view(b, room_b), margin)?.between_edges(normal, corners)
     }
 
     fn surface(&self, i: usize) -> Option<Surface<'_>> {

@@ -2,9 +2,9 @@
 
 use core::cmp::Ordering;
 
-use super::cores::Product;
+use super::cores::{Product, across};
 use super::frame::{Frame, nearest};
-use super::margin::Limit;
+use super::margin::{Limit, Margin};
 use super::place::{View, odd_shift};
 use super::span::{At, Facing, Span, end_of_overlap};
 use super::{Manifold, ManifoldPoint, feature};
@@ -56,7 +56,33 @@ pub(super) fn manifold<P: Product>(ends: &Ends<'_>, frame: &Frame<P>) -> Option<
     }
 }
 
-impl Ends<'_> {
+impl<'a> Ends<'a> {
+    /// Two outlines, if the boxes around them are near enough.
+    #[inline(always)]
+    pub(super) fn new(a: View<'a>, b: View<'a>, margin: Margin) -> Option<Self> {
+        let offset = a.offset_to(&b)?;
+        // Radii are at most 2^12 m.
+        let limit = margin.limit(a.placed.radius + b.placed.radius);
+        (!limit.is_below(a.gap(&b, offset))).then_some(Self { a, b, offset, limit })
+    }
+
+    /// The points at the ends of the overlap of two edges along a direction, whichever edges face along it. Corners are in order of place,
+    /// as in the points of a manifold. `None` if the edges do not overlap or a corner is not there.
+    pub(super) fn between_edges(&self, n: [i32; 2], corners: [[usize; 2]; 2]) -> Option<Manifold> {
+        let span = |view: &View<'_>, corners: [usize; 2], [x, y]: [i64; 2]| {
+            let place = |i: usize| {
+                let [corner_x, corner_y] = *view.corners[..view.placed.count].get(i)?;
+                Some(<i128 as Product>::dot(across(n), [corner_x + x, corner_y + y]))
+            };
+            Some(Span { corners, places: [place(corners[0])?, place(corners[1])?] })
+        };
+        let (a, b) = (span(&self.a, corners[0], [0; 2])?, span(&self.b, corners[1], self.offset)?);
+        if a.places[0].max(b.places[0]) >= a.places[1].min(b.places[1]) {
+            return None;
+        }
+        self.overlap(&Frame { n, a, b, facing: Facing::Edges }, |_| false)
+    }
+
     /// Two edges that overlap: a point at either end of the overlap.
     #[inline(always)]
     pub(super) fn clipped<P: Product>(&self, frame: &Frame<P>) -> Option<Manifold> {
@@ -194,5 +220,62 @@ impl Ends<'_> {
         }
         let point = self.point(normal, At::Both(i, j), separation, feature([i; 2], [j; 2]));
         Some(Manifold { normal, count: 1, points: [point, ManifoldPoint::default()] })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Cores, Pose};
+    use super::*;
+    use crate::cases::run_seed;
+    use crate::fx;
+    use crate::math::Random;
+    use crate::scalar::Turn;
+    use crate::shape::Shape;
+
+    /// A triangle or a box of about a metre at any angle.
+    fn push(cores: &mut Cores, random: &mut Random, place: Vec2) -> usize {
+        let corners = [
+            Vec2::new(fx!(-0.5), fx!(-0.4)),
+            Vec2::new(fx!(0.5), fx!(-0.4)),
+            Vec2::new(fx!(0.5), fx!(0.3)),
+            Vec2::new(fx!(-0.4), fx!(0.5)),
+        ];
+        let shape = Shape::polygon(&corners[random.below(2) as usize..]).expect("a polygon");
+        cores.push(&shape.outlines()[0], &Pose::new(place, Turn::from_bits(random.bits())))
+    }
+
+    #[test]
+    fn edges_that_face_each_other_have_the_points_of_the_manifold_and_others_do_not_overlap() {
+        let mut random = Random::seeded(run_seed(12));
+        let mut count = 0;
+        for _ in 0..4_000 {
+            let mut cores = Cores::default();
+            let mut place = || Fx::from_bits(random.below(1 << 32) as i64 - (1 << 31));
+            let place = Vec2::new(place(), place());
+            let pair = [push(&mut cores, &mut random, Vec2::ZERO), push(&mut cores, &mut random, place)];
+            let Some(manifold) = cores.collide(pair[0], pair[1], fx!(0.01).into()) else { continue };
+            if manifold.count != 2 {
+                continue;
+            }
+            let corner = |point: usize, side: usize| (manifold.points[point].feature >> (12 * side) & 63) as usize;
+            let edges = [0, 1].map(|side| [corner(0, side), corner(1, side)]);
+            let at = |edges| cores.between_edges(pair, manifold.normal, edges, fx!(0.01).into());
+            let manifold_of_edges = at(edges).expect("the edges overlap");
+            assert_eq!((manifold_of_edges.count, manifold_of_edges.features()), (2, manifold.features()));
+            for (point, expected) in manifold_of_edges.points.iter().zip(&manifold.points) {
+                let distance = |a: Fx, b: Fx| (a.to_bits() - b.to_bits()).abs();
+                // Places are in ulps here, and in units of some ulps there.
+                assert!(distance(point.separation, expected.separation) < 256, "{manifold_of_edges:?}, {manifold:?}");
+                assert!(distance(point.arm_a.x, expected.arm_a.x) < 256, "{manifold_of_edges:?}, {manifold:?}");
+            }
+            // An edge the other way round faces away.
+            let [[start, end], edge_b] = edges;
+            assert_eq!(at([[end, start], edge_b]), None);
+            // No such corner.
+            assert_eq!(at([[start, 9], edge_b]), None);
+            count += 1;
+        }
+        assert!(count > 1_000, "{count}");
     }
 }

@@ -18,7 +18,7 @@ use super::seams::Unions;
 use super::slot_table::SlotTable;
 use super::sweep::{Paths, form};
 use super::tiles::{SLANTED, Tiles, is_polygon};
-use super::{MARGIN, Scene};
+use super::{ContactRecord, MARGIN, Scene};
 use crate::collide::sweep::{Moment, Second, Sweep};
 use crate::collide::{Cores, LANE_CORNERS, Manifold, Margin, Pose};
 use crate::collider::OutlineId;
@@ -183,6 +183,23 @@ impl Narrow {
         let first = self.core(scene, flights, resting, pair[0]);
         let second = self.core(scene, flights, resting, pair[1]);
         self.cores.collide(first, second, self.margin(flights, pair))
+    }
+
+    /// The manifold of two actors in place of this one, at the moment of bodies that press each other: see
+    /// [`manifold_before`](ContactRecord::manifold_before).
+    pub(super) fn manifold_before(
+        &self,
+        record: &ContactRecord,
+        actors: [usize; 2],
+        manifold: &Manifold,
+    ) -> Option<Manifold> {
+        record.manifold_before(manifold, |corners| {
+            let cores = actors.map(|actor| self.core_of.get(self.actors.get(actor).number));
+            let margin = self.actors.reach(actors[0]).closing(&self.actors.reach(actors[1]));
+            let are_placed = !cores.contains(&NONE);
+            let cores = are_placed.then_some(cores.map(|core| core as usize))?;
+            self.cores.between_edges(cores, manifold.normal, corners, margin)
+        })
     }
 
     /// Returns true if two outlines have a manifold, or would have one after a small shift. Outlines that overlap have none where all

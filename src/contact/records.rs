@@ -6,8 +6,9 @@
 //! beside the corners of the first point, of which a segment has two.
 
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
-use crate::collide;
+use crate::collide::{self, Manifold};
 use crate::collider::OutlineId;
+use crate::fx::Fx;
 use crate::limits::{CHAIN, COLLIDERS, PARTS};
 use crate::solve::Impulses;
 
@@ -119,7 +120,7 @@ impl ContactRecord {
     /// The impulses that a contact with these features starts from: zero for points that the record does not have. Friction is kept
     /// if a point is, rolling resistance if both have this one point. Single points with a [common corner](have_common_corner) are one point.
     #[inline]
-    pub(crate) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
+    pub(super) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
         let record_features = self.features();
         let is_one = (count, self.count()) == (1, 1);
         if (features, count) == (record_features, self.count())
@@ -135,6 +136,68 @@ impl ContactRecord {
             }
         }
         start
+    }
+
+    /// Returns true if the record is of points with these features.
+    #[inline(always)]
+    pub(crate) fn has_points(&self, features: [u32; 2], count: usize) -> bool {
+        (features, count) == (self.features(), self.count())
+    }
+
+    /// [`start`](Self::start) for points that may not be in the record: the impulses along the normal of the points that are gone go to
+    /// the deepest new one, half to each of two as deep. Where a body turns over a corner, the pair presses there as before.
+    pub(super) fn start_at(&self, manifold: &Manifold) -> Impulses {
+        let (features, count) = (manifold.features(), manifold.count);
+        let mut start = self.start(features, count);
+        let record_features = &self.features()[..self.count()];
+        let pairs = record_features.iter().zip(self.impulses);
+        let remainders = pairs.filter(|(feature, _)| !features[..count].contains(feature)).map(|(_, impulse)| impulse);
+        // Impulses are at most 2^62.
+        let remainder = remainders.fold(0, i64::saturating_add).min(1 << 62);
+        let [is_first_new, is_second_new] = [0, 1].map(|k: usize| k < count && !record_features.contains(&features[k]));
+        // A single point has its rule.
+        if remainder == 0 || (count, self.count()) == (1, 1) || !(is_first_new || is_second_new) {
+            return start;
+        }
+        let [depth, second_depth] = manifold.points.map(|point| -point.separation);
+        match (is_first_new, is_second_new) {
+            (true, true) if depth == second_depth => start.values = [remainder >> 1, remainder >> 1, 0],
+            (true, false) => start.values[0] = remainder,
+            (true, true) if depth > second_depth => start.values[0] = remainder,
+            _ => start.values[1] = remainder,
+        }
+        start.values[2] = self.impulses[2];
+        start
+    }
+
+    /// The manifold in place of this one where the points of the record still press, as `between_edges` gives it for the corners of either
+    /// collider, by point. Both points stay until the edge beside their edge faces more *and* a point of the two has opened; beside corners, until
+    /// a point with an impulse has. A body deep between others would turn to and fro over its corner for ever: the points of either edge push it to
+    /// where the other edge faces more.
+    pub(crate) fn manifold_before(
+        &self,
+        manifold: &Manifold,
+        between_edges: impl FnOnce([[usize; 2]; 2]) -> Option<Manifold>,
+    ) -> Option<Manifold> {
+        if self.count() != 2 || self.is_slack() {
+            return None;
+        }
+        let record_edges = edges(self.features())?;
+        let features = manifold.features();
+        let is_beside = |side: usize, new_edges: [[usize; 2]; 2]| {
+            let ([start, end], [new_start, new_end]) = (record_edges[side], new_edges[side]);
+            record_edges[1 - side] == new_edges[1 - side] && (start == new_end || end == new_start)
+        };
+        let is_single = manifold.count == 1;
+        let may_stay = if is_single {
+            (0..2).all(|side| corner(features[0], side).is_some_and(|corner| record_edges[side].contains(&corner)))
+        } else {
+            edges(features).is_some_and(|edges| is_beside(0, edges) || is_beside(1, edges))
+        };
+        let manifold = between_edges(may_stay.then_some(record_edges)?)?;
+        let mut points = manifold.points.iter().zip(self.impulses);
+        let is_pressed = points.all(|(point, impulse)| point.separation < Fx::ZERO || is_single && impulse == 0);
+        (manifold.count == 2 && is_pressed).then_some(manifold)
     }
 
     /// The record with the two colliders swapped: points come in the opposite order along the tangent, whose impulse stays. The impulse of
@@ -223,6 +286,18 @@ fn with_high([mut first, mut second]: [u32; 2], high: [u32; 2]) -> [u32; 2] {
     [first, second]
 }
 
+/// The corner of one collider in a point; `None` for an edge.
+fn corner(feature: u32, side: usize) -> Option<usize> {
+    let [start, end] = [0, 6].map(|shift| (feature >> (12 * side + shift) & 0x3F) as usize);
+    (start == end).then_some(start)
+}
+
+/// The corners of either collider in two points; `None` if an edge is in one.
+fn edges([first, second]: [u32; 2]) -> Option<[[usize; 2]; 2]> {
+    let edge = |side: usize| Some([corner(first, side)?, corner(second, side)?]);
+    Some([edge(0)?, edge(1)?])
+}
+
 /// Returns true if two single points of a pair have a corner in common on either outline: they are one point, as it goes on from an edge to the
 /// corner at its end, or as an edge that meets it gives way to the next one. Where a body rocks from corner to corner, both corners change.
 fn have_common_corner(first: u32, second: u32) -> bool {
@@ -261,5 +336,78 @@ impl Read for ContactRecord {
         impulses[2] = i64::read(reader)?;
         let record = Self { pair, packed, impulses };
         if record.is_malformed() { Err(malformed) } else { Ok(record) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collide::{ManifoldPoint, feature};
+
+    /// The name of a point at a corner of each outline.
+    fn at(a: usize, b: usize) -> u32 {
+        feature([a; 2], [b; 2])
+    }
+
+    /// A record of points at edges 2 to 3 and 7 to 6, with the shares of its normal impulse.
+    fn record(first: i64, second: i64) -> ContactRecord {
+        let pair = [OutlineId { slot: 1, part: 0 }, OutlineId { slot: 2, part: 0 }];
+        let tangent = if first > 0 { -5 } else { 0 };
+        let impulses = Impulses { values: [first, second, tangent], exponent: -20 };
+        ContactRecord::new(pair, [at(2, 7), at(3, 6)], 2, impulses)
+    }
+
+    /// Points with these names and separations, in ulps.
+    fn manifold(points: &[(u32, i64)]) -> Manifold {
+        let mut manifold =
+            Manifold { normal: [0, 1 << 30], count: points.len(), points: [ManifoldPoint::default(); 2] };
+        for (point, &(feature, separation)) in manifold.points.iter_mut().zip(points) {
+            *point = ManifoldPoint { separation: Fx::from_bits(separation), feature, ..*point };
+        }
+        manifold
+    }
+
+    #[test]
+    fn impulses_of_points_that_are_gone_go_to_the_deepest_new_one() {
+        let start = |points: &[(u32, i64)]| record(30, 10).start_at(&manifold(points)).values;
+        assert_eq!(start(&[(at(2, 7), -1), (at(3, 6), -9)]), [30, 10, -5], "the same points");
+        assert_eq!(start(&[(at(3, 7), -9), (at(4, 6), -1)]), [40, 0, -5], "the next edge");
+        assert_eq!(start(&[(at(1, 7), -1), (at(2, 6), -9)]), [0, 40, -5], "the edge before");
+        assert_eq!(start(&[(at(3, 7), -9), (at(4, 6), -9)]), [20, 20, -5], "two as deep");
+        assert_eq!(start(&[(at(2, 7), -1), (at(4, 6), -9)]), [30, 10, -5], "one of two");
+        assert_eq!(start(&[(at(3, 7), -9)]), [40, 0, -5], "one for two");
+        assert_eq!(start(&[(at(2, 7), -9)]), [30, 0, -5], "one of two, alone");
+        assert_eq!(record(1 << 62, 1 << 62).start_at(&manifold(&[(at(3, 7), -9)])).values, [1 << 62, 0, -5]);
+    }
+
+    #[test]
+    fn points_stay_until_one_of_them_opens() {
+        let points_of_record = |first, second| Some(manifold(&[(at(2, 7), first), (at(3, 6), second)]));
+        let stay = |record: ContactRecord, points: &[(u32, i64)], points_of_record: Option<Manifold>| {
+            let manifold_before = record.manifold_before(&manifold(points), |corners| {
+                assert_eq!(corners, [[2, 3], [7, 6]]);
+                points_of_record
+            });
+            manifold_before.is_some()
+        };
+        let next_edge = [(at(3, 7), -9), (at(4, 6), -1)];
+        assert!(stay(record(30, 10), &next_edge, points_of_record(-1, -9)));
+        assert!(stay(record(0, 10), &next_edge, points_of_record(-1, -9)));
+        assert!(!stay(record(0, 0), &next_edge, points_of_record(-1, -9)), "nothing presses");
+        assert!(!stay(record(30, 10), &next_edge, points_of_record(0, -9)), "a point is open");
+        assert!(!stay(record(30, 10), &next_edge, None), "the edges do not overlap");
+        assert!(
+            !stay(record(30, 10), &[(at(4, 7), -9), (at(5, 6), -1)], points_of_record(-1, -9)),
+            "not the next edge"
+        );
+        assert!(
+            !stay(record(30, 10), &[(at(3, 6), -9), (at(4, 5), -1)], points_of_record(-1, -9)),
+            "both edges are others"
+        );
+        // Corners beside each other.
+        let corners = [(at(3, 7), -20)];
+        assert!(stay(record(0, 10), &corners, points_of_record(5, -9)));
+        assert!(!stay(record(10, 0), &corners, points_of_record(5, -9)), "the point with the impulse is open");
+        assert!(!stay(record(0, 10), &[(at(4, 7), -20)], points_of_record(5, -9)), "not a corner of the edge");
     }
 }

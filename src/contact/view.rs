@@ -68,8 +68,8 @@ pub struct ContactPoint<S: Scalar = Fx> {
     pub position: Vec2<S>,
     /// The distance between the surfaces along the normal, m; negative where they overlap.
     pub separation: S,
-    /// The impulse on the second body along the normal over the last sub-step, N·s, from 0. Zero also for a point that is new since the
-    /// step.
+    /// The impulse on the second body along the normal over the last sub-step, N·s, from 0. The deepest point that is new since the step has
+    /// the impulses of the points that are gone.
     pub normal_impulse: S,
 }
 
@@ -104,7 +104,7 @@ impl<S: Scalar> Contact<S> {
             points: Default::default(),
             count: manifold.count,
         };
-        let impulses = record.start(manifold.features(), manifold.count);
+        let impulses = record.start_at(manifold);
         let points = manifold.points.iter().zip(impulses.values);
         for (place, (point, impulse)) in contact.points.iter_mut().zip(points).take(manifold.count) {
             // Positions are within 2^31 m, arms within 2^15 m.

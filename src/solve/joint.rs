@@ -42,7 +42,8 @@
 //! - The velocity of a row is below (√2·2^28 + 2·√2·2^27) = 2^29.5, times 2^30; the error is within ±2^30 ([`ERROR`]), times a rate below
 //!   2^30. The second-order terms are at most 0.1·√2·2^27 a body and 0.1·2^29.5 for the rod, the offsets of free flights along the row at
 //!   most (√2·2^29 + 2·√2·2^28) = 2^30.5, times 2^30. The sum is below 2^62.
-//! - Impulses are within ±2^50 ([`IMPULSE`]). A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
+//! - Impulses are within ±2^50 ([`IMPULSE`]). Their unit follows from the lightest row, and is coarser where so many would not hold the heaviest body: a
+//!   weight of 1,000 kg at 100 m on an arm of 1 kg. A sub-step has the impulse of the solve pass at one axis and the change of the relax pass
 //!   at another, for both rows together at most 3·2^50·2^31 = 2^82.6. Lowered by 20 bits, times a mass of at most 2^44, this is below
 //!   2^107. Weighted sums over 16 sub-steps are at most 136 times as much: below 2^90; with impacts, up to 64 in a sub-step, below 2^97.
 //! - Changes of velocity by a joint in a sub-step are below 2^100 in 2^-30, and their sum for a body is within ±2^61 ([`gains`]); in an impact they
@@ -97,12 +98,18 @@ pub(super) use self::paths::find_paths;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
 const MASS_BITS: i32 = 44;
-/// A unit of impulse changes the velocity of a row by at most 2^-8.
+/// A unit of impulse changes the velocity of a row by at most 2^-8, unless it is [coarser].
 const FINER: i32 = 8;
 /// The largest error of a row.
 const ERROR: i64 = 1 << 30;
 /// The largest impulse.
-const IMPULSE: i64 = 1 << 50;
+const IMPULSE: i64 = 1 << IMPULSE_BITS;
+const IMPULSE_BITS: i32 = 50;
+/// Impulses reach far enough to change the velocity of the heaviest body of a joint by 2^HOLDS units in a sub-step.
+const HOLDS: i32 = 22;
+/// The largest number of bits by which a unit of impulses is coarser for that; and of pins in loops, whose compliance has no more room in words.
+const COARSER: i32 = 24;
+const COARSER_IN_LOOP: i32 = 5;
 /// The largest change of velocity in an impact, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
 /// Bits by which the products of impulses and axes are lowered, before the products with masses.
@@ -204,6 +211,20 @@ fn axis_length(flights: [&Flight; 2]) -> Option<i32> {
     turning.map(|flight| flight.length()).min()
 }
 
+/// log2 of the length of the longer body, m.
+fn longest(flights: [&Flight; 2]) -> i32 {
+    flights[0].length().max(flights[1].length())
+}
+
+/// Bits by which the unit of impulses has to be coarser than the lightest row asks for, so that they can hold the heaviest body, for the bits of
+/// the largest mass factor. A row around has the moment of the force at the end of the longest arm, counted at the length of the shorter body: so many
+/// bits are added.
+fn coarser(sides: &[Side; 2], mass_bits: i32) -> i32 {
+    let masses = sides.iter().flat_map(|side| [side.masses[0], side.masses[1]]);
+    let heaviest = masses.filter(|&mass| mass != 0).min();
+    heaviest.map_or(0, |mass| mass_bits - bits_of(mass) + FINER + HOLDS - IMPULSE_BITS)
+}
+
 /// The axes of the rows of a joint.
 #[derive(Clone, Copy, Debug)]
 enum Frame {
@@ -253,7 +274,7 @@ pub(super) struct Block {
     around: i64,
     /// Errors of the rows.
     errors: [i64; 2],
-    /// The number of bits of the largest mass factor of a row.
+    /// The number of bits of the largest mass factor of a row, less the bits by which the unit of impulses is coarser.
     mass_bits: i32,
     /// The laws of rows by their numbers, [`NONE`] for rows without: along the axes of the frame, and around.
     laws: [u32; 3],
@@ -303,6 +324,7 @@ impl Block {
         poses: [&Pose; 2],
         shares: [i64; 2],
         unit: i32,
+        is_in_loop: bool,
         laws: &mut Vec<AxisRow>,
     ) -> Self {
         let StepInput { clock, flights, joints, .. } = *input;
@@ -324,12 +346,15 @@ impl Block {
         if turns_frame || joint.axis.is_some() {
             largest_mass = largest_mass.max(sides[0].masses[2] + sides[1].masses[2]);
         }
+        let axis_length = axis_length(flights).unwrap_or(0);
         // The arm of the first body may grow to twice its length in the step.
         let mass_bits = bits_of(largest_mass) + if turns_frame { 2 } else { 0 };
+        let most = if is_in_loop && joint.kind == JointKind::Revolute { COARSER_IN_LOOP } else { COARSER };
+        let lever = if joint.axis.is_some() { longest(flights) - axis_length } else { 0 };
+        let mass_bits = mass_bits - coarser(&sides, mass_bits + lever).clamp(0, most.min(mass_bits - 1));
         let mut base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;
-        let axis_length = axis_length(flights).unwrap_or(0);
         let is_planar = matches!(joint.kind, JointKind::Planar { .. });
         let mut add = |law: &Option<Axis>, mass: Option<FxFactor>, length: i32, is_paired: bool| {
             let (Some(law), Some(mass)) = (law, mass) else { return NONE };

@@ -21,7 +21,7 @@
 //! - *Slip*: velocities below 2^59.3 and two products with the coupling below 2^58 each: below 2^60.2 before the rounding; less the
 //!   velocity of the surface (2^27) below 2^30.4. Times the inverse below 2^31: below 2^61.4.
 //! - *Impulses*: at most 2^44 ([`IMPULSE`](super::group::IMPULSE)) at the start and below 2^45 in a step: the change of one in
-//!   a pass is within ±2^30, larger ones are cut off and counted, and a step has at most 16·(3 + 65) passes.
+//!   a pass is within ±2^30, larger ones are cut off and counted, and a step has at most 16·(6 + 65) passes.
 //! - *Gains*: in 2^-30, a factor is at most 2^28 over the share of the body. With changes of both normal impulses and of friction
 //!   a contact gives below 2^59.6 over the share, so that all contacts of a phase together give below 2^59.6. Gains with a
 //!   shift, and gains of a warm start with impulses beyond 2^30, are clamped at 2^61 over the share. The rest that a body carries, at

@@ -1,7 +1,7 @@
 //! Contacts as calls read them.
 
 use super::World;
-use crate::collide::{Pose, collide};
+use crate::collide::{Cores, Pose, collide};
 use crate::collider::Collider;
 use crate::contact::{ColliderPair, Contact, ContactRecord, MARGIN};
 use crate::error::Error;
@@ -88,13 +88,23 @@ impl<S: Scalar> World<S> {
         };
         let [first, second] = pair_of_colliders;
         let poses = [pose(first)?, pose(second)?];
+        let side = pair_of_colliders.iter().position(|collider| collider.def.shape.is_chain());
         let touch = |parts: [u32; 2]| {
             let outlines = [first.outline(parts[0]), second.outline(parts[1])];
-            let manifold = collide(&outlines[0].outline, &poses[0], &outlines[1].outline, &poses[1], MARGIN)?;
-            Some((parts, manifold))
+            let [(a, pose_a), (b, pose_b)] = [(&outlines[0].outline, &poses[0]), (&outlines[1].outline, &poses[1])];
+            let manifold = collide(a, pose_a, b, pose_b, MARGIN)?;
+            let manifold_before = record.manifold_before(&manifold, |corners| {
+                // A segment pushes to one side, and as its neighbours leave it.
+                if side.is_some() {
+                    return None;
+                }
+                let mut cores = Cores::default();
+                let pair = [cores.push(a, pose_a), cores.push(b, pose_b)];
+                cores.between_edges(pair, manifold.normal, corners, MARGIN.into())
+            });
+            Some((parts, manifold_before.unwrap_or(manifold)))
         };
         let parts = pair.map(|outline| outline.part);
-        let side = pair_of_colliders.iter().position(|collider| collider.def.shape.is_chain());
         let (parts, manifold) = match (touch(parts), side) {
             (Some(touched), _) => touched,
             (None, Some(side)) => nearest_segment(pair_of_colliders[side], side, parts, touch)?,

@@ -149,14 +149,75 @@ fn asleep_after(seed: u64, count: i32, limit: u32) -> Option<u32> {
     })
 }
 
-/// Nine of ten piles fall asleep up to a limit, half of them up to a median. When a pile rests is a matter of chance: a last bit decides. (In one of
-/// fifteen a body that is wedged in swings by a millimetre for good, whatever the seed: see `docs/contacts.md`.)
+/// A polygon at a place and an angle.
+type Stone<'a> = (bool, [f64; 3], &'a [[f64; 2]]);
+
+/// Stones of a pile of 500 at a wall, deep in each other: the first three move, the others are held. A splinter of 11 g lies between two stones
+/// of 90 and 400 g.
+const WEDGED_IN: [Stone<'_>; 7] = [
+    (
+        true,
+        [0.0, 0.0, 1.707],
+        &[[0.039, 0.1639], [-0.082, -0.1601], [0.018, -0.0441], [0.031, -0.0141], [0.048, 0.0739]],
+    ),
+    (true, [-0.187, -0.063, 0.587], &[[-0.219, 0.369], [-0.167, -0.156], [0.386, -0.213]]),
+    (
+        true,
+        [0.099, 0.38, 5.828],
+        &[
+            [0.2121, 0.4061],
+            [-0.2919, 0.3531],
+            [-0.3969, -0.1629],
+            [-0.2569, -0.3299],
+            [-0.1739, -0.3769],
+            [-0.0559, -0.4089],
+            [0.2801, -0.3089],
+            [0.4281, -0.0509],
+        ],
+    ),
+    (
+        false,
+        [0.225, -0.331, 5.484],
+        &[
+            [0.3741, -0.0377],
+            [0.0851, 0.2563],
+            [-0.1089, 0.2223],
+            [-0.2539, 0.0753],
+            [-0.2319, -0.2617],
+            [-0.2139, -0.2857],
+        ],
+    ),
+    (
+        false,
+        [-0.628, -0.036, 0.421],
+        &[[0.0482, 0.442], [-0.0578, 0.389], [-0.2478, 0.147], [-0.2758, 0.028], [0.2342, -0.513], [0.2612, -0.511]],
+    ),
+    (false, [-0.589, 0.497, 5.017], &[[0.0649, 0.373], [-0.0651, 0.425], [-0.0511, -0.447], [0.0559, -0.404]]),
+    (false, [-0.041, 0.812, 5.993], &[[0.346, 0.425], [-0.196, -0.206], [-0.15, -0.219]]),
+];
+
+#[test]
+fn a_stone_that_is_wedged_in_does_not_turn_to_and_fro() {
+    let stones = WEDGED_IN.map(|(moves, [x, y, angle], corners)| {
+        let corners: Vec<_> = corners.iter().map(|&[x, y]| point(x, y)).collect();
+        let shape = Shape::polygon(&corners).expect("a polygon");
+        let def = if moves { dynamic(shape, point(x, y)) } else { fixed(shape, point(x, y)) };
+        BodyDef { angle: number(angle), ..def }
+    });
+    let wall = fixed(rectangle(fx!(1), fx!(60)), point(0.968, 28.47));
+    let (mut world, _) = build(sleepy(falling()), stones.into_iter().chain([wall]));
+    steps(&mut world, 120);
+    assert_eq!(world.moving_count(), 0, "awake after two seconds");
+}
+
+/// All but one of twelve piles fall asleep up to a limit, half of them up to a median. When a pile rests is a matter of chance: a last bit decides.
+/// (In one of eighty something swings for good: see `docs/contacts.md`.)
 #[track_caller]
 fn piles_fall_asleep(count: u64, bodies: i32, median: u32, limit: u32) {
     let mut ends: Vec<Option<u32>> = seeds(count).map(|seed| asleep_after(seed, bodies, limit)).collect();
     println!("{bodies} polygons: asleep after {ends:?}");
     let awake = ends.iter().filter(|end| end.is_none()).count();
-    assert!(awake <= ends.len() / 10, "awake after {limit} steps: {awake} of {}", ends.len());
+    assert!(awake <= ends.len() / 12, "awake after {limit} steps: {awake} of {}", ends.len());
     ends.sort_unstable();
     assert!(ends[(ends.len() - 1) / 2].is_some_and(|end| end <= median), "{ends:?}");
 }
@@ -166,12 +227,12 @@ fn piles_of_random_polygons_fall_asleep() {
     piles_fall_asleep(2, 120, 300, 900);
 }
 
-/// Box2D has piles of 500 at rest after 332 to 388 steps: the median is within 1.5 times that, and nine of ten are within 3 times.
+/// Box2D has piles of 500 at rest after 332 to 388 steps: the median is within 1.25 times that, and all but one of twelve are within 3 times.
 const BOX2D: u32 = 360;
 
 #[test]
 fn a_large_pile_of_random_polygons_falls_asleep() {
-    piles_fall_asleep(12, 500, BOX2D * 3 / 2, BOX2D * 3);
+    piles_fall_asleep(12, 500, BOX2D * 5 / 4, BOX2D * 3);
 }
 
 /// A body of any shape but a round one, which rolls on, falls on a floor.

@@ -157,6 +157,44 @@ fn a_slider_far_out_gains_no_energy() {
     }
 }
 
+/// A weight far out on an arm of 1 kg that is free, or turns about a pin: the force that holds the weight is a torque of the arm that is larger by the
+/// length of the arm, while the arm is a thousand times as light. It gains no energy, comes off its axis by no more than centimetres, and stays within
+/// the range of velocities.
+#[test]
+fn a_weight_far_out_on_a_light_arm_gains_no_energy() {
+    let far = [(30, fx!(0.1)), (100, fx!(0.1)), (100, fx!(1)), (100, fx!(10)), (300, fx!(1)), (1000, fx!(10))];
+    let velocities = [vec2(10, 0), vec2(0, 10), vec2(7, -7)];
+    let scenes =
+        [false, true].into_iter().flat_map(|is_pinned| far.map(|(reach, inertia)| (is_pinned, reach, inertia)));
+    for (is_pinned, reach, inertia) in scenes {
+        for mass in [100, 1000] {
+            for velocity in velocities {
+                let mut world = World::new(WorldDef { sleep_after: None, ..WorldDef::default() }).expect("a world");
+                let light = Mass::Explicit { mass: fx!(1), inertia };
+                let arm = world.add_body(BodyDef { mass: light, ..BodyDef::dynamic() }).expect("a body");
+                let weight = BodyDef { position: vec2(reach, 0), velocity, mass: solid(mass), ..BodyDef::dynamic() };
+                let weight = world.add_body(weight).expect("a body");
+                let ends = [arm, weight].map(|body| End::Body(Attachment::centre(body)));
+                let slider = JointDef::new(ends, JointKind::Prismatic(Prismatic::default()));
+                let slider = world.add_joint(slider).expect("a joint");
+                if is_pinned {
+                    let pin = JointDef::at(&world, None, arm, vec2(0, 0)).expect("a pin");
+                    world.add_joint(pin).expect("a joint");
+                }
+                let start = world.kinetic_energy().expect("a small energy");
+                let limit = start.to_scalar().expect("it fits") * fx!(1.02);
+                for _ in 0..300 {
+                    assert!(world.step().faults.is_empty(), "{reach} m, {mass} kg at {velocity}, {inertia} kg·m²");
+                    let energy = world.kinetic_energy().expect("a small energy").to_scalar().expect("it fits");
+                    assert!(energy < limit, "{reach} m, {mass} kg at {velocity}, {inertia} kg·m²: {energy} J");
+                    let off_axis = world.joint(slider).expect("a joint").offset().y.abs();
+                    assert!(off_axis < fx!(0.05), "{reach} m, {mass} kg at {velocity}, {inertia} kg·m²: {off_axis} m");
+                }
+            }
+        }
+    }
+}
+
 /// Joints of free bodies whose points are beside their centres are solved at once: one sub-step takes a relative velocity away along and across
 /// an axis, and around, but for the part of 2^-11 by which joints give way.
 #[test]

@@ -3,13 +3,13 @@
 use alloc::vec::Vec;
 use core::cmp::Ordering;
 
-use super::super::Scene;
 use super::super::actors::{Actor, Actors, LanePlace};
 use super::super::coefficients::Coefficients;
 use super::super::flights::{FlightKind, Flights, PairSide};
 use super::super::list::{ContactList, ContactPoints};
-use super::super::narrow::Meeting;
+use super::super::narrow::{Meeting, Narrow};
 use super::super::seams::rolling_radius;
+use super::super::{ContactRecord, Scene};
 use super::Pipeline;
 use crate::collide::{LaneManifold, SurfacePoint};
 use crate::collider::Collider;
@@ -110,14 +110,32 @@ impl Pipeline {
             }
             return;
         }
-        let mut start = start_impulses(scene, record, manifold.features(), manifold.count);
-        for side in 0..2 {
-            if pair[side].collider.def.shape.is_chain()
-                || pair[side].may_be_tile() && !narrow.faces(scene, pair[side]).is_empty()
-            {
-                narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
-            }
+        let is_on_union = |narrow: &Narrow, side: &PairSide<'_>| {
+            side.collider.def.shape.is_chain() || side.may_be_tile() && !narrow.faces(scene, side).is_empty()
+        };
+        let are_on_union = pair.map(|side| is_on_union(narrow, side));
+        let record = record.map(|record| &scene.contacts.records[record]);
+        let (features, count) = (manifold.features(), manifold.count);
+        if let (Some(record), [false, false]) =
+            (record.filter(|record| !record.has_points(features, count)), are_on_union)
+        {
+            return self.push_changed(scene, actors, record, meeting);
         }
+        let mut start = record.map_or_else(Impulses::default, |record| record.start(features, count));
+        for side in (0..2).filter(|&side| are_on_union[side]) {
+            narrow.start_over_seams(scene, flights, resting, pair, side, manifold, &mut start);
+        }
+        push_meeting(contacts, scene, flights, &narrow.actors, actors, &meeting, start);
+    }
+
+    /// Adds the contact of a pair that had other points in the step before.
+    #[cold]
+    fn push_changed(&mut self, scene: &Scene<'_>, actors: [usize; 2], record: &ContactRecord, mut meeting: Meeting) {
+        let Self { flights, narrow, contacts, .. } = self;
+        if let Some(manifold) = narrow.manifold_before(record, actors, &meeting.manifold) {
+            meeting.manifold = manifold;
+        }
+        let start = record.start_at(&meeting.manifold);
         push_meeting(contacts, scene, flights, &narrow.actors, actors, &meeting, start);
     }
 
@@ -135,7 +153,15 @@ impl Pipeline {
             LaneManifold::Points(count, first) => {
                 let second = if count == 2 { manifolds.point(lane, 1) } else { SurfacePoint::default() };
                 let points = [manifolds.point(lane, first), second];
-                let start = start_impulses(scene, record, points.map(|point| point.feature), count);
+                let features = points.map(|point| point.feature);
+                let record = record.map(|record| &scene.contacts.records[record]);
+                if let Some(record) = record.filter(|record| !record.has_points(features, count)) {
+                    let meeting =
+                        Meeting { manifold: manifolds.manifold(lane, count, first), ways: flights.ways(ends) };
+                    self.push_changed(scene, actors, record, meeting);
+                    return true;
+                }
+                let start = record.map_or_else(Impulses::default, ContactRecord::carried);
                 let points = ContactPoints { normal: manifolds.normal(lane), count, points };
                 push_points(contacts, scene, flights, &narrow.actors, actors, &points, start);
                 if narrow.actors.have_hits(actors) {
@@ -146,15 +172,6 @@ impl Pipeline {
             }
         }
         true
-    }
-}
-
-/// The impulses that a contact with these features starts from: of its record of the step before, if it has one.
-#[inline(always)]
-fn start_impulses(scene: &Scene<'_>, record: Option<usize>, features: [u32; 2], count: usize) -> Impulses {
-    match record {
-        Some(record) => scene.contacts.records[record].start(features, count),
-        None => Impulses::default(),
     }
 }
 

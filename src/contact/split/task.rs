@@ -1,6 +1,9 @@
 //! Some of the islands of a step, solved by themselves.
 
-use super::{FINE_SUBSTEPS, IS_DEEP, IS_HEAVY, IS_JOINED, JOINT_ROUNDS, KINDS, Part, RELAX_PASSES, Shares};
+use super::{
+    FINE_SUBSTEPS, IS_DEEP, IS_HEAVY, IS_JOINED, IS_LOADED, JOINT_ROUNDS, KINDS, LOAD_RELAX_PASSES, LOAD_ROUNDS, Part,
+    RELAX_PASSES, Shares,
+};
 use crate::fx::Fx;
 use crate::limits::SPEED;
 use crate::math::TimeStep;
@@ -10,8 +13,12 @@ use crate::solve::{Contact, ContactSolver, Correction, Flight, Graph, Joint, Sol
 /// The options for islands of a kind.
 pub(super) fn kind_options(kind: usize, options: &SolverOptions) -> SolverOptions {
     let substeps = if kind & IS_HEAVY == 0 { options.substeps } else { FINE_SUBSTEPS };
-    let relax_passes = if kind & IS_DEEP == 0 { options.relax_passes } else { RELAX_PASSES };
-    let joint_rounds = if kind & IS_JOINED == 0 { options.joint_rounds } else { JOINT_ROUNDS };
+    let (least_passes, joint_rounds) = match kind & (IS_JOINED | IS_LOADED) {
+        0 => (0, options.joint_rounds),
+        IS_JOINED => (0, JOINT_ROUNDS),
+        _ => (LOAD_RELAX_PASSES, LOAD_ROUNDS),
+    };
+    let relax_passes = if kind & IS_DEEP == 0 { options.relax_passes.max(least_passes) } else { RELAX_PASSES };
     SolverOptions { substeps, relax_passes, joint_rounds, ..*options }
 }
 

@@ -10,7 +10,7 @@ use crate::slots::BodyId;
 use crate::world::{BodyRef, World};
 
 /// The physics version: it is increased whenever the results of a step or of a hash change.
-pub const PHYSICS_VERSION: u32 = 33;
+pub const PHYSICS_VERSION: u32 = 34;
 
 impl<S: Scalar> World<S> {
     /// A hash of the whole state that the future depends on, handles included: for peers that made the same calls. Equal

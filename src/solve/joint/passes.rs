@@ -112,7 +112,8 @@ impl Joints {
             });
             let shares = joint.bodies.map(|body| counts[body as usize].into());
             let poses = numbers.map(|number| &poses[number]);
-            let mut block = Block::new(index as usize, input, ends, poses, shares, unit, laws);
+            let is_in_loop = forest.loops.first().is_some_and(|range| blocks.len() >= range.start);
+            let mut block = Block::new(index as usize, input, ends, poses, shares, unit, is_in_loop, laws);
             if block.is_pulley() {
                 block.rope = gains.add_rope();
             }
