@@ -185,6 +185,12 @@ impl Narrow {
         self.cores.collide(first, second, self.margin(flights, pair))
     }
 
+    /// Returns true for an outline on a union: a segment of a chain, or a polygon beside others, of static bodies or of one body. Points go over its seams.
+    #[inline(always)]
+    pub(super) fn is_on_union(&self, scene: &Scene<'_>, side: &PairSide<'_>) -> bool {
+        side.collider.def.shape.is_chain() || side.may_be_tile() && !self.faces(scene, side).is_empty()
+    }
+
     /// The manifold of two actors in place of this one, at the moment of bodies that press each other: see
     /// [`manifold_before`](ContactRecord::manifold_before).
     pub(super) fn manifold_before(

@@ -5,6 +5,7 @@
 //! same. A slot has 24 bits, so that 8 are left for the part of a compound; of the number of a segment above 255 the upper 8 bits stand
 //! beside the corners of the first point, of which a segment has two.
 
+use super::seams;
 use crate::codec::{self, Encoder, Malformed, Part, Read, Reader, StateHasher, Write};
 use crate::collide::{self, Manifold};
 use crate::collider::OutlineId;
@@ -123,9 +124,7 @@ impl ContactRecord {
     pub(super) fn start(&self, features: [u32; 2], count: usize) -> Impulses {
         let record_features = self.features();
         let is_one = (count, self.count()) == (1, 1);
-        if (features, count) == (record_features, self.count())
-            || is_one && have_common_corner(features[0], record_features[0])
-        {
+        if self.has_points(features, count) || is_one && have_common_corner(features[0], record_features[0]) {
             return self.carried();
         }
         let mut start = Impulses { exponent: self.exponent(), ..Impulses::default() };
@@ -286,10 +285,9 @@ fn with_high([mut first, mut second]: [u32; 2], high: [u32; 2]) -> [u32; 2] {
     [first, second]
 }
 
-/// The corner of one collider in a point; `None` for an edge.
+/// The number of the corner of one collider in a point; `None` for an edge.
 fn corner(feature: u32, side: usize) -> Option<usize> {
-    let [start, end] = [0, 6].map(|shift| (feature >> (12 * side + shift) & 0x3F) as usize);
-    (start == end).then_some(start)
+    seams::corner(feature, side).map(|corner| corner as usize & 0x3F)
 }
 
 /// The corners of either collider in two points; `None` if an edge is in one.

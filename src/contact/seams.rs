@@ -115,8 +115,8 @@ pub(super) fn corners(features: &[u32], side: usize) -> impl Iterator<Item = u32
     features.iter().filter_map(move |&feature| corner(feature, side))
 }
 
-/// The corner in a point, of one of the two colliders; `None` for an edge.
-fn corner(feature: u32, side: usize) -> Option<u32> {
+/// The name of the corner in a point, of one of the two colliders, which has its number in the lower six bits; `None` for an edge.
+pub(super) fn corner(feature: u32, side: usize) -> Option<u32> {
     let half = half(feature, side);
     (half & 63 == half >> 6).then_some(half)
 }

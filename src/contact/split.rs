@@ -59,10 +59,10 @@ const RELAX_PASSES: u32 = 65;
 /// The times that joints and contacts are solved in turn in a sub-step, in islands with both.
 const JOINT_ROUNDS: u32 = 3;
 
-/// The same in islands in which joined bodies are a load on a light one.
+/// The times in islands in which joined bodies are a load on a light body.
 const LOAD_ROUNDS: u32 = 6;
 
-/// The least relax passes of a sub-step there. With four, one pile of 240 gained 1.4 kJ in a step.
+/// The least relax passes of a sub-step in islands with such a load. With four, one pile of 240 gained 1.4 kJ in a step.
 const LOAD_RELAX_PASSES: u32 = 2;
 
 /// An overlap of more than this is deep, ulps: 2^-8 m. Most loads press bodies into each other by less.
@@ -358,7 +358,7 @@ impl<C: ContactSolver> Solvers<C> {
         contact_counts.clear();
         contact_counts.resize(graph.islands(), 0);
         for contact in contacts {
-            if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+            if let Some(island) = graph.island_of_link(contact.bodies) {
                 contact_counts[island as usize] += 1;
                 kinds[island as usize] |= if is_deep(contact) { IS_DEEP } else { 0 };
             }
@@ -374,7 +374,7 @@ impl<C: ContactSolver> Solvers<C> {
     fn find_joined(&mut self, joints: &[Joint]) {
         let Self { graph, kinds, contact_counts, .. } = self;
         for joint in joints {
-            let island = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)).map(|island| island as usize);
+            let island = graph.island_of_link(joint.bodies).map(|island| island as usize);
             if let Some(island) = island.filter(|&island| contact_counts[island] > 0) {
                 kinds[island] |= IS_JOINED;
             }
@@ -385,7 +385,7 @@ impl<C: ContactSolver> Solvers<C> {
         let Self { graph, kinds, assemblies, .. } = self;
         assemblies.find(flights, joints);
         for contact in contacts.iter().filter(|contact| assemblies.are_load(flights, contact.bodies)) {
-            let island = graph.mover(contact.bodies).and_then(|body| graph.island_of(body));
+            let island = graph.island_of_link(contact.bodies);
             if let Some(island) = island.map(|island| island as usize).filter(|&island| kinds[island] & IS_JOINED != 0)
             {
                 kinds[island] |= IS_LOADED;

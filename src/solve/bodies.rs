@@ -129,7 +129,7 @@ impl BodyRows {
     /// as fast as it came.
     fn add_joint_speeds(&mut self, input: &StepInput<'_>, graph: &Graph) {
         for joint in input.joints {
-            if let Some(island) = graph.mover(joint.bodies).and_then(|body| graph.island_of(body)) {
+            if let Some(island) = graph.island_of_link(joint.bodies) {
                 let fastest = &mut self.fastest[island as usize];
                 *fastest = (*fastest).max(coarse(joint.repair_speed(input.clock, input.flights)));
             }
@@ -161,7 +161,7 @@ impl BodyRows {
                 }
             }
             if contact.surface_speed != Fx::ZERO {
-                if let Some(island) = graph.mover(contact.bodies).and_then(|body| graph.island_of(body)) {
+                if let Some(island) = graph.island_of_link(contact.bodies) {
                     let fastest = &mut fastest[island as usize];
                     *fastest = (*fastest).max(coarse(contact.surface_speed.to_bits().unsigned_abs().into()));
                 }

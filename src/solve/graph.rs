@@ -237,6 +237,11 @@ impl Graph {
         self.island.get(body as usize).copied().filter(|&island| island != NONE)
     }
 
+    /// The island of two bodies that touch; `None` if neither can be moved.
+    pub(crate) fn island_of_link(&self, bodies: [u32; 2]) -> Option<u32> {
+        self.mover(bodies).and_then(|body| self.island_of(body))
+    }
+
     /// The number of islands.
     pub(crate) fn islands(&self) -> usize {
         self.islands as usize

@@ -98,18 +98,18 @@ pub(super) use self::paths::find_paths;
 
 /// Factors of masses have this many bits relative to the largest of a joint.
 const MASS_BITS: i32 = 44;
-/// A unit of impulse changes the velocity of a row by at most 2^-8, unless it is [coarser].
+/// A unit of impulse changes the velocity of a row by at most 2^-8, unless it is [coarser](unit_shift).
 const FINER: i32 = 8;
 /// The largest error of a row.
 const ERROR: i64 = 1 << 30;
 /// The largest impulse.
 const IMPULSE: i64 = 1 << IMPULSE_BITS;
 const IMPULSE_BITS: i32 = 50;
-/// Impulses reach far enough to change the velocity of the heaviest body of a joint by 2^HOLDS units in a sub-step.
-const HOLDS: i32 = 22;
-/// The largest number of bits by which a unit of impulses is coarser for that; and of pins in loops, whose compliance has no more room in words.
-const COARSER: i32 = 24;
-const COARSER_IN_LOOP: i32 = 5;
+/// Impulses reach far enough to change the velocity of the heaviest body of a joint by 2^REACH units in a sub-step.
+const REACH: i32 = 22;
+/// The largest [`unit_shift`]; and of pins in loops, whose compliance has no more room in words.
+const MAX_SHIFT: i32 = 24;
+const MAX_SHIFT_IN_LOOP: i32 = 5;
 /// The largest change of velocity in an impact, 2^28 in 2^-30.
 const GAIN: i64 = 1 << 58;
 /// Bits by which the products of impulses and axes are lowered, before the products with masses.
@@ -219,10 +219,10 @@ fn longest(flights: [&Flight; 2]) -> i32 {
 /// Bits by which the unit of impulses has to be coarser than the lightest row asks for, so that they can hold the heaviest body, for the bits of
 /// the largest mass factor. A row around has the moment of the force at the end of the longest arm, counted at the length of the shorter body: so many
 /// bits are added.
-fn coarser(sides: &[Side; 2], mass_bits: i32) -> i32 {
+fn unit_shift(sides: &[Side; 2], mass_bits: i32) -> i32 {
     let masses = sides.iter().flat_map(|side| [side.masses[0], side.masses[1]]);
     let heaviest = masses.filter(|&mass| mass != 0).min();
-    heaviest.map_or(0, |mass| mass_bits - bits_of(mass) + FINER + HOLDS - IMPULSE_BITS)
+    heaviest.map_or(0, |mass| mass_bits - bits_of(mass) + FINER + REACH - IMPULSE_BITS)
 }
 
 /// The axes of the rows of a joint.
@@ -349,9 +349,9 @@ impl Block {
         let axis_length = axis_length(flights).unwrap_or(0);
         // The arm of the first body may grow to twice its length in the step.
         let mass_bits = bits_of(largest_mass) + if turns_frame { 2 } else { 0 };
-        let most = if is_in_loop && joint.kind == JointKind::Revolute { COARSER_IN_LOOP } else { COARSER };
+        let max_shift = if is_in_loop && joint.kind == JointKind::Revolute { MAX_SHIFT_IN_LOOP } else { MAX_SHIFT };
         let lever = if joint.axis.is_some() { longest(flights) - axis_length } else { 0 };
-        let mass_bits = mass_bits - coarser(&sides, mass_bits + lever).clamp(0, most.min(mass_bits - 1));
+        let mass_bits = mass_bits - unit_shift(&sides, mass_bits + lever).clamp(0, max_shift.min(mass_bits - 1));
         let mut base = [0, 1].map(|i| offset[i] - sides[1].start[i] + sides[0].start[i]);
         let mass_exponent = scale - mass_bits - FINER;
         let exponent = mass_exponent + unit;

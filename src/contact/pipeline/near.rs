@@ -7,7 +7,7 @@ use super::super::actors::{Actor, Actors, LanePlace};
 use super::super::coefficients::Coefficients;
 use super::super::flights::{FlightKind, Flights, PairSide};
 use super::super::list::{ContactList, ContactPoints};
-use super::super::narrow::{Meeting, Narrow};
+use super::super::narrow::Meeting;
 use super::super::seams::rolling_radius;
 use super::super::{ContactRecord, Scene};
 use super::Pipeline;
@@ -110,10 +110,7 @@ impl Pipeline {
             }
             return;
         }
-        let is_on_union = |narrow: &Narrow, side: &PairSide<'_>| {
-            side.collider.def.shape.is_chain() || side.may_be_tile() && !narrow.faces(scene, side).is_empty()
-        };
-        let are_on_union = pair.map(|side| is_on_union(narrow, side));
+        let are_on_union = pair.map(|side| narrow.is_on_union(scene, side));
         let record = record.map(|record| &scene.contacts.records[record]);
         let (features, count) = (manifold.features(), manifold.count);
         if let (Some(record), [false, false]) =

@@ -75,7 +75,7 @@ impl Shares {
         works.clear();
         works.resize(graph.islands(), 0);
         for (number, bodies) in bodies_of(joints, contacts).enumerate() {
-            if let Some(island) = graph.mover(bodies).and_then(|body| graph.island_of(body)) {
+            if let Some(island) = graph.island_of_link(bodies) {
                 works[island as usize] += if number < joints.len() { JOINT_WORK } else { 1 };
             }
         }

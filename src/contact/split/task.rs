@@ -37,7 +37,7 @@ impl SplitStep<'_> {
     /// The number of the task that has the joints and contacts of these bodies.
     #[inline(always)]
     fn task_of(&self, bodies: [u32; 2]) -> usize {
-        let island = self.graph.mover(bodies).and_then(|body| self.graph.island_of(body));
+        let island = self.graph.island_of_link(bodies);
         island.map_or(0, |island| self.shares.of(island as usize) * KINDS + self.kinds[island as usize])
     }
 }

@@ -121,12 +121,12 @@ impl Bounces {
         joints.answer(&mut self.impulses, bodies, clock);
         self.add_energies(graph, flights, bodies, phases);
         joints.add_answers(|ends| {
-            let island = graph.mover(ends).and_then(|body| graph.island_of(body));
+            let island = graph.island_of_link(ends);
             island.map_or(0.0, |island| self.energies[island as usize].largest_factor())
         });
         for &(phase, index, returned) in &self.impacts {
             let row = &mut phases[phase][index];
-            let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
+            let Some(island) = graph.island_of_link(row.bodies) else { continue };
             let factor = self.energies[island as usize].largest_factor();
             for (k, returned) in returned.into_iter().enumerate().filter(|(_, returned)| *returned != 0.0) {
                 row.applied[k] += returned * factor;
@@ -158,7 +158,7 @@ impl Bounces {
         self.energies.resize(graph.islands(), Energy::default());
         for &(phase, index, returned) in &self.impacts {
             let row = &phases[phase][index];
-            let Some(island) = graph.mover(row.bodies).and_then(|body| graph.island_of(body)) else { continue };
+            let Some(island) = graph.island_of_link(row.bodies) else { continue };
             let carried = row.bodies.map(|body| match graph.island_of(body) {
                 Some(_) => [0.0; 3],
                 None => bodies[body as usize].start,

@@ -40,7 +40,7 @@ impl Loads {
         supports.clear();
         supports.resize(islands, 0);
         let mut add = |ends: [u32; 2], count: u32| {
-            if let Some(island) = graph.mover(ends).and_then(|body| graph.island_of(body)) {
+            if let Some(island) = graph.island_of_link(ends) {
                 supports[island as usize] += count;
             }
         };

@@ -26,7 +26,7 @@ pub(in crate::solve) fn find_paths(
     // Ropes over pulleys hang from the world.
     let ropes_and_ends = joints.iter().map(|joint| (matches!(joint.kind, JointKind::Pulley { .. }), joint.bodies));
     for (is_rope, ends) in ropes_and_ends.chain(pressed.map(|contact| (false, contact.bodies))) {
-        let mover = graph.mover(ends).and_then(|body| graph.island_of(body));
+        let mover = graph.island_of_link(ends);
         let is_held = is_rope || ends.iter().any(|&body| flights[body as usize].is_fixed());
         if let (Some(island), true) = (mover, is_held) {
             held[island as usize] = true;

@@ -109,7 +109,7 @@ impl Joints {
         loads.find(flights, joints, contacts, forest, graph);
         for &index in &forest.order {
             let joint = &joints[index as usize];
-            let island = graph.mover(joint.bodies).and_then(|body| graph.island_of(body));
+            let island = graph.island_of_link(joint.bodies);
             let give = if loads.is_heavy(island) { LOADED_GIVE } else { GIVE };
             let mut joint_rows = JointRows::new(index, joint, flights, clock, give);
             joint_rows.turn(bodies, 0.0);
