@@ -1,6 +1,7 @@
 //! What can come to rest does, and stays at rest.
 
-use umbra_physics::{Activity, BodyDef, BodyId, Fx, Shape, TimeStep, World, WorldDef, fx, vec2};
+use umbra_physics::scalar::ToF64;
+use umbra_physics::{Activity, BodyDef, BodyId, Fx, Shape, TimeStep, Vec2, World, WorldDef, fx, vec2};
 
 use crate::impacts::flights::{length, random_angle, random_polygon, random_shape};
 use crate::impacts::scenes::{
@@ -196,6 +197,29 @@ const WEDGED_IN: [Stone<'_>; 7] = [
     (false, [-0.041, 0.812, 5.993], &[[0.346, 0.425], [-0.196, -0.206], [-0.15, -0.219]]),
 ];
 
+/// The impulse of a sub-step and the moment about the centre of a body, N·s and N·m·s, by the contacts that are shown and by gravity; and the sum of
+/// all that push.
+fn balance(world: &World, id: BodyId) -> ([f64; 3], f64) {
+    let to_f64 = |vector: Vec2| [vector.x, vector.y].map(|value| value.to_f64());
+    let body = world.body(id).expect("a body");
+    let [x, y] = to_f64(body.position());
+    let (mut sum, mut pushes) = ([0.0, -10.0 / 300.0 * body.mass().expect("a mass").to_f64(), 0.0], 0.0);
+    for contact in world.contacts_of(id).expect("a body") {
+        let side = if contact.bodies[1] == id { 1.0 } else { -1.0 };
+        let [normal_x, normal_y] = to_f64(contact.normal);
+        let friction = contact.tangent_impulse.to_f64() / contact.points().len() as f64;
+        for point in contact.points() {
+            let ([point_x, point_y], push) = (to_f64(point.position), point.normal_impulse.to_f64());
+            let along_x = side * (push * normal_x + friction * normal_y);
+            let along_y = side * (push * normal_y - friction * normal_x);
+            let moment = (point_x - x) * along_y - (point_y - y) * along_x;
+            sum = [sum[0] + along_x, sum[1] + along_y, sum[2] + moment];
+            pushes += push;
+        }
+    }
+    (sum, pushes)
+}
+
 #[test]
 fn a_stone_that_is_wedged_in_does_not_turn_to_and_fro() {
     let stones = WEDGED_IN.map(|(moves, [x, y, angle], corners)| {
@@ -205,9 +229,33 @@ fn a_stone_that_is_wedged_in_does_not_turn_to_and_fro() {
         BodyDef { angle: number(angle), ..def }
     });
     let wall = fixed(rectangle(fx!(1), fx!(60)), point(0.968, 28.47));
-    let (mut world, _) = build(sleepy(falling()), stones.into_iter().chain([wall]));
+    let (mut world, ids) = build(sleepy(falling()), stones.into_iter().chain([wall]));
     steps(&mut world, 120);
     assert_eq!(world.moving_count(), 0, "awake after two seconds");
+    for &id in &ids[..3] {
+        let (sum, pushes) = balance(&world, id);
+        assert!(sum.iter().all(|part| part.abs() < 1e-3 * pushes), "{sum:?} of {pushes} N·s");
+    }
+}
+
+/// All corners of it have other names then, at the same places.
+#[test]
+fn a_box_that_is_turned_by_a_quarter_goes_on_bearing_its_load() {
+    let boxes = (0..8).map(|i| dynamic(rectangle(fx!(1), fx!(1)), point(0.0, 0.5 + f64::from(i))));
+    let (mut world, ids) = build(WorldDef { sleep_after: None, ..falling() }, boxes.chain([floor()]));
+    steps(&mut world, 240);
+    let (_, pushes) = balance(&world, ids[1]);
+    world.set_angle(ids[1], fx!(1.5707963267948966)).expect("a quarter");
+    let (sum, pushes_of_turned) = balance(&world, ids[1]);
+    // Thirteen boxes of a kilogram, below and above it.
+    assert!((pushes - 13.0 / 30.0).abs() < 1e-4 && (pushes_of_turned - pushes).abs() < 1e-6, "{pushes_of_turned} N·s");
+    assert!(sum.iter().all(|part| part.abs() < 1e-4), "{sum:?}");
+    for _ in 0..30 {
+        world.step();
+        let speeds = world.bodies().map(|body| body.velocity().length());
+        let fastest = speeds.fold(fx!(0), Fx::max);
+        assert!(fastest < fx!(0.0001), "{fastest} m/s");
+    }
 }
 
 /// All but one of twelve piles fall asleep up to a limit, half of them up to a median. When a pile rests is a matter of chance: a last bit decides.
